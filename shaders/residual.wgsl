@@ -6,7 +6,7 @@ struct Grid {
     rows: u32,
     columns: u32,
     tiles_across: u32,
-    // Number of plunges that count: the state after so many.
+    // Number of plunges that count: the state after n plunges.
     limit: u32,
 }
 

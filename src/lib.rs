@@ -4,6 +4,7 @@
 //!
 //! | module | contents |
 //! |---|---|
+//! | [`error`] | codes of the errors that a user sees |
 //! | [`monitor`] | cancellation and progress of long work |
 //! | [`palette`] | colours of pictures and window |
 //! | [`geometry`] | curves, surfaces of revolution, solids of cutters, root finding, distances |
@@ -23,7 +24,8 @@
 //! | [`job`] | planning jobs: request, progress, cancel, latest result |
 //! | [`study`] | many plans: axes of variation, shards, results, merge, Pareto set |
 //! | `gpu` | graphics device, compute kernel, renderer; independent of the window |
-//! | `app`, `cli` | the front ends: the egui window and the command line |
+//! | `app` | the window (egui) |
+//! | `cli` | the command line (clap) |
 //!
 //! Lengths are mm, angles radians, times seconds, feed rates mm/min; files and user interfaces show degrees.
 //! The axis of rotation is Z. `docs/REFERENCES.md` cites the papers.
@@ -34,6 +36,7 @@ pub mod assess;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod cutting;
+pub mod error;
 pub mod flank;
 pub mod geometry;
 #[cfg(feature = "gpu")]

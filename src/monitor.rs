@@ -1,5 +1,6 @@
 //! Progress reporting, stopping and cancelling of long computations.
 
+use crate::error::{ErrorCode, UserError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
@@ -7,6 +8,12 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
+
+impl From<Cancelled> for UserError {
+    fn from(_: Cancelled) -> Self {
+        Self::new(ErrorCode::Cancelled, "cancelled", "")
+    }
+}
 
 /// Progress and cancellation token, shared between a computation and its observer.
 ///

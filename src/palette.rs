@@ -18,7 +18,7 @@ pub const UNEVALUATED: Rgb = rgb(0x8C9299);
 /// Selected position: the accent colour.
 pub const SELECTED: Rgb = rgb(0x0072B2);
 
-/// Colours of tools and sections, told apart by colour-blind viewers too: the rest of the Okabe–Ito set.
+/// Colours of tools and sections, distinct to colour-blind viewers too: the rest of the Okabe–Ito set.
 pub const CATEGORIES: [Rgb; 6] =
     [rgb(0x56B4E9), rgb(0xE69F00), rgb(0x009E73), rgb(0xCC79A7), rgb(0xF0E442), rgb(0x0072B2)];
 

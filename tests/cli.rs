@@ -6,6 +6,7 @@
 //! | `stdin` | standard input; `@PATH` alone: the bytes of that file |
 //! | `code` | accepted exit codes; absent: 0 |
 //! | `stderr` | exact standard error; absent: empty; `*`: not checked |
+//! | `error` | the code of the error, which a second run prints behind its line; absent: any |
 //! | `stdout` | exact standard output |
 //! | `contains` | lines that standard output must contain |
 //! | `json` | checks of the JSON object on standard output, see [`json_fault`] |
@@ -26,6 +27,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use serde_json::Value;
+use vanecut::error::ErrorCode;
 
 /// What takes longer to reject bad input hangs, on however busy a machine.
 const REFUSAL_TIME: Duration = Duration::from_secs(60);
@@ -58,11 +60,12 @@ impl Case {
         }
     }
 
-    fn run(&self, arguments: &str, run: usize) -> Output {
+    fn run(&self, arguments: &str, run: usize, shows_code: bool) -> Output {
         let mut child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
             .args(arguments.lines())
             .current_dir(&self.folder)
             .env_remove("RUST_BACKTRACE")
+            .env("VANECUT_ERROR_CODES", if shows_code { "1" } else { "" })
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
@@ -81,7 +84,7 @@ impl Case {
             let Some(arguments) = self.text("args", run) else { break };
             let before = self.all_files();
             let started = Instant::now();
-            let output = self.run(&arguments, run);
+            let output = self.run(&arguments, run, false);
             let (out, err) =
                 (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
             let mut fault = |what: String| faults.push(format!("run {run}: {what}"));
@@ -104,6 +107,16 @@ impl Case {
                 }
                 if started.elapsed() > REFUSAL_TIME {
                     fault(format!("took {:?}", started.elapsed()));
+                }
+            }
+            if code == "2" {
+                let shown = self.run(&arguments, run, true).stderr;
+                let shown = String::from_utf8_lossy(&shown).into_owned();
+                let rest = shown.strip_prefix(err.trim_end()).and_then(|rest| rest.strip_prefix(" ["));
+                let name = rest.and_then(|rest| rest.strip_suffix("]\n")).unwrap_or_default();
+                let wanted = self.text("error", run);
+                if ErrorCode::named(name).is_none() || wanted.is_some_and(|wanted| wanted.trim() != name) {
+                    fault(format!("with its code stderr is\n{shown}"));
                 }
             }
             if let Some(wanted) = self.text("stdout", run).filter(|wanted| *wanted != out) {

@@ -2,13 +2,14 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules, innermost first, as in the table of `src/lib.rs`.
-const MODULES: [&str; 21] = [
-    "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "machine", "cutting",
-    "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "app", "cli",
+const MODULES: [&str; 22] = [
+    "error", "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "machine",
+    "cutting", "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "app", "cli",
 ];
 /// Modules of the core are those before this one.
 const FIRST_OUTSIDE: &str = "gpu";
@@ -114,6 +115,42 @@ fn the_core_uses_no_screen_and_no_gpu() {
         }
     }
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+/// What each module uses, without what follows from others (transitive reduction): `user-uses-used`.
+fn arrows() -> BTreeSet<String> {
+    let uses: BTreeMap<&str, BTreeSet<String>> = MODULES
+        .into_iter()
+        .map(|module| {
+            let named = sources(module).into_iter().flat_map(|path| modules_named(&code(&path)));
+            let others = named.map(|(_, other)| other);
+            (module, others.filter(|o| o != module && MODULES.contains(&o.as_str())).collect())
+        })
+        .collect();
+    // Modules come in their order, so that what the used ones reach is known.
+    let mut reached: BTreeMap<&str, BTreeSet<String>> = BTreeMap::new();
+    let mut arrows = BTreeSet::new();
+    for module in MODULES {
+        let used = &uses[module];
+        let below: BTreeSet<String> = used.iter().flat_map(|other| reached[other.as_str()].clone()).collect();
+        arrows.extend(used.difference(&below).map(|other| format!("{module}-uses-{other}")));
+        reached.insert(module, below.union(used).cloned().collect());
+    }
+    arrows
+}
+
+#[test]
+fn the_picture_of_the_structure_is_up_to_date() {
+    let picture = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/structure.svg"))
+        .expect("readable");
+    let ids = |element: &str| -> BTreeSet<String> {
+        let start = format!("<{element} id=\"");
+        let starts = picture.split(start.as_str()).skip(1);
+        starts.filter_map(|rest| rest.split('"').next()).map(str::to_owned).collect()
+    };
+    let boxes: BTreeSet<String> = MODULES.into_iter().map(str::to_owned).collect();
+    assert_eq!(ids("text"), boxes, "draw it again: scripts/structure");
+    assert_eq!(ids("path"), arrows(), "draw it again: scripts/structure");
 }
 
 #[test]

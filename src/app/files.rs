@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::error::ErrorCode;
 use crate::gpu::encode_png;
 use crate::io::InputError;
 use crate::io::apt::write_apt;
@@ -63,12 +64,8 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
         PartSource::Sample(name) => {
             let file = format!("{name}.toml");
             let Some((_, _, text)) = BUILT_IN.iter().find(|(known, ..)| known == name) else {
-                return Err(InputError {
-                    file,
-                    line: 0,
-                    message: "is not a sample part".to_owned(),
-                    help: "choose one from the list".to_owned(),
-                });
+                let help = "choose one from the list";
+                return Err(InputError::new(ErrorCode::UnknownName, &file, 0, "is not a sample part", help));
             };
             let description = read_part_bytes(&file, text.as_bytes(), "toml")?;
             (file, description)
@@ -76,12 +73,7 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
     };
     let impeller = Impeller::build(&description);
     let hash = part_hash(&description);
-    impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError {
-        file,
-        line: e.line,
-        message: e.message,
-        help: e.help,
-    })
+    impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError::of_part(&file, e))
 }
 
 /// Whether a file is a setup rather than a part: both may be TOML, but only a setup has one of these tables.
@@ -149,7 +141,7 @@ pub enum WriteTask {
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
     Scene(PathBuf, SceneTask),
-    /// The stock as a solid after so many plunges; `None`: after the whole program. STL or glTF by extension.
+    /// The stock as a solid after n plunges; `None`: after the whole program. STL or glTF by extension.
     Stock(PathBuf, SolidSource, Option<usize>),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
@@ -168,11 +160,9 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, cut) => (path, stock_bytes(path, source, *cut)?),
         WriteTask::Picture(path, width, height, rgba) => {
-            let png = encode_png(*width, *height, rgba).map_err(|error| InputError {
-                file: path.display().to_string(),
-                line: 0,
-                message: error.to_string(),
-                help: "resize the window and try again".to_owned(),
+            let png = encode_png(*width, *height, rgba).map_err(|error| {
+                let (file, help) = (path.display().to_string(), "resize the window and try again");
+                InputError::new(ErrorCode::Picture, &file, 0, error.to_string(), help)
             })?;
             (path, png)
         }
@@ -216,19 +206,20 @@ fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
 }
 
 fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<Vec<u8>, InputError> {
-    let fault = |message: String, help: &str| InputError {
-        file: path.display().to_string(),
-        line: 0,
-        message,
-        help: help.to_owned(),
+    let fault = |code: ErrorCode, message: String, help: &str| {
+        InputError::new(code, &path.display().to_string(), 0, message, help)
     };
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let is_scene = match extension.as_str() {
         "stl" => false,
         "glb" => true,
-        _ => return Err(fault("is not a format of solids".to_owned(), "give a .stl or .glb file")),
+        _ => {
+            let what = "is not a format of solids".to_owned();
+            return Err(fault(ErrorCode::FileFormat, what, "give a .stl or .glb file"));
+        }
     };
-    solid_bytes(source, cut, is_scene).map_err(|message| fault(message, "recalculate and try again"))
+    solid_bytes(source, cut, is_scene)
+        .map_err(|message| fault(ErrorCode::StockSpacing, message, "recalculate and try again"))
 }
 
 fn flank_text(outcome: &FlankOutcome) -> String {

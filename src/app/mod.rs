@@ -244,8 +244,8 @@ impl App {
     }
 
     /// Runs the action a panel returned.
-    fn apply_action(&mut self, ctx: &egui::Context, wish: PartAction) {
-        match wish {
+    fn apply_action(&mut self, ctx: &egui::Context, action: PartAction) {
+        match action {
             PartAction::Command(command) => self.run_command(ctx, command),
             PartAction::Open(source) => self.run_guarded(ctx, project::Pending::OpenPart(source)),
             PartAction::OpenFile(path) => self.run_guarded(ctx, project::Pending::Open(path)),

@@ -39,7 +39,7 @@ pub struct Content {
     pub policy: AxisPolicy,
     /// Number of positions cut; `None`: all.
     pub cut: Option<usize>,
-    /// Heights of stock per cell after so many positions, mm, as the core computes them; `None`: those of the
+    /// Heights of stock per cell after n positions, mm, as the core computes them; `None`: those of the
     /// whole plan.
     pub heights: Option<Arc<Vec<f32>>>,
     /// Policy whose stock is subtracted from that of the whole plan, for a difference.

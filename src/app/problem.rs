@@ -1,5 +1,6 @@
 //! Problems that are shown until they are dismissed or solved.
 
+use crate::error::ErrorCode;
 use crate::io::InputError;
 
 /// What a problem is about; decides what solves and replaces it.
@@ -24,17 +25,25 @@ pub struct Problem {
     pub help: String,
     /// What it is about.
     pub topic: Topic,
+    /// Its kind, where it is an error of the input.
+    pub code: Option<ErrorCode>,
 }
 
 impl Problem {
     /// A problem that stays until it is dismissed.
     pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { message: what.into(), help: help.into(), topic: Topic::Other }
+        Self { message: what.into(), help: help.into(), topic: Topic::Other, code: None }
     }
 
     /// A problem of a calculation. Keys of setup files are replaced by the labels of their fields.
     pub fn of(topic: Topic, what: &str, help: &str) -> Self {
-        Self { message: with_labels(what), help: with_labels(help), topic }
+        Self { message: with_labels(what), help: with_labels(help), topic, code: None }
+    }
+
+    /// The same problem with the code of its error.
+    #[must_use]
+    pub fn with_code(self, code: ErrorCode) -> Self {
+        Self { code: Some(code), ..self }
     }
 
     /// Message and help in one line.
@@ -45,8 +54,11 @@ impl Problem {
 
 impl From<&InputError> for Problem {
     fn from(error: &InputError) -> Self {
-        let bare = InputError { help: String::new(), ..error.clone() }.to_string();
-        Self::new(bare.trim_end_matches("; "), error.help.clone())
+        let message = match error.place().as_str() {
+            "" => error.message.clone(),
+            place => format!("{place}: {}", error.message),
+        };
+        Self::new(message, error.help.clone()).with_code(error.code)
     }
 }
 

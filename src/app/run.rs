@@ -7,6 +7,7 @@ use std::sync::Arc;
 use eframe::{CreationContext, egui_wgpu};
 use egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 
+use crate::error::{ErrorCode, UserError};
 use crate::gpu::device::{device_descriptor, pick_adapter, pick_software};
 
 use super::App;
@@ -18,39 +19,59 @@ const APP_ID: &str = "vanecut";
 
 /// Reason why the window did not open.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.explained())]
 pub enum AppError {
     /// Neither an X11 nor a Wayland display is set.
-    #[error(
-        "there is no display to open a window on; set DISPLAY or WAYLAND_DISPLAY, or use the commands \
-         without a window (vanecut help)"
-    )]
     NoDisplay,
     /// The display does not respond.
-    #[error(
-        "the display {0} cannot be opened; check DISPLAY or WAYLAND_DISPLAY, or use the commands without \
-         a window (vanecut help)"
-    )]
     DeadDisplay(String),
     /// No usable Vulkan driver.
-    #[error(
-        "Vulkan does not start ({0}); install a driver (on Debian: apt install libvulkan1 \
-         mesa-vulkan-drivers)"
-    )]
     NoVulkan(String),
     /// Any other error of the window system.
-    #[error("the window does not open ({0}); see the README for the packages it needs")]
     Window(String),
     /// The device was lost, and the window did not open again.
-    #[error(
-        "the graphics device was lost ({reason}), and the window does not open again ({error}); the next \
-         start offers to recover unsaved changes"
-    )]
     Lost {
         /// Error message of the device.
         reason: String,
         /// Reason why the window did not open.
         error: String,
     },
+}
+
+impl AppError {
+    /// What is wrong and what to do.
+    pub fn explained(&self) -> UserError {
+        let (what, help) = match self {
+            Self::NoDisplay => (
+                "there is no display to open a window on".to_owned(),
+                "set DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)",
+            ),
+            Self::DeadDisplay(display) => (
+                format!("the display {display} cannot be opened"),
+                "check DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)",
+            ),
+            Self::NoVulkan(error) => (
+                format!("Vulkan does not start ({error})"),
+                "install a driver (on Debian: apt install libvulkan1 mesa-vulkan-drivers)",
+            ),
+            Self::Window(error) => {
+                (format!("the window does not open ({error})"), "see the README for the packages it needs")
+            }
+            Self::Lost { reason, error } => (
+                format!(
+                    "the graphics device was lost ({reason}), and the window does not open again ({error})"
+                ),
+                "the next start offers to recover unsaved changes",
+            ),
+        };
+        UserError::new(ErrorCode::GraphicsDevice, what, help)
+    }
+}
+
+impl From<AppError> for UserError {
+    fn from(error: AppError) -> Self {
+        error.explained()
+    }
 }
 
 /// Opens the window with the file `initial`, and returns when it is closed. When the graphics device is lost,

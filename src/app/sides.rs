@@ -24,8 +24,8 @@ impl App {
             let part = self.state.document.part.as_ref();
             let name = part.map_or("Part", |part| part.impeller.name.as_str()).to_owned();
             ui.label(RichText::new(name).strong());
-            if let Some(wish) = panels::part::show(ui, &self.state, &self.engine.samples) {
-                self.apply_action(ui.ctx(), wish);
+            if let Some(action) = panels::part::show(ui, &self.state, &self.engine.samples) {
+                self.apply_action(ui.ctx(), action);
             }
             ui.separator();
             let running = self.work.running_operation();

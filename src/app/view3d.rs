@@ -98,9 +98,10 @@ impl View3d {
 
     /// Advances the transition (smoothstep); `true` while it runs. `time` in seconds.
     pub fn advance(&mut self, time: f64) -> bool {
-        let Some(flight) = self.transition else { return false };
-        let share = ((time - flight.start) / TRANSITION_S).clamp(0.0, 1.0) as f32;
-        self.camera = Some(flight.from.interpolate_to(&flight.to, share * share * (3.0 - 2.0 * share)));
+        let Some(transition) = self.transition else { return false };
+        let share = ((time - transition.start) / TRANSITION_S).clamp(0.0, 1.0) as f32;
+        self.camera =
+            Some(transition.from.interpolate_to(&transition.to, share * share * (3.0 - 2.0 * share)));
         if share >= 1.0 {
             self.transition = None;
         }

@@ -55,8 +55,8 @@ impl App {
     pub(super) fn viewport(&mut self, ui: &mut Ui) {
         if self.state.document.part.is_none() {
             ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
-            if let Some(wish) = part::empty_state(ui, &self.state, &self.engine.samples) {
-                self.apply_action(ui.ctx(), wish);
+            if let Some(action) = part::empty_state(ui, &self.state, &self.engine.samples) {
+                self.apply_action(ui.ctx(), action);
             }
             return;
         }

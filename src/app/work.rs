@@ -62,7 +62,7 @@ pub(super) struct Opened {
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
     /// A mesh file whose nodes need roles first.
-    untold: Option<UnassignedRoles>,
+    unassigned: Option<UnassignedRoles>,
 }
 
 /// Runs an opening task. A mesh file that is not a valid part is returned with its nodes and the error.
@@ -82,7 +82,7 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
         OpenTask::Nodes(source) => {
             let nodes =
                 source.mesh().map(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), None));
-            return Ok(Opened { untold: nodes.transpose()?, ..Opened::default() });
+            return Ok(Opened { unassigned: nodes.transpose()?, ..Opened::default() });
         }
     };
     let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
@@ -98,14 +98,14 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
             let defaults = Setup::for_part(&impeller);
             let setup = read(Some(&defaults))?;
             let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
-            Ok(Opened { part, setup, project, untold: None })
+            Ok(Opened { part, setup, project, unassigned: None })
         }
         Err(error) => {
             let nodes = source
                 .mesh()
                 .and_then(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), Some(&error)).ok());
             match nodes {
-                Some(untold) => Ok(Opened { untold: Some(untold), ..Opened::default() }),
+                Some(unassigned) => Ok(Opened { unassigned: Some(unassigned), ..Opened::default() }),
                 // Roles cannot solve this error.
                 None => Err(error),
             }
@@ -324,7 +324,8 @@ impl App {
                 self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
-                self.state.report_problem(Problem::of(Topic::Flank, &fault.message, &fault.help));
+                let problem = Problem::of(Topic::Flank, &fault.message, &fault.help);
+                self.state.report_problem(problem.with_code(fault.code));
             }
             Outcome::Panicked(what) => {
                 self.state.report_problem(panic_problem(Topic::Flank, "Flank calculation", &what));
@@ -357,7 +358,8 @@ impl App {
                 }
                 Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 Outcome::Failed(JobError::Setup(fault)) => {
-                    self.state.report_problem(Problem::of(Topic::Plan, &fault.message, &fault.help));
+                    let problem = Problem::of(Topic::Plan, &fault.message, &fault.help);
+                    self.state.report_problem(problem.with_code(fault.code));
                 }
                 Outcome::Panicked(what) => {
                     self.state.report_problem(panic_problem(Topic::Plan, "Calculation", &what));
@@ -412,9 +414,9 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, untold } = opened;
-        if let Some(untold) = untold {
-            self.roles.ask(untold);
+        let Opened { part, setup, project, unassigned } = opened;
+        if let Some(unassigned) = unassigned {
+            self.roles.ask(unassigned);
             return;
         }
         let new_part = part.is_some();

@@ -21,7 +21,7 @@ struct Inclination {
 
 /// The inclinations at one s; those towards one side in ascending order.
 pub struct Inclinations {
-    upright: Option<Inclination>,
+    normal: Option<Inclination>,
     outlet: Vec<Inclination>,
     inlet: Vec<Inclination>,
 }
@@ -76,7 +76,7 @@ impl<'a> ReachObstacles<'a> {
         let steps = (self.limits.max_tilt_rad / MIN_INCLINATION + 1e-9).floor() as usize;
         let towards =
             |sign: f64| (1..=steps).filter_map(|k| aim(sign * MIN_INCLINATION * k as f64)).collect();
-        Inclinations { upright: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
+        Inclinations { normal: aim(0.0), outlet: towards(-1.0), inlet: towards(1.0) }
     }
 
     /// The sides from which `tool` can be placed at `lambda` between `walls`, the angles of the walls on the
@@ -97,7 +97,7 @@ impl<'a> ReachObstacles<'a> {
         }
         let stands = |aim: &Inclination| self.is_placeable(&foot, aim, lambda, tool);
         let (outlet, inlet) = (aims.outlet.iter().any(stands), aims.inlet.iter().any(stands));
-        ReachSides { outlet, inlet, any: outlet || inlet || aims.upright.as_ref().is_some_and(stands) }
+        ReachSides { outlet, inlet, any: outlet || inlet || aims.normal.as_ref().is_some_and(stands) }
     }
 
     /// Whether a tool can be placed at `foot` with an axis inclined as `aim` along the flow.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::error::{ErrorCode, UserError};
 use crate::mesh::axis::Axis;
 use crate::mesh::{LengthUnit, MeshOptions, Role};
 use crate::part::Rotation;
@@ -41,6 +42,16 @@ pub enum Command {
     Study(StudyArgs),
     /// Throughput of the kernels on this machine
     Bench(BenchArgs),
+    /// What the code of an error means, and what to do
+    Explain(ExplainArgs),
+}
+
+/// `vanecut explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// Code, such as unknown-key; absent: all codes. With VANECUT_ERROR_CODES=1 the line of an error ends with
+    /// its code
+    pub code: Option<String>,
 }
 
 /// `vanecut bench`.
@@ -88,8 +99,9 @@ impl MeshArgs {
 }
 
 /// Parses `NODE=ROLE`; the node's name may contain `=`.
-fn role(text: &str) -> Result<(String, Role), String> {
-    let (node, role) = text.rsplit_once('=').ok_or("give NODE=ROLE, such as Body3=hub")?;
+fn role(text: &str) -> Result<(String, Role), UserError> {
+    let missing = || UserError::new(ErrorCode::Arguments, "give NODE=ROLE, such as Body3=hub", "");
+    let (node, role) = text.rsplit_once('=').ok_or_else(missing)?;
     Ok((node.to_owned(), role.parse()?))
 }
 

@@ -24,7 +24,7 @@ struct AssessedPart<'a> {
 /// Assesses a part, writes pictures if requested, prints the figures.
 ///
 /// # Errors
-/// [`Failure::Input`] when an input is invalid, [`Failure::Work`] when pictures cannot be drawn.
+/// [`Failure::input`] when an input is invalid, [`Failure::work`] when pictures cannot be drawn.
 pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let (_, part) = open::part(&args.part, &args.mesh)?;
@@ -37,7 +37,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
         Ok(resolved) => (resolved.setup, None),
         // A part without a suitable standard cutter can still be measured.
         Err(fault) if args.setup.is_none() => (opened.setup.clone(), Some(fault)),
-        Err(fault) => return Err(opened.failure(&fault)),
+        Err(fault) => return Err(opened.failure(fault)),
     };
     let limits = ReachLimits {
         hub_allowance: setup.allowances.hub_allowance,

@@ -39,7 +39,7 @@ struct PageFile {
 /// Writes all pictures and the page into `folder`; returns a line for the user.
 ///
 /// # Errors
-/// [`Failure::Work`] when there is no graphics device or drawing fails, [`Failure::Input`] when the files
+/// [`Failure::work`] when there is no graphics device or drawing fails, [`Failure::input`] when the files
 /// cannot be written.
 pub fn write(
     folder: &Path,

@@ -100,7 +100,7 @@ fn bench_sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
 /// Measures on the largest sample part and prints the medians.
 ///
 /// # Errors
-/// [`Failure::Input`] when `--positions` is out of range, [`Failure::Work`] when planning or the device
+/// [`Failure::input`] when `--positions` is out of range, [`Failure::work`] when planning or the device
 /// fails.
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     bench_growth::check_positions(args.positions)?;
@@ -119,7 +119,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
         let _ = run_job(&request, &Monitor::default());
     });
     print_row("plan of one channel: two policies, contact, both fields 512²", plan_seconds)?;
-    let outcome = run_job(&request, &Monitor::default()).map_err(|e| Failure::Work(e.to_string()))?;
+    let outcome = run_job(&request, &Monitor::default()).map_err(Failure::of_work)?;
 
     print_row("minimal plan of one channel", median(|| plan_minimal(&outcome)))?;
     bench_sliders(&outcome)?;
@@ -204,9 +204,9 @@ pub(super) fn describe(name: &str, text: &[u8]) -> Result<PartDescription, Failu
 /// Builds a part derived from a sample.
 ///
 /// # Errors
-/// [`Failure::Work`] when it is not a valid impeller.
+/// [`Failure::work`] when it is not a valid impeller.
 pub(super) fn build(description: &PartDescription) -> Result<Arc<Impeller>, Failure> {
-    let part = Impeller::build(description).map_err(|e| Failure::Work(format!("the sample part: {e}")))?;
+    let part = Impeller::build(description).map_err(|e| Failure::of_work(e).at("the sample part"))?;
     Ok(Arc::new(part))
 }
 
@@ -241,7 +241,7 @@ pub(super) fn median(mut work: impl FnMut()) -> f64 {
 /// Prints one row of the table.
 ///
 /// # Errors
-/// [`Failure::Work`] when standard output cannot be written.
+/// [`Failure::work`] when standard output cannot be written.
 pub(super) fn print_row(what: &str, seconds: f64) -> Result<(), Failure> {
     print_stdout(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
 }

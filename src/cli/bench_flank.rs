@@ -16,18 +16,16 @@ const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];
 /// Measures on the sample wheel with splitters and prints the medians.
 ///
 /// # Errors
-/// [`Failure::Work`] when planning fails.
+/// [`Failure::work`] when planning fails.
 pub fn run() -> Result<(), Failure> {
     let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
     let channel = Channel::of(&part);
     let mut setup = Setup::default();
-    let tool = choose_tool(&part, &channel, &setup, flank_cutters())
-        .map_err(|fault| Failure::Work(fault.to_string()))?
-        .tool;
+    let tool = choose_tool(&part, &channel, &setup, flank_cutters()).map_err(Failure::of_work)?.tool;
     let monitor = Monitor::default();
     let schemes = |setup: &Setup| {
         let source = LayoutInputs { part: &part, channel: &channel, setup, tool: &tool };
-        source.plan(&monitor).map_err(|error| Failure::Work(error.to_string()))
+        source.plan(&monitor).map_err(Failure::of_work)
     };
     print_row(
         "flank passes of one channel with splitters: all 4 strategies",

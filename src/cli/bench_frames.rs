@@ -21,7 +21,7 @@ const PICTURES: u32 = 12;
 /// Rotates the wheel with its whole plan in a view of 1280 × 800 pixels and prints the medians.
 ///
 /// # Errors
-/// [`Failure::Work`] when standard output cannot be written.
+/// [`Failure::work`] when standard output cannot be written.
 pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = UVec2::new(1280, 800);
     let mut scene = Scene::new(gpu, &outcome.part).with_draft(gpu, &PartMesh::draft(&outcome.part));

@@ -8,6 +8,7 @@ use super::bench::build;
 use super::bench_flank::slope;
 use super::bench_wheel::scaled_wheel;
 use super::{Failure, print_stdout};
+use crate::error::{ErrorCode, UserError};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
 use crate::job::Summary;
@@ -30,14 +31,13 @@ const FIELD_CELLS: usize = 512;
 /// Checks that growth can be measured up to `positions`.
 ///
 /// # Errors
-/// [`Failure::Input`] when `positions` is out of range.
+/// [`Failure::input`] when `positions` is out of range.
 pub fn check_positions(positions: usize) -> Result<(), Failure> {
     if (MIN_POSITIONS..=MAX_POSITIONS).contains(&positions) {
         return Ok(());
     }
-    Err(Failure::Input(format!(
-        "--positions {positions} is out of range; give {MIN_POSITIONS} to {MAX_POSITIONS}"
-    )))
+    let what = format!("--positions {positions} is out of range");
+    Err(Failure::input(ErrorCode::Arguments, what, format!("give {MIN_POSITIONS} to {MAX_POSITIONS}")))
 }
 
 /// Measured steps of a plan.
@@ -47,7 +47,7 @@ const MEASURED_STEPS: [&str; 4] = ["planned", "evaluated", "written", "verified"
 /// `max_positions`. Prints the times, and the exponents with which they grow with the number of positions.
 ///
 /// # Errors
-/// [`Failure::Work`] when planning or verification fails.
+/// [`Failure::work`] when planning or verification fails.
 pub fn run(part: &Impeller, setup: &Setup, max_positions: usize) -> Result<(), Failure> {
     print_stdout("minimal plan of one channel of wheels of growing hub area, seconds:\n")?;
     let mut all = vec![measure(&scaled_wheel(part, 1.0), setup)?];
@@ -77,7 +77,7 @@ pub fn run(part: &Impeller, setup: &Setup, max_positions: usize) -> Result<(), F
 
 /// Number of positions of a plan, and the time of each step of [`MEASURED_STEPS`], s.
 fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), Failure> {
-    let failed = |what: &dyn std::fmt::Display| Failure::Work(format!("the growing wheel: {what}"));
+    let failed = |error: UserError| Failure::of_work(error).at("the growing wheel");
     let part = build(wheel)?;
     let channel = Channel::of(&part);
     let mut seconds = [0.0; 4];
@@ -87,7 +87,8 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
         clock = Instant::now();
     };
     let planner = Planner::new(&part, &channel, setup);
-    let plan = planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_err(|error| failed(&error))?;
+    let plan =
+        planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_err(|error| failed(error.into()))?;
     lap(0);
     let (blank, stock) = (planner.blank(), &setup.allowances);
     let cutters = stretches_of_plan(&plan);
@@ -101,7 +102,7 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     drop(json);
     lap(2);
     let program = read_apt_bytes("plunge.apt", apt.as_bytes())?;
-    let verdict = verify(&part, &channel, setup, &program).map_err(|fault| failed(&fault.message))?;
+    let verdict = verify(&part, &channel, setup, &program).map_err(|fault| failed(fault.into()))?;
     lap(3);
     let [planned, judged, written, verified] = seconds;
     print_stdout(&format!(

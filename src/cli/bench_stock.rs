@@ -19,15 +19,14 @@ const PLUNGES: [u32; 3] = [250, 500, 1000];
 /// Measures on the largest sample wheel, scaled.
 ///
 /// # Errors
-/// [`Failure::Work`] when the sample is not valid, or its stock too large.
+/// [`Failure::work`] when the sample is not valid, or its stock too large.
 pub fn run() -> Result<(), Failure> {
     let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let part = build(&wheel)?;
     let scale = DIAMETER / (2.0 * part.rim_radius());
     let outline = TurnedOutline::of_blank(&part, &Blank::of(&part, 0.0)).scaled(scale);
     let blank = SolidBlank::Turned(outline);
-    let failed = |error: crate::stock::solid::SolidError| Failure::Work(error.to_string());
-    let whole = SolidStock::new(&blank, SPACING).map_err(failed)?;
+    let whole = SolidStock::new(&blank, SPACING).map_err(Failure::of_work)?;
     print_row(
         "solid stock: blank of D 300 at 0.25 mm",
         median(|| {
@@ -52,7 +51,7 @@ pub fn run() -> Result<(), Failure> {
         for _ in 0..3 {
             let mut stock = whole.clone();
             let started = std::time::Instant::now();
-            stock.make_moves(&tools, &moves, &Monitor::default()).map_err(failed)?;
+            stock.make_moves(&tools, &moves, &Monitor::default()).map_err(Failure::of_work)?;
             seconds.push(started.elapsed().as_secs_f64());
             last = Some(stock);
         }
@@ -78,8 +77,8 @@ fn plunge(k: u32, count: u32, part: &crate::part::Impeller, scale: f64) -> Solid
     let angle = part.pitch() * column;
     let floor = part.hub.point(s);
     let normal = part.hub.normal(s).direction_at_angle(angle);
-    let lean = Vector::new(-angle.sin(), angle.cos(), 0.0) * 0.3;
-    let axis = (normal + lean).normalize();
+    let across = Vector::new(-angle.sin(), angle.cos(), 0.0) * 0.3;
+    let axis = (normal + across).normalize();
     let tip = floor.at_angle(angle) * scale + axis * 0.5;
     let pose = |up: f64| ToolPose { tip: tip + axis * up, axis };
     SolidMove { number: k, tool: 0, rapid: false, from: pose(80.0), to: pose(0.0) }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::args::{ConvertArgs, MeshArgs};
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, print_stdout};
+use crate::error::ErrorCode;
 use crate::geometry::rotate_z;
 use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
@@ -45,21 +46,19 @@ enum InputContent {
 /// Reads one file and writes another.
 ///
 /// # Errors
-/// [`Failure::Input`] when an argument or the input is invalid, or the output cannot be written.
+/// [`Failure::input`] when an argument or the input is invalid, or the output cannot be written.
 pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     if let Some(format) = library_format(&args.input, &args.output)? {
         return convert_library(args, format);
     }
     let format = format_of(&args.output)?;
     if !(args.chord_error.is_finite() && (1e-4..=10.0).contains(&args.chord_error)) {
-        return Err(Failure::Input(format!(
-            "--chord-error {}: out of range; give 0.0001 to 10 mm",
-            args.chord_error
-        )));
+        let option = format!("--chord-error {}", args.chord_error);
+        return Err(Failure::input(ErrorCode::Arguments, "out of range", "give 0.0001 to 10 mm").at(option));
     }
     let content = read(&args.input, &args.mesh)?;
     if same_file(&args.input, &args.output) {
-        return Err(Failure::at(&name_of(&args.output), 0, "is the input file; name another file to write"));
+        return Err(is_the_input(&args.output));
     }
     let (description, part) = match &content {
         InputContent::Part(part) => (&part.0, &part.1),
@@ -113,21 +112,17 @@ fn library_format(input: &Path, output: &Path) -> Result<Option<LibraryFormat>, 
 
 /// Reads a tool library and writes it as our TOML or as Fusion JSON.
 fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Failure> {
-    let name = name_of(&args.output);
     let writer: fn(&ToolLibrary) -> String = match extension(&args.output).as_str() {
         "toml" => write_toml,
         "json" => write_fusion,
         _ => {
-            return Err(Failure::at(
-                &name,
-                0,
-                "a tool library is written as .toml or .json; name such a file",
-            ));
+            let what = "a tool library is written as .toml or .json";
+            return Err(Failure::input(ErrorCode::FileFormat, what, "name such a file").at_path(&args.output));
         }
     };
     let library = read_library(&args.input, format)?;
     if same_file(&args.input, &args.output) {
-        return Err(Failure::at(&name, 0, "is the input file; name another file to write"));
+        return Err(is_the_input(&args.output));
     }
     write_atomically(&args.output, writer(&library).as_bytes())?;
     let count = library.tools.len();
@@ -157,11 +152,8 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
             } else {
                 format!("`.{other}` is not an output format")
             };
-            Err(Failure::at(
-                &name_of(path),
-                0,
-                &format!("{what}; give a .toml, .step, .stl, .glb or .gltf file"),
-            ))
+            let help = "give a .toml, .step, .stl, .glb or .gltf file";
+            Err(Failure::input(ErrorCode::FileFormat, what, help).at_path(path))
         }
     }
 }
@@ -219,11 +211,9 @@ fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Fai
     // Beside an existing .gltf file the buffer is from an earlier run; otherwise it may belong to another
     // file.
     if binary.exists() && !path.exists() {
-        return Err(Failure::at(
-            &name_of(&binary),
-            0,
-            "exists already and would be overwritten by the buffer; name another file, or a .glb",
-        ));
+        let what = "exists already and would be overwritten by the buffer";
+        let help = "name another file, or a .glb";
+        return Err(Failure::input(ErrorCode::FileNotWritten, what, help).at_path(&binary));
     }
     let (text, bytes) = scene.gltf(&uri_of(&binary));
     let files: [(PathBuf, &[u8]); 2] = [(binary, &bytes), (path.to_owned(), text.as_bytes())];
@@ -266,4 +256,10 @@ fn summary_text(args: &ConvertArgs, part: &Impeller, shape: &Tessellation, asked
         text += &format!("{} mm would take more than {} triangles\n", asked.chord_error, asked.max_triangles);
     }
     text
+}
+
+/// The failure of an output that is the input.
+fn is_the_input(path: &Path) -> Failure {
+    let what = "is the input file";
+    Failure::input(ErrorCode::FileNotWritten, what, "name another file to write").at_path(path)
 }

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::report::number;
+use crate::error::ErrorCode;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::monitor::Monitor;
 use crate::setup::AxisPolicy;
@@ -11,13 +12,13 @@ use crate::setup::AxisPolicy;
 /// At most `count` plans between the least stock and the least time.
 ///
 /// # Errors
-/// [`Failure::Input`] when the plan is not one of `minimal`.
+/// [`Failure::input`] when the plan is not one of `minimal`.
 pub fn time_stock_curve(outcome: &PlanOutcome, count: usize) -> Result<Vec<PolicyResult>, Failure> {
     if outcome.after.plan.policy != AxisPolicy::Minimal {
-        let what = "--pareto needs a plan of minimal; leave --axis out, or give --axis minimal";
-        return Err(Failure::Input(what.to_owned()));
+        let help = "leave --axis out, or give --axis minimal";
+        return Err(Failure::input(ErrorCode::Arguments, "--pareto needs a plan of minimal", help));
     }
-    outcome.time_stock_curve(count, &Monitor::default()).map_err(|_| Failure::Work("cancelled".to_owned()))
+    outcome.time_stock_curve(count, &Monitor::default()).map_err(Failure::of_work)
 }
 
 /// Time of a plan, min.

@@ -10,6 +10,7 @@ use super::report::{fault_list, head, number};
 use super::verify::flank::walls_text;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
+use crate::error::ErrorCode;
 use crate::flank::FlankPlan;
 use crate::io::apt::write_apt;
 use crate::io::flank_file::write_flank;
@@ -17,6 +18,7 @@ use crate::io::setup_file::parse_flank_strategy;
 use crate::io::write::write_all_atomically;
 use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
+use crate::monitor::Cancelled;
 use crate::part::Impeller;
 use crate::setup::FlankStrategy;
 use crate::toolpath::ClProgram;
@@ -25,31 +27,30 @@ use crate::verify::{FlankVerdict, count_by_kind};
 /// Plans, writes the files and prints the figures.
 ///
 /// # Errors
-/// [`Failure::Input`] when an input is invalid; [`Failure::Work`] when planning is cancelled, nothing can be
+/// [`Failure::input`] when an input is invalid; [`Failure::work`] when planning is cancelled, nothing can be
 /// cut, or the program has faults.
 pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
     let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(name) = &args.scheme {
-        setup.setup.flank.strategy = parse_flank_strategy(name)
-            .map_err(|(what, help)| Failure::Input(format!("--scheme: {what}; {help}")))?;
+        setup.setup.flank.strategy =
+            parse_flank_strategy(name).map_err(|error| Failure::from(error).at("--scheme"))?;
     }
     check_directory(&args.output)?;
     let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };
     let outcome = run_with_progress(|monitor| FlankJob::default().run(&request, monitor)).map_err(
         |error| match error {
-            JobError::Cancelled => Failure::Work("cancelled".to_owned()),
-            JobError::Setup(fault) => setup.failure(&fault),
+            JobError::Cancelled => Cancelled.into(),
+            JobError::Setup(fault) => setup.failure(fault),
         },
     )?;
     let plan = &outcome.plan;
     if plan.moves.is_empty() {
         let most = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length));
         let why = most.map_or("the cutter fits nowhere", |left| left.why);
-        return Err(Failure::Work(format!(
-            "{}: nothing could be cut: {why}; give a thinner or a longer cutter, or smaller allowances",
-            args.part.display()
-        )));
+        let what = format!("nothing could be cut: {why}");
+        let help = "give a thinner or a longer cutter, or smaller allowances";
+        return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
     let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
     create_directory(&args.output)?;
@@ -69,10 +70,8 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         print_stdout(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
     }
     let Some(first) = faults.first() else { return Ok(()) };
-    let (line, what, counts) = (first.line, &first.message, count_by_kind(faults));
-    Err(Failure::Work(format!(
-        "{name}:{line}: {what}; in all {counts}: use a thinner cutter, or one with more overhang"
-    )))
+    let help = format!("in all {}: use a thinner cutter, or one with more overhang", count_by_kind(faults));
+    Err(Failure::work(ErrorCode::ProgramFaults, &first.message, help).at(format!("{name}:{}", first.line)))
 }
 
 /// Number of regions of a channel.
@@ -262,7 +261,7 @@ fn text(outcome: &FlankOutcome) -> String {
     if let Some(verdict) = &outcome.verdict {
         text += &walls_text(verdict);
         text += &format!(
-            "{:.2} % of the floor keeps more stock than the allowed scallop height\n",
+            "{:.2} % of the floor keeps more stock than the scallop height\n",
             100.0 * verdict.uncovered.share()
         );
     }

@@ -14,6 +14,8 @@ mod bench_stock;
 mod bench_wheel;
 mod convert;
 mod curve;
+mod explain;
+mod failure;
 mod flank;
 mod html;
 mod open;
@@ -41,57 +43,44 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::io::InputError;
+use crate::error::ErrorCode;
 use args::{Arguments, Command};
+use failure::Failure;
 #[cfg(not(feature = "gpu"))]
 use without_gpu::{assess_pictures, render};
-
-/// Error of a command.
-#[derive(Debug)]
-pub(crate) enum Failure {
-    /// The command failed: exit code 1.
-    Work(String),
-    /// Bad input or arguments: exit code 2.
-    Input(String),
-}
-
-impl Failure {
-    /// Bad input at a line of a file (0: no line number).
-    pub fn at(file: &str, line: usize, what: &str) -> Self {
-        let line = if line > 0 { format!(":{line}") } else { String::new() };
-        Self::Input(format!("{file}{line}: {what}"))
-    }
-}
-
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Self::Input(error.to_string())
-    }
-}
 
 /// Prints to standard output. A closed pipe (EPIPE) is not an error.
 ///
 /// # Errors
-/// [`Failure::Work`] when standard output cannot be written for another reason.
+/// [`Failure::work`] when standard output cannot be written for another reason.
 pub(crate) fn print_stdout(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::Work(format!("standard output: cannot be written ({error}); send it elsewhere")))
+            let what = format!("cannot be written ({error})");
+            Err(Failure::work(ErrorCode::System, what, "send it elsewhere").at("standard output"))
         }
         _ => Ok(()),
     }
 }
 
-/// Prints one line to stderr, with control characters in `what` replaced by spaces.
-fn print_error(what: &str) {
-    let line: String = what.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+/// Environment variable that adds the codes of errors to their lines.
+const CODES_VARIABLE: &str = "VANECUT_ERROR_CODES";
+
+/// Prints a failure as one line to stderr, with control characters replaced by spaces; with
+/// [`CODES_VARIABLE`] its code follows in brackets.
+fn print_error(failure: &Failure) {
+    let line = failure.to_string();
+    let mut line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if std::env::var_os(CODES_VARIABLE).is_some_and(|value| value == "1") {
+        line.push_str(&format!(" [{}]", failure.code()));
+    }
     // A closed stderr is ignored.
     let _ = writeln!(std::io::stderr(), "vanecut: {line}");
 }
 
-/// An error of clap as one line: the fault, then its tip.
-fn usage_error(error: &clap::Error) -> String {
+/// An error of clap: the fault, then its tip.
+fn usage_error(error: &clap::Error) -> Failure {
     let text = error.to_string();
     let said: Vec<&str> = text
         .lines()
@@ -102,20 +91,15 @@ fn usage_error(error: &clap::Error) -> String {
     let (tips, fault): (Vec<&str>, Vec<&str>) = said.into_iter().partition(|line| line.starts_with("tip: "));
     let fault = fault.join(" ");
     let fault = fault.trim_start_matches("error: ");
-    match tips.first() {
-        Some(tip) => format!("{fault}; {}", tip.trim_start_matches("tip: ")),
-        None => format!("{fault}; see `vanecut --help`"),
-    }
+    let help = tips.first().map_or("see `vanecut --help`", |tip| tip.trim_start_matches("tip: "));
+    Failure::input(ErrorCode::Arguments, fault, help)
 }
 
 /// Parses the arguments of this process and runs the command; returns the exit code.
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) if error.use_stderr() => {
-            print_error(&usage_error(&error));
-            return ExitCode::from(2);
-        }
+        Err(error) if error.use_stderr() => return exit_code(Err(usage_error(&error))),
         Err(help) => return exit_code(print_stdout(&help.to_string())),
     };
     exit_code(run(arguments))
@@ -124,13 +108,9 @@ pub fn main() -> ExitCode {
 fn exit_code(result: Result<(), Failure>) -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(Failure::Work(what)) => {
-            print_error(&what);
-            ExitCode::from(1)
-        }
-        Err(Failure::Input(what)) => {
-            print_error(&what);
-            ExitCode::from(2)
+        Err(failure) => {
+            print_error(&failure);
+            ExitCode::from(failure.exit)
         }
     }
 }
@@ -139,7 +119,8 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         None if arguments.file.as_ref().is_some_and(|file| !file.exists()) => {
             let name = arguments.file.unwrap_or_default();
-            Err(Failure::Input(format!("{}: no such file or command; see `vanecut --help`", name.display())))
+            let what = "no such file or command";
+            Err(Failure::input(ErrorCode::Arguments, what, "see `vanecut --help`").at_path(&name))
         }
         None => open_window(arguments.file),
         Some(Command::Plan(a)) => plan::run(&a),
@@ -152,20 +133,19 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Some(Command::Convert(a)) => convert::run(&a),
         Some(Command::Study(a)) => study::run(&a),
         Some(Command::Bench(a)) => bench::run(&a),
+        Some(Command::Explain(a)) => explain::run(&a),
     }
 }
 
 /// Opens the window, with a file if one is given.
 #[cfg(feature = "window")]
 fn open_window(file: Option<std::path::PathBuf>) -> Result<(), Failure> {
-    crate::app::run(file).map_err(|e| Failure::Work(e.to_string()))
+    crate::app::run(file).map_err(Failure::of_work)
 }
 
 #[cfg(not(feature = "window"))]
 fn open_window(_: Option<std::path::PathBuf>) -> Result<(), Failure> {
-    Err(Failure::Work(
-        "this program was built without its window; give a command (`vanecut --help`), or build it with \
-         --features window"
-            .to_owned(),
-    ))
+    let what = "this program was built without its window";
+    let help = "give a command (`vanecut --help`), or build it with --features window";
+    Err(Failure::work(ErrorCode::NotBuiltIn, what, help))
 }

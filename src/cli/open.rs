@@ -5,6 +5,8 @@ use std::path::Path;
 
 use super::Failure;
 use super::args::MeshArgs;
+use crate::error::{ErrorCode, UserError};
+use crate::io::InputError;
 use crate::io::part_file::read_part_with;
 use crate::io::setup_file::{line_of_place, read_setup_with_defaults};
 use crate::io::source::{MAX_BYTES, name_of, read_bytes};
@@ -17,15 +19,21 @@ const STANDARD_INPUT: &str = "standard input";
 /// Reads and builds a part, and prints its notes to stderr.
 ///
 /// # Errors
-/// [`Failure::Input`] when the file cannot be read or does not describe an impeller.
+/// [`Failure::input`] when the file cannot be read or does not describe an impeller.
 pub fn part(path: &Path, mesh: &MeshArgs) -> Result<(PartDescription, Impeller), Failure> {
     let description = read_part_with(path, &mesh.options())?;
     let part = Impeller::build(&description)
-        .map_err(|e| Failure::at(&path.display().to_string(), e.line, &e.to_string()))?;
+        .map_err(|error| InputError::of_part(&path.display().to_string(), error))?;
     for note in &part.notes {
         eprintln!("vanecut: {}: {note}", path.display());
     }
     Ok((description, part))
+}
+
+/// The failure of a command that shall read both setup and program from standard input.
+pub fn both_from_standard_input() -> Failure {
+    let what = "standard input cannot be both setup and program";
+    Failure::input(ErrorCode::Arguments, what, "give one as a file")
 }
 
 /// A setup with its source, for error messages.
@@ -39,8 +47,9 @@ pub struct OpenSetup {
 
 impl OpenSetup {
     /// The failure for a setup fault found while planning, with the line of the setup file.
-    pub fn failure(&self, fault: &SetupFault) -> Failure {
-        Failure::at(&self.name, line_of_place(&self.bytes, &fault.place), &fault.to_string())
+    pub fn failure(&self, fault: SetupFault) -> Failure {
+        let line = line_of_place(&self.bytes, &fault.place);
+        Failure::from(UserError::from(fault)).at_line(&self.name, line)
     }
 }
 
@@ -48,7 +57,7 @@ impl OpenSetup {
 /// `-` reads standard input.
 ///
 /// # Errors
-/// [`Failure::Input`] when the setup cannot be read or is invalid.
+/// [`Failure::input`] when the setup cannot be read or is invalid.
 pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<OpenSetup, Failure> {
     let defaults = Setup::for_part(part);
     let Some(path) = path else {
@@ -62,17 +71,16 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
 /// Name for messages and bytes of a file, or of standard input for `-`.
 ///
 /// # Errors
-/// [`Failure::Input`] when it cannot be read.
+/// [`Failure::input`] when it cannot be read.
 pub fn named_bytes(path: &Path) -> Result<(String, Vec<u8>), Failure> {
     if path != Path::new("-") {
         return Ok((name_of(path), read_bytes(path)?));
     }
     let mut bytes = Vec::new();
     // One byte over the limit, so that the reader can report that the input is too large.
-    std::io::stdin()
-        .lock()
-        .take(MAX_BYTES as u64 + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|e| Failure::Input(format!("{STANDARD_INPUT}: cannot be read ({e}); give a file")))?;
+    std::io::stdin().lock().take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(|error| {
+        let what = format!("cannot be read ({error})");
+        Failure::input(ErrorCode::FileUnreadable, what, "give a file").at(STANDARD_INPUT)
+    })?;
     Ok((STANDARD_INPUT.to_owned(), bytes))
 }

@@ -12,12 +12,13 @@ use super::report::PlanFigures;
 use super::sheet::SheetInput;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout, report, sheet};
+use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
 use crate::io::setup_file::parse_axis_policy;
 use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
 use crate::setup::AxisPolicy;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
@@ -27,15 +28,14 @@ pub use crate::job::FIELD_CELLS;
 /// Plans, writes the files and prints the figures.
 ///
 /// # Errors
-/// [`Failure::Input`] when an input is invalid; [`Failure::Work`] when planning is cancelled, the plan is
+/// [`Failure::input`] when an input is invalid; [`Failure::work`] when planning is cancelled, the plan is
 /// unfinished, does not converge, or its program has faults.
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
     let setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
-        Some(name) => parse_axis_policy(name)
-            .map_err(|(what, help)| Failure::Input(format!("--axis: {what}; {help}")))?,
+        Some(name) => parse_axis_policy(name).map_err(|error| Failure::from(error).at("--axis"))?,
     };
     let channels = channel_count(&args.channels, &part)?;
     check_directory(&args.output)?;
@@ -46,9 +46,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
         None => Vec::new(),
     };
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
-    let program = outcome
-        .program_for_channels(after, channels, &Monitor::default())
-        .map_err(|_| Failure::Work("cancelled".to_owned()))?;
+    let program = outcome.program_for_channels(after, channels, &Monitor::default())?;
     let program = write_apt(&program);
     create_directory(&args.output)?;
     let apt = args.output.join("plunge.apt");
@@ -61,7 +59,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let written = read_apt_bytes(&name, program.as_bytes())?;
     let channel = Channel::of(&outcome.part);
     let report = report_plunges(&outcome.part, &channel, &outcome.setup, &written, FIELD_CELLS)
-        .map_err(|fault| Failure::at(&name, fault.line, &fault.message))?;
+        .map_err(|fault| Failure::of_fault(&name, fault))?;
     if args.report {
         let files = ["plan.json".to_owned(), "plunge.apt".to_owned()];
         sheet::write(
@@ -87,7 +85,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
 /// Runs the planning job, with progress on a terminal.
 ///
 /// # Errors
-/// [`Failure::Work`] when cancelled, [`Failure::Input`] when part and setup are incompatible.
+/// [`Failure::work`] when cancelled, [`Failure::input`] when part and setup are incompatible.
 pub fn plan_with_progress(
     part: Impeller,
     setup: &OpenSetup,
@@ -102,8 +100,8 @@ pub fn plan_with_progress(
         field_cells: FIELD_CELLS,
     };
     run_with_progress(|monitor| job::run(&request, monitor)).map_err(|error| match error {
-        JobError::Cancelled => Failure::Work("cancelled".to_owned()),
-        JobError::Setup(fault) => setup.failure(&fault),
+        JobError::Cancelled => Cancelled.into(),
+        JobError::Setup(fault) => setup.failure(fault),
     })
 }
 
@@ -112,7 +110,9 @@ fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
     match word {
         "all" => Ok(all),
         _ => word.parse().ok().filter(|n| (1..=all).contains(n)).ok_or_else(|| {
-            Failure::Input(format!("--channels {word}: not a number of channels; give 1 to {all}, or all"))
+            let help = format!("give 1 to {all}, or all");
+            Failure::input(ErrorCode::Arguments, "not a number of channels", help)
+                .at(format!("--channels {word}"))
         }),
     }
 }
@@ -120,11 +120,11 @@ fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
 /// Checks the output directory before planning, so that [`create_directory`] does not fail only after it.
 ///
 /// # Errors
-/// [`Failure::Input`] when `folder` exists and is not a directory.
+/// [`Failure::input`] when `folder` exists and is not a directory.
 pub fn check_directory(folder: &Path) -> Result<(), Failure> {
     if folder.exists() && !folder.is_dir() {
-        let what = "is not a directory; give one that can be written";
-        return Err(Failure::at(&folder.display().to_string(), 0, what));
+        let help = "give one that can be written";
+        return Err(Failure::input(ErrorCode::FileNotWritten, "is not a directory", help).at_path(folder));
     }
     Ok(())
 }
@@ -132,13 +132,11 @@ pub fn check_directory(folder: &Path) -> Result<(), Failure> {
 /// Creates the output directory.
 ///
 /// # Errors
-/// [`Failure::Input`] when it cannot be created.
+/// [`Failure::input`] when it cannot be created.
 pub fn create_directory(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|e| {
-        Failure::Input(format!(
-            "{}: the directory cannot be created ({e}); give one that can be written",
-            folder.display()
-        ))
+    std::fs::create_dir_all(folder).map_err(|error| {
+        let what = format!("the directory cannot be created ({error})");
+        Failure::input(ErrorCode::FileNotWritten, what, "give one that can be written").at_path(folder)
     })
 }
 
@@ -231,21 +229,19 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
 fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Result<(), Failure> {
     let plan = &outcome.after.plan;
     if plan.is_unfinished() {
-        let what = "stopped: the plan is unfinished, and so marked in the files; plan again to complete it";
-        return Err(Failure::Work(what.to_owned()));
+        let what = "stopped: the plan is unfinished, and so marked in the files";
+        return Err(Failure::work(ErrorCode::PlanIncomplete, what, "plan again to complete it"));
     }
     let faults = &report.verdict.faults;
     if let Some(first) = faults.first() {
-        return Err(Failure::Work(format!(
-            "{name}:{}: {}; in all {}: plan with --axis minimal, or use smaller cutters or steps",
-            first.line,
-            first.message,
-            count_by_kind(faults)
-        )));
+        let counts = count_by_kind(faults);
+        let help = format!("in all {counts}: plan with --axis minimal, or use smaller cutters or steps");
+        let failure = Failure::work(ErrorCode::ProgramFaults, &first.message, help);
+        return Err(failure.at(format!("{name}:{}", first.line)));
     }
     if !plan.converged {
-        let what = "the planning loop did not converge; use smaller cutters or steps";
-        return Err(Failure::Work(what.to_owned()));
+        let what = "the planning loop did not converge";
+        return Err(Failure::work(ErrorCode::PlanIncomplete, what, "use smaller cutters or steps"));
     }
     Ok(())
 }

@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::PostArgs;
 use super::{Failure, open, print_stdout, report};
+use crate::error::ErrorCode;
 use crate::io::apt::read_apt_bytes;
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::machine_file::read_machine;
@@ -46,7 +47,7 @@ impl PostSource {
 /// Posts a program and prints its figures.
 ///
 /// # Errors
-/// [`Failure::Input`] when an input is invalid, [`Failure::Work`] when the machine cannot run the program.
+/// [`Failure::input`] when an input is invalid, [`Failure::work`] when the machine cannot run the program.
 pub fn run(args: &PostArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let machine = read_machine(&args.machine)?;
@@ -55,13 +56,15 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
         None => machine.output,
         Some(name) => OutputKind::of_name(name).ok_or_else(|| {
             let known = OutputKind::ALL.map(OutputKind::name).join(", ");
-            Failure::Input(format!("--output {name} is not known; use one of {known}"))
+            let what = format!("--output {name} is not known");
+            Failure::input(ErrorCode::UnknownName, what, format!("use one of {known}"))
         })?,
     };
     if !post.outputs().any(|known| known == output) {
         let known: Vec<&str> = post.outputs().map(OutputKind::name).collect();
         let what = format!("the control {} does not take {}", post.name, output.name());
-        return Err(Failure::Input(format!("{what}; give --output {}", known.join(" or "))));
+        let help = format!("give --output {}", known.join(" or "));
+        return Err(Failure::input(ErrorCode::ControlOutput, what, help));
     }
     let mut source = read_source(args)?;
     if let Some(path) = &args.setup {
@@ -73,7 +76,7 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
     let made = machine_program(&machine, &placed, &source.program, &options, &Monitor::default());
     let motion = made.map_err(|fault| refused(args, &machine, &source, &fault))?;
     let written = write_nc(&source.program, &machine, &motion, &post, output)
-        .map_err(|what| Failure::at(&source.name, 0, &what))?;
+        .map_err(|error| Failure::from(error).at(&source.name))?;
     let times = section_times(&machine, &source.program, &motion);
     write_atomically(&args.file, written.text.as_bytes())?;
     if args.json {
@@ -89,9 +92,9 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
 
 /// The failure of a program that the machine cannot run; with `--json` the number of positions is printed.
 fn refused(args: &PostArgs, machine: &MachineTool, source: &PostSource, fault: &MotionFault) -> Failure {
-    let what = format!("{}: {fault}", machine.name);
-    if matches!(fault, MotionFault::Lacks { .. }) {
-        return Failure::Input(format!("{}: {fault}", source.place(fault.line())));
+    let place = source.place(fault.line());
+    if let MotionFault::Lacks { error, .. } = fault {
+        return Failure::from(error.clone()).at(place);
     }
     if args.json {
         let mut map = Map::new();
@@ -102,7 +105,7 @@ fn refused(args: &PostArgs, machine: &MachineTool, source: &PostSource, fault: &
         // The fault itself is what counts; a closed output adds nothing to it.
         let _ = print_stdout(&format!("{}\n", Value::Object(map)));
     }
-    Failure::Work(format!("{}: {what}", source.place(fault.line())))
+    Failure::of_work(fault.explained()).at(format!("{place}: {}", machine.name))
 }
 
 /// Reads a plan, a flank plan or an APT program.
@@ -111,24 +114,26 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
     if !bytes.trim_ascii_start().starts_with(b"{") {
         let program = read_apt_bytes(&name, &bytes)?;
         if program.moves.is_empty() {
-            return Err(Failure::at(&name, 0, "the program moves nothing; give one with GOTO"));
+            let what = "the program moves nothing";
+            return Err(Failure::input(ErrorCode::NothingMoves, what, "give one with GOTO").at(name));
         }
-        // Tools come from the inlet: their axes lean to its side.
-        let lean: f64 = program.moves.iter().map(|m| m.axis.z).sum();
-        return Ok(PostSource { program, inlet_up: lean >= 0.0, blank: None, name, has_lines: true });
+        // Tools come from the inlet: their axes point to its side.
+        let up: f64 = program.moves.iter().map(|m| m.axis.z).sum();
+        return Ok(PostSource { program, inlet_up: up >= 0.0, blank: None, name, has_lines: true });
     }
     let (mut program, part) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
-        let missing = || Failure::at(&name, 0, "has no tool; plan it again");
+        let missing = || Failure::input(ErrorCode::PlanFile, "has no tool", "plan it again").at(&name);
         (stored.program().ok_or_else(missing)?, stored.part)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        let program =
-            stored.program(&Monitor::default()).map_err(|cancelled| Failure::Work(cancelled.to_string()))?;
-        (program, stored.part)
+        (stored.program(&Monitor::default())?, stored.part)
     };
     if program.moves.is_empty() {
-        return Err(Failure::at(&name, 0, "the plan has no positions; plan the part with tools that fit"));
+        let what = "the plan has no positions";
+        return Err(
+            Failure::input(ErrorCode::NothingMoves, what, "plan the part with tools that fit").at(name)
+        );
     }
     let inlet_up = part.out_of_inlet().z > 0.0;
     for (number, step) in (1..).zip(&mut program.moves) {

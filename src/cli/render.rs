@@ -7,6 +7,7 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, plan, render_flank, render_solid};
+use crate::error::{ErrorCode, UserError};
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
@@ -30,18 +31,18 @@ const MAX_SIDE: u32 = 8192;
 
 impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
-        Self::Work(error.to_string())
+        Self::of_work(error)
     }
 }
 
 /// Draws one picture.
 ///
 /// # Errors
-/// [`Failure::Input`] when an argument or the input is invalid or the file cannot be written,
-/// [`Failure::Work`] when drawing fails.
+/// [`Failure::input`] when an argument or the input is invalid or the file cannot be written,
+/// [`Failure::work`] when drawing fails.
 pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let size = parse_size(&args.size)?;
-    let view: View = args.view.parse().map_err(|e| Failure::Input(format!("--view: {e}")))?;
+    let view: View = args.view.parse().map_err(|error: UserError| Failure::from(error).at("--view"))?;
     let is_plan = args.source.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let plan_bytes = if is_plan { Some(read_bytes(&args.source)?) } else { None };
     if let Some(bytes) = plan_bytes.as_deref().filter(|bytes| is_flank(bytes)) {
@@ -52,7 +53,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
     let as_solid = args.show.as_deref() == Some(SOLID);
     let colours: FloorColours = match &args.show {
         Some(_) if as_solid => FloorColours::Residual,
-        Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
+        Some(word) => word.parse().map_err(|error: UserError| Failure::from(error).at("--show"))?,
         None if is_plan => FloorColours::Residual,
         None => FloorColours::Plain,
     };
@@ -68,16 +69,14 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             "faulty" => CutterFilter::Faulty,
             "none" => CutterFilter::Hidden,
             other => {
-                return Err(Failure::Input(format!(
-                    "--cutters {other}: not known; give all, faulty or none"
-                )));
+                return Err(Failure::input(ErrorCode::UnknownName, "not known", "give all, faulty or none")
+                    .at(format!("--cutters {other}")));
             }
         };
     }
     let (part, stored, program) = if let Some(bytes) = &plan_bytes {
         let stored = read_plan_bytes(&name_of(&args.source), bytes)?;
-        let program = as_solid.then(|| stored.program(&Monitor::default())).transpose();
-        let program = program.map_err(|error| Failure::Work(error.to_string()))?;
+        let program = as_solid.then(|| stored.program(&Monitor::default())).transpose()?;
         (stored.part, Some((stored.setup, stored.plan)), program)
     } else {
         let (_, part) = open::part(&args.source, &args.mesh)?;
@@ -149,7 +148,7 @@ fn picture(
 /// One picture of a scene as a PNG file in memory, with its colour scale if `legend`.
 ///
 /// # Errors
-/// [`Failure::Work`] when the device or the encoder fails.
+/// [`Failure::work`] when the device or the encoder fails.
 pub fn draw(
     gpu: &Gpu,
     renderer: &mut Renderer,
@@ -165,13 +164,14 @@ pub fn draw(
     if legend {
         add_legend(&mut picture, options);
     }
-    encode_png(picture.width, picture.height, &picture.rgba).map_err(|e| Failure::Work(e.to_string()))
+    encode_png(picture.width, picture.height, &picture.rgba).map_err(Failure::of_work)
 }
 
 fn parse_size(word: &str) -> Result<UVec2, Failure> {
     let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     word.split_once(['x', 'X']).and_then(|(w, h)| Some(UVec2::new(side(w)?, side(h)?))).ok_or_else(|| {
-        Failure::Input(format!("--size {word}: not a picture size; give WIDTHxHEIGHT up to {MAX_SIDE}"))
+        let help = format!("give WIDTHxHEIGHT up to {MAX_SIDE}");
+        Failure::input(ErrorCode::Arguments, "not a picture size", help).at(format!("--size {word}"))
     })
 }
 
@@ -180,7 +180,8 @@ pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
     let ends = word.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
     let usable = |(low, high): &(f32, f32)| low.is_finite() && high.is_finite() && low < high;
     ends.filter(usable).ok_or_else(|| {
-        Failure::Input(format!("--range {word}: not a colour scale; give LOW:HIGH in mm, such as 0.5:4"))
+        let help = "give LOW:HIGH in mm, such as 0.5:4";
+        Failure::input(ErrorCode::Arguments, "not a colour scale", help).at(format!("--range {word}"))
     })
 }
 
@@ -188,7 +189,7 @@ pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
 /// captions.
 ///
 /// # Errors
-/// [`Failure::Work`] when drawing fails, [`Failure::Input`] when a file cannot be written.
+/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
 pub fn write_pictures(folder: &Path, outcome: &PlanOutcome) -> Result<Vec<(String, String)>, Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);

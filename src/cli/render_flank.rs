@@ -5,6 +5,7 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::render::{SOLID, draw};
 use super::{Failure, render_solid};
+use crate::error::{ErrorCode, UserError};
 use crate::gpu::flank::{FlankColours, toolpath_lines, wall_deviations};
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
 use crate::io::flank_file::StoredFlank;
@@ -13,17 +14,17 @@ use crate::io::flank_file::StoredFlank;
 /// by the residual stock (`--show walls`), or the stock as a solid (`--show solid`). `--at` limits the number of moves.
 ///
 /// # Errors
-/// [`Failure::Input`] for an unknown `--show`, [`Failure::Work`] when drawing fails.
+/// [`Failure::input`] for an unknown `--show`, [`Failure::work`] when drawing fails.
 pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -> Result<Vec<u8>, Failure> {
     if args.show.as_deref() == Some(SOLID) {
         let program = plan.program();
-        let program =
-            program.ok_or_else(|| Failure::Input("the flank plan has no tool; plan it again".to_owned()))?;
+        let missing = || Failure::input(ErrorCode::PlanFile, "the flank plan has no tool", "plan it again");
+        let program = program.ok_or_else(missing)?;
         let count = args.at.unwrap_or(program.moves.len());
         return render_solid::picture(args, &plan.part, &plan.setup, &program, count, view, size);
     }
     let colours: FlankColours = match &args.show {
-        Some(word) => word.parse().map_err(|e| Failure::Input(format!("--show: {e}")))?,
+        Some(word) => word.parse().map_err(|error: UserError| Failure::from(error).at("--show"))?,
         None => FlankColours::default(),
     };
     let walls = (colours == FlankColours::Walls).then(|| wall_deviations(&plan.part, &plan.walls));

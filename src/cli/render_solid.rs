@@ -24,7 +24,7 @@ const RANGE_IN_ALLOWANCES: f64 = 8.0;
 /// cut to the finished part.
 ///
 /// # Errors
-/// [`Failure::Input`] when the program cannot be simulated or the scale is invalid, [`Failure::Work`] when cancelled
+/// [`Failure::input`] when the program cannot be simulated or the scale is invalid, [`Failure::work`] when cancelled
 /// or when drawing fails.
 pub fn picture(
     args: &RenderArgs,
@@ -39,19 +39,18 @@ pub fn picture(
     let low = allowances.hub_allowance;
     let fitted = (low as f32, (RANGE_IN_ALLOWANCES * low).max(1.0) as f32);
     let range_mm = args.range.as_deref().map(parse_range).transpose()?.unwrap_or(fitted);
-    let moves = SolidProgram::new(program, setup).map_err(|fault| Failure::Input(fault.message))?;
+    let moves = SolidProgram::new(program, setup).map_err(|fault| Failure::from(fault.error))?;
     let blank = Blank::of(part, allowances.inlet_extension);
     let blank = SolidBlank::Turned(TurnedOutline::of_blank(part, &blank));
     let spacing = blank.default_spacing();
-    let failed = |error: &dyn std::fmt::Display| Failure::Work(error.to_string());
-    let mut stock = SolidStock::new(&blank, spacing).map_err(|error| failed(&error))?;
+    let mut stock = SolidStock::new(&blank, spacing).map_err(Failure::of_work)?;
     run_with_progress(|monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))
-        .map_err(|error| failed(&error))?;
+        .map_err(Failure::of_work)?;
     let surface = StockSurface::of(&stock);
     let paint = |cut_by: u32| if cut_by == SpanEnd::BLANK { Paint::UNCUT } else { Paint::BY_VALUE };
     let excess = Excess::new(part);
     let mesh = run_with_progress(|monitor| solid_mesh(&surface, spacing, Some(&excess), paint, monitor))
-        .map_err(|error| failed(&error))?;
+        .map_err(Failure::of_work)?;
     let options = SceneOptions {
         show_solid: true,
         show_cutters: CutterFilter::Hidden,

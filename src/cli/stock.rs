@@ -9,6 +9,7 @@ use super::args::StockArgs;
 use super::report::number;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
+use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::gltf::GltfScene;
@@ -37,35 +38,32 @@ enum Format {
 /// Simulates a program, writes the stock and prints the figures.
 ///
 /// # Errors
-/// [`Failure::Input`] when an argument or an input is invalid, or the output cannot be written;
-/// [`Failure::Work`] when cancelled.
+/// [`Failure::input`] when an argument or an input is invalid, or the output cannot be written;
+/// [`Failure::work`] when cancelled.
 pub fn run(args: &StockArgs) -> Result<(), Failure> {
     let started = Instant::now();
     let format = format_of(&args.output)?;
     let (_, part) = open::part(&args.part, &args.mesh)?;
     if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
-        return Err(Failure::Input(
-            "standard input cannot be both setup and program; give one as a file".to_owned(),
-        ));
+        return Err(open::both_from_standard_input());
     }
     let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
     let (name, program, planned) = read_program(&args.program)?;
     let setup = planned.filter(|_| args.setup.is_none()).unwrap_or(opened.setup);
     let simulated = SolidProgram::new(&program, &setup)
-        .map_err(|fault| Failure::at(&name, fault.line, &fault.message))?;
+        .map_err(|fault| Failure::from(fault.error).at_line(&name, fault.line))?;
     let made = args.at.unwrap_or(simulated.count);
     if made > simulated.count {
-        return Err(Failure::Input(format!(
-            "--at {made}: the program has {} moves; give 0 to {}",
-            simulated.count, simulated.count
-        )));
+        let what = format!("the program has {} moves", simulated.count);
+        let help = format!("give 0 to {}", simulated.count);
+        return Err(Failure::input(ErrorCode::Arguments, what, help).at(format!("--at {made}")));
     }
     let blank = blank_of(args.blank.as_deref(), &part, &setup)?;
     let spacing = args.spacing.unwrap_or_else(|| blank.default_spacing());
     let failed = |error: SolidError| match error {
-        SolidError::Cancelled(cancelled) => Failure::Work(cancelled.to_string()),
-        SolidError::Empty => Failure::Input(format!("--blank: {error}")),
-        other => Failure::Input(format!("--spacing: {other}")),
+        SolidError::Cancelled(cancelled) => cancelled.into(),
+        SolidError::Empty => Failure::from(error.explained()).at("--blank"),
+        other => Failure::from(other.explained()).at("--spacing"),
     };
     let mut stock = SolidStock::new(&blank, spacing).map_err(failed)?;
     let contacts =
@@ -108,7 +106,10 @@ fn format_of(path: &Path) -> Result<Format, Failure> {
     match extension.as_str() {
         "stl" => Ok(Format::Stl),
         "glb" => Ok(Format::Glb),
-        _ => Err(Failure::at(&name_of(path), 0, "is not a format of solids; give a .stl or .glb file")),
+        _ => {
+            let what = "is not a format of solids";
+            Err(Failure::input(ErrorCode::FileFormat, what, "give a .stl or .glb file").at_path(path))
+        }
     }
 }
 
@@ -123,18 +124,15 @@ fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failu
     let (program, setup) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
         let Some(program) = stored.program() else {
-            return Err(Failure::at(&name, 0, "has no tool; plan it again"));
+            return Err(Failure::input(ErrorCode::PlanFile, "has no tool", "plan it again").at(name));
         };
         (program, stored.setup)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        (
-            stored.program(&Monitor::default()).map_err(|cancelled| Failure::Work(cancelled.to_string()))?,
-            stored.setup,
-        )
+        (stored.program(&Monitor::default())?, stored.setup)
     };
     if program.moves.is_empty() {
-        return Err(Failure::at(&name, 0, "has no moves; plan it again"));
+        return Err(Failure::input(ErrorCode::NothingMoves, "has no moves", "plan it again").at(name));
     }
     let program = read_apt_bytes(&name, write_apt(&program).as_bytes())?;
     Ok((name, program, Some(setup)))
@@ -151,13 +149,14 @@ fn blank_of(given: Option<&Path>, part: &Impeller, setup: &Setup) -> Result<Soli
         Some((path, _)) if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl")) => {
             let name = name_of(path);
             let mesh = read_stl_bytes(&name, &read_bytes_up_to(path, MAX_STL_BYTES)?)?;
-            let blank = MeshBlank::new(&mesh).map_err(|fault| Failure::at(&name, 0, &fault.to_string()))?;
+            let blank = MeshBlank::new(&mesh).map_err(|fault| Failure::from(fault.explained()).at(name))?;
             Ok(SolidBlank::Mesh(blank))
         }
-        Some((path, _)) => Err(Failure::Input(format!(
-            "--blank {}: is not known; give edges, turned, or an .stl file",
-            path.display()
-        ))),
+        Some((path, _)) => {
+            let help = "give edges, turned, or an .stl file";
+            let option = format!("--blank {}", path.display());
+            Err(Failure::input(ErrorCode::UnknownName, "is not known", help).at(option))
+        }
     }
 }
 

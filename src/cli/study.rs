@@ -9,6 +9,7 @@ use super::plan::check_directory;
 use super::report::number;
 use super::watch::run_with_progress;
 use super::{Failure, print_stdout};
+use crate::error::ErrorCode;
 use crate::io::write_atomically;
 use crate::study::merge::merge;
 use crate::study::pareto::{ParetoSet, Table};
@@ -22,14 +23,17 @@ const THREAD_VARIABLES: [&str; 2] = ["RAYON_NUM_THREADS", "SLURM_CPUS_PER_TASK"]
 /// Does what the arguments say.
 ///
 /// # Errors
-/// [`Failure::Input`] when arguments or files are invalid; [`Failure::Work`] when runs fail, were stopped, or
+/// [`Failure::input`] when arguments or files are invalid; [`Failure::work`] when runs fail, were stopped, or
 /// have no results yet.
 pub fn run(args: &StudyArgs) -> Result<(), Failure> {
     match (&args.action, &args.study) {
         (Some(StudyAction::Merge(args)), _) => run_merge(args),
         (Some(StudyAction::Pareto(args)), _) => run_pareto(args),
         (None, Some(study)) => run_study(study, args),
-        (None, None) => Err(Failure::Input("no study is given; see `vanecut study --help`".to_owned())),
+        (None, None) => {
+            let help = "see `vanecut study --help`";
+            Err(Failure::input(ErrorCode::Arguments, "no study is given", help))
+        }
     }
 }
 
@@ -40,14 +44,15 @@ fn variable(name: &str) -> Option<String> {
 fn run_study(path: &Path, args: &StudyArgs) -> Result<(), Failure> {
     let shard = match &args.shard {
         None => Shard::ALL,
-        Some(text) => {
-            Shard::parse(text, &variable).map_err(|what| Failure::Input(format!("--shard {what}")))?
-        }
+        Some(text) => Shard::parse(text, &variable)
+            .map_err(|e| Failure::input(e.code, format!("--shard {}", e.message), e.help))?,
     };
     let threads = threads();
     let jobs = args.jobs.unwrap_or(threads.min(MAX_JOBS));
     if !(1..=MAX_JOBS).contains(&jobs) {
-        return Err(Failure::Input(format!("--jobs {jobs}: not a number of runs; give 1 to {MAX_JOBS}")));
+        let help = format!("give 1 to {MAX_JOBS}");
+        let failure = Failure::input(ErrorCode::Arguments, "not a number of runs", help);
+        return Err(failure.at(format!("--jobs {jobs}")));
     }
     if let Some(folder) = &args.output {
         check_directory(folder)?;
@@ -57,7 +62,8 @@ fn run_study(path: &Path, args: &StudyArgs) -> Result<(), Failure> {
         return print_stdout(&list_text(&list, shard, args.output.as_deref()));
     }
     let Some(folder) = &args.output else {
-        return Err(Failure::Input("no folder for the results is given; add -o DIR, or --list".to_owned()));
+        let what = "no folder for the results is given";
+        return Err(Failure::input(ErrorCode::Arguments, what, "add -o DIR, or --list"));
     };
     let how = Execution { folder, shard, jobs, threads: (threads / jobs).max(1) };
     let tally = run_with_progress(|monitor| execute(&list, &how, monitor))?;
@@ -127,15 +133,15 @@ fn tally_text(tally: &Tally, folder: &Path) -> String {
 fn check_tally(tally: &Tally) -> Result<(), Failure> {
     if tally.stopped {
         let left = tally.runs - tally.kept - tally.computed;
-        let what = format!("stopped: {left} of {} runs have no result; the same command goes on", tally.runs);
-        return Err(Failure::Work(what));
+        let what = format!("stopped: {left} of {} runs have no result", tally.runs);
+        return Err(Failure::work(ErrorCode::PlanIncomplete, what, "the same command goes on"));
     }
     match &tally.first_failed {
         None => Ok(()),
-        Some((id, error)) => Err(Failure::Work(format!(
-            "{} of {} runs have no plan; the first, {id}: {error}",
-            tally.failed, tally.runs
-        ))),
+        Some((id, error)) => {
+            let what = format!("{} of {} runs have no plan", tally.failed, tally.runs);
+            Err(Failure::work(ErrorCode::PlanIncomplete, what, format!("the first, {id}: {error}")))
+        }
     }
 }
 
@@ -143,26 +149,27 @@ fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     let name = args.output.display().to_string();
     let extension = args.output.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     if extension != "csv" {
-        let what = format!("`.{extension}` is not a format of tables; name a .csv file");
-        return Err(Failure::at(&name, 0, &what));
+        let what = format!("`.{extension}` is not a format of tables");
+        return Err(Failure::input(ErrorCode::FileFormat, what, "name a .csv file").at(name));
     }
     let merged = merge(&args.folder)?;
     write_atomically(&args.output, merged.text.as_bytes())?;
     print_stdout(&format!("wrote {name}: {} runs\n", merged.rows))?;
     match merged.missing.first() {
         None => Ok(()),
-        Some(first) => Err(Failure::Work(format!(
-            "{} of {} runs have no result, {first} is the first; run the study again to do what is left",
-            merged.missing.len(),
-            merged.missing.len() + merged.rows
-        ))),
+        Some(first) => {
+            let (missing, all) = (merged.missing.len(), merged.missing.len() + merged.rows);
+            let what = format!("{missing} of {all} runs have no result, {first} is the first");
+            let help = "run the study again to do what is left";
+            Err(Failure::work(ErrorCode::PlanIncomplete, what, help))
+        }
     }
 }
 
 fn run_pareto(args: &ParetoArgs) -> Result<(), Failure> {
     let table = Table::read(&args.table)?;
     let over: Vec<&str> = args.over.iter().map(|figure| figure.trim()).collect();
-    let set = table.pareto(&over).map_err(|what| Failure::Input(format!("--over: {what}")))?;
+    let set = table.pareto(&over).map_err(|error| Failure::from(error).at("--over"))?;
     let text = if args.json { pareto_json(&table, &set, &over) } else { pareto_text(&table, &set, &over) };
     print_stdout(&text)
 }

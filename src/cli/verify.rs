@@ -10,6 +10,7 @@ use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
 use super::report::PlanFigures;
 use super::{Failure, open, print_stdout, report};
+use crate::error::ErrorCode;
 use crate::io::apt::read_apt_bytes;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
@@ -27,22 +28,20 @@ const MAX_SHOWN: usize = 20;
 /// Verifies a program and prints the findings.
 ///
 /// # Errors
-/// [`Failure::Input`] when an input is invalid, [`Failure::Work`] when the program has faults.
+/// [`Failure::input`] when an input is invalid, [`Failure::work`] when the program has faults.
 pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let (_, part) = open::part(&args.part, &args.mesh)?;
     if args.program == Path::new("-") && args.setup.as_deref() == Some(Path::new("-")) {
-        return Err(Failure::Input(
-            "standard input cannot be both setup and program; give one as a file".to_owned(),
-        ));
+        return Err(open::both_from_standard_input());
     }
     let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
-    check_part(&opened.setup, &part).map_err(|fault| opened.failure(&fault))?;
+    check_part(&opened.setup, &part).map_err(|fault| opened.failure(fault))?;
     let setup = &opened.setup;
     let (name, bytes) = open::named_bytes(&args.program)?;
     let (program, overruns) = read_program(args, &part, setup, &name, &bytes)?;
     let channel = Channel::of(&part);
-    let unjudged = |fault: Fault| Failure::at(&name, fault.line, &fault.message);
+    let unjudged = |fault: Fault| Failure::of_fault(&name, fault);
     let (mut map, mut text, mut faults) = if is_flank(&program) {
         let verdict = verify_flank(&part, &channel, setup, &program).map_err(unjudged)?;
         (flank::object(&part, &verdict), flank::text(&verdict), verdict.faults)
@@ -70,11 +69,12 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         }
         print_stdout(&text)?;
     }
-    match faults.len() {
-        0 => Ok(()),
-        1 => Err(Failure::Work(format!("{name}: one fault found; correct the program"))),
-        n => Err(Failure::Work(format!("{name}: {n} faults found; correct the program"))),
-    }
+    let what = match faults.len() {
+        0 => return Ok(()),
+        1 => "one fault found".to_owned(),
+        n => format!("{n} faults found"),
+    };
+    Err(Failure::work(ErrorCode::ProgramFaults, what, "correct the program").at(name))
 }
 
 /// The program to judge: APT, or with a machine the NC program posted for it, with positions beyond limits.

@@ -1,9 +1,11 @@
 //! What the commands answer that draw pictures, in a program that was built without the feature `gpu`.
 
 use super::Failure;
+use crate::error::ErrorCode;
 
 fn no_pictures<T>() -> Result<T, Failure> {
-    Err(Failure::Work("this program was built without pictures; build it with --features gpu".to_owned()))
+    let what = "this program was built without pictures";
+    Err(Failure::work(ErrorCode::NotBuiltIn, what, "build it with --features gpu"))
 }
 
 /// Stands in for the pictures of plans and parts.
@@ -15,7 +17,7 @@ pub mod render {
     use crate::job::PlanOutcome;
 
     /// # Errors
-    /// Always [`Failure::Work`].
+    /// Always [`Failure::work`].
     pub fn run(_: &RenderArgs) -> Result<(), Failure> {
         no_pictures()
     }
@@ -39,7 +41,7 @@ pub mod assess_pictures {
     use crate::setup::Setup;
 
     /// # Errors
-    /// Always [`Failure::Work`].
+    /// Always [`Failure::work`].
     pub fn write(_: &Path, _: &Impeller, _: &Channel, _: &Setup, _: &Assessment) -> Result<String, Failure> {
         no_pictures()
     }

@@ -54,7 +54,7 @@ pub struct LayerChart<'a> {
     step: f64,
     /// Distance fields by wall, row by row, mm; infinite where no ray arrives.
     distances: [Vec<f64>; 3],
-    /// Offsets by wall: end points of its rays after `clear`, `clear` + `interval`, `clear` + 2 `interval`, …
+    /// Offsets by wall: end points of its rays after `clear`, `clear` + `stepover`, `clear` + 2 `stepover`, …
     /// mm.
     offsets: [Vec<Vec<LayerPoint>>; 3],
     /// Stepover: distance between neighbouring offsets, mm.
@@ -96,12 +96,12 @@ const MAX_NODES: usize = 1200;
 impl<'a> LayerChart<'a> {
     /// A chart with nodes about `spacing` mm apart over the layer and `beyond` mm past its ends. `clear` is
     /// the least distance of the tool axis from a wall. The first offset of a wall is `clear` from it, the
-    /// others follow at steps of `interval` (all mm).
+    /// others follow at steps of `stepover` (all mm).
     pub fn new(
         layer: &'a LayerSurface,
         borders: &'a LayerWalls,
         clear: f64,
-        interval: f64,
+        stepover: f64,
         spacing: f64,
         beyond: f64,
     ) -> Self {
@@ -128,10 +128,10 @@ impl<'a> LayerChart<'a> {
             distances: std::array::from_fn(|_| vec![f64::INFINITY; rows.len() * columns]),
             rows,
             offsets: Default::default(),
-            stepover: interval,
+            stepover,
         };
         let lengths: Vec<f64> = std::iter::once(0.0)
-            .chain((0..).map(|k| clear + interval * f64::from(k)).take_while(|l| *l < widest + interval))
+            .chain((0..).map(|k| clear + stepover * f64::from(k)).take_while(|l| *l < widest + stepover))
             .collect();
         // The rays start between two nodes: set the distance on the walls themselves.
         for i in 0..chart.rows.len() {

@@ -1,6 +1,7 @@
 //! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
 //! enough space for passes side by side, or a thicker one where that is too short.
 
+use crate::error::ErrorCode;
 use crate::part::{Channel, Impeller, Passage, PassageWidth};
 use crate::setup::{Setup, SetupFault, SetupPlace, Tool, tool_of};
 
@@ -79,7 +80,11 @@ pub fn choose_tool(
     let tool = longer
         .or_else(|| same().filter(|t| t.overhang >= reach).min_by(|a, b| a.overhang.total_cmp(&b.overhang)));
     let Some(tool) = tool else {
-        return Err(SetupFault::new("there is no tool to choose from", "give a [[tool]]"));
+        return Err(SetupFault::new(
+            ErrorCode::UndefinedTool,
+            "there is no tool to choose from",
+            "give a [[tool]]",
+        ));
     };
     let which = match tool {
         tool if longer.is_some() && tool.overhang >= wanted => "thinnest cutter long enough for",
@@ -106,6 +111,7 @@ fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> Setu
         format!("give a blade allowance of {share:.3} mm and a cutter below D {:.2}", narrowest - 2.0 * share)
     };
     SetupFault::new(
+        ErrorCode::CutterTooWide,
         format!(
             "no cutter fits between the blades: the channel is {narrowest:.2} to {widest:.2} mm wide, the \
              thinnest cutter is D {thinnest}, and the blade allowance is {allowance} mm on each side"

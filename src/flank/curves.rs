@@ -7,6 +7,7 @@ use super::layer::{LayerPoint, LayerSurface};
 use super::layer_walls::LayerWalls;
 use super::stepover::stepover;
 use super::strategies::{self, PassCurve, PassRole};
+use crate::error::{ErrorCode, UserError};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
 use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool, round_down, round_up};
@@ -19,7 +20,7 @@ const MAX_ACROSS: f64 = 2000.0;
 /// one more.
 const COUNT_SLACK: f64 = 0.05;
 /// Nodes of the chart per stepover, and the limits of their spacing, mm.
-const NODES_PER_INTERVAL: f64 = 6.0;
+const NODES_PER_STEPOVER: f64 = 6.0;
 const NODE_SPACING: [f64; 2] = [0.05, 1.0];
 /// A gap counts as wide above this multiple of the stepover.
 const WIDE: f64 = 1.02;
@@ -35,6 +36,15 @@ pub enum FlankError {
     /// The setup does not suit the part.
     #[error(transparent)]
     Setup(#[from] SetupFault),
+}
+
+impl From<FlankError> for UserError {
+    fn from(error: FlankError) -> Self {
+        match error {
+            FlankError::Cancelled(cancelled) => cancelled.into(),
+            FlankError::Setup(fault) => fault.into(),
+        }
+    }
 }
 
 /// How well passes cover a layer.
@@ -102,12 +112,12 @@ pub struct FlankLayout {
 
 impl FlankLayout {
     /// Share of the area of a strategy in gaps wider than 1.02 times the stepover.
-    pub fn wide_share(&self, scheme: FlankStrategy) -> f64 {
-        let area = match scheme {
+    pub fn wide_share(&self, strategy: FlankStrategy) -> f64 {
+        let area = match strategy {
             FlankStrategy::Isoparametric => self.layers.iter().map(|l| l.area).sum(),
             _ => self.area,
         };
-        self.totals[scheme as usize].coverage.wide_area / f64::max(area, 1e-9)
+        self.totals[strategy as usize].coverage.wide_area / f64::max(area, 1e-9)
     }
 }
 
@@ -145,7 +155,7 @@ impl LayoutInputs<'_> {
     fn layer_count(&self) -> Result<usize, SetupFault> {
         let (depth, height) = (self.setup.flank.layer_depth, self.deepest());
         let fault = |what: String, help: String| {
-            Err(SetupFault::new(what, help).at(SetupPlace::Flank("layer_depth")))
+            Err(SetupFault::new(ErrorCode::LayerDepth, what, help).at(SetupPlace::Flank("layer_depth")))
         };
         if depth.is_nan() || depth <= 0.0 {
             return fault(format!("the depth of a layer is {depth} mm"), "give more than 0".to_owned());
@@ -172,7 +182,7 @@ impl LayoutInputs<'_> {
     /// [`FlankError::Cancelled`] after a cancellation; [`FlankError::Setup`] where the layer depth or the
     /// scallop height is unusable or the tool fits nowhere.
     pub fn plan(&self, monitor: &Monitor) -> Result<FlankLayout, FlankError> {
-        let scheme = self.setup.flank.strategy;
+        let strategy = self.setup.flank.strategy;
         let count = self.layer_count()?;
         let depth = self.setup.flank.layer_depth;
         // The lowest layer keeps the allowance of the hub.
@@ -186,12 +196,12 @@ impl LayoutInputs<'_> {
             else {
                 return Ok(None);
             };
-            self.isoparametric_layer(layer, scheme == FlankStrategy::Isoparametric)
+            self.isoparametric_layer(layer, strategy == FlankStrategy::Isoparametric)
         };
         let ours = |j: usize| -> Result<Option<LayerLayout>, FlankError> {
             monitor.check()?;
             let Some(layer) = LayerSurface::at_height(self.part, deep[j]) else { return Ok(None) };
-            self.layer(layer, scheme)
+            self.layer(layer, strategy)
         };
         // One parallel list for both kinds of layers, so that no core idles. The layers next to the hub take
         // longest and come first.
@@ -201,7 +211,7 @@ impl LayoutInputs<'_> {
             .map(|k| if k % 2 == 0 { ours(k / 2) } else { baseline(k / 2) })
             .collect::<Result<_, _>>()?;
         let mut result = FlankLayout {
-            strategy: scheme,
+            strategy,
             layers: Vec::with_capacity(count),
             totals: [StrategyFigures::default(); 4],
             area: 0.0,
@@ -228,12 +238,13 @@ impl LayoutInputs<'_> {
                 total.coverage.largest_gap = total.coverage.largest_gap.max(here.coverage.largest_gap);
                 total.coverage.wide_area += here.coverage.wide_area;
             }
-            if ours != (scheme == FlankStrategy::Isoparametric) {
+            if ours != (strategy == FlankStrategy::Isoparametric) {
                 result.layers.push(layer);
             }
         }
         if result.layers.iter().all(|layer| layer.area <= 0.0) {
             return Err(SetupFault::new(
+                ErrorCode::CutterTooWide,
                 format!("the cutter of D {} fits nowhere between the blades", self.tool.diameter),
                 "give a thinner one, or a smaller blade allowance",
             )
@@ -272,6 +283,7 @@ impl LayoutInputs<'_> {
         let pitch = layer.radius(layer.to).0 * (borders.high.y_at(layer.to) - borders.low.y_at(layer.to));
         if least.is_nan() || least * MAX_ACROSS <= pitch {
             return Err(SetupFault::new(
+                ErrorCode::FineScallop,
                 format!(
                     "a scallop height of {error} mm gives a stepover of {least:.4} mm: more than \
                      {MAX_ACROSS} passes side by side"
@@ -283,40 +295,40 @@ impl LayoutInputs<'_> {
         Ok(least)
     }
 
-    fn chart<'c>(&self, layer: &'c LayerSurface, borders: &'c LayerWalls, interval: f64) -> LayerChart<'c> {
-        let spacing = (interval / NODES_PER_INTERVAL).clamp(NODE_SPACING[0], NODE_SPACING[1]);
-        LayerChart::new(layer, borders, self.clear(), interval, spacing, self.beyond())
+    fn chart<'c>(&self, layer: &'c LayerSurface, borders: &'c LayerWalls, stepover: f64) -> LayerChart<'c> {
+        let spacing = (stepover / NODES_PER_STEPOVER).clamp(NODE_SPACING[0], NODE_SPACING[1]);
+        LayerChart::new(layer, borders, self.clear(), stepover, spacing, self.beyond())
     }
 
-    /// A layer of constant depth with the passes of `scheme`.
-    fn layer(&self, layer: LayerSurface, scheme: FlankStrategy) -> Result<Option<LayerLayout>, FlankError> {
+    /// A layer of constant depth with the passes of `strategy`.
+    fn layer(&self, layer: LayerSurface, strategy: FlankStrategy) -> Result<Option<LayerLayout>, FlankError> {
         let Some(borders) = self.borders(&layer, self.tool.corner_radius) else { return Ok(None) };
-        let interval = self.layer_stepover(&layer, &borders)?;
+        let stepover = self.layer_stepover(&layer, &borders)?;
         let (clear, beyond) = (self.clear(), self.beyond());
-        let chart = self.chart(&layer, &borders, interval);
+        let chart = self.chart(&layer, &borders, stepover);
         let nodes = FreeNodes::of(&chart);
-        let mut by_scheme = [
+        let mut by_strategy = [
             Vec::new(),
-            strategies::isoparametric_by_region(&layer, &borders, clear, interval, beyond),
+            strategies::isoparametric_by_region(&layer, &borders, clear, stepover, beyond),
             strategies::regions(&chart, beyond),
             strategies::balanced(&chart, beyond),
         ];
-        let walls: f64 = by_scheme[FlankStrategy::Balanced as usize]
+        let walls: f64 = by_strategy[FlankStrategy::Balanced as usize]
             .iter()
             .filter(|curve| matches!(curve.role, PassRole::Wall(_)))
             .map(|curve| curve.length(&layer))
             .sum();
         let mut figures = [StrategyFigures::default(); 4];
-        for (figures, curves) in figures.iter_mut().zip(&by_scheme).skip(1) {
+        for (figures, curves) in figures.iter_mut().zip(&by_strategy).skip(1) {
             *figures = nodes.measure(&chart, curves);
         }
         let seam_length = chart.seam_length();
-        let (area, floor_length) = (nodes.area, nodes.area / interval + 0.5 * walls);
-        let curves = std::mem::take(&mut by_scheme[scheme as usize]);
+        let (area, floor_length) = (nodes.area, nodes.area / stepover + 0.5 * walls);
+        let curves = std::mem::take(&mut by_strategy[strategy as usize]);
         Ok(Some(LayerLayout {
             layer,
             borders,
-            stepover: interval,
+            stepover,
             pass_curves: curves,
             figures,
             area,
@@ -333,12 +345,12 @@ impl LayoutInputs<'_> {
     ) -> Result<Option<LayerLayout>, FlankError> {
         // As published: offsets start from the walls where they cross the layer itself.
         let Some(borders) = self.borders(&layer, 0.0) else { return Ok(None) };
-        let interval = self.layer_stepover(&layer, &borders)?;
-        let curves = strategies::isoparametric(&layer, &borders, self.clear(), interval, self.beyond());
+        let stepover = self.layer_stepover(&layer, &borders)?;
+        let curves = strategies::isoparametric(&layer, &borders, self.clear(), stepover, self.beyond());
         let mut figures = [StrategyFigures::default(); 4];
         let mut area = 0.0;
         figures[0] = if wanted {
-            let chart = self.chart(&layer, &borders, interval);
+            let chart = self.chart(&layer, &borders, stepover);
             let nodes = FreeNodes::of(&chart);
             area = nodes.area;
             nodes.measure(&chart, &curves)
@@ -350,7 +362,7 @@ impl LayoutInputs<'_> {
         Ok(Some(LayerLayout {
             layer,
             borders,
-            stepover: interval,
+            stepover,
             pass_curves: curves,
             figures,
             area,

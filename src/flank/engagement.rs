@@ -26,8 +26,8 @@ const BESIDE: f64 = 1.3;
 const SAMPLES: usize = 12;
 
 impl CutPasses {
-    pub(super) fn new(tool: &Tool, interval: f64) -> Self {
-        Self { corner_radius: tool.corner_radius, beside: BESIDE * interval, paths: Vec::new() }
+    pub(super) fn new(tool: &Tool, stepover: f64) -> Self {
+        Self { corner_radius: tool.corner_radius, beside: BESIDE * stepover, paths: Vec::new() }
     }
 
     fn corner_path<'a>(&self, positions: &'a [(Point, Vector)]) -> impl Iterator<Item = Point> + 'a {
@@ -91,12 +91,13 @@ mod tests {
         let mut cut = CutPasses::new(&tool, 2.0);
         assert!(cut.are_far_from(&line(0.0)), "nothing is cut");
         cut.add(&line(0.0));
-        assert!(!cut.are_far_from(&line(2.0)), "one interval away");
-        assert!(cut.are_far_from(&line(6.0)), "three intervals away");
+        assert!(!cut.are_far_from(&line(2.0)), "one stepover away");
+        assert!(cut.are_far_from(&line(6.0)), "three stepovers away");
         // Another axis along the same path gives the same corner path.
-        let lean = Vector::new(0.0, 0.6, 0.8);
-        let leaning: Vec<_> = line(2.0).iter().map(|(tip, axis)| (tip + (axis - lean) * 3.0, lean)).collect();
-        assert!(!cut.are_far_from(&leaning));
+        let tilted = Vector::new(0.0, 0.6, 0.8);
+        let tilted_line: Vec<_> =
+            line(2.0).iter().map(|(tip, axis)| (tip + (axis - tilted) * 3.0, tilted)).collect();
+        assert!(!cut.are_far_from(&tilted_line));
         // Half beside it, half beyond its end.
         let half: Vec<_> = line(2.0).iter().map(|(tip, axis)| (tip + Vector::x() * 18.0, *axis)).collect();
         assert!(cut.are_far_from(&half));

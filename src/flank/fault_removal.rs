@@ -37,14 +37,14 @@ const LINK_ITERATIONS: usize = 2;
 const MAX_ITERATIONS: usize = 24;
 
 /// The program of `layers`, given in cutting order, without what `check` rejects: iterates removal and check.
-/// `extension` is the length of lead-in and lead-out, mm.
+/// `lead_in_out` is the length of lead-in and lead-out, mm.
 ///
 /// # Errors
 /// When the monitor is cancelled.
 pub(super) fn remove_faults(
     path: &PathMaker,
     layers: &mut [LayerPasses],
-    extension: f64,
+    lead_in_out: f64,
     check: &mut MoveCheck,
     monitor: &Monitor,
 ) -> Result<CheckedProgram, Cancelled> {
@@ -56,7 +56,7 @@ pub(super) fn remove_faults(
         if faults.is_empty() || round == MAX_ITERATIONS {
             return Ok(CheckedProgram { moves: program.moves, left_out, faults });
         }
-        remove_faulty_moves(layers, &program, &faults, round, extension, &mut left_out);
+        remove_faulty_moves(layers, &program, &faults, round, lead_in_out, &mut left_out);
         round += 1;
     }
 }
@@ -78,7 +78,7 @@ fn remove_faulty_moves(
     program: &Program,
     faults: &[MoveFault],
     round: usize,
-    extension: f64,
+    lead_in_out: f64,
     left_out: &mut Vec<UncutLength>,
 ) {
     let mut cuts: BTreeMap<(usize, usize), PassRemovals> = BTreeMap::new();
@@ -114,7 +114,7 @@ fn remove_faulty_moves(
         let layer = &mut layers[index];
         for (number, pass) in std::mem::take(&mut layer.passes).into_iter().enumerate() {
             match cuts.get(&(index, number)) {
-                Some(cut) => split_pass(layer, pass, cut, extension, left_out),
+                Some(cut) => split_pass(layer, pass, cut, lead_in_out, left_out),
                 None => layer.passes.push(pass),
             }
         }
@@ -126,7 +126,7 @@ fn split_pass(
     layer: &mut LayerPasses,
     pass: Pass,
     cut: &PassRemovals,
-    extension: f64,
+    lead_in_out: f64,
     left_out: &mut Vec<UncutLength>,
 ) {
     let mut note = |length: f64, why: &'static str| {
@@ -176,7 +176,7 @@ fn split_pass(
             group: pass.group,
             positions: pass.positions[first..=last].to_vec(),
             ends,
-            open: ends.map(|end| is_open(layer.layer, end, extension)),
+            open: ends.map(|end| is_open(layer.layer, end, lead_in_out)),
             linked: pass.linked && !cut.unlinked,
         });
     }

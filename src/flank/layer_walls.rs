@@ -181,9 +181,9 @@ impl LayerWalls {
         };
         let ends = |line: &[LayerPoint]| [reach(line, 0, layer.from), reach(line, line.len() - 1, layer.to)];
         let turning = [&low, &high].into_iter().any(|line| turns_back(layer, line, ends(line)[0]));
-        let most_lean = if turning { MAX_ANGLE_TO_MERIDIAN } else { FRAC_PI_2 };
+        let max_turn_rad = if turning { MAX_ANGLE_TO_MERIDIAN } else { FRAC_PI_2 };
         let wall = |line: &[LayerPoint], blade: &BladeSide, flank: &BladeSide, side: f64| {
-            let points = extended(layer, line, ends(line), most_lean);
+            let points = extended(layer, line, ends(line), max_turn_rad);
             if !turning {
                 return LayerWall::new(layer, points, side);
             }
@@ -280,8 +280,13 @@ fn turns_back(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> bool {
 }
 
 /// The line, extended by geodesics until `reach` mm beyond both ends of the layer. Ahead of the leading edge
-/// the heading is kept within `most_lean` (rad) of the meridian.
-fn extended(layer: &LayerSurface, line: &[LayerPoint], reach: [f64; 2], most_lean: f64) -> Vec<LayerPoint> {
+/// the heading is kept within `max_turn_rad` (rad) of the meridian.
+fn extended(
+    layer: &LayerSurface,
+    line: &[LayerPoint],
+    reach: [f64; 2],
+    max_turn_rad: f64,
+) -> Vec<LayerPoint> {
     let n = line.len();
     let (behind, back) = ahead_of(layer, line, reach[0]);
     let run = |from: LayerPoint, heading: f64, length: f64| {
@@ -290,12 +295,12 @@ fn extended(layer: &LayerSurface, line: &[LayerPoint], reach: [f64; 2], most_lea
             .map(|k| layer.geodesic(from, heading, length * k as f64 / steps as f64).0)
             .collect::<Vec<LayerPoint>>()
     };
-    let mut points = if most_lean < FRAC_PI_2 {
+    let mut points = if max_turn_rad < FRAC_PI_2 {
         let steps = (behind / EXTENSION_STEP).ceil().max(1.0);
         let mut at = (line[0], back);
         let next = |_| {
-            let lean = wrap_angle(at.1 - PI).clamp(-most_lean, most_lean);
-            at = layer.geodesic(at.0, PI + lean, behind / steps);
+            let turn = wrap_angle(at.1 - PI).clamp(-max_turn_rad, max_turn_rad);
+            at = layer.geodesic(at.0, PI + turn, behind / steps);
             at.0
         };
         (0..steps as usize).map(next).collect()

@@ -133,9 +133,9 @@ impl<'a> PassMaker<'a> {
 }
 
 /// Whether a layer point is beyond `layer`, at the inlet, the rim, or above the shroud, by at least half of
-/// `extension` (mm).
-pub(super) fn is_open(layer: &LayerSurface, p: LayerPoint, extension: f64) -> bool {
-    p.x <= layer.from - 0.5 * extension || p.x >= layer.to + 0.5 * extension
+/// `lead_in_out` (mm).
+pub(super) fn is_open(layer: &LayerSurface, p: LayerPoint, lead_in_out: f64) -> bool {
+    p.x <= layer.from - 0.5 * lead_in_out || p.x >= layer.to + 0.5 * lead_in_out
 }
 
 /// Inputs to make the passes of one layer.

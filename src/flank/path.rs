@@ -280,13 +280,13 @@ impl ProgramWriter<'_> {
             0 => pass.positions[0],
             _ => pass.positions[pass.positions.len() - 1],
         };
-        let flight =
+        let rapid_time =
             self.estimate_rapid_time((from.tip, from.axis), position(flown_to), pass.open[flown_to], feed);
         let mut ends = [0, 1].map(|end| (layer.layer.segment_length(at, pass.ends[end]), end));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.into_iter().find_map(|(long, end)| {
             let target = position(end);
-            if long / feed > flight || from.axis.angle(&target.1) > MAX_LINK_TURN {
+            if long / feed > rapid_time || from.axis.angle(&target.1) > MAX_LINK_TURN {
                 return None;
             }
             Some((self.link_positions(layer, (at, from), (pass.ends[end], target), long)?, end))
@@ -393,10 +393,10 @@ impl ProgramWriter<'_> {
     /// # Errors
     /// When the monitor is cancelled.
     fn raise_rapids(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
-        let flights = std::mem::take(&mut self.rapids);
+        let rapids = std::mem::take(&mut self.rapids);
         for round in 0..MAX_RAISE_ITERATIONS {
             let mut clear = true;
-            for &k in &flights {
+            for &k in &rapids {
                 monitor.check()?;
                 let short = self.missing_clearance(k);
                 if short > 0.0 {

@@ -133,11 +133,11 @@ type WallInputs = (Setup, Vec<f64>);
 /// The setup reduced to what the axes along the walls depend on, and the heights of the layers, mm.
 fn wall_inputs(setup: &Setup, curves: &FlankLayout) -> WallInputs {
     let mut inputs = curve_inputs(setup);
-    let (extension, scheme) = (inputs.flank.lead_in_out, inputs.flank.strategy);
+    let (lead_in_out, strategy) = (inputs.flank.lead_in_out, inputs.flank.strategy);
     inputs.flank = Setup::default().flank;
-    inputs.flank.lead_in_out = extension;
-    if scheme == FlankStrategy::Isoparametric {
-        inputs.flank.strategy = scheme;
+    inputs.flank.lead_in_out = lead_in_out;
+    if strategy == FlankStrategy::Isoparametric {
+        inputs.flank.strategy = strategy;
     }
     (inputs, curves.layers.iter().map(|l| l.layer.height).collect())
 }
@@ -229,9 +229,9 @@ pub fn plan(
         layer_depth: setup.flank.layer_depth,
     };
     monitor.report(0.85);
-    let extension = setup.flank.lead_in_out_for(tool);
+    let lead_in_out = setup.flank.lead_in_out_for(tool);
     let CheckedProgram { moves, left_out: more, faults } =
-        remove_faults(&path, &mut layers, extension, check, monitor)?;
+        remove_faults(&path, &mut layers, lead_in_out, check, monitor)?;
     left_out.extend(more);
     left_out.sort_by_key(|left| left.layer);
     monitor.report(1.0);
@@ -278,7 +278,7 @@ fn fit_walls(
         tool,
         blade_allowance: setup.allowances.blade_allowance,
         hub_allowance: setup.allowances.hub_allowance,
-        extension: setup.flank.lead_in_out_for(tool).max(1e-3),
+        lead_in_out: setup.flank.lead_in_out_for(tool).max(1e-3),
         step: WALL_STEP,
         chord_error: WALL_CHORD,
     };

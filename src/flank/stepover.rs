@@ -89,7 +89,7 @@ mod tests {
             let root = (r * r - (centre * turn.sin()).powi(2)).sqrt();
             let cusp =
                 if convex { centre * turn.cos() - root - rho } else { rho - centre * turn.cos() - root };
-            assert!((cusp - e).abs() < 1e-6, "cusp {cusp} at {rho} {convex}, interval {i}");
+            assert!((cusp - e).abs() < 1e-6, "cusp {cusp} at {rho} {convex}, stepover {i}");
         }
     }
 

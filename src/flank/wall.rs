@@ -33,7 +33,7 @@ pub struct WallMilling<'a> {
     /// Stock that stays on the hub: below it, and below the corner of the cutter, the wall is not cut.
     pub hub_allowance: f64,
     /// Length of the pass beyond either end of the wall.
-    pub extension: f64,
+    pub lead_in_out: f64,
     /// Maximum distance between stations.
     pub step: f64,
     /// Maximum chord error of the straight move between two stations; it reduces their distance where the
@@ -150,15 +150,15 @@ impl<'a> WallFit<'a> {
         let places = station_parameters(&face, milling)?;
         let jumps = |pair: &[FittedAxis]| pair[0].line().axis().angle(&pair[1].line().axis()) > JUMP;
         let mut whole = WallStrip::whole(&face, &places, milling);
-        let settled = |fitted: &Vec<FittedAxis>| !fitted.windows(2).any(jumps);
-        let tilted = Some(whole.fit_axes(&face, &places, None, MAX_LEAD_ANGLE)).filter(settled);
+        let is_smooth = |fitted: &Vec<FittedAxis>| !fitted.windows(2).any(jumps);
+        let tilted = Some(whole.fit_axes(&face, &places, None, MAX_LEAD_ANGLE)).filter(is_smooth);
         let strips = match tilted {
             Some(tilted) => {
                 whole.fitted = tilted;
                 let mut strips = whole.by_layer(&face, &places, milling, layers);
                 for strip in &mut strips {
                     let own = strip.fit_axes(&face, &places, Some(&whole.fitted), MAX_LEAD_ANGLE);
-                    strip.fitted = if settled(&own) {
+                    strip.fitted = if is_smooth(&own) {
                         own
                     } else {
                         whole.fitted.iter().zip(&own).map(|(whole, own)| whole.instead_of(own)).collect()

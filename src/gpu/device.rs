@@ -3,6 +3,7 @@
 //! Only Vulkan is used. Without a graphics card the same code runs on Mesa's software driver (lavapipe), so
 //! that a machine without a screen draws the same pictures.
 
+use crate::error::{ErrorCode, UserError};
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -11,24 +12,15 @@ pub const GPU_VARIABLE: &str = "VANECUT_GPU";
 
 /// Errors of opening or using the device.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.explained())]
 pub enum GpuError {
     /// No Vulkan loader or no Vulkan driver was found.
-    #[error(
-        "no Vulkan driver was found; install one, on Debian: apt install libvulkan1 mesa-vulkan-drivers \
-         (the latter includes a software driver that needs no graphics card)"
-    )]
     NoVulkan,
     /// The software driver was requested, and only other drivers are installed.
-    #[error(
-        "{GPU_VARIABLE}=software requires a software Vulkan driver, but none is installed; \
-         on Debian: apt install mesa-vulkan-drivers"
-    )]
     NoSoftware,
     /// The environment variable has an unknown value.
-    #[error("{GPU_VARIABLE} is {0:?}; set it to \"software\" or unset it")]
     UnknownChoice(String),
     /// The adapter exists, but its device cannot be opened.
-    #[error("the graphics device {name} could not be opened: {source}")]
     Open {
         /// Name of the adapter.
         name: String,
@@ -36,10 +28,8 @@ pub enum GpuError {
         source: wgpu::RequestDeviceError,
     },
     /// The device rejected or failed an operation.
-    #[error("the graphics device failed: {0}")]
     Failed(String),
     /// The input needs larger buffers than the device has.
-    #[error("{what} needs a buffer of {bytes} bytes; the graphics device allows {limit}")]
     TooLarge {
         /// Content of the buffer.
         what: &'static str,
@@ -48,6 +38,42 @@ pub enum GpuError {
         /// Largest allowed size, bytes.
         limit: u64,
     },
+}
+
+impl GpuError {
+    /// What is wrong and what to do.
+    pub fn explained(&self) -> UserError {
+        let (what, help) = match self {
+            Self::NoVulkan => (
+                "no Vulkan driver was found".to_owned(),
+                "install one, on Debian: apt install libvulkan1 mesa-vulkan-drivers (the latter includes a \
+                 software driver that needs no graphics card)",
+            ),
+            Self::NoSoftware => (
+                format!("{GPU_VARIABLE}=software requires a software Vulkan driver, but none is installed"),
+                "on Debian: apt install mesa-vulkan-drivers",
+            ),
+            Self::UnknownChoice(word) => {
+                (format!("{GPU_VARIABLE} is {word:?}"), "set it to \"software\" or unset it")
+            }
+            Self::Open { name, source } => {
+                (format!("the graphics device {name} could not be opened: {source}"), "")
+            }
+            Self::Failed(what) => (format!("the graphics device failed: {what}"), ""),
+            Self::TooLarge { what, bytes, limit } => {
+                let what = format!("{what} needs a buffer of {bytes} bytes");
+                let limit = format!("the graphics device allows {limit}");
+                return UserError::new(ErrorCode::GraphicsDevice, what, limit);
+            }
+        };
+        UserError::new(ErrorCode::GraphicsDevice, what, help)
+    }
+}
+
+impl From<GpuError> for UserError {
+    fn from(error: GpuError) -> Self {
+        error.explained()
+    }
 }
 
 /// Prefix of the message that records the loss of the device.

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::mesh::{Mesh, Segment};
 use super::walls::wall_mesh;
+use crate::error::{ErrorCode, UserError};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
 use crate::geometry::Point;
@@ -25,21 +26,23 @@ pub enum FlankColours {
     Walls,
 }
 
-/// Error: a word that does not name colours of a flank plan.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown colours \"{0}\"; use layer, region, feed, walls or solid")]
-pub struct UnknownFlankColours(pub String);
-
 impl FromStr for FlankColours {
-    type Err = UnknownFlankColours;
+    type Err = UserError;
 
-    fn from_str(word: &str) -> Result<Self, UnknownFlankColours> {
+    fn from_str(word: &str) -> Result<Self, UserError> {
         Ok(match word {
             "layer" => Self::Layer,
             "region" => Self::Region,
             "feed" => Self::Feed,
             "walls" => Self::Walls,
-            _ => return Err(UnknownFlankColours(word.to_owned())),
+            _ => {
+                let help = "use layer, region, feed, walls or solid";
+                return Err(UserError::new(
+                    ErrorCode::UnknownName,
+                    format!("unknown colours \"{word}\""),
+                    help,
+                ));
+            }
         })
     }
 }

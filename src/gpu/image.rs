@@ -1,5 +1,7 @@
 //! PNG encoding.
 
+use crate::error::{ErrorCode, UserError};
+
 /// Why a picture could not be encoded.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {
@@ -18,6 +20,12 @@ pub enum ImageError {
     /// The encoder failed.
     #[error("cannot encode the picture: {0}")]
     Encode(#[from] png::EncodingError),
+}
+
+impl From<ImageError> for UserError {
+    fn from(error: ImageError) -> Self {
+        Self::new(ErrorCode::Picture, error.to_string(), "")
+    }
 }
 
 /// Encodes 8-bit RGBA rows, top row first, as a PNG file in memory, so that the caller can write it

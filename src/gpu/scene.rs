@@ -14,6 +14,7 @@ use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
+use crate::error::{ErrorCode, UserError};
 use crate::palette::{ColourMap, Rgb, Theme};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
@@ -138,22 +139,24 @@ impl Default for SceneOptions {
 }
 
 impl FromStr for FloorColours {
-    type Err = UnknownColours;
+    type Err = UserError;
 
-    fn from_str(word: &str) -> Result<Self, UnknownColours> {
+    fn from_str(word: &str) -> Result<Self, UserError> {
         Ok(match word {
             "residual" => Self::Residual,
             "interference" => Self::Interference,
             "plain" => Self::Plain,
-            _ => return Err(UnknownColours(word.to_owned())),
+            _ => {
+                let help = "use residual, interference, plain or solid";
+                return Err(UserError::new(
+                    ErrorCode::UnknownName,
+                    format!("unknown colours \"{word}\""),
+                    help,
+                ));
+            }
         })
     }
 }
-
-/// Error: a word that is not a floor colouring.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown colours \"{0}\"; use residual, interference, plain or solid")]
-pub struct UnknownColours(pub String);
 
 impl SceneOptions {
     /// Default options for a picture of `colours`. Cutters are shown for interference only; elsewhere they

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use crate::error::{ErrorCode, UserError};
 use glam::Vec3;
 
 /// Standard views.
@@ -20,16 +21,14 @@ pub enum View {
     Section(usize),
 }
 
-/// Error: a word that is not the name of a view.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown view \"{0}\"; use iso, front, top, channel or section:K with K counted from 1")]
-pub struct UnknownView(pub String);
-
 impl FromStr for View {
-    type Err = UnknownView;
+    type Err = UserError;
 
-    fn from_str(word: &str) -> Result<Self, UnknownView> {
-        let unknown = || UnknownView(word.to_owned());
+    fn from_str(word: &str) -> Result<Self, UserError> {
+        let unknown = || {
+            let help = "use iso, front, top, channel or section:K with K counted from 1";
+            UserError::new(ErrorCode::UnknownName, format!("unknown view \"{word}\""), help)
+        };
         Ok(match word {
             "iso" => Self::Iso,
             "front" => Self::Front,
@@ -83,7 +82,8 @@ mod tests {
         assert_eq!("iso".parse(), Ok(View::Iso));
         assert_eq!("section:3".parse(), Ok(View::Section(3)));
         for word in ["section:0", "section:", "section:x", "Iso", ""] {
-            assert_eq!(word.parse::<View>(), Err(UnknownView(word.to_owned())), "{word}");
+            let error = word.parse::<View>().expect_err(word);
+            assert_eq!(error.code, ErrorCode::UnknownName, "{error}");
         }
     }
 }

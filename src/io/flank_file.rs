@@ -7,6 +7,7 @@ use super::native::write_native;
 use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
+use crate::error::ErrorCode;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::strategies::PassRole;
 use crate::flank::wall::DeviationMap;
@@ -227,6 +228,7 @@ pub fn is_flank(bytes: &[u8]) -> bool {
 pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputError> {
     let file: FlankFile = serde_json::from_slice(bytes).map_err(|e| {
         InputError::new(
+            ErrorCode::PlanFile,
             name,
             e.line(),
             format!("this is not a flank plan file ({e})"),

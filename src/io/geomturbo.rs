@@ -38,13 +38,14 @@ use std::collections::HashMap;
 
 use super::InputError;
 use super::source;
-use super::source::{JOINT, MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, quote_for_message, stem_of};
+use super::source::{JOINT, MAX_COORDINATE, MAX_POINTS, Source, quote_for_message, stem_of};
+use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CurveDescription, Meridional, PartDescription};
 
 /// Reads a geomTurbo part. `file` is the file name used in messages; its stem is the part's name.
 pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
-    let source = Source { file };
+    let source = Source::new(file, ErrorCode::PartFile);
     let text = source::text(source, bytes)?;
     let mut lines = StatementReader { source, rest: text.lines(), line: 0, points: 0 };
     let mut found = GeomTurboContents::default();
@@ -73,7 +74,7 @@ impl<'a> StatementReader<'a> {
     }
 
     fn need(&mut self, what: &str) -> Result<&'a str, InputError> {
-        self.next().ok_or_else(|| self.source.fault(self.line, format!("ends before {what}"), TRUNCATED))
+        self.next().ok_or_else(|| self.source.cut_off(self.line, format!("ends before {what}")))
     }
 
     fn fault(&self, what: impl Into<String>, help: impl Into<String>) -> InputError {
@@ -97,7 +98,9 @@ impl<'a> StatementReader<'a> {
     fn rows<const N: usize>(&mut self, count: usize) -> Result<Vec<[f64; N]>, InputError> {
         self.points += count;
         if self.points > MAX_POINTS {
-            return Err(self.fault("holds more than 1,000,000 points", "give fewer points"));
+            return Err(self
+                .fault("holds more than 1,000,000 points", "give fewer points")
+                .with_code(ErrorCode::FileTooLarge));
         }
         let mut rows = Vec::new();
         for k in 0..count {
@@ -226,7 +229,7 @@ impl GeomTurboContents {
         match blocks.last() {
             Some((kind, line)) => {
                 let what = format!("ends inside the block {} of line {line}", quote_for_message(kind));
-                Err(lines.fault(what, TRUNCATED))
+                Err(lines.source.cut_off(lines.line, what))
             }
             None => Ok(()),
         }
@@ -280,11 +283,17 @@ impl GeomTurboContents {
         let (s, p) = (blade.suction.len(), blade.pressure.len());
         if s != p {
             let what = format!("the blade has {s} suction and {p} pressure sections");
-            return Err(lines.source.fault(blade.line, what, "give both sides the same sections"));
+            return Err(lines
+                .source
+                .fault(blade.line, what, "give both sides the same sections")
+                .with_code(ErrorCode::BladeSections));
         }
         if s < 2 {
             let what = format!("the blade has {s} span section(s)");
-            return Err(lines.source.fault(blade.line, what, "give two or more, hub to tip"));
+            return Err(lines
+                .source
+                .fault(blade.line, what, "give two or more, hub to tip")
+                .with_code(ErrorCode::BladeSections));
         }
         self.blades.push(blade);
         Ok(())
@@ -301,10 +310,14 @@ impl GeomTurboContents {
         let (shroud, shroud_line) = self.channel_curve(source, "shroud", mm)?;
         let mut blades = self.blades.into_iter();
         let main = blades.next().ok_or_else(|| {
-            source.fault(0, "holds no blade", "export it with an nirow that has a nibladegeometry")
+            source
+                .fault(0, "holds no blade", "export it with an nirow that has a nibladegeometry")
+                .with_code(ErrorCode::BladeSections)
         })?;
         let (blade_count, count_line) = main.blades.or(self.periodicity).ok_or_else(|| {
-            source.fault(main.line, "the number of blades is missing", "add PERIODICITY or number_of_blades")
+            source
+                .fault(main.line, "the number of blades is missing", "add PERIODICITY or number_of_blades")
+                .with_code(ErrorCode::BladeCount)
         })?;
         Ok(PartDescription {
             name: stem_of(source.file),
@@ -329,7 +342,7 @@ impl GeomTurboContents {
     ) -> Result<(CurveDescription, usize), InputError> {
         let chain = self.chains.get(name).ok_or_else(|| {
             let help = format!("export it with a `channel_curve {name}` block");
-            source.fault(0, format!("the {name} is missing"), help)
+            source.fault(0, format!("the {name} is missing"), help).with_code(ErrorCode::FlowCurve)
         })?;
         let mut points: Vec<Meridional> = Vec::new();
         let mut push = |run: &mut dyn Iterator<Item = &Meridional>, line: usize| {
@@ -413,7 +426,9 @@ fn side(lines: &mut StatementReader<'_>) -> Result<Vec<Vec<Point>>, InputError> 
         };
         let points = lines.count("points")?;
         if points < 2 {
-            return Err(lines.fault(format!("a section of {points} point(s)"), "give two or more"));
+            return Err(lines
+                .fault(format!("a section of {points} point(s)"), "give two or more")
+                .with_code(ErrorCode::BladeSections));
         }
         let rows = lines.rows::<3>(points)?;
         let point = |[a, b, c]: [f64; 3]| match polar {

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::InputError;
 use super::source::{name_of, quote_for_message, read_bytes};
 use super::table::{Located, NumberRange, TomlDocument, TomlTable};
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::machine::{
     LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side,
@@ -47,7 +48,13 @@ pub fn read_machine(name_or_path: &Path) -> Result<MachineTool, InputError> {
     if !name_or_path.exists() && !name.contains(['/', '\\', '.']) {
         let known: Vec<&str> = built_in_names().collect();
         let what = format!("unknown machine {}", quote_for_message(&name));
-        return Err(InputError::new("", 0, what, format!("use {}, or a machine file", known.join(", "))));
+        return Err(InputError::new(
+            ErrorCode::UnknownName,
+            "",
+            0,
+            what,
+            format!("use {}, or a machine file", known.join(", ")),
+        ));
     }
     read_machine_bytes(&name, &read_bytes(name_or_path)?)
 }
@@ -57,7 +64,7 @@ pub fn read_machine(name_or_path: &Path) -> Result<MachineTool, InputError> {
 /// # Errors
 /// When the bytes are not TOML, a key is unknown or missing, or a value is out of its range.
 pub fn read_machine_bytes(name: &str, bytes: &[u8]) -> Result<MachineTool, InputError> {
-    let document = TomlDocument::new(name, bytes)?;
+    let document = TomlDocument::new(name, bytes, ErrorCode::MachineFile)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&[
@@ -81,6 +88,7 @@ pub fn read_machine_bytes(name: &str, bytes: &[u8]) -> Result<MachineTool, Input
         Some(text) => OutputKind::of_name(text.value).ok_or_else(|| {
             let what = format!("unknown output {}", quote_for_message(text.value));
             root.fault_at(text.at, what, "use tcp-angles, tcp-vectors, plane or joints")
+                .with_code(ErrorCode::UnknownName)
         })?,
     };
     Ok(MachineTool {
@@ -99,7 +107,11 @@ pub fn read_machine_bytes(name: &str, bytes: &[u8]) -> Result<MachineTool, Input
 }
 
 fn required<T>(table: &TomlTable<'_>, key: &str, value: Option<T>) -> Result<T, InputError> {
-    value.ok_or_else(|| table.fault(format!("{} has no `{key}`", table.shown()), format!("give `{key}`")))
+    value.ok_or_else(|| {
+        table
+            .fault(format!("{} has no `{key}`", table.shown()), format!("give `{key}`"))
+            .with_code(ErrorCode::MissingKey)
+    })
 }
 
 fn text_of<'t>(table: &TomlTable<'t>, key: &str) -> Result<Option<&'t str>, InputError> {
@@ -126,7 +138,8 @@ fn linear_axes(root: &TomlTable<'_>) -> Result<[LinearAxis; 3], InputError> {
             jerk: axis.number("jerk", POSITIVE)?.map_or(f64::INFINITY, |x| x.value),
         });
     }
-    axes.try_into().map_err(|_| table.fault("needs x, y and z", "give all three"))
+    axes.try_into()
+        .map_err(|_| table.fault("needs x, y and z", "give all three").with_code(ErrorCode::MissingKey))
 }
 
 /// A list of a lower and a higher number.
@@ -134,11 +147,13 @@ fn range_of(table: &TomlTable<'_>, key: &str, largest: f64) -> Result<Option<(f6
     let Some(Located { value, at }) = table.numbers(key)? else { return Ok(None) };
     match value.as_slice() {
         [low, high] if low < high && low.abs() <= largest && high.abs() <= largest => Ok(Some((*low, *high))),
-        _ => Err(table.fault_at(
-            at,
-            format!("`{key}` is not a lower and a higher number"),
-            format!("give [low, high] within ±{largest}"),
-        )),
+        _ => Err(table
+            .fault_at(
+                at,
+                format!("`{key}` is not a lower and a higher number"),
+                format!("give [low, high] within ±{largest}"),
+            )
+            .with_code(ErrorCode::ValueType)),
     }
 }
 
@@ -148,7 +163,9 @@ fn triple(table: &TomlTable<'_>, key: &str) -> Result<Option<Located<Vector>>, I
         [x, y, z] if value.iter().all(|c| c.abs() <= MAX_LENGTH) => {
             Ok(Some(Located { value: Vector::new(*x, *y, *z), at }))
         }
-        _ => Err(table.fault_at(at, format!("`{key}` is not three numbers"), "give [x, y, z]")),
+        _ => Err(table
+            .fault_at(at, format!("`{key}` is not three numbers"), "give [x, y, z]")
+            .with_code(ErrorCode::ValueType)),
     }
 }
 
@@ -159,8 +176,9 @@ fn rotary_axes(root: &TomlTable<'_>) -> Result<[RotaryAxis; 2], InputError> {
         return Err(root.fault(what, "give two [[rotary]] tables, from the workpiece to the tool"));
     }
     let axes = tables.iter().map(rotary_axis).collect::<Result<Vec<_>, _>>()?;
-    let axes: [RotaryAxis; 2] =
-        axes.try_into().map_err(|_| root.fault("needs two rotary axes", "give two [[rotary]] tables"))?;
+    let axes: [RotaryAxis; 2] = axes.try_into().map_err(|_| {
+        root.fault("needs two rotary axes", "give two [[rotary]] tables").with_code(ErrorCode::MissingKey)
+    })?;
     let second = &tables[1];
     if axes[0].letter == axes[1].letter {
         return Err(second.fault("both rotary axes have the same letter", "give A, B or C once each"));
@@ -188,7 +206,9 @@ fn rotary_axis(table: &TomlTable<'_>) -> Result<RotaryAxis, InputError> {
         "C" => 'C',
         other => {
             let what = format!("unknown letter {}", quote_for_message(other));
-            return Err(table.fault_at(letter.at, what, "use \"A\", \"B\" or \"C\""));
+            return Err(table
+                .fault_at(letter.at, what, "use \"A\", \"B\" or \"C\"")
+                .with_code(ErrorCode::UnknownName));
         }
     };
     let side = required(table, "side", table.string("side")?)?;
@@ -197,7 +217,9 @@ fn rotary_axis(table: &TomlTable<'_>) -> Result<RotaryAxis, InputError> {
         "head" => Side::Head,
         other => {
             let what = format!("unknown side {}", quote_for_message(other));
-            return Err(table.fault_at(side.at, what, "use \"table\" or \"head\""));
+            return Err(table
+                .fault_at(side.at, what, "use \"table\" or \"head\"")
+                .with_code(ErrorCode::UnknownName));
         }
     };
     let direction = required(table, "dir", triple(table, "dir")?)?;
@@ -210,9 +232,15 @@ fn rotary_axis(table: &TomlTable<'_>) -> Result<RotaryAxis, InputError> {
         Ok(Some(text)) if text.value == "endless" => None,
         Ok(Some(text)) => {
             let what = format!("unknown limits {}", quote_for_message(text.value));
-            return Err(table.fault_at(text.at, what, "use \"endless\" or [low, high] in degrees"));
+            return Err(table
+                .fault_at(text.at, what, "use \"endless\" or [low, high] in degrees")
+                .with_code(ErrorCode::UnknownName));
         }
-        Ok(None) => return Err(table.fault("the axis has no `limits`", "give \"endless\" or [low, high]")),
+        Ok(None) => {
+            return Err(table
+                .fault("the axis has no `limits`", "give \"endless\" or [low, high]")
+                .with_code(ErrorCode::MissingKey));
+        }
         Err(_) => range_of(table, "limits", MAX_ANGLE)?.map(|(a, b)| (a.to_radians(), b.to_radians())),
     };
     Ok(RotaryAxis {
@@ -243,7 +271,9 @@ fn placement(root: &TomlTable<'_>) -> Result<PartPlacement, InputError> {
             "down" => false,
             other => {
                 let what = format!("unknown inlet {}", quote_for_message(other));
-                return Err(table.fault_at(inlet.at, what, "use \"up\" or \"down\""));
+                return Err(table
+                    .fault_at(inlet.at, what, "use \"up\" or \"down\"")
+                    .with_code(ErrorCode::UnknownName));
             }
         };
     }
@@ -267,7 +297,9 @@ fn links(root: &TomlTable<'_>, slowest: f64) -> Result<LinkSettings, InputError>
             "clear" => TurnLink::Clear,
             other => {
                 let what = format!("unknown link {}", quote_for_message(other));
-                return Err(table.fault_at(turn.at, what, "use \"feed\" or \"clear\""));
+                return Err(table
+                    .fault_at(turn.at, what, "use \"feed\" or \"clear\"")
+                    .with_code(ErrorCode::UnknownName));
             }
         };
     }

@@ -27,6 +27,9 @@ pub mod tool_library;
 pub mod turbogrid;
 pub mod write;
 
+use crate::error::{ErrorCode, UserError};
+use crate::part::PartError;
+
 pub use gltf::GltfScene;
 pub use native::write_native;
 pub use part_file::{read_part, read_part_bytes, read_part_with};
@@ -36,9 +39,11 @@ pub use setup_file::{
 };
 pub use write::write_atomically;
 
-/// An error in user input. Displayed as `FILE:LINE: message; help`.
+/// An error in user input or output, with its place. Displayed as `FILE:LINE: message; help`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub struct InputError {
+    /// Its kind.
+    pub code: ErrorCode,
     /// File as the user named it; empty when the error is not in a file.
     pub file: String,
     /// 1-based line number; 0 when there is none.
@@ -51,17 +56,48 @@ pub struct InputError {
 
 impl InputError {
     /// An error at `line` of `file` (0: no line).
-    pub fn new(file: &str, line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), line, message: message.into(), help: help.into() }
+    pub fn new(
+        code: ErrorCode,
+        file: &str,
+        line: usize,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self { code, file: file.to_owned(), line, message: message.into(), help: help.into() }
+    }
+
+    /// The error of a part that `file` describes.
+    pub fn of_part(file: &str, error: PartError) -> Self {
+        Self::new(error.code, file, error.line, error.message, error.help)
+    }
+
+    /// The same error with a more exact code than that of its file.
+    #[must_use]
+    pub fn with_code(self, code: ErrorCode) -> Self {
+        Self { code, ..self }
+    }
+
+    /// Where it is: `FILE:LINE`, `FILE`, or nothing.
+    pub fn place(&self) -> String {
+        match (self.file.is_empty(), self.line) {
+            (true, _) => String::new(),
+            (false, 0) => self.file.clone(),
+            (false, line) => format!("{}:{line}", self.file),
+        }
+    }
+}
+
+impl From<InputError> for UserError {
+    fn from(error: InputError) -> Self {
+        Self::new(error.code, error.message, error.help)
     }
 }
 
 impl std::fmt::Display for InputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match (self.file.is_empty(), self.line) {
-            (true, _) => write!(f, "{}; {}", self.message, self.help),
-            (false, 0) => write!(f, "{}: {}; {}", self.file, self.message, self.help),
-            (false, line) => write!(f, "{}:{line}: {}; {}", self.file, self.message, self.help),
+        match self.place().as_str() {
+            "" => write!(f, "{}; {}", self.message, self.help),
+            place => write!(f, "{place}: {}; {}", self.message, self.help),
         }
     }
 }

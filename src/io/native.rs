@@ -24,23 +24,26 @@ use std::fmt::Write;
 use super::InputError;
 use super::source::{MAX_BLADES, MAX_COORDINATE, MAX_POINTS, Source, stem_of};
 use super::table::{Located, NumberRange, NumberRows, TomlDocument, TomlTable, degrees_text, quoted};
+use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::part::{BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription};
 
 /// Reads a native part. `file` is the file name used in messages; its stem names a part without `name`.
 pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
-    let document = TomlDocument::new(file, bytes)?;
+    let document = TomlDocument::new(file, bytes, ErrorCode::PartFile)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["name", "blades", "hub", "shroud", "main", "splitter"])?;
     let blades = root.whole("blades", 1, MAX_BLADES as u32)?.ok_or_else(|| {
         root.fault("the number of blades is missing", "add `blades = 17` before the first header")
+            .with_code(ErrorCode::BladeCount)
     })?;
-    let (hub, hub_line) = flowpath(&root, Source { file }, "hub")?;
-    let (shroud, shroud_line) = flowpath(&root, Source { file }, "shroud")?;
-    let main = root
-        .table("main")?
-        .ok_or_else(|| root.fault("the main blade is missing", "add two or more [[main.span]] tables"))?;
+    let (hub, hub_line) = flowpath(&root, Source::new(file, ErrorCode::PartFile), "hub")?;
+    let (shroud, shroud_line) = flowpath(&root, Source::new(file, ErrorCode::PartFile), "shroud")?;
+    let main = root.table("main")?.ok_or_else(|| {
+        root.fault("the main blade is missing", "add two or more [[main.span]] tables")
+            .with_code(ErrorCode::MissingKey)
+    })?;
     let mut points = 0;
     let main = blade(&main, &mut points)?;
     let splitters = splitters(&root)?.iter().map(|s| blade(s, &mut points)).collect::<Result<_, _>>()?;
@@ -73,6 +76,7 @@ fn flowpath(
 ) -> Result<(CurveDescription, usize), InputError> {
     let table = root.table(name)?.ok_or_else(|| {
         root.fault(format!("the {name} is missing"), format!("add [{name}] with points = [[r, z], …]"))
+            .with_code(ErrorCode::MissingKey)
     })?;
     table.check_keys(&["points", "control", "degree", "knots"])?;
     let meridional = |rows: Located<NumberRows<2>>| -> Result<Vec<Meridional>, InputError> {
@@ -92,11 +96,15 @@ fn flowpath(
         (Some(rows), None) => {
             if let Some(degree) = table.whole("degree", 1, 3)? {
                 let help = "use `control` instead of `points`, or remove `degree`";
-                return Err(table.fault_at(degree.at, "`degree` goes with `control`", help));
+                return Err(table
+                    .fault_at(degree.at, "`degree` goes with `control`", help)
+                    .with_code(ErrorCode::ConflictingKeys));
             }
             if table.numbers("knots")?.is_some() {
                 let help = "use `control` instead of `points`, or remove `knots`";
-                return Err(table.fault("`knots` go with `control`", help));
+                return Err(table
+                    .fault("`knots` go with `control`", help)
+                    .with_code(ErrorCode::ConflictingKeys));
             }
             Ok((source.curve(table.line(), name, meridional(rows)?)?, table.line()))
         }
@@ -104,10 +112,12 @@ fn flowpath(
             let control = meridional(rows)?;
             Ok((spline(&table, name, control)?, table.line()))
         }
-        (Some(_), Some(_)) => {
-            Err(table.fault(format!("the {name} has both `points` and `control`"), "keep one of them"))
-        }
-        (None, None) => Err(table.fault(format!("the {name} is empty"), "add points = [[r, z], …]")),
+        (Some(_), Some(_)) => Err(table
+            .fault(format!("the {name} has both `points` and `control`"), "keep one of them")
+            .with_code(ErrorCode::ConflictingKeys)),
+        (None, None) => Err(table
+            .fault(format!("the {name} is empty"), "add points = [[r, z], …]")
+            .with_code(ErrorCode::MissingKey)),
     }
 }
 
@@ -134,7 +144,9 @@ fn spline(
         let domain = knots.value.get(control.len()).zip(knots.value.get(degree)).map(|(b, a)| b - a);
         if !knots.value.is_sorted() || domain.is_none_or(|d| d <= 0.0) {
             let help = "give them in rising order, or leave `knots` out";
-            return Err(table.fault_at(knots.at, "the knots do not rise", help));
+            return Err(table
+                .fault_at(knots.at, "the knots do not rise", help)
+                .with_code(ErrorCode::FlowCurve));
         }
     }
     Ok(CurveDescription::BSpline { control, degree, knots: knots.map_or_else(Vec::new, |k| k.value) })
@@ -146,7 +158,7 @@ fn blade(table: &TomlTable<'_>, points: &mut usize) -> Result<BladeDescription, 
     let blade = match (spans.first(), sections.first()) {
         (Some(_), Some(_)) => {
             let what = format!("{} has both spans and sections", table.shown());
-            return Err(table.fault(what, "keep one kind"));
+            return Err(table.fault(what, "keep one kind").with_code(ErrorCode::ConflictingKeys));
         }
         (Some(first), None) => {
             let line = first.line();
@@ -163,15 +175,17 @@ fn blade(table: &TomlTable<'_>, points: &mut usize) -> Result<BladeDescription, 
             BladeDescription::Sections { suction: sides.0, pressure: sides.1, line }
         }
         (None, None) => {
-            return Err(table.fault(
-                format!("{} holds no spans and no sections", table.shown()),
-                "add two or more `span` tables, hub to shroud",
-            ));
+            return Err(table
+                .fault(
+                    format!("{} holds no spans and no sections", table.shown()),
+                    "add two or more `span` tables, hub to shroud",
+                )
+                .with_code(ErrorCode::MissingKey));
         }
     };
     if spans.len().max(sections.len()) < 2 {
         let what = format!("{} has only one span section", table.shown());
-        return Err(table.fault(what, "give two or more, hub to shroud"));
+        return Err(table.fault(what, "give two or more, hub to shroud").with_code(ErrorCode::BladeSections));
     }
     Ok(blade)
 }
@@ -179,17 +193,21 @@ fn blade(table: &TomlTable<'_>, points: &mut usize) -> Result<BladeDescription, 
 fn count(section: &TomlTable<'_>, points: &mut usize, more: usize) -> Result<(), InputError> {
     *points += more;
     if *points > MAX_POINTS {
-        return Err(section.fault("the blades hold more than 1,000,000 points", "give fewer points"));
+        return Err(section
+            .fault("the blades hold more than 1,000,000 points", "give fewer points")
+            .with_code(ErrorCode::FileTooLarge));
     }
     Ok(())
 }
 
 fn side(section: &TomlTable<'_>, key: &str, points: &mut usize) -> Result<Vec<Point>, InputError> {
     let rows = section.rows::<3>(key)?.ok_or_else(|| {
-        section.fault(
-            format!("{} has no `{key}` side", section.shown()),
-            format!("add {key} = [[x, y, z], …] from leading to trailing edge"),
-        )
+        section
+            .fault(
+                format!("{} has no `{key}` side", section.shown()),
+                format!("add {key} = [[x, y, z], …] from leading to trailing edge"),
+            )
+            .with_code(ErrorCode::MissingKey)
     })?;
     if rows.value.len() < 2 {
         let what = format!("`{key}` has {} point(s)", rows.value.len());
@@ -204,11 +222,15 @@ fn camber(tables: &[TomlTable<'_>], points: &mut usize) -> Result<Vec<CamberSpan
     for table in tables {
         table.check_keys(&["span", "leading_edge", "theta_leading_edge", "angle", "thickness"])?;
         let span = table.number("span", NumberRange::Between(0.0, 1.0))?.ok_or_else(|| {
-            table.fault(format!("{} has no `span`", table.shown()), "add span = 0.0 (hub) … 1.0 (shroud)")
+            table
+                .fault(format!("{} has no `span`", table.shown()), "add span = 0.0 (hub) … 1.0 (shroud)")
+                .with_code(ErrorCode::MissingKey)
         })?;
         if let Some(below) = spans.last().filter(|below| below.span >= span.value) {
             let what = format!("span {} comes after span {}", span.value, below.span);
-            return Err(table.fault_at(span.at, what, "order the spans from hub to shroud"));
+            return Err(table
+                .fault_at(span.at, what, "order the spans from hub to shroud")
+                .with_code(ErrorCode::BladeSections));
         }
         let angle = stations(table, "angle", NumberRange::Within(-90.0, 90.0), points)?;
         spans.push(CamberSpan {
@@ -232,14 +254,14 @@ fn stations(
     points: &mut usize,
 ) -> Result<Vec<(f64, f64)>, InputError> {
     let rows = table.rows::<2>(key)?.ok_or_else(|| {
-        table.fault(format!("{} has no `{key}`", table.shown()), format!("add {key} = [[0.0, …], [1.0, …]]"))
+        table
+            .fault(format!("{} has no `{key}`", table.shown()), format!("add {key} = [[0.0, …], [1.0, …]]"))
+            .with_code(ErrorCode::MissingKey)
     })?;
     if rows.value.is_empty() {
-        return Err(table.fault_at(
-            rows.at,
-            format!("`{key}` is empty"),
-            "give one or more [fraction, value]",
-        ));
+        return Err(table
+            .fault_at(rows.at, format!("`{key}` is empty"), "give one or more [fraction, value]")
+            .with_code(ErrorCode::BladeValues));
     }
     count(table, points, rows.value.len())?;
     let mut stations: Vec<(f64, f64)> = Vec::with_capacity(rows.value.len());
@@ -248,11 +270,15 @@ fn stations(
         let rises = stations.last().is_none_or(|(before, _)| *before < fraction);
         if !rises || !(0.0..=1.0).contains(&fraction) {
             let help = "let the fractions rise from 0 (leading edge) to 1 (trailing edge)";
-            return Err(table.fault_at(row.at, format!("`{key}` has the fraction {fraction} here"), help));
+            return Err(table
+                .fault_at(row.at, format!("`{key}` has the fraction {fraction} here"), help)
+                .with_code(ErrorCode::BladeValues));
         }
-        range
-            .check(value)
-            .map_err(|help| table.fault_at(row.at, format!("`{key}` has the value {value} here"), help))?;
+        range.check(value).map_err(|help| {
+            table
+                .fault_at(row.at, format!("`{key}` has the value {value} here"), help)
+                .with_code(ErrorCode::BladeValues)
+        })?;
         stations.push((fraction, value));
     }
     Ok(stations)
@@ -432,21 +458,21 @@ pressure = [[40.0, 1.0, 5.0], [50.0, 18.0, 35.0]]
     }
 
     #[test]
-    fn missing_pieces_are_named() {
-        for (from, to, words) in [
-            ("[hub]", "[shaft]", "unknown key `shaft`"),
-            ("blades = 9", "", "number of blades is missing"),
-            ("[hub]\npoints = [[20, 0.0], [25.0, 30.0], [50.0, 45.0]]", "", "hub is missing"),
-            ("[main]", "[[main.section]]", "both spans and sections"),
-            ("angle = [[0.0, 50.0], [1.0, 45.0]]", "", "has no `angle`"),
+    fn missing_pieces_have_their_code() {
+        for (from, to, code) in [
+            ("[hub]", "[shaft]", ErrorCode::UnknownKey),
+            ("blades = 9", "", ErrorCode::BladeCount),
+            ("[hub]\npoints = [[20, 0.0], [25.0, 30.0], [50.0, 45.0]]", "", ErrorCode::MissingKey),
+            ("[main]", "[[main.section]]", ErrorCode::ConflictingKeys),
+            ("angle = [[0.0, 50.0], [1.0, 45.0]]", "", ErrorCode::MissingKey),
         ] {
             let error = fault(from, to);
-            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(error.code, code, "{error}");
         }
         let one = SAMPLE.find("[[main.span]]\nspan = 1.0").zip(SAMPLE.find("[[splitter]]"));
         let (a, b) = one.expect("both are in the sample");
         let text = format!("{}{}", &SAMPLE[..a], &SAMPLE[b..]);
         let error = read("s.toml", text.as_bytes()).unwrap_err();
-        assert!(error.message.contains("only one span section"), "{error}");
+        assert_eq!(error.code, ErrorCode::BladeSections, "{error}");
     }
 }

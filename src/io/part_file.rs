@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::source::{name_of, read_bytes};
 use super::{InputError, geomturbo, gltf, native, step, stl, turbogrid};
+use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
 use crate::part::PartDescription;
 
@@ -55,6 +56,7 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescri
         "step" | "stp" | "p21" => step::read_bytes(name, bytes, &MeshOptions::default()),
         "stl" => stl::read_part_bytes(name, bytes, &MeshOptions::default()),
         "inf" => Err(InputError::new(
+            ErrorCode::PartFile,
             name,
             0,
             "a TurboGrid part is several files",
@@ -70,7 +72,7 @@ fn unknown(name: &str, extension: &str) -> InputError {
         "curve" => "is one piece of a TurboGrid part".to_owned(),
         other => format!("`.{other}` is not a part format"),
     };
-    InputError::new(name, 0, what, CAN_OPEN)
+    InputError::new(ErrorCode::FileFormat, name, 0, what, CAN_OPEN)
 }
 
 #[cfg(test)]
@@ -81,9 +83,10 @@ mod tests {
     fn other_extensions_list_what_can_be_opened() {
         for name in ["a.iges", "noext", "b.curve"] {
             let error = read_part(Path::new(name)).unwrap_err();
-            assert!(error.to_string().contains(".geomTurbo"), "{error}");
+            assert_eq!(error.code, ErrorCode::FileFormat, "{error}");
+            assert!(error.help.contains(".geomTurbo"), "{error}");
         }
-        assert!(read_part_bytes("a.inf", b"x", "INF").unwrap_err().help.contains("folder"));
+        assert_eq!(read_part_bytes("a.inf", b"x", "INF").unwrap_err().code, ErrorCode::PartFile);
     }
 
     #[test]

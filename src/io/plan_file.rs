@@ -8,6 +8,7 @@ use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::cutting::contact::CoreContact;
+use crate::error::ErrorCode;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller, PartDescription};
 use crate::plunge::channels::plan_channels;
@@ -162,6 +163,7 @@ pub fn write_plan(
 pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputError> {
     let file: PlanFile = serde_json::from_slice(bytes).map_err(|e| {
         InputError::new(
+            ErrorCode::PlanFile,
             name,
             e.line(),
             format!("this is not a plan file ({e})"),
@@ -173,7 +175,9 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
     let mut sections = Vec::new();
     for (index, section) in setup.plunge.sections.iter().enumerate() {
         sections.push(SectionPlan {
-            tool: tool_of(&setup, section.tool).map_err(|e| damaged(name, e.message))?.clone(),
+            tool: tool_of(&setup, section.tool)
+                .map_err(|e| damaged(name, e.message).with_code(ErrorCode::UndefinedTool))?
+                .clone(),
             from: section.from,
             to: section.to,
             feed: file

@@ -13,6 +13,7 @@ use super::native::write_native;
 use super::setup_file::write_setup;
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, setup_within};
+use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
 use crate::part::PartDescription;
 use crate::setup::Setup;
@@ -213,7 +214,8 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
 /// When the bytes are not a project file of a supported version, or a setup in it has an error.
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
-    let fault = |line: usize, what: String, help: &str| InputError::new(&name, line, what, help);
+    let fault =
+        |line: usize, what: String, help: &str| InputError::new(ErrorCode::PlanFile, &name, line, what, help);
     // The version is checked first: a newer file may have keys that this version does not support.
     #[derive(Deserialize)]
     struct Version {
@@ -227,7 +229,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let file: ProjectFile = serde_json::from_slice(bytes).map_err(broken)?;
     if file.sets.len() > MAX_SETS {
         let what = format!("{} sets, more than {MAX_SETS}", file.sets.len());
-        return Err(fault(0, what, "remove some"));
+        return Err(fault(0, what, "remove some").with_code(ErrorCode::FileTooLarge));
     }
     let part_hash = u64::from_str_radix(&file.part_hash, 16).map_err(|_| {
         fault(0, "part_hash is not a hexadecimal number".to_owned(), "save the project again")

@@ -35,6 +35,7 @@ use super::table::{NumberRange, RenamedKeys, TomlDocument, TomlTable, degrees_te
 use super::tool_file::{
     ALLOWANCE, LENGTH, MAX_NUMBER, RATE, check_count, name, read_tool_tables, write_tools,
 };
+use crate::error::{ErrorCode, UserError};
 use crate::setup::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, Goal, Machine,
     PlungeSetup, SectionSetup, Setup, SetupPlace, Tool,
@@ -89,7 +90,7 @@ pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> R
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Ok(defaults.clone());
     }
-    let document = TomlDocument::new(name, bytes)?;
+    let document = TomlDocument::new(name, bytes, ErrorCode::SetupFile)?;
     let tree = document.parse()?;
     setup_of_table(&document.root(&tree), defaults)
 }
@@ -104,7 +105,9 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
         && version.value > VERSION
     {
         let what = format!("the setup has version {}, this program reads up to {VERSION}", version.value);
-        return Err(root.fault_at(version.at, what, "read it with a newer vanecut"));
+        return Err(root
+            .fault_at(version.at, what, "read it with a newer vanecut")
+            .with_code(ErrorCode::NewerFile));
     }
     let mut setup =
         Setup { part: root.string("part")?.map(|part| part.value.to_owned()), ..defaults.clone() };
@@ -132,7 +135,7 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
 /// Line of the setup file that a planning error at `place` refers to; 0 if there is none.
 pub fn line_of_place(bytes: &[u8], place: &SetupPlace) -> usize {
     let found = || -> Result<Option<usize>, InputError> {
-        let document = TomlDocument::new("", bytes)?;
+        let document = TomlDocument::new("", bytes, ErrorCode::SetupFile)?;
         let tree = document.parse()?;
         let root = document.root(&tree);
         let tool_line = |number: u32| -> Result<Option<usize>, InputError> {
@@ -195,8 +198,7 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         "section",
     ])?;
     if let Some(axis) = table.string("axis")? {
-        plunge.axis =
-            parse_axis_policy(axis.value).map_err(|(what, help)| table.fault_at(axis.at, what, help))?;
+        plunge.axis = parse_axis_policy(axis.value).map_err(|error| table.locate(axis.at, error))?;
     }
     plunge.step = table.number("step", LENGTH)?.map(|step| step.value);
     plunge.stepover = table.number("stepover", LENGTH)?.map(|stepover| stepover.value);
@@ -219,7 +221,9 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         && section.rest
     {
         let what = format!("{} is rest milling, but no section comes before it", table.shown());
-        return Err(table.fault(what, "put it after the sections whose residual stock it removes"));
+        return Err(table
+            .fault(what, "put it after the sections whose residual stock it removes")
+            .with_code(ErrorCode::SectionOrder));
     }
     Ok(())
 }
@@ -238,7 +242,7 @@ fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputErro
             let known: Vec<&str> = built_in_names().collect();
             let what = format!("no machine file {}", quote_for_message(file.value));
             let help = format!("give a file beside the setup, or {}", known.join(", "));
-            return Err(table.fault_at(file.at, what, help));
+            return Err(table.fault_at(file.at, what, help).with_code(ErrorCode::FileUnreadable));
         }
         machine.max_axis_tilt_rad = read_machine(&path)?.max_axis_tilt_rad();
         if machine.max_axis_tilt_rad < MIN_AXIS_TILT {
@@ -262,17 +266,17 @@ fn goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
         return match stock {
             Some(stock) => {
                 let what = "`max_stock` is given without `goal = \"time\"`";
-                Err(table.fault_at(stock.at, what, "add the goal, or remove `max_stock`"))
+                Err(table
+                    .fault_at(stock.at, what, "add the goal, or remove `max_stock`")
+                    .with_code(ErrorCode::ConflictingKeys))
             }
             None => Ok(max_time_min.map(|_| Goal::Stock { max_time_min })),
         };
     };
     let limit = |name: &str, given: bool| match given {
-        true => Err(table.fault_at(
-            goal.at,
-            format!("`{name}` does not fit this goal"),
-            format!("remove `{name}`"),
-        )),
+        true => Err(table
+            .fault_at(goal.at, format!("`{name}` does not fit this goal"), format!("remove `{name}`"))
+            .with_code(ErrorCode::ConflictingKeys)),
         false => Ok(()),
     };
     Ok(Some(match goal.value {
@@ -282,8 +286,11 @@ fn goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
         }
         "time" => {
             limit("max_time", time.is_some())?;
-            let needed =
-                || table.fault_at(goal.at, "the goal \"time\" needs a limit of stock", "add `max_stock`");
+            let needed = || {
+                table
+                    .fault_at(goal.at, "the goal \"time\" needs a limit of stock", "add `max_stock`")
+                    .with_code(ErrorCode::MissingKey)
+            };
             Goal::Time { max_stock: stock.ok_or_else(needed)?.value }
         }
         "balance" => {
@@ -293,7 +300,9 @@ fn goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
         }
         other => {
             let what = format!("{} is not a goal", quote_for_message(other));
-            return Err(table.fault_at(goal.at, what, "use \"stock\", \"time\" or \"balance\""));
+            return Err(table
+                .fault_at(goal.at, what, "use \"stock\", \"time\" or \"balance\"")
+                .with_code(ErrorCode::UnknownName));
         }
     }))
 }
@@ -302,13 +311,14 @@ fn goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
 ///
 /// # Errors
 /// When no policy has this name: what is wrong, and what to do.
-pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
+pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, UserError> {
     match AxisPolicy::ALL.into_iter().find(|policy| policy.name() == name) {
         Some(policy) => Ok(policy),
         None => {
             let other = name;
             let near = nearest(other, &AxisPolicy::ALL.map(AxisPolicy::name));
-            Err((
+            Err(UserError::new(
+                ErrorCode::UnknownName,
                 format!("{} is not an axis policy", quote_for_message(other)),
                 format!(
                     "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" \
@@ -323,7 +333,9 @@ pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, (String, String)> {
 fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
     table.check_keys(&["tool", "from", "to", "cutting_direction", "rest"])?;
     let needed = |key: &str| {
-        table.fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
+        table
+            .fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
+            .with_code(ErrorCode::MissingKey)
     };
     let tool = table.whole("tool", 1, MAX_NUMBER)?.ok_or_else(|| needed("tool"))?;
     if !tools.iter().any(|known| known.number == tool.value) {
@@ -332,7 +344,9 @@ fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputE
             true => format!("add a [[tool]] with number = {}", tool.value),
             false => format!("use one of the tools {}", numbers.join(", ")),
         };
-        return Err(table.fault_at(tool.at, format!("there is no tool {}", tool.value), help));
+        return Err(table
+            .fault_at(tool.at, format!("there is no tool {}", tool.value), help)
+            .with_code(ErrorCode::UndefinedTool));
     }
     let s = NumberRange::Between(0.0, 1.0);
     let from = table.number("from", s)?.ok_or_else(|| needed("from"))?;
@@ -340,7 +354,7 @@ fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputE
     if from.value <= to.value {
         let what = format!("the section runs from {} to {}", from.value, to.value);
         let help = "`from` is the outlet end (1 at the rim) and must be greater than `to`";
-        return Err(table.fault_at(to.at, what, help));
+        return Err(table.fault_at(to.at, what, help).with_code(ErrorCode::SectionOrder));
     }
     let cut_direction = match table.string("cutting_direction")? {
         None => None,
@@ -350,7 +364,7 @@ fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputE
             other => {
                 let what = format!("{} is not a cutting direction", quote_for_message(other));
                 let help = "use \"outlet_to_inlet\" or \"inlet_to_outlet\"";
-                return Err(table.fault_at(direction.at, what, help));
+                return Err(table.fault_at(direction.at, what, help).with_code(ErrorCode::UnknownName));
             }
         }),
     };
@@ -371,8 +385,8 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
         "ramp_feed",
     ])?;
     if let Some(scheme) = table.string("scheme")? {
-        flank.strategy = parse_flank_strategy(scheme.value)
-            .map_err(|(what, help)| table.fault_at(scheme.at, what, help))?;
+        flank.strategy =
+            parse_flank_strategy(scheme.value).map_err(|error| table.locate(scheme.at, error))?;
     }
     // The tool number is not checked against the tools: a setup for plunging may not list the flank tool yet.
     flank.tool = table.whole("tool", 1, MAX_NUMBER)?.map(|tool| tool.value);
@@ -390,10 +404,11 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
 ///
 /// # Errors
 /// When no strategy has this name: what is wrong, and what to do.
-pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, (String, String)> {
+pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, UserError> {
     FlankStrategy::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
         let near = nearest(name, &FlankStrategy::ALL.map(FlankStrategy::name)).unwrap_or("");
-        (
+        UserError::new(
+            ErrorCode::UnknownName,
             format!("{} is not a flank strategy", quote_for_message(name)),
             format!(
                 "use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" \
@@ -599,7 +614,7 @@ tool = 4
             ("tool = 7", "tool = 3", 20, "there is no tool 3; use one of the tools 7, 2"),
             ("to = 0.6", "to = 1.0", 22, "outlet end"),
             ("from = 1.0", "from = 1.5", 21, "from 0 to 1"),
-            ("\"outward\"", "\"sideways\"", 23, "outlet_to_inlet"),
+            ("\"outward\"", "\"across\"", 23, "outlet_to_inlet"),
             (
                 "feed = \"outward\"",
                 "cutting_direction = \"inlet_to_outlet\"\nfeed = \"outward\"",

@@ -6,6 +6,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::InputError;
+use crate::error::ErrorCode;
 use crate::part::{CurveDescription, Meridional};
 
 /// Maximum file size, bytes.
@@ -27,12 +28,24 @@ pub const TRUNCATED: &str = "the file seems cut off: export or copy it again";
 pub struct Source<'a> {
     /// File as the user named it.
     pub file: &'a str,
+    /// Code of the errors that have none of their own: that of the format.
+    pub code: ErrorCode,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
+    /// The file `file`; `code` is that of its format.
+    pub fn new(file: &'a str, code: ErrorCode) -> Self {
+        Self { file, code }
+    }
+
     /// An error at `line` (0: none) of this file.
     pub fn fault(&self, line: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
-        InputError::new(self.file, line, what, help)
+        InputError::new(self.code, self.file, line, what, help)
+    }
+
+    /// The error of a file that ends too early.
+    pub fn cut_off(&self, line: usize, what: impl Into<String>) -> InputError {
+        self.fault(line, what, TRUNCATED).with_code(ErrorCode::FileCutOff)
     }
 
     /// Parses a finite number with |x| ≤ 1e6.
@@ -40,7 +53,9 @@ impl Source<'_> {
     /// # Errors
     /// When `token` is not such a number.
     pub fn number(&self, line: usize, token: &str) -> Result<f64, InputError> {
-        number(token).map_err(|what| self.fault(line, what, "give a finite number"))
+        number(token).map_err(|what| {
+            self.fault(line, what, "give a finite number").with_code(ErrorCode::InvalidNumber)
+        })
     }
 
     /// Parses a length: the number times `scale`, in mm.
@@ -50,11 +65,9 @@ impl Source<'_> {
     pub fn length(&self, line: usize, token: &str, scale: f64) -> Result<f64, InputError> {
         let mm = self.number(line, token)? * scale;
         if mm.abs() > MAX_COORDINATE {
-            return Err(self.fault(
-                line,
-                format!("{} is more than 1,000,000 mm", quote_for_message(token)),
-                "check the number and the units of the file",
-            ));
+            let what = format!("{} is more than 1,000,000 mm", quote_for_message(token));
+            let error = self.fault(line, what, "check the number and the units of the file");
+            return Err(error.with_code(ErrorCode::InvalidNumber));
         }
         Ok(mm)
     }
@@ -66,11 +79,11 @@ impl Source<'_> {
     pub fn blades(&self, line: usize, token: &str) -> Result<usize, InputError> {
         match number(token) {
             Ok(n) if n.fract() == 0.0 && (1.0..=MAX_BLADES as f64).contains(&n) => Ok(n as usize),
-            _ => Err(self.fault(
-                line,
-                format!("{} is not a valid number of blades", quote_for_message(token)),
-                format!("give a whole number from 1 to {MAX_BLADES}"),
-            )),
+            _ => {
+                let what = format!("{} is not a valid number of blades", quote_for_message(token));
+                let help = format!("give a whole number from 1 to {MAX_BLADES}");
+                Err(self.fault(line, what, help).with_code(ErrorCode::BladeCount))
+            }
         }
     }
 
@@ -86,11 +99,9 @@ impl Source<'_> {
     ) -> Result<CurveDescription, InputError> {
         points.dedup_by(|a, b| (a.r - b.r).hypot(a.z - b.z) < JOINT);
         if points.len() < 2 {
-            return Err(self.fault(
-                line,
-                format!("the {what} has {} distinct point(s)", points.len()),
-                "give two or more, inlet to outlet",
-            ));
+            let what = format!("the {what} has {} distinct point(s)", points.len());
+            let error = self.fault(line, what, "give two or more, inlet to outlet");
+            return Err(error.with_code(ErrorCode::FlowCurve));
         }
         Ok(CurveDescription::Points(points))
     }
@@ -144,7 +155,7 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
 /// When the path is not a regular file, the file cannot be read, or it is larger than `limit`.
 pub fn read_bytes_up_to(path: &Path, limit: usize) -> Result<Vec<u8>, InputError> {
     let name = name_of(path);
-    let source = Source { file: &name };
+    let source = Source::new(&name, ErrorCode::FileUnreadable);
     let unreadable = |error: std::io::Error| {
         let help = match error.kind() {
             std::io::ErrorKind::NotFound => "check the path",
@@ -170,7 +181,7 @@ pub fn read_bytes_up_to(path: &Path, limit: usize) -> Result<Vec<u8>, InputError
 fn check_size(source: Source<'_>, bytes: &[u8], limit: usize) -> Result<(), InputError> {
     if bytes.len() > limit {
         let what = format!("is larger than {} MiB", limit >> 20);
-        return Err(source.fault(0, what, "give a smaller file"));
+        return Err(source.fault(0, what, "give a smaller file").with_code(ErrorCode::FileTooLarge));
     }
     Ok(())
 }
@@ -188,7 +199,8 @@ pub fn text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a str, InputErr
     let bytes = checked(source, bytes)?;
     std::str::from_utf8(bytes).map_err(|error| {
         let line = line_at(bytes, error.valid_up_to());
-        source.fault(line, "is not UTF-8 text", "check that this is the right file, or save it as UTF-8")
+        let help = "check that this is the right file, or save it as UTF-8";
+        source.fault(line, "is not UTF-8 text", help).with_code(ErrorCode::NotText)
     })
 }
 
@@ -205,10 +217,12 @@ fn checked<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a [u8], InputErr
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if let Some(offset) = bytes.iter().position(|b| *b == 0) {
         let line = line_at(bytes, offset);
-        return Err(source.fault(line, "is binary, not text", "check that this is the right file"));
+        let error = source.fault(line, "is binary, not text", "check that this is the right file");
+        return Err(error.with_code(ErrorCode::NotText));
     }
     if bytes.iter().all(u8::is_ascii_whitespace) {
-        return Err(source.fault(0, "is empty", "check that it was written completely"));
+        let error = source.fault(0, "is empty", "check that it was written completely");
+        return Err(error.with_code(ErrorCode::FileEmpty));
     }
     Ok(bytes)
 }
@@ -217,7 +231,7 @@ fn checked<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a [u8], InputErr
 mod tests {
     use super::*;
 
-    const HERE: Source<'static> = Source { file: "x.toml" };
+    const HERE: Source<'static> = Source { file: "x.toml", code: ErrorCode::SetupFile };
 
     #[test]
     fn numbers_are_finite_and_bounded() {

@@ -6,6 +6,7 @@ use super::InputError;
 use super::source::{
     MAX_COORDINATE, Source, line_at, name_of, number, quote_for_message, read_bytes_up_to, stem_of,
 };
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::mesh::describe::{MeshSource, describe_source};
 use crate::mesh::{LengthUnit, MeshOptions, NamedMesh, TriangleMesh};
@@ -24,10 +25,10 @@ const RECORD: usize = 50;
 /// # Errors
 /// When the bytes are not STL, are cut off, or have a coordinate that is not a finite number up to 1,000,000.
 pub fn read_stl_bytes(name: &str, bytes: &[u8]) -> Result<TriangleMesh, InputError> {
-    let source = Source { file: name };
+    let source = Source::new(name, ErrorCode::MeshFile);
     if bytes.len() > MAX_STL_BYTES {
         let what = format!("is larger than {} MiB", MAX_STL_BYTES >> 20);
-        return Err(source.fault(0, what, "give a smaller file"));
+        return Err(source.fault(0, what, "give a smaller file").with_code(ErrorCode::FileTooLarge));
     }
     // A binary head may begin with `solid`, too; its length tells.
     let count = bytes.get(80..HEAD).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes);
@@ -36,7 +37,11 @@ pub fn read_stl_bytes(name: &str, bytes: &[u8]) -> Result<TriangleMesh, InputErr
     let mesh = match count {
         Some(count) if fits || !text => read_binary(source, bytes, count as usize)?,
         _ if text => read_text(source, bytes)?,
-        _ => return Err(source.fault(0, "is not an STL file", "check that this is the right file")),
+        _ => {
+            return Err(source
+                .fault(0, "is not an STL file", "check that this is the right file")
+                .with_code(ErrorCode::FileFormat));
+        }
     };
     if mesh.triangles.is_empty() {
         return Err(source.fault(0, "has no triangles", "export it again"));
@@ -51,14 +56,16 @@ fn push(mesh: &mut TriangleMesh, corners: [Point; 3]) {
 }
 
 fn too_many(source: Source<'_>) -> InputError {
-    source.fault(0, format!("has more than {MAX_TRIANGLES} triangles"), "export a coarser mesh")
+    source
+        .fault(0, format!("has more than {MAX_TRIANGLES} triangles"), "export a coarser mesh")
+        .with_code(ErrorCode::FileTooLarge)
 }
 
 fn read_binary(source: Source<'_>, bytes: &[u8], count: usize) -> Result<TriangleMesh, InputError> {
     let records = bytes.get(HEAD..).unwrap_or_default().chunks_exact(RECORD);
     if records.len() < count {
         let what = format!("ends after {} of {count} triangles", records.len());
-        return Err(source.fault(0, what, super::source::TRUNCATED));
+        return Err(source.cut_off(0, what));
     }
     if count > MAX_TRIANGLES {
         return Err(too_many(source));
@@ -118,7 +125,7 @@ fn read_text(source: Source<'_>, bytes: &[u8]) -> Result<TriangleMesh, InputErro
         }
     }
     if !ended || !corners.is_empty() {
-        return Err(source.fault(line_at(bytes, bytes.len()), "lacks `endsolid`", super::source::TRUNCATED));
+        return Err(source.cut_off(line_at(bytes, bytes.len()), "lacks `endsolid`"));
     }
     Ok(mesh)
 }
@@ -147,8 +154,7 @@ pub fn read_part_bytes(
         source.notes.push("STL has no unit: mm are assumed; give --unit if they are not".to_owned());
     }
     let named = NamedMesh { name: stem.clone(), other_names: Vec::new(), node: 0, instance: 0, mesh };
-    describe_source(&stem, vec![named], source, options)
-        .map_err(|e| InputError::new(name, e.line, e.message, e.help))
+    describe_source(&stem, vec![named], source, options).map_err(|e| InputError::of_part(name, e))
 }
 
 /// Writes triangles over shared `points` as binary STL. `about` goes to its head, up to 75 characters.

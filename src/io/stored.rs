@@ -4,6 +4,7 @@
 use super::InputError;
 use super::part_file::read_part_bytes;
 use super::setup_file::read_setup_bytes;
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::part::{Impeller, PartDescription};
 use crate::setup::Setup;
@@ -27,15 +28,14 @@ pub(super) fn check_version(name: &str, kind: &str, version: u32, known: u32) ->
         return Ok(());
     }
     let what = format!("the {kind} has version {version}, this program reads up to {known}");
-    Err(InputError::new(name, 0, what, "open it with a newer vanecut"))
+    Err(InputError::new(ErrorCode::NewerFile, name, 0, what, "open it with a newer vanecut"))
 }
 
 /// Reads the part and setup of a plan file from the texts under its keys `part` and `setup`.
 pub(super) fn read_inputs(name: &str, part: &str, setup: &str) -> Result<StoredInputs, InputError> {
     let place = inside(name, "part");
     let description = read_part_bytes(&place, part.as_bytes(), "toml")?;
-    let part =
-        Impeller::build(&description).map_err(|e| InputError::new(&place, e.line, e.message, e.help))?;
+    let part = Impeller::build(&description).map_err(|e| InputError::of_part(&place, e))?;
     Ok(StoredInputs { description, part, setup: setup_within(name, "setup", setup)? })
 }
 
@@ -51,7 +51,7 @@ fn inside(name: &str, what: &str) -> String {
 
 /// The error of a plan file whose syntax is valid but whose values are not.
 pub(super) fn damaged(name: &str, what: impl Into<String>) -> InputError {
-    InputError::new(name, 0, what, "plan the part again")
+    InputError::new(ErrorCode::PlanFile, name, 0, what, "plan the part again")
 }
 
 /// Whether all `numbers` are finite and within the coordinate limit, mm.

@@ -9,6 +9,7 @@ use toml::de::{DeTable, DeValue};
 use super::InputError;
 use super::source;
 use super::source::{Source, quote_for_message};
+use crate::error::{ErrorCode, UserError};
 
 /// Maximum number of list items in a document: 1,000,000 points of three numbers have 4,000,000.
 const MAX_ITEMS: usize = 5_000_000;
@@ -50,10 +51,14 @@ fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
         }
     }
     if items > MAX_ITEMS || tokens > MAX_TOKENS {
-        return Err(source.fault(0, "holds more than 1,000,000 points", "give fewer points"));
+        return Err(source
+            .fault(0, "holds more than 1,000,000 points", "give fewer points")
+            .with_code(ErrorCode::FileTooLarge));
     }
     if keys > MAX_KEYS {
-        return Err(source.fault(0, "holds more than 200,000 keys", "check that this is the right file"));
+        return Err(source
+            .fault(0, "holds more than 200,000 keys", "check that this is the right file")
+            .with_code(ErrorCode::FileTooLarge));
     }
     Ok(())
 }
@@ -66,12 +71,12 @@ pub struct TomlDocument<'a> {
 }
 
 impl<'a> TomlDocument<'a> {
-    /// Checks the bytes and finds the line ends.
+    /// Checks the bytes and finds the line ends; `code` is that of errors that have none of their own.
     ///
     /// # Errors
     /// When the bytes are not text, or the document is too large.
-    pub fn new(file: &'a str, bytes: &'a [u8]) -> Result<Self, InputError> {
-        let source = Source { file };
+    pub fn new(file: &'a str, bytes: &'a [u8], code: ErrorCode) -> Result<Self, InputError> {
+        let source = Source::new(file, code);
         let text = source::text(source, bytes)?;
         check_weight(source, text)?;
         let newlines = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at).collect();
@@ -87,10 +92,13 @@ impl<'a> TomlDocument<'a> {
             let at = error.span().map_or(self.text.len(), |span| span.start);
             if let Some(word) = self.bare_word(at) {
                 let help = "give a number, true or false, or a text in quotes";
-                return self.fault(at, format!("{word} is not a value"), help);
+                return self
+                    .fault(at, format!("{word} is not a value"), help)
+                    .with_code(ErrorCode::InvalidToml);
             }
             let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
             self.fault(at, format!("invalid TOML: {what}"), "correct the line")
+                .with_code(ErrorCode::InvalidToml)
         })
     }
 
@@ -254,11 +262,14 @@ impl<'t> TomlTable<'t> {
     pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
         for (name, former) in self.renamed {
             if let (Some(_), Some(value)) = (self.table.get(*name), self.table.get(*former)) {
-                return Err(self.doc.fault(
-                    value.span().start,
-                    format!("`{former}` is the former name of `{name}`, which is given too"),
-                    format!("remove `{former}`"),
-                ));
+                return Err(self
+                    .doc
+                    .fault(
+                        value.span().start,
+                        format!("`{former}` is the former name of `{name}`, which is given too"),
+                        format!("remove `{former}`"),
+                    )
+                    .with_code(ErrorCode::ConflictingKeys));
             }
         }
         let is_former = |key: &str| self.renamed.iter().any(|(_, former)| *former == key);
@@ -268,11 +279,14 @@ impl<'t> TomlTable<'t> {
         let Some(key) = unknown.first() else { return Ok(()) };
         let name: &str = key.get_ref();
         let near = nearest(name, known).unwrap_or_default();
-        Err(self.doc.fault(
-            key.span().start,
-            format!("unknown key {} in {}", quote_for_message(name), self.shown()),
-            format!("use `{near}`, the nearest known key, or remove it"),
-        ))
+        Err(self
+            .doc
+            .fault(
+                key.span().start,
+                format!("unknown key {} in {}", quote_for_message(name), self.shown()),
+                format!("use `{near}`, the nearest known key, or remove it"),
+            )
+            .with_code(ErrorCode::UnknownKey))
     }
 
     /// A number within `range`, if the key is present.
@@ -283,7 +297,9 @@ impl<'t> TomlTable<'t> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let x = self.number_of(key, value)?;
         let at = value.span().start;
-        range.check(x).map_err(|help| self.doc.fault(at, format!("`{key}` is {x}"), help))?;
+        range.check(x).map_err(|help| {
+            self.doc.fault(at, format!("`{key}` is {x}"), help).with_code(ErrorCode::ValueRange)
+        })?;
         Ok(Some(Located { value: x, at }))
     }
 
@@ -302,11 +318,17 @@ impl<'t> TomlTable<'t> {
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
             other => {
                 let what = format!("`{key}` holds a {}, not a number", other.type_str());
-                return Err(self.doc.fault(at, what, "give a decimal number"));
+                return Err(self
+                    .doc
+                    .fault(at, what, "give a decimal number")
+                    .with_code(ErrorCode::ValueType));
             }
         };
-        source::number(token)
-            .map_err(|what| self.doc.fault(at, format!("`{key}`: {what}"), "give a finite number"))
+        source::number(token).map_err(|what| {
+            self.doc
+                .fault(at, format!("`{key}`: {what}"), "give a finite number")
+                .with_code(ErrorCode::InvalidNumber)
+        })
     }
 
     /// A whole number from `low` to `high`, if the key is present.
@@ -322,11 +344,14 @@ impl<'t> TomlTable<'t> {
         };
         match whole {
             Some(n) if (low..=high).contains(&n) => Ok(Some(Located { value: n, at })),
-            _ => Err(self.doc.fault(
-                at,
-                format!("`{key}` is not a whole number from {low} to {high}"),
-                format!("give a whole number from {low} to {high}"),
-            )),
+            _ => Err(self
+                .doc
+                .fault(
+                    at,
+                    format!("`{key}` is not a whole number from {low} to {high}"),
+                    format!("give a whole number from {low} to {high}"),
+                )
+                .with_code(ErrorCode::ValueRange)),
         }
     }
 
@@ -341,7 +366,7 @@ impl<'t> TomlTable<'t> {
             DeValue::String(text) => Ok(Some(Located { value: text.as_ref(), at })),
             other => {
                 let what = format!("`{key}` holds a {}, not a text", other.type_str());
-                Err(self.doc.fault(at, what, "put it in quotes"))
+                Err(self.doc.fault(at, what, "put it in quotes").with_code(ErrorCode::ValueType))
             }
         }
     }
@@ -357,7 +382,10 @@ impl<'t> TomlTable<'t> {
             DeValue::Boolean(value) => Ok(Some(Located { value: *value, at })),
             other => {
                 let what = format!("`{key}` holds a {}, not true or false", other.type_str());
-                Err(self.doc.fault(at, what, "write true or false, without quotes"))
+                Err(self
+                    .doc
+                    .fault(at, what, "write true or false, without quotes")
+                    .with_code(ErrorCode::ValueType))
             }
         }
     }
@@ -368,11 +396,14 @@ impl<'t> TomlTable<'t> {
             DeValue::Table(table) => {
                 Ok(TomlTable { doc: self.doc, name, table, at: value.span().start, renamed: &[] })
             }
-            _ => Err(self.doc.fault(
-                value.span().start,
-                format!("`{key}` is not a table"),
-                format!("write it under a header [{name}]"),
-            )),
+            _ => Err(self
+                .doc
+                .fault(
+                    value.span().start,
+                    format!("`{key}` is not a table"),
+                    format!("write it under a header [{name}]"),
+                )
+                .with_code(ErrorCode::ValueType)),
         }
     }
 
@@ -392,11 +423,14 @@ impl<'t> TomlTable<'t> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         match value.get_ref() {
             DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),
-            _ => Err(self.doc.fault(
-                value.span().start,
-                format!("`{key}` is not a list of tables"),
-                format!("write each under a header [[{key}]] with two brackets"),
-            )),
+            _ => Err(self
+                .doc
+                .fault(
+                    value.span().start,
+                    format!("`{key}` is not a list of tables"),
+                    format!("write each under a header [[{key}]] with two brackets"),
+                )
+                .with_code(ErrorCode::ValueType)),
         }
     }
 
@@ -423,7 +457,10 @@ impl<'t> TomlTable<'t> {
                 DeValue::Array(row) if row.len() == N => row,
                 _ => {
                     let what = format!("`{key}` has a row that is not {N} numbers");
-                    return Err(self.doc.fault(place, what, format!("give {N} numbers in brackets")));
+                    return Err(self
+                        .doc
+                        .fault(place, what, format!("give {N} numbers in brackets"))
+                        .with_code(ErrorCode::ValueType));
                 }
             };
             let mut numbers = [0.0; N];
@@ -446,7 +483,7 @@ impl<'t> TomlTable<'t> {
             let at = item.span().start;
             let DeValue::String(text) = item.get_ref() else {
                 let what = format!("`{key}` holds a {}, not a text", item.get_ref().type_str());
-                return Err(self.doc.fault(at, what, "put it in quotes"));
+                return Err(self.doc.fault(at, what, "put it in quotes").with_code(ErrorCode::ValueType));
             };
             texts.push(Located { value: text.as_ref(), at });
         }
@@ -481,7 +518,10 @@ impl<'t> TomlTable<'t> {
             DeValue::Float(_) => Scalar::Number(self.number_of(key, value)?),
             other => {
                 let what = format!("`{key}` holds a {}", other.type_str());
-                return Err(self.doc.fault(at, what, "give numbers, texts, true or false"));
+                return Err(self
+                    .doc
+                    .fault(at, what, "give numbers, texts, true or false")
+                    .with_code(ErrorCode::ValueType));
             }
         };
         Ok(Located { value: scalar, at })
@@ -512,17 +552,21 @@ impl<'t> TomlTable<'t> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let at = value.span().start;
         match value.get_ref() {
-            DeValue::Array(list) if list.len() > source::MAX_POINTS => Err(self.doc.fault(
-                at,
-                format!("`{key}` holds more than 1,000,000 points"),
-                "give fewer points",
-            )),
+            DeValue::Array(list) if list.len() > source::MAX_POINTS => Err(self
+                .doc
+                .fault(at, format!("`{key}` holds more than 1,000,000 points"), "give fewer points")
+                .with_code(ErrorCode::FileTooLarge)),
             DeValue::Array(list) => Ok(Some((list, at))),
             other => {
                 let what = format!("`{key}` holds a {}, not a list", other.type_str());
-                Err(self.doc.fault(at, what, "put it in brackets"))
+                Err(self.doc.fault(at, what, "put it in brackets").with_code(ErrorCode::ValueType))
             }
         }
+    }
+
+    /// `error` at a byte offset of this document.
+    pub fn locate(&self, at: usize, error: UserError) -> InputError {
+        self.doc.fault(at, error.message, error.help).with_code(error.code)
     }
 
     /// An error at a byte offset of this document.
@@ -610,7 +654,7 @@ mod tests {
     #[test]
     fn lines_and_nesting() {
         let text = "a = 1\n\n[b]\nc = [[1, 2],\n [3, nan]]\n[[d.e]]\nf = 1";
-        let doc = TomlDocument::new("f", text.as_bytes()).unwrap();
+        let doc = TomlDocument::new("f", text.as_bytes(), ErrorCode::SetupFile).unwrap();
         let tree = doc.parse().unwrap();
         let root = doc.root(&tree);
         let b = root.table("b").unwrap().unwrap();
@@ -619,15 +663,20 @@ mod tests {
         assert_eq!(root.table("d").unwrap().unwrap().tables("e").unwrap()[0].line(), 6);
         assert_eq!(root.check_keys(&["a", "b"]).unwrap_err().line, 6);
         let deep = "[".repeat(200_000);
-        assert!(TomlDocument::new("f", format!("a = {deep}").as_bytes()).unwrap().parse().is_err());
+        assert!(
+            TomlDocument::new("f", format!("a = {deep}").as_bytes(), ErrorCode::SetupFile)
+                .unwrap()
+                .parse()
+                .is_err()
+        );
     }
 
     #[test]
     fn trees_too_large_to_build_are_refused() {
         for (piece, times) in [("[1],", 3_000_000), ("a.b.c=1\n", 70_000), ("# \n", 6_000_000)] {
             let text = piece.repeat(times);
-            let error = TomlDocument::new("f", text.as_bytes()).err().expect(piece);
-            assert!(error.message.contains("more than"), "{error}");
+            let error = TomlDocument::new("f", text.as_bytes(), ErrorCode::SetupFile).err().expect(piece);
+            assert_eq!(error.code, ErrorCode::FileTooLarge, "{error}");
         }
     }
 }

@@ -25,6 +25,7 @@ use std::fmt::Write;
 
 use super::InputError;
 use super::table::{Located, NumberRange, TomlDocument, TomlTable, degrees_text, quoted};
+use crate::error::ErrorCode;
 use crate::setup::{Tool, ToolAssembly};
 
 /// Maximum length in a setup, mm.
@@ -76,7 +77,7 @@ const TOOL_KEYS: [&str; 17] = [
 /// # Errors
 /// When the bytes are not TOML, a key is unknown, or a value is outside its range.
 pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
-    let document = TomlDocument::new(name, bytes)?;
+    let document = TomlDocument::new(name, bytes, ErrorCode::ToolFile)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["tool"])?;
@@ -98,9 +99,9 @@ pub(super) fn read_tool_tables(root: &TomlTable<'_>) -> Result<Vec<Tool>, InputE
 /// Returns an error at the first table beyond `max_count`.
 pub(super) fn check_count(tables: &[TomlTable<'_>], max_count: usize, what: &str) -> Result<(), InputError> {
     match tables.get(max_count) {
-        Some(table) => {
-            Err(table.fault(format!("more than {max_count} {what}"), format!("give at most {max_count}")))
-        }
+        Some(table) => Err(table
+            .fault(format!("more than {max_count} {what}"), format!("give at most {max_count}"))
+            .with_code(ErrorCode::FileTooLarge)),
         None => Ok(()),
     }
 }
@@ -121,7 +122,7 @@ fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     let number = given.map_or(before.len() as u32 + 1, |n| n.value);
     let at = |at: Option<usize>, what: String, help: &str| match at {
         Some(at) => table.fault_at(at, what, help),
-        None => table.fault(what, help),
+        None => table.fault(what, help).with_code(ErrorCode::ConflictingKeys),
     };
     if before.iter().any(|tool| tool.number == number) {
         let what = format!("two tools have the number {number}");
@@ -129,7 +130,11 @@ fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     }
     let diameter = table
         .number("diameter", LENGTH)?
-        .ok_or_else(|| table.fault(format!("tool {number} has no `diameter`"), "add diameter = … in mm"))?
+        .ok_or_else(|| {
+            table
+                .fault(format!("tool {number} has no `diameter`"), "add diameter = … in mm")
+                .with_code(ErrorCode::MissingKey)
+        })?
         .value;
     let radius = diameter / 2.0;
     let within_radius = |key: &str, range: NumberRange, default: f64| {
@@ -137,7 +142,9 @@ fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
         match value.filter(|v| v.value > radius) {
             Some(v) => {
                 let what = format!("`{key}` {} is larger than the radius {radius}", v.value);
-                Err(table.fault_at(v.at, what, format!("give at most {radius}")))
+                Err(table
+                    .fault_at(v.at, what, format!("give at most {radius}"))
+                    .with_code(ErrorCode::ValueRange))
             }
             None => Ok(value.map_or(default, |v| v.value)),
         }
@@ -212,12 +219,14 @@ fn segments<const N: usize>(
     let Some(rows) = table.rows::<N>(key)? else { return Ok(Located { value: Vec::new(), at: 0 }) };
     if rows.value.len() > MAX_SEGMENTS {
         let what = format!("`{key}` has more than {MAX_SEGMENTS} segments");
-        return Err(table.fault_at(rows.at, what, format!("give at most {MAX_SEGMENTS}")));
+        return Err(table
+            .fault_at(rows.at, what, format!("give at most {MAX_SEGMENTS}"))
+            .with_code(ErrorCode::FileTooLarge));
     }
     for (index, row) in rows.value.iter().enumerate() {
         check(row.value).map_err(|help| {
             let what = format!("segment {} of `{key}` is {:?}", index + 1, row.value);
-            table.fault_at(row.at, what, help)
+            table.fault_at(row.at, what, help).with_code(ErrorCode::ValueRange)
         })?;
     }
     Ok(Located { value: rows.value.iter().map(|row| row.value).collect(), at: rows.at })

@@ -14,6 +14,7 @@ pub use stage::{Listener, PlanStage};
 
 use rayon::prelude::*;
 
+use crate::error::{ErrorCode, UserError};
 use crate::io::tool_library::plunge_cutters;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Channel, Impeller};
@@ -112,6 +113,15 @@ pub enum JobError {
     /// Part and setup are incompatible: the fault and what to do about it.
     #[error(transparent)]
     Setup(#[from] SetupFault),
+}
+
+impl From<JobError> for UserError {
+    fn from(error: JobError) -> Self {
+        match error {
+            JobError::Cancelled => Cancelled.into(),
+            JobError::Setup(fault) => fault.into(),
+        }
+    }
 }
 
 impl From<PlanError> for JobError {
@@ -316,15 +326,18 @@ fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
     let most = DropReason::ALL.into_iter().max_by_key(|&why| (count(why), why == DropReason::Blades));
     match most {
         Some(DropReason::Contact) => SetupFault::new(
+            ErrorCode::CoreContact,
             "the core of every plunge would meet stock before it has cut a fifth of its depth",
             "begin a section at the outlet (from = 1), give a cutter with wider inserts, or plan with \
              axis = \"staircase\"",
         ),
         Some(DropReason::Overhang) => SetupFault::new(
+            ErrorCode::OverhangTooShort,
             "no tool reaches down to the hub: each is shorter below its holder than its plunges are deep",
             "give more overhang",
         ),
         Some(DropReason::Shank) => SetupFault::new(
+            ErrorCode::AssemblyCollides,
             "the shank of every plunge would come too near to part or blank",
             "give a thinner shank, or a smaller [clearance] shank",
         ),
@@ -334,11 +347,16 @@ fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
                 Some(overhang) => format!("give an overhang of {overhang} mm, or a thinner holder"),
                 None => "give a thinner holder, or allow more tilt".to_owned(),
             };
-            SetupFault::new("the holder of every plunge would come too near to part or blank", help)
+            SetupFault::new(
+                ErrorCode::AssemblyCollides,
+                "the holder of every plunge would come too near to part or blank",
+                help,
+            )
         }
         _ => {
             let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
             SetupFault::new(
+                ErrorCode::NoFreeAxis,
                 format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
                 "allow more tilt, or use smaller cutters",
             )

@@ -1,14 +1,13 @@
 //! Why a program cannot run on a machine.
 
+use crate::error::{ErrorCode, UserError};
 use crate::monitor::Cancelled;
 
 /// Why a program cannot run on a machine. `line` is that of the program, 0 where it has none.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.explained())]
 pub enum MotionFault {
     /// A position is out of the reach or the limits of the axes.
-    #[error(
-        "{what} ({count} directions like this); choose a machine that reaches it, or give the planner less max_axis_tilt"
-    )]
     OutOfLimits {
         /// Line of the first.
         line: usize,
@@ -18,9 +17,6 @@ pub enum MotionFault {
         count: usize,
     },
     /// An axis would have to turn back in the middle of a cut.
-    #[error(
-        "{letter} meets its limit in the middle of a cut; choose a machine with a wider or endless {letter}"
-    )]
     TurnsBack {
         /// Line of the move.
         line: usize,
@@ -28,9 +24,6 @@ pub enum MotionFault {
         letter: char,
     },
     /// A move that cannot be followed: the axis passes a pole or a limit.
-    #[error(
-        "the axis turns so that the machine cannot follow within {tolerance} of the planned turn; add positions there"
-    )]
     CannotFollow {
         /// Line of the move.
         line: usize,
@@ -38,19 +31,42 @@ pub enum MotionFault {
         tolerance: String,
     },
     /// The program lacks something that a control needs.
-    #[error("{what}")]
     Lacks {
         /// Line of the move.
         line: usize,
         /// What, and what to do.
-        what: String,
+        error: UserError,
     },
     /// The work was cancelled.
-    #[error("cancelled")]
     Cancelled,
 }
 
 impl MotionFault {
+    /// What is wrong and what to do.
+    pub fn explained(&self) -> UserError {
+        match self {
+            Self::OutOfLimits { what, count, .. } => UserError::new(
+                ErrorCode::AxisLimits,
+                format!("{what} ({count} directions like this)"),
+                "choose a machine that reaches it, or give the planner less max_axis_tilt",
+            ),
+            Self::TurnsBack { letter, .. } => UserError::new(
+                ErrorCode::AxisTurnsBack,
+                format!("{letter} meets its limit in the middle of a cut"),
+                format!("choose a machine with a wider or endless {letter}"),
+            ),
+            Self::CannotFollow { tolerance, .. } => UserError::new(
+                ErrorCode::AxisCannotFollow,
+                format!(
+                    "the axis turns so that the machine cannot follow within {tolerance} of the planned turn"
+                ),
+                "add positions there",
+            ),
+            Self::Lacks { error, .. } => error.clone(),
+            Self::Cancelled => Cancelled.into(),
+        }
+    }
+
     /// Line of the program, 0 where there is none.
     pub fn line(&self) -> usize {
         match self {

@@ -7,6 +7,7 @@ use super::course::{Pose, even_turn, mixed_angles};
 use super::fault::MotionFault;
 use super::model::{MachineTool, OutputKind, TurnLink};
 use super::placement::PlacedPart;
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 use crate::monitor::Monitor;
 use crate::toolpath::{ClProgram, ClTool, Motion};
@@ -163,8 +164,9 @@ fn stretches(
     for (index, step) in program.moves.iter().enumerate() {
         let axis = placed.vector_in_program(&step.axis);
         let Some(cutter) = step.tool.and_then(|t| program.tools.get(t)) else {
-            let what = "the move has no tool; give the program LOADTL and CUTTER before it".to_owned();
-            return Err(MotionFault::Lacks { line: step.line, what });
+            let help = "give the program LOADTL and CUTTER before it";
+            let error = UserError::new(ErrorCode::ProgramTool, "the move has no tool", help);
+            return Err(MotionFault::Lacks { line: step.line, error });
         };
         match stretches.last_mut() {
             Some(last)
@@ -250,9 +252,10 @@ impl MotionMaker<'_> {
             Motion::Feed(_) => {
                 let rate = self.check_feed(motion, line)?.unwrap_or_default();
                 if self.options.output == OutputKind::Plane && from.angles != pose.angles {
-                    let what = "the tool turns under feed, which planes cannot do; give --output tcp-angles or \
-                                joints";
-                    return Err(MotionFault::Lacks { line, what: what.to_owned() });
+                    let what = "the tool turns under feed, which planes cannot do";
+                    let help = "give --output tcp-angles or joints";
+                    let error = UserError::new(ErrorCode::ControlOutput, what, help);
+                    return Err(MotionFault::Lacks { line, error });
                 }
                 self.split(from, pose, (self.options.tip_tolerance, self.options.axis_tolerance_rad), line)?
                     .into_iter()
@@ -267,8 +270,12 @@ impl MotionMaker<'_> {
         match motion {
             Motion::Feed(Some(rate)) if rate > 0.0 => Ok(Some(rate)),
             Motion::Feed(_) => {
-                let what = "the move under feed has no feed rate; give the program FEDRAT before it";
-                Err(MotionFault::Lacks { line, what: what.to_owned() })
+                let what = "the move under feed has no feed rate";
+                let help = "give the program FEDRAT before it";
+                Err(MotionFault::Lacks {
+                    line,
+                    error: UserError::new(ErrorCode::ProgramFeedRate, what, help),
+                })
             }
             Motion::Rapid => Ok(None),
         }

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitVector3};
 
 use super::surface::MeshSurface;
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 
 /// An axis of the file's frame.
@@ -34,12 +35,14 @@ impl Axis {
 }
 
 impl FromStr for Axis {
-    type Err = String;
+    type Err = UserError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, UserError> {
         let lower = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|axis| axis.name() == lower);
-        known.ok_or_else(|| format!("`{text}` is not an axis; give x, y or z"))
+        known.ok_or_else(|| {
+            UserError::new(ErrorCode::UnknownName, format!("`{text}` is not an axis"), "give x, y or z")
+        })
     }
 }
 

@@ -19,6 +19,7 @@ use super::surface::MeshSurface;
 use super::tip_border::fit_tip_border;
 use super::tips::fit_tip_curve;
 use super::trim::{BodyOutline, depth_behind, trimmed};
+use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
 
@@ -117,7 +118,12 @@ pub fn describe_source(
         (Some(axis), _) => PartFromFile::Along(axis),
         (None, Some((through, along))) => PartFromFile::about(&(through * scale), &along),
         (None, None) => axis_of_bodies(&bodies).or_else(|| find_axis(&hub)).ok_or_else(|| {
-            PartError::new(0, "the hub has no axis of rotation", "give it with --rotation-axis x, y or z")
+            PartError::new(
+                ErrorCode::NotRevolved,
+                0,
+                "the hub has no axis of rotation",
+                "give it with --rotation-axis x, y or z",
+            )
         })?,
     };
     let upright = |surface: MeshSurface| match frame {
@@ -190,6 +196,7 @@ pub fn describe_source(
             };
             let tips = tips.ok_or_else(|| {
                 PartError::new(
+                    ErrorCode::MeshRoles,
                     0,
                     "no shroud curve can be fitted to the blade tips",
                     "give one with --role NODE=shroud",
@@ -255,10 +262,15 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
     let names = listed(&meshes);
     let missing = |what: &str| {
         let help = format!("name it with --role NODE={what}; there are: {names}");
-        PartError::new(0, format!("no mesh is called {what}"), help)
+        PartError::new(ErrorCode::MeshRoles, 0, format!("no mesh is called {what}"), help)
     };
     if !meshes.iter().any(|m| !m.mesh.triangles.is_empty()) {
-        return Err(PartError::new(0, "holds no triangles", "export the impeller's surfaces as meshes"));
+        return Err(PartError::new(
+            ErrorCode::MeshFile,
+            0,
+            "holds no triangles",
+            "export the impeller's surfaces as meshes",
+        ));
     }
     let has = |role: Role| roles.contains(&Some(role));
     let one = !has(Role::Hub) && !has(Role::Blade) && roles.contains(&None);
@@ -318,7 +330,12 @@ fn fit_revolved(
 ) -> Result<FittedProfile, PartError> {
     let side = find_flow_side(surface, course, blades, name)?;
     let profile = course.fit_curve(&side.corners).ok_or_else(|| {
-        PartError::new(0, format!("the {name} has no extent"), format!("check which mesh is the {name}"))
+        PartError::new(
+            ErrorCode::MeshRoles,
+            0,
+            format!("the {name} has no extent"),
+            format!("check which mesh is the {name}"),
+        )
     })?;
     if profile.max_deviation_mm > tolerance
         && let Some(bottom) = course.fit_bottom(&side.corners, mean_point(blades), tolerance)
@@ -332,6 +349,7 @@ fn fit_revolved(
 fn check_deviation(profile: FittedProfile, name: &str, tolerance: f64) -> Result<FittedProfile, PartError> {
     if profile.max_deviation_mm > tolerance {
         return Err(PartError::new(
+            ErrorCode::NotRevolved,
             0,
             format!(
                 "the {name} is not a surface of revolution: {:.2} mm off at z = {:.1}, r = {:.1} mm",
@@ -355,6 +373,7 @@ fn span_sections(
     if let Some(hole) = largest_hole(surface, cutter.places()).filter(|hole| hole.size > MIN_HOLE) {
         let at = Meridional::of(&hole.middle);
         return Err(PartError::new(
+            ErrorCode::MeshNotClosed,
             0,
             format!(
                 "the {name} has a hole of {:.1} mm across at z = {:.1}, r = {:.1} mm",
@@ -367,6 +386,7 @@ fn span_sections(
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
     if !(MIN_HEIGHT..=1.0).contains(&(high - low)) {
         return Err(PartError::new(
+            ErrorCode::MeshRoles,
             0,
             format!("the {name} does not reach from hub to shroud"),
             "check the roles of the meshes (--role NODE=hub, shroud or blade)",
@@ -376,6 +396,7 @@ fn span_sections(
     let (low, high) = between_fillets(low, high, |height| SpanSection::of(&cutter.slice_at(height)));
     if high - low < MIN_HEIGHT {
         return Err(PartError::new(
+            ErrorCode::BladeSections,
             0,
             format!("the fillets of the {name} leave {:.0} % of its height", 100.0 * (high - low)),
             "export the wheel without fillets",
@@ -391,6 +412,7 @@ fn span_sections(
     let section = |height: f64| {
         SpanSection::of(&cutter.slice_at(height)).ok_or_else(|| {
             PartError::new(
+                ErrorCode::MeshNotClosed,
                 0,
                 format!(
                     "the {name} is not a closed blade: at {:.0} % of its height it does not have two sides",
@@ -406,6 +428,7 @@ fn span_sections(
         let place = format!("at z = {:.1}, r = {:.1} mm", at.z, at.r);
         if jump.is_gap {
             return Err(PartError::new(
+                ErrorCode::MeshNotClosed,
                 0,
                 format!("the {} of the {name} has a gap of {:.1} mm {place}", jump.edge, jump.size_mm),
                 CLOSE,

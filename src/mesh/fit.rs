@@ -25,13 +25,13 @@ const STIFFNESS: f64 = 1e-4;
 const STRAIGHTNESS: f64 = 1e-9;
 
 impl SmoothFunction {
-    /// Fits (x, y) pairs with two cubic pieces for every three distinct x, at most `most_spans`. `None` when
+    /// Fits (x, y) pairs with two cubic pieces for every three distinct x, at most `max_spans`. `None` when
     /// the pairs have no extent in x or are not finite.
-    pub fn fit(pairs: &[(f64, f64)], most_spans: usize) -> Option<Self> {
+    pub fn fit(pairs: &[(f64, f64)], max_spans: usize) -> Option<Self> {
         if pairs.iter().any(|p| !(p.0.is_finite() && p.1.is_finite())) {
             return None;
         }
-        let knots = knots(pairs, most_spans)?;
+        let knots = knots(pairs, max_spans)?;
         let n = knots.len() - DEGREE - 1;
         let mut function = Self { knots, coefficients: vec![0.0; n] };
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -95,14 +95,14 @@ impl SmoothFunction {
         let at = span + DEGREE;
         let mut basis = [1.0, 0.0, 0.0, 0.0];
         for degree in 1..=DEGREE {
-            let mut carried = 0.0;
+            let mut carry = 0.0;
             for r in 0..degree {
                 let (below, above) = (self.knots[at + 1 + r - degree], self.knots[at + 1 + r]);
                 let share = basis[r] / (above - below);
-                basis[r] = carried + (above - x) * share;
-                carried = (x - below) * share;
+                basis[r] = carry + (above - x) * share;
+                carry = (x - below) * share;
             }
-            basis[degree] = carried;
+            basis[degree] = carry;
         }
         (span, basis)
     }
@@ -131,14 +131,14 @@ impl SmoothFunction {
 }
 
 /// Knots as dense as the distinct x of the points; `None` where these have no extent.
-fn knots(pairs: &[(f64, f64)], most_spans: usize) -> Option<Vec<f64>> {
+fn knots(pairs: &[(f64, f64)], max_spans: usize) -> Option<Vec<f64>> {
     let mut x: Vec<f64> = pairs.iter().map(|p| p.0).collect();
     x.sort_by(f64::total_cmp);
     let (low, high) = (*x.first()?, *x.last()?);
     if high - low < 1e-9 {
         return None;
     }
-    let most = most_spans.max(1);
+    let most = max_spans.max(1);
     let wanted = |places: &[f64]| (SPANS_PER_PLACE * places.len() as f64) as usize;
     // Where that makes too many pieces, near x count as one, so that regions with few points keep their
     // knots.

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::axis::Axis;
 use super::{Role, TriangleMesh};
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 use crate::part::{PartError, Rotation};
 
@@ -53,12 +54,14 @@ impl LengthUnit {
 }
 
 impl FromStr for LengthUnit {
-    type Err = String;
+    type Err = UserError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, UserError> {
         let lower = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|unit| unit.name() == lower);
-        known.ok_or_else(|| format!("`{text}` is not a unit; give mm, cm, m or in"))
+        known.ok_or_else(|| {
+            UserError::new(ErrorCode::UnknownName, format!("`{text}` is not a unit"), "give mm, cm, m or in")
+        })
     }
 }
 
@@ -124,6 +127,7 @@ pub(super) fn check_size<'a>(
         None => "scale the file to its true size".to_owned(),
     };
     Err(PartError::new(
+        ErrorCode::MeshUnit,
         0,
         format!("the wheel would be {shown} across, which is not a plausible size of an impeller"),
         help,

@@ -4,6 +4,7 @@
 use super::fit::SmoothFunction;
 use super::nearest::MeridionalGrid;
 use super::surface::{MeshSurface, NONE};
+use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, norm2};
 use crate::part::PartError;
 
@@ -229,6 +230,7 @@ pub fn find_flow_side(
         corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
     if found.len() < 8 {
         return Err(PartError::new(
+            ErrorCode::NotRevolved,
             0,
             format!("the {name} has no surface of revolution beside the blades"),
             format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),

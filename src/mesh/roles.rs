@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use super::TriangleMesh;
+use crate::error::{ErrorCode, UserError};
 use crate::part::PartError;
 
 /// The part of an impeller that a mesh belongs to.
@@ -39,14 +40,15 @@ impl Role {
 }
 
 impl FromStr for Role {
-    type Err = String;
+    type Err = UserError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, UserError> {
         let text = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|role| role.name() == text);
-        known
-            .or((text == "main").then_some(Self::Blade))
-            .ok_or_else(|| format!("`{text}` is not a role; give hub, shroud, blade, splitter or ignore"))
+        known.or((text == "main").then_some(Self::Blade)).ok_or_else(|| {
+            let what = format!("`{text}` is not a role");
+            UserError::new(ErrorCode::UnknownName, what, "give hub, shroud, blade, splitter or ignore")
+        })
     }
 }
 
@@ -136,6 +138,7 @@ pub fn assign_roles(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Ve
     for (name, _) in given {
         if !meshes.iter().any(|m| is(m, name)) {
             return Err(PartError::new(
+                ErrorCode::MeshRoles,
                 0,
                 format!("no mesh is called `{name}`"),
                 format!("name one of {}", listed(meshes)),

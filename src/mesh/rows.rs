@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use super::surface::{MeshSurface, NONE};
 use super::weld::NumberMap;
 use super::{Role, TriangleMesh};
+use crate::error::ErrorCode;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::PartError;
 
@@ -155,7 +156,12 @@ impl BladeRows {
             blades.into_iter().partition(is_splitter);
         let (pattern, note) = choose_pattern(&mains);
         let Some(main) = mains.get(pattern) else {
-            return Err(PartError::new(0, "there is no main blade", "name one with --role NODE=blade"));
+            return Err(PartError::new(
+                ErrorCode::MeshRoles,
+                0,
+                "there is no main blade",
+                "name one with --role NODE=blade",
+            ));
         };
         let count = match count {
             Some(count) => count,
@@ -204,6 +210,7 @@ fn count_from_spacing(mains: &[SingleBlade]) -> Result<usize, PartError> {
     angles.sort_by(f64::total_cmp);
     if mains.len() == 1 {
         return Err(PartError::new(
+            ErrorCode::BladeCount,
             0,
             "there is one main blade, and the file does not say how many the wheel has",
             "give their number with --blades N",
@@ -216,6 +223,7 @@ fn count_from_spacing(mains: &[SingleBlade]) -> Result<usize, PartError> {
     let off = |a: &f64| (a / pitch - (a / pitch).round()).abs();
     if let Some(angle) = angles.iter().find(|a| off(a) > OFF_PATTERN) {
         return Err(PartError::new(
+            ErrorCode::BladeSpacing,
             0,
             format!(
                 "the {} main blades are not evenly spaced: one is {:.1}° from the first, \

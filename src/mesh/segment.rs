@@ -4,6 +4,7 @@
 use super::describe::MOSTLY;
 use super::profile::{Course, mean_point, meridional_normal};
 use super::surface::{MeshSurface, NONE};
+use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
 
@@ -73,6 +74,7 @@ struct RevolvedFace {
 pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartError> {
     let unclear = |why: &str| {
         PartError::new(
+            ErrorCode::MeshRoles,
             0,
             format!("hub and blades of the single mesh `{name}` cannot be separated: {why}"),
             "export hub and blades as separate meshes, or name them with --role NODE=hub and NODE=blade",

@@ -3,6 +3,7 @@
 use super::camber;
 use super::description::{BladeDescription, CamberSpan, PartError};
 use super::side::{BladeSide, common_parameters};
+use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, search};
 
 /// A blade in the part frame; the others of its row are copies rotated by multiples of the pitch.
@@ -85,33 +86,54 @@ impl RawBlade {
 }
 
 fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
-    let fault = |what: &str, help: &str| Err(PartError::new(line, what.to_string(), help.to_string()));
+    let fault = |code: ErrorCode, what: &str, help: &str| Err(PartError::new(code, line, what, help));
     if spans.len() < 2 {
-        return fault("a blade needs two spans or more", "give one at the hub and one at the shroud");
+        return fault(
+            ErrorCode::BladeSections,
+            "a blade needs two spans or more",
+            "give one at the hub and one at the shroud",
+        );
     }
     if spans.len() > MAX_SECTIONS {
-        return fault("a blade has more than 200 spans", "give fewer, hub to shroud");
+        return fault(
+            ErrorCode::BladeSections,
+            "a blade has more than 200 spans",
+            "give fewer, hub to shroud",
+        );
     }
     if spans.windows(2).any(|w| w[1].span <= w[0].span) {
-        return fault("the spans of a blade do not increase", "order them hub to shroud, 0 to 1");
+        return fault(
+            ErrorCode::BladeSections,
+            "the spans of a blade do not increase",
+            "order them hub to shroud, 0 to 1",
+        );
     }
     for span in spans {
         let increasing =
             |pairs: &[(f64, f64)]| !pairs.is_empty() && pairs.windows(2).all(|w| w[1].0 > w[0].0 + 1e-9);
         if !increasing(&span.angle) || !increasing(&span.thickness) {
             return fault(
+                ErrorCode::BladeValues,
                 "angle or thickness has no values or fractions that do not increase",
                 "give [fraction, value] pairs with growing fractions from 0 to 1",
             );
         }
         if span.angle.iter().any(|a| a.1.abs() > 85f64.to_radians()) {
-            return fault("a blade angle exceeds 85°", "angles are measured from the meridional direction");
+            return fault(
+                ErrorCode::BladeValues,
+                "a blade angle exceeds 85°",
+                "angles are measured from the meridional direction",
+            );
         }
         if span.thickness.iter().any(|t| !(t.1 > 0.0 && t.1 < 1e3)) {
-            return fault("a blade has no thickness", "give thicknesses above 0 mm");
+            return fault(ErrorCode::BladeValues, "a blade has no thickness", "give thicknesses above 0 mm");
         }
         if !(0.0..0.95).contains(&span.leading_edge) {
-            return fault("a leading edge is outside the channel", "give a fraction from 0 to below 0.95");
+            return fault(
+                ErrorCode::BladeValues,
+                "a leading edge is outside the channel",
+                "give a fraction from 0 to below 0.95",
+            );
         }
     }
     Ok(())
@@ -128,6 +150,7 @@ fn loft_trimmed(
     let longest = sections.iter().map(Vec::len).max().unwrap_or(0);
     if sections.len() > MAX_SECTIONS || longest > MAX_SECTION_POINTS {
         return Err(PartError::new(
+            ErrorCode::BladeSections,
             line,
             format!("the {name} side has {} sections of up to {longest} points", sections.len()),
             format!("give at most {MAX_SECTIONS} sections of {MAX_SECTION_POINTS} points"),
@@ -135,6 +158,7 @@ fn loft_trimmed(
     }
     if sections.len() < 2 {
         return Err(PartError::new(
+            ErrorCode::BladeSections,
             line,
             format!("the {name} side has {} section", sections.len()),
             "give two sections or more, hub to tip".to_string(),
@@ -144,6 +168,7 @@ fn loft_trimmed(
     let wild = |s: &[Point]| s.iter().any(|p| !p.iter().all(|x| x.is_finite() && x.abs() < 1e5));
     if sections.iter().any(|s| s.len() < 4 || wild(s) || !spread(s)) {
         return Err(PartError::new(
+            ErrorCode::BladeSections,
             line,
             format!("a section of the {name} side has fewer than four different points"),
             "give the points of each side, LE to TE".to_string(),
@@ -155,6 +180,7 @@ fn loft_trimmed(
         let gap = pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a).norm()).sum::<f64>() / u.len() as f64;
         if gap < 1e-6 {
             return Err(PartError::new(
+                ErrorCode::BladeSections,
                 line,
                 format!("two sections of the {name} side coincide"),
                 "give sections at different spans".to_string(),
@@ -173,6 +199,7 @@ fn loft_trimmed(
             what += ": there is no leading edge between hub and shroud";
         }
         PartError::new(
+            ErrorCode::BladeTooShort,
             line,
             what,
             format!("give sections that reach the {surface} (or nearly so), in the same units"),

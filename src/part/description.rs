@@ -1,6 +1,7 @@
 //! Contents of a part file in mm and radians about Z, before trimming, extension and validation. Readers
 //! produce it, [`crate::part::Impeller::build`] turns it into a part.
 
+use crate::error::{ErrorCode, UserError};
 pub use crate::geometry::Meridional;
 use crate::geometry::Point;
 
@@ -85,6 +86,8 @@ pub struct PartDescription {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}; {help}")]
 pub struct PartError {
+    /// Its kind.
+    pub code: ErrorCode,
     /// Line of the part file, 0 when the fault has no line.
     pub line: usize,
     /// What is wrong.
@@ -95,7 +98,13 @@ pub struct PartError {
 
 impl PartError {
     /// A fault at `line` (0: none).
-    pub fn new(line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { line, message: message.into(), help: help.into() }
+    pub fn new(code: ErrorCode, line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { code, line, message: message.into(), help: help.into() }
+    }
+}
+
+impl From<PartError> for UserError {
+    fn from(error: PartError) -> Self {
+        Self::new(error.code, error.message, error.help)
     }
 }

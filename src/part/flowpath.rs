@@ -1,6 +1,7 @@
 //! Hub and shroud: from described curves to the parts of them that bound the channel.
 
 use super::description::{CurveDescription, PartDescription, PartError};
+use crate::error::ErrorCode;
 use crate::geometry::meridian::CurvePoint;
 use crate::geometry::{Cubic, Meridional, MeridionalCurve};
 
@@ -74,6 +75,7 @@ pub(super) fn build_curve(
     };
     let few = || {
         PartError::new(
+            ErrorCode::FlowCurve,
             line,
             format!("the {name} has fewer than two different points"),
             "give its meridional curve, inlet to outlet".to_string(),
@@ -81,6 +83,7 @@ pub(super) fn build_curve(
     };
     let wild = || {
         PartError::new(
+            ErrorCode::FlowCurve,
             line,
             format!("a {name} point is not a number or further than 100 m away"),
             "check the points and the unit".to_string(),
@@ -111,6 +114,7 @@ pub(super) fn build_curve(
                 && knots[control.len()] > knots[*degree];
             if !increasing {
                 return Err(PartError::new(
+                    ErrorCode::FlowCurve,
                     line,
                     format!("the {name}'s knots do not fit its control points"),
                     format!("give {} non-decreasing knots or none", control.len() + degree + 1),
@@ -135,6 +139,7 @@ pub(super) fn orient_normals(
 ) -> Result<(MeridionalCurve, MeridionalCurve), PartError> {
     let swapped = || {
         PartError::new(
+            ErrorCode::CurvesSwapped,
             d.hub_line,
             "hub and shroud are swapped: the hub lies outside the shroud".to_string(),
             "exchange the two curves".to_string(),
@@ -162,6 +167,7 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
     // curves is radial, with the end on the hub outside.
     if h0.r - s0.r > 0.7 * h0.distance(s0) && h0.r > s0.r {
         return Err(PartError::new(
+            ErrorCode::CurvesSwapped,
             d.hub_line,
             format!(
                 "hub and shroud are swapped: at the leading edge the hub is at r = {:.2}, the shroud at \
@@ -174,6 +180,7 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
     let rim = hub.at(1.0);
     if rim.tangent.r < 0.5 || rim.point.r < 1.05 * s0.r {
         return Err(PartError::new(
+            ErrorCode::NoRadialOutlet,
             d.hub_line,
             format!(
                 "no radial outlet: the hub leaves at r = {:.1} mm, {:.0}° from the axis",
@@ -190,6 +197,7 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
         let least = if s < MEETING_S { -1e-3 } else { 1e-3 };
         if gap <= least * hub.length() {
             return Err(PartError::new(
+                ErrorCode::CurvesMeet,
                 d.shroud_line,
                 format!("hub and shroud cross or touch at {:.0} % of the channel", 100.0 * s),
                 "check both curves; the shroud must stay outside the hub".to_string(),
@@ -197,6 +205,7 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
         }
         if hub.point(s).r <= 0.0 {
             return Err(PartError::new(
+                ErrorCode::FlowCurve,
                 d.hub_line,
                 format!("the hub reaches the rotation axis at {:.0} % of the channel", 100.0 * s),
                 "check the hub's r coordinates".to_string(),

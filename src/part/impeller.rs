@@ -7,6 +7,7 @@ use super::description::{PartDescription, PartError};
 use super::flowpath::{Flowpath, build_curve, check_channel, orient_normals};
 use super::rotation::Rotation;
 use super::side::BladeSide;
+use crate::error::ErrorCode;
 use crate::geometry::{Meridional, wrap_angle};
 
 /// A centrifugal impeller.
@@ -50,6 +51,7 @@ impl Impeller {
         let d = description;
         if !BLADE_COUNTS.contains(&d.blade_count) {
             return Err(PartError::new(
+                ErrorCode::BladeCount,
                 d.count_line,
                 format!("{} main blades", d.blade_count),
                 format!("give {} to {}", BLADE_COUNTS.start(), BLADE_COUNTS.end()),
@@ -69,6 +71,7 @@ impl Impeller {
         {
             if end - start < 1e-3 * hub.length() {
                 return Err(PartError::new(
+                    ErrorCode::BladeTooShort,
                     line,
                     format!("the main blade does not extend along the {name}"),
                     "check that blade sections run LE to TE and use the units of the curves".to_string(),
@@ -147,6 +150,7 @@ impl Impeller {
                 let thickness = wrap_angle(a.y.atan2(a.x) - b.y.atan2(b.x)) * self.pitch.signum();
                 if thickness > 0.9 * self.pitch.abs() {
                     return Err(PartError::new(
+                        ErrorCode::BladesOverlap,
                         line,
                         format!(
                             "{} blades overlap: at {:.0} % of the chord a blade is {:.1}° thick \

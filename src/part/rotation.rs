@@ -5,6 +5,7 @@
 //! backsweep. So the wrap of a blade determines the sense of rotation, and that determines the sides, where a
 //! file names neither.
 
+use crate::error::{ErrorCode, UserError};
 use std::fmt;
 use std::str::FromStr;
 
@@ -62,13 +63,17 @@ impl fmt::Display for Rotation {
 }
 
 impl FromStr for Rotation {
-    type Err = String;
+    type Err = UserError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, UserError> {
         let text = text.to_lowercase();
         let known = Self::ALL.into_iter().find(|rotation| rotation.name() == text);
         known.ok_or_else(|| {
-            format!("`{text}` is not a sense of rotation; give cw or ccw, as seen from the inlet")
+            UserError::new(
+                ErrorCode::UnknownName,
+                format!("`{text}` is not a sense of rotation"),
+                "give cw or ccw, as seen from the inlet",
+            )
         })
     }
 }

@@ -15,6 +15,7 @@ use super::sections::{MAX_POSITIONS, too_many_positions};
 use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
 use crate::cutting::retract::RetractSurface;
+use crate::error::UserError;
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Channel, Impeller};
@@ -37,6 +38,15 @@ pub enum PlanError {
     /// Part and setup do not match.
     #[error(transparent)]
     Setup(#[from] SetupFault),
+}
+
+impl From<PlanError> for UserError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Cancelled(cancelled) => cancelled.into(),
+            PlanError::Setup(fault) => fault.into(),
+        }
+    }
 }
 
 /// Planner for one part and one setup; holds what all policies share.
@@ -157,9 +167,9 @@ impl CutRow {
     /// The same positions in the same order, with a new row wherever the axis turns by more than `limit`
     /// (rad) between two consecutive positions that are not dropped.
     pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
-        let PlannedRow { lambda, iterations: rounds, converged: settled, missing, .. } = self.row;
+        let PlannedRow { lambda, iterations, converged, missing, .. } = self.row;
         let empty = || Self {
-            row: PlannedRow { iterations: rounds, converged: settled, ..PlannedRow::empty(lambda) },
+            row: PlannedRow { iterations, converged, ..PlannedRow::empty(lambda) },
             placed: Vec::new(),
         };
         let mut rows = vec![empty()];

@@ -197,7 +197,7 @@ impl<'a> Lane<'a> {
     /// [`Self::wall_axis`].
     fn fit_axis(&self, wall: usize, s_hub: f64, s_shroud: f64, warm: Option<AxisEnds>) -> Option<AxisEnds> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
-        let plain_lean = plain.theta_shroud - plain.theta_hub;
+        let plain_turn = plain.theta_shroud - plain.theta_hub;
         let mut ends = match warm {
             Some(w) => AxisEnds { s_hub, s_shroud, theta_shroud: w.theta_shroud, theta_hub: w.theta_hub },
             None => plain,
@@ -213,7 +213,7 @@ impl<'a> Lane<'a> {
             let r_hub = self.part.hub.point(s_hub).r.max(1e-6);
             let r_shroud = self.part.shroud.point(s_shroud).r.max(1e-6);
             // Several fits may exist on a twisted wall: stay on the branch of the ruling.
-            let lean_limit = TILT_LIMIT_RAD.tan() * state.height / r_shroud;
+            let turn_limit = TILT_LIMIT_RAD.tan() * state.height / r_shroud;
             let limit = 0.25 * self.radius / r_hub;
             // Damping: a step that increases the residual is shortened.
             let mut scale = 1.0;
@@ -222,9 +222,9 @@ impl<'a> Lane<'a> {
                 let mut next = ends;
                 next.theta_hub += (scale * dm).clamp(-limit, limit);
                 next.theta_shroud += (scale * dw).clamp(-limit, limit);
-                let lean = next.theta_shroud - next.theta_hub;
+                let turn = next.theta_shroud - next.theta_hub;
                 next.theta_shroud =
-                    next.theta_hub + lean.clamp(plain_lean - lean_limit, plain_lean + lean_limit);
+                    next.theta_hub + turn.clamp(plain_turn - turn_limit, plain_turn + turn_limit);
                 let mut there = places;
                 let next_state = self.fit_state(wall, &next, &mut there);
                 if next_state.residual() < state.residual() {
@@ -251,8 +251,8 @@ impl<'a> Lane<'a> {
         let plain = self.plain_offset(wall, s_hub, s_shroud)?;
         let (m, w) = (self.hub_point(&plain), self.shroud_point(&plain));
         let unit = (w - m).norm() / norm2(w.x, w.y).max(1e-6);
-        TILT_OFFSETS_DEG.iter().find_map(|lean_deg| {
-            let theta_shroud = plain.theta_shroud + lean_deg.to_radians().tan() * unit;
+        TILT_OFFSETS_DEG.iter().find_map(|tilt_deg| {
+            let theta_shroud = plain.theta_shroud + tilt_deg.to_radians().tan() * unit;
             self.clear_of_blades(wall, AxisEnds { theta_shroud, ..plain })
         })
     }

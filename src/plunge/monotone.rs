@@ -34,7 +34,7 @@ impl RowMaker<'_> {
         accept: &mut dyn FnMut(&[Station]) -> bool,
     ) -> Option<Vec<Station>> {
         let Some((first, rest)) = conventional.split_first() else { return Some(Vec::new()) };
-        let first = start.map_or(*first, |lean| self.with_min_lead_angle(first, lean, 0.0, max_tilt));
+        let first = start.map_or(*first, |lead_rad| self.with_min_lead_angle(first, lead_rad, 0.0, max_tilt));
         self.monotone_after(first, rest, max_tilt, accept)
     }
 

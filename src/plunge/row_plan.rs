@@ -130,12 +130,12 @@ impl Planner<'_> {
             let row = self.converge_row(&attempts, policy, &start, Contacts::Allowed, monitor)?;
             return Ok(row.unwrap_or_else(|| PlannedRow::empty(maker.lambda)));
         }
-        let leans = std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians())));
+        let leads = std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians())));
         // Starts with the number of positions that each got free of contact.
         let mut tried: Vec<(usize, RowStart)> = Vec::new();
-        for lean in leans {
+        for lead_rad in leads {
             monitor.check()?;
-            let Some(start) = self.find_free_start(&attempts, ends.0, lean, &mut moved) else { continue };
+            let Some(start) = self.find_free_start(&attempts, ends.0, lead_rad, &mut moved) else { continue };
             // Below the jump of α from rear to front contact all lead angles give the same start.
             if tried.iter().any(|(_, t)| same_axis(&t.first, &start.first)) {
                 continue;
@@ -211,14 +211,14 @@ impl Planner<'_> {
         Ok(Some(row))
     }
 
-    /// Moves the start of a row, with a lead angle of at least `lean` (rad), out of the stock until its first
+    /// Moves the start of a row, with a lead angle of at least `lead_rad` (rad), out of the stock until its first
     /// core column is free; unmoved where no retreat frees it. `None` where there is no axis. `moved` holds
     /// the shifts of W for a smaller lead angle, in s, and is updated.
     fn find_free_start(
         &self,
         attempts: &RowAttempts,
         start: f64,
-        lean: Option<f64>,
+        lead_rad: Option<f64>,
         moved: &mut [f64; START_RETREATS.len()],
     ) -> Option<RowStart> {
         let maker = attempts.maker;
@@ -230,8 +230,8 @@ impl Planner<'_> {
             }
             let s = start + maker.direction_sign * radii * radius_s;
             let Some(mut first) = attempts.first(s) else { break };
-            if let Some(lean) = lean {
-                first = maker.with_min_lead_angle(&first, lean, *moved, self.setup.plunge.max_tilt_rad);
+            if let Some(lead_rad) = lead_rad {
+                first = maker.with_min_lead_angle(&first, lead_rad, *moved, self.setup.plunge.max_tilt_rad);
                 *moved = first.shroud_shift();
             }
             let column = PlungeColumn::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);

@@ -5,6 +5,7 @@ use super::choice::fit::cylinders;
 use super::choice::search::MIN_SECTION_S;
 use super::choice::{choose, choose_rest};
 use super::survey::Survey;
+use crate::error::ErrorCode;
 use crate::part::{Channel, Impeller};
 use crate::setup::{PlungeSetup, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of};
 
@@ -95,6 +96,7 @@ fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
 pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
     match &setup.part {
         Some(name) if *name != part.name => Err(SetupFault::new(
+            ErrorCode::WrongPart,
             format!("the setup is for part \"{name}\", not for \"{}\"", part.name),
             "give the setup of this part, or change its `part` key",
         )
@@ -110,6 +112,7 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
         return Ok(());
     }
     Err(SetupFault::new(
+        ErrorCode::HubAllowance,
         format!(
             "`hub_allowance` is {}, but hub and shroud are {height:.2} mm apart at most",
             setup.allowances.hub_allowance
@@ -189,7 +192,7 @@ pub(super) fn too_many_positions(
     };
     let count = if positions < 1e6 { format!("about {positions:.0}") } else { "over a million".to_owned() };
     let what = format!("the plan would have {count} positions; the limit is {MAX_POSITIONS}");
-    SetupFault::new(what, help).at(place)
+    SetupFault::new(ErrorCode::TooManyPositions, what, help).at(place)
 }
 
 /// Errors when no cutter fits anywhere in the channel because of the blade allowance.
@@ -202,6 +205,7 @@ fn check_blade_allowance(setup: &Setup, survey: &Survey) -> Result<(), SetupFaul
         return Ok(());
     }
     Err(SetupFault::new(
+        ErrorCode::BladeAllowance,
         format!("`blade_allowance` is {allowance}, but the blades are {widest:.2} mm apart at most"),
         format!("give at most {:.2} mm, less to cut where they come closer", round_down(most, 2)),
     )
@@ -237,5 +241,5 @@ fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<()
          inside the allowances",
         tool.number, tool.diameter
     );
-    Err(SetupFault::new(what, help).at(place))
+    Err(SetupFault::new(ErrorCode::CutterTooWide, what, help).at(place))
 }

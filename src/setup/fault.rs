@@ -1,6 +1,7 @@
 //! Faults of a setup: what is wrong, what to do, and the key where it is.
 
 use super::{Setup, Tool};
+use crate::error::{ErrorCode, UserError};
 
 /// Location of a fault in a setup, from which the reader of the file finds the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +31,8 @@ pub enum SetupPlace {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}; {help}")]
 pub struct SetupFault {
+    /// Its kind.
+    pub code: ErrorCode,
     /// What is wrong.
     pub message: String,
     /// What to do about it.
@@ -39,14 +42,20 @@ pub struct SetupFault {
 }
 
 impl SetupFault {
-    /// A fault of the setup as a whole: what is wrong and how to fix it.
-    pub fn new(message: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { message: message.into(), help: help.into(), place: SetupPlace::Whole }
+    /// A fault of the setup as a whole: its kind, what is wrong and how to fix it.
+    pub fn new(code: ErrorCode, message: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { code, message: message.into(), help: help.into(), place: SetupPlace::Whole }
     }
 
     /// The fault at `place`.
     pub fn at(self, place: SetupPlace) -> Self {
         Self { place, ..self }
+    }
+}
+
+impl From<SetupFault> for UserError {
+    fn from(fault: SetupFault) -> Self {
+        Self::new(fault.code, fault.message, fault.help)
     }
 }
 
@@ -69,6 +78,7 @@ pub fn round_up(x: f64, decimals: i32) -> f64 {
 pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
     setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
         SetupFault::new(
+            ErrorCode::UndefinedTool,
             format!("a section uses tool {number}, which the setup does not define"),
             "add the tool or name another",
         )

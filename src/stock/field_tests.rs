@@ -36,9 +36,9 @@ pub(crate) fn any_cutter() -> impl Strategy<Value = FieldCutter> {
     let place = (-35.0..35.0, -13.0..13.0, -1.0..4.0);
     let direction = (0.0..0.9_f64, 0.0..6.2_f64);
     let shape = (2.0..8.0, 0.0..0.9, prop_oneof![Just(0.0), 0.02..1.0]);
-    (place, direction, shape).prop_map(|((x, y, lift), (lean, turn), (radius, core, corner))| {
+    (place, direction, shape).prop_map(|((x, y, lift), (tilt, turn), (radius, core, corner))| {
         let z = x * x / 120.0 - y * y / 80.0 + lift;
-        let axis = [lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos()];
+        let axis = [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()];
         FieldCutter {
             tip: [x as f32 + 180.0, y as f32, z as f32 + 40.0],
             radius: radius as f32,
@@ -188,14 +188,14 @@ fn plate() -> FloorGrid {
     }
 }
 
-fn upright(x: f32, y: f32, z: f32) -> FieldCutter {
+fn vertical(x: f32, y: f32, z: f32) -> FieldCutter {
     FieldCutter { tip: [x, y, z], radius: 8.0, axis: [0.0, 0.0, 1.0], core_radius: 4.0, corner_radius: 0.0 }
 }
 
 #[test]
-fn an_upright_plunge_leaves_a_flat_hole() {
+fn a_vertical_plunge_leaves_a_flat_hole() {
     let grid = plate();
-    let field = residual_field(&grid, &[upright(32.0, 32.0, 0.5)]);
+    let field = residual_field(&grid, &[vertical(32.0, 32.0, 0.5)]);
     let inside = |cell: usize, r: f32| {
         let p = grid.points[cell];
         (p[0] - 32.0).hypot(p[1] - 32.0) < r
@@ -216,7 +216,7 @@ fn an_upright_plunge_leaves_a_flat_hole() {
 
 #[test]
 fn the_same_plunge_twice_is_an_air_cut_without_contact() {
-    let field = residual_field(&plate(), &[upright(32.0, 32.0, 0.5), upright(32.0, 32.0, 0.5)]);
+    let field = residual_field(&plate(), &[vertical(32.0, 32.0, 0.5), vertical(32.0, 32.0, 0.5)]);
     let again = field.traces[1];
     assert_eq!((again.cut_cells, again.contact_cells, again.contact_depth), (0, 0, 0.0));
     assert_eq!(again.removed_volume, 0.0);
@@ -226,9 +226,9 @@ fn the_same_plunge_twice_is_an_air_cut_without_contact() {
 #[test]
 fn a_lower_neighbour_meets_the_step_and_a_higher_one_does_not() {
     // 3 mm beside the first, the core (4 mm) lies wholly on the floor of the first plunge.
-    let falling = residual_field(&plate(), &[upright(29.0, 32.0, 1.0), upright(32.0, 32.0, 0.7)]);
+    let falling = residual_field(&plate(), &[vertical(29.0, 32.0, 1.0), vertical(32.0, 32.0, 0.7)]);
     assert!((falling.traces[1].contact_depth - 0.3).abs() < 1e-6, "{:?}", falling.traces[1]);
-    let rising = residual_field(&plate(), &[upright(29.0, 32.0, 1.0), upright(32.0, 32.0, 1.0)]);
+    let rising = residual_field(&plate(), &[vertical(29.0, 32.0, 1.0), vertical(32.0, 32.0, 1.0)]);
     assert_eq!(rising.traces[1].contact_cells, 0);
 }
 
@@ -236,14 +236,14 @@ fn a_lower_neighbour_meets_the_step_and_a_higher_one_does_not() {
 fn cells_off_the_floor_have_heights_and_leave_no_trace() {
     let mut grid = plate();
     grid.floor.fill(false);
-    let field = residual_field(&grid, &[upright(32.0, 32.0, 0.5)]);
+    let field = residual_field(&grid, &[vertical(32.0, 32.0, 0.5)]);
     assert!(field.heights.contains(&0.5), "heights are computed everywhere");
     assert_eq!(field.traces, [PositionTrace::default()]);
 }
 
 #[test]
 fn a_ball_leaves_its_sphere() {
-    let mut ball = upright(32.0, 32.0, 0.5);
+    let mut ball = vertical(32.0, 32.0, 0.5);
     ball.corner_radius = 8.0;
     let grid = plate();
     let field = residual_field(&grid, &[ball]);
@@ -257,7 +257,7 @@ fn a_ball_leaves_its_sphere() {
 
 #[test]
 fn empty_inputs_give_empty_results() {
-    let field = residual_field(&saddle(0, 0), &[upright(0.0, 0.0, 0.0)]);
+    let field = residual_field(&saddle(0, 0), &[vertical(0.0, 0.0, 0.0)]);
     assert_eq!((field.heights.len(), field.traces.len()), (0, 1));
     let grid = plate();
     assert_eq!(residual_field(&grid, &[]).heights, grid.blank_heights);

@@ -99,7 +99,7 @@ impl Meeting {
     pub(super) fn contact_depth(&self, squared_core: f32, height: f32) -> f32 {
         let (entry, exit) = self.interval(squared_core);
         let top = smaller(height, exit);
-        // The top is the higher end unless the axis leans more than 90° from the hub normal.
+        // The top is the higher end unless the axis is inclined by more than 90° from the hub normal.
         let depth = larger(self.z + top * self.slope, self.z + entry * self.slope);
         let meets = (self.discriminant(squared_core) > 0.0) & (entry < top);
         if meets { larger(depth, 0.0) } else { 0.0 }

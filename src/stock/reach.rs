@@ -241,29 +241,29 @@ impl<'a> WallCorner<'a> {
             return f64::INFINITY;
         }
         let facing: Vec<WallProfile> = self.facing.iter().map(|face| self.profile(face, slope)).collect();
-        let of = |lean: f64| self.bottom_begin(cutter, slope, lean, &near, &facing);
+        let of = |tan_tilt: f64| self.bottom_begin(cutter, slope, tan_tilt, &near, &facing);
         let (_, distance) = search::minimum(of, 0.0, 1.2 * near.steepest().clamp(0.0, 4.0), TOLERANCE);
         distance
     }
 
-    /// Distance from the foot at which the bottom begins, for the axis (`slope`, `lean`) beside the wall, mm,
+    /// Distance from the foot at which the bottom begins, for the axis (`slope`, `tan_tilt`) beside the wall, mm,
     /// with a penalty where opposite walls leave too little clearance.
     fn bottom_begin(
         &self,
         cutter: &ReachCutter,
         slope: f64,
-        lean: f64,
+        tan_tilt: f64,
         near: &WallProfile,
         facing: &[WallProfile],
     ) -> f64 {
-        let length = (1.0 + slope * slope + lean * lean).sqrt();
-        let axis = [slope / length, lean / length, 1.0 / length];
+        let length = (1.0 + slope * slope + tan_tilt * tan_tilt).sqrt();
+        let axis = [slope / length, tan_tilt / length, 1.0 / length];
         let reach = cutter.radius + cutter.blade_allowance;
         let bottom = cutter.hub_allowance + self.hub.contact_height(&axis, cutter.radius, reach);
         // Half the width of the disc across the wall, and the rise of its near end.
         let half = (1.0 - axis[1] * axis[1]).sqrt();
         let rise = cutter.radius * axis[1] * axis[2] / half;
-        let flank = CutterFlank { axis, tan_phi: lean, reach, rise };
+        let flank = CutterFlank { axis, tan_phi: tan_tilt, reach, rise };
         let place = near.nearest_axis(&flank, bottom + rise);
         let lacking =
             facing.iter().map(|wall| place - wall.furthest_axis(&flank, bottom - rise)).fold(0.0, f64::max);
@@ -271,7 +271,7 @@ impl<'a> WallCorner<'a> {
             // The whole wall is lower than the bottom's near end.
             return f64::INFINITY;
         }
-        let begin = place + bottom * lean - cutter.radius * half;
+        let begin = place + bottom * tan_tilt - cutter.radius * half;
         begin + PENALTY * (lacking - CLEARANCE_TOLERANCE).max(0.0)
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::result::{FIGURES, PROGRAM_VERSION, RESULT_VERSION, RunResult, RunStatus};
 use super::runs::{Run, RunInput, RunList};
+use crate::error::{ErrorCode, UserError};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::job::{self, FIELD_CELLS, JobError, PlanOutcome, PlanRequest};
 use crate::monitor::{Cancelled, Monitor};
@@ -51,15 +52,18 @@ pub(super) fn evaluate(
             let planning = AssertUnwindSafe(|| plan(input.part.part.clone(), setup, monitor));
             match catch_unwind(planning) {
                 Ok(Err(JobError::Cancelled)) => return Err(Cancelled),
-                Ok(Err(JobError::Setup(fault))) => Err(fault.to_string()),
+                Ok(Err(JobError::Setup(fault))) => Err(fault.into()),
                 Ok(Ok(outcome)) => judge(&outcome, &mut result),
-                Err(_) => Err("the planner failed on this input; report it with the part".to_owned()),
+                Err(_) => {
+                    let what = "the planner failed on this input";
+                    Err(UserError::new(ErrorCode::Defect, what, "report it with the part"))
+                }
             }
         }
     };
     if let Err(fault) = planned {
         result.status = RunStatus::Error;
-        result.error = Some(fault.split_whitespace().collect::<Vec<_>>().join(" "));
+        result.error = Some(fault.to_string().split_whitespace().collect::<Vec<_>>().join(" "));
     }
     monitor.check()?;
     result.elapsed = started.elapsed().as_secs_f64();
@@ -72,13 +76,12 @@ fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Re
 }
 
 /// Takes the figures from the program as it would be written, as `vanecut plan` does.
-fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), String> {
+fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError> {
     let (part, plan) = (&outcome.part, &outcome.after.plan);
     let text = write_apt(&ClProgram::of_plan(&part.name, plan));
-    let program = read_apt_bytes("", text.as_bytes()).map_err(|error| error.to_string())?;
+    let program = read_apt_bytes("", text.as_bytes())?;
     let channel = Channel::of(part);
-    let report = report_plunges(part, &channel, &outcome.setup, &program, FIELD_CELLS)
-        .map_err(|fault| fault.message)?;
+    let report = report_plunges(part, &channel, &outcome.setup, &program, FIELD_CELLS)?;
     let (summary, faults) = (&report.summary, &report.verdict.faults);
     let sections = || report.verdict.plan.sections.iter().filter(|section| section.is_cut());
     let figures: [f64; FIGURES.len()] = [
@@ -110,7 +113,7 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), String> {
     result.tools = sections().map(|section| section.tool.diameter).collect();
     result.status = match (faults.is_empty(), plan.converged) {
         (false, _) => RunStatus::Faults,
-        (true, false) => RunStatus::Unsettled,
+        (true, false) => RunStatus::NotConverged,
         (true, true) => RunStatus::Done,
     };
     if let Some(first) = faults.first() {

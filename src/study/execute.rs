@@ -9,6 +9,7 @@ use super::evaluate::evaluate;
 use super::result::{Manifest, RunResult, RunStatus};
 use super::runs::RunList;
 use super::shard::Shard;
+use crate::error::ErrorCode;
 use crate::io::{InputError, source};
 use crate::monitor::Monitor;
 
@@ -51,7 +52,7 @@ impl Tally {
     fn count(&mut self, result: RunResult) {
         match result.status {
             RunStatus::Done => {}
-            RunStatus::Faults | RunStatus::Unsettled => self.faulty += 1,
+            RunStatus::Faults | RunStatus::NotConverged => self.faulty += 1,
             RunStatus::Error => {
                 self.failed += 1;
                 if self.first_failed.is_none() {
@@ -71,7 +72,13 @@ pub fn execute(list: &RunList, how: &Execution<'_>, monitor: &Monitor) -> Result
     let runs_folder = how.folder.join("runs");
     std::fs::create_dir_all(&runs_folder).map_err(|error| {
         let what = format!("the folder cannot be made ({error})");
-        InputError::new(&source::name_of(&runs_folder), 0, what, "give one that can be written")
+        InputError::new(
+            ErrorCode::FileNotWritten,
+            &source::name_of(&runs_folder),
+            0,
+            what,
+            "give one that can be written",
+        )
     })?;
     Manifest::of(list).write(how.folder)?;
     let ours: Vec<usize> = (0..list.runs.len()).filter(|&place| how.shard.contains(place)).collect();
@@ -137,7 +144,13 @@ struct Shared<'a> {
 /// Runs the workers to their end, and passes a stop on to the runs that they compute.
 fn start_workers(shared: &Shared<'_>) -> Result<(), InputError> {
     let refused = |error: &dyn std::fmt::Display| {
-        InputError::new("", 0, format!("threads cannot be started ({error})"), "give a smaller --jobs")
+        InputError::new(
+            ErrorCode::System,
+            "",
+            0,
+            format!("threads cannot be started ({error})"),
+            "give a smaller --jobs",
+        )
     };
     let pools = (shared.monitors.iter())
         .map(|_| rayon::ThreadPoolBuilder::new().num_threads(shared.how.threads.max(1)).build())

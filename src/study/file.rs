@@ -18,6 +18,7 @@
 use std::path::{Path, PathBuf};
 
 use super::setting::{canonical_key, range_values, same_value, set_in_setup, setup_tree};
+use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::setup_file::{read_setup_with_defaults, setup_of_table};
 use crate::io::source::{name_of, quote_for_message, read_bytes};
@@ -74,7 +75,7 @@ impl StudyFile {
     /// # Errors
     /// As [`Self::read`].
     pub fn read_bytes(name: &str, bytes: &[u8], folder: &Path) -> Result<Self, InputError> {
-        let document = TomlDocument::new(name, bytes)?;
+        let document = TomlDocument::new(name, bytes, ErrorCode::StudyFile)?;
         let tree = document.parse()?;
         let root = document.root(&tree);
         root.check_keys(&["part", "parts", "base", "setup", "axis", "exclude", "limit"])?;
@@ -87,7 +88,9 @@ impl StudyFile {
         if count.is_none_or(|count| count > MAX_RUNS) {
             let counts: Vec<String> = axes.iter().map(|axis| axis.values.len().to_string()).collect();
             let what = format!("{} combinations are more than {MAX_RUNS} runs", counts.join(" × "));
-            return Err(root.fault(what, "give fewer values, or make several studies of it"));
+            return Err(root
+                .fault(what, "give fewer values, or make several studies of it")
+                .with_code(ErrorCode::FileTooLarge));
         }
         Ok(Self { name: name.to_owned(), folder: folder.to_owned(), base, axes, excludes, limit })
     }
@@ -100,8 +103,8 @@ impl StudyFile {
     /// The setup of a run as TOML text: the base with one value of each axis, by their indices in `choice`.
     ///
     /// # Errors
-    /// When a key does not fit the base: what is wrong; what to do.
-    pub fn setup_text(&self, choice: &[u32]) -> Result<String, String> {
+    /// When a key does not fit the base.
+    pub fn setup_text(&self, choice: &[u32]) -> Result<String, UserError> {
         let chosen = self.axes.iter().zip(choice);
         self.text_with(chosen.filter_map(|(axis, &value)| Some((axis, axis.values.get(value as usize)?))))
     }
@@ -113,12 +116,15 @@ impl StudyFile {
     pub fn text_with<'a>(
         &self,
         values: impl Iterator<Item = (&'a Axis, &'a Scalar)>,
-    ) -> Result<String, String> {
+    ) -> Result<String, UserError> {
         let mut tree = self.base.clone();
         for (axis, value) in values.filter(|(axis, _)| axis.key != PART) {
-            set_in_setup(&mut tree, &axis.key, value).map_err(|(what, help)| format!("{what}; {help}"))?;
+            set_in_setup(&mut tree, &axis.key, value)?;
         }
-        toml::to_string(&tree).map_err(|error| format!("the setup cannot be written ({error}); simplify it"))
+        toml::to_string(&tree).map_err(|error| {
+            let what = format!("the setup cannot be written ({error})");
+            UserError::new(ErrorCode::StudyFile, what, "simplify it")
+        })
     }
 }
 
@@ -131,9 +137,9 @@ fn base_setup(
 ) -> Result<toml::Table, InputError> {
     let inline = root.table("setup")?;
     match (root.string("base")?, inline) {
-        (Some(base), Some(_)) => {
-            Err(root.fault_at(base.at, "both `base` and [setup] are given", "keep one of them"))
-        }
+        (Some(base), Some(_)) => Err(root
+            .fault_at(base.at, "both `base` and [setup] are given", "keep one of them")
+            .with_code(ErrorCode::ConflictingKeys)),
         (Some(base), None) => {
             let path = folder.join(base.value);
             let bytes = read_bytes(&path)?;
@@ -169,15 +175,21 @@ fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<Axis>, 
         let axis = axis(document, table)?;
         if axes.iter().any(|known: &Axis| known.key == axis.key) {
             let what = format!("`{}` varies on two axes", axis.key);
-            return Err(table.fault(what, "put all its values on one axis"));
+            return Err(table
+                .fault(what, "put all its values on one axis")
+                .with_code(ErrorCode::ConflictingKeys));
         }
         if axes.len() == MAX_AXES {
-            return Err(table.fault(format!("more than {MAX_AXES} axes"), "make several studies of it"));
+            return Err(table
+                .fault(format!("more than {MAX_AXES} axes"), "make several studies of it")
+                .with_code(ErrorCode::FileTooLarge));
         }
         axes.push(axis);
     }
     if !axes.iter().any(|axis| axis.key == PART) {
-        return Err(root.fault("the study has no part", "add part = \"FILE\" or parts = [\"FILE\", …]"));
+        return Err(root
+            .fault("the study has no part", "add part = \"FILE\" or parts = [\"FILE\", …]")
+            .with_code(ErrorCode::MissingKey));
     }
     Ok(axes)
 }
@@ -185,22 +197,28 @@ fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<Axis>, 
 fn axis(document: &TomlDocument<'_>, table: &TomlTable<'_>) -> Result<Axis, InputError> {
     table.check_keys(&["key", "values", "range"])?;
     let key = table.string("key")?.ok_or_else(|| {
-        table.fault("the axis has no `key`", "give the key of a setup that varies, such as \"plunge.step\"")
+        table
+            .fault("the axis has no `key`", "give the key of a setup that varies, such as \"plunge.step\"")
+            .with_code(ErrorCode::MissingKey)
     })?;
-    let canonical = canonical_key(key.value).map_err(|(what, help)| table.fault_at(key.at, what, help))?;
+    let canonical = canonical_key(key.value).map_err(|error| table.locate(key.at, error))?;
     let values = match (table.scalars("values")?, table.numbers("range")?) {
         (Some(values), None) => values,
         (None, Some(range)) => {
-            let values = range_values(&range.value, MAX_RUNS)
-                .map_err(|(what, help)| table.fault_at(range.at, what, help))?;
+            let values =
+                range_values(&range.value, MAX_RUNS).map_err(|error| table.locate(range.at, error))?;
             values.into_iter().map(|value| Located { value, at: range.at }).collect()
         }
         (Some(_), Some(range)) => {
-            return Err(table.fault_at(range.at, "the axis has `values` and `range`", "keep one of them"));
+            return Err(table
+                .fault_at(range.at, "the axis has `values` and `range`", "keep one of them")
+                .with_code(ErrorCode::ConflictingKeys));
         }
         (None, None) => {
             let what = format!("the axis of `{canonical}` has no values");
-            return Err(table.fault(what, "add values = […] or range = [from, to, step]"));
+            return Err(table
+                .fault(what, "add values = […] or range = [from, to, step]")
+                .with_code(ErrorCode::MissingKey));
         }
     };
     new_axis(document, table, canonical, values)
@@ -214,20 +232,26 @@ fn new_axis(
     values: Vec<Located<Scalar>>,
 ) -> Result<Axis, InputError> {
     if values.is_empty() {
-        return Err(table.fault(format!("the axis of `{key}` has no values"), "give one or more"));
+        return Err(table
+            .fault(format!("the axis of `{key}` has no values"), "give one or more")
+            .with_code(ErrorCode::MissingKey));
     }
     if values.len() > MAX_RUNS {
         let what = format!("the axis of `{key}` has {} values", values.len());
-        return Err(table.fault(what, format!("give at most {MAX_RUNS}")));
+        return Err(table.fault(what, format!("give at most {MAX_RUNS}")).with_code(ErrorCode::FileTooLarge));
     }
     let mut shown = std::collections::HashSet::new();
     for value in &values {
         if !shown.insert(value.value.to_string()) {
             let what = format!("`{key}` has the value {} twice", quote_for_message(&value.value.to_string()));
-            return Err(table.fault_at(value.at, what, "remove one of them"));
+            return Err(table
+                .fault_at(value.at, what, "remove one of them")
+                .with_code(ErrorCode::ConflictingKeys));
         }
         if key == PART && !matches!(value.value, Scalar::Text(_)) {
-            return Err(table.fault_at(value.at, "a part is not a text", "give the path of a part file"));
+            return Err(table
+                .fault_at(value.at, "a part is not a text", "give the path of a part file")
+                .with_code(ErrorCode::ValueType));
         }
     }
     let lines = values.iter().map(|value| document.line(value.at)).collect();
@@ -252,10 +276,12 @@ fn exclude(table: &TomlTable<'_>, axes: &[Axis]) -> Result<Vec<(usize, Vec<usize
             let names: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
             let near = nearest(&key, &names).unwrap_or_default();
             let what = format!("{} is not an axis of the study", quote_for_message(&written));
-            return Err(fault(what, format!("use `{near}`, the nearest axis, or remove it")));
+            return Err(fault(what, format!("use `{near}`, the nearest axis, or remove it"))
+                .with_code(ErrorCode::UnknownKey));
         };
         if matched.iter().any(|(known, _)| *known == index) {
-            return Err(fault(format!("`{key}` is given twice"), "keep one of them".to_owned()));
+            return Err(fault(format!("`{key}` is given twice"), "keep one of them".to_owned())
+                .with_code(ErrorCode::ConflictingKeys));
         }
         let mut indices = Vec::with_capacity(values.len());
         for value in &values {

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::csv::write_record;
 use super::result::{FIGURES, Manifest, RunResult, result_path};
+use crate::error::ErrorCode;
 use crate::io::{InputError, source};
 
 /// Columns before those of the keys that vary.
@@ -43,7 +44,7 @@ pub fn merge(folder: &Path) -> Result<Merged, InputError> {
         if *first != result.program {
             let what = format!("is of vanecut {}, results before it of {first}", result.program);
             let help = "run the study again with one version, which redoes the others";
-            return Err(InputError::new(&source::name_of(&path), 0, what, help));
+            return Err(InputError::new(ErrorCode::StudyResults, &source::name_of(&path), 0, what, help));
         }
         write_record(&mut merged.text, row(&result, keys()).iter().map(String::as_str));
         merged.rows += 1;

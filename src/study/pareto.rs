@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::csv::records;
 use super::result::{FIGURES, RunStatus};
+use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::{quote_for_message, read_bytes_up_to};
 use crate::io::table::nearest;
@@ -51,7 +52,8 @@ impl Table {
     /// When the bytes are not such a table.
     pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Self, InputError> {
         let help = "give the table that `vanecut study merge` wrote";
-        let fault = |line: usize, what: String| InputError::new(name, line, what, help);
+        let fault =
+            |line: usize, what: String| InputError::new(ErrorCode::StudyResults, name, line, what, help);
         let text = std::str::from_utf8(bytes).map_err(|_| fault(0, "is not UTF-8 text".to_owned()))?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let mut records = records(text).map_err(|(line, what)| fault(line, what))?.into_iter();
@@ -79,17 +81,19 @@ impl Table {
     /// The Pareto set over `figures`, of each of which less is better. Parts are not compared.
     ///
     /// # Errors
-    /// When a figure is not a column of figures: what is wrong; what to do.
-    pub fn pareto(&self, figures: &[&str]) -> Result<ParetoSet, String> {
+    /// When a figure is not a column of figures.
+    pub fn pareto(&self, figures: &[&str]) -> Result<ParetoSet, UserError> {
         if figures.is_empty() || figures.len() > MAX_FIGURES {
-            return Err(format!("{} figures are compared; name 1 to {MAX_FIGURES}", figures.len()));
+            let what = format!("{} figures are compared", figures.len());
+            return Err(UserError::new(ErrorCode::Arguments, what, format!("name 1 to {MAX_FIGURES}")));
         }
         let mut places = Vec::with_capacity(figures.len());
         for figure in figures {
             let place = self.column(figure).filter(|_| FIGURES.contains(figure));
             places.push(place.ok_or_else(|| {
                 let near = nearest(figure, &FIGURES).unwrap_or_default();
-                format!("{} is not a figure of the table; use `{near}`", quote_for_message(figure))
+                let what = format!("{} is not a figure of the table", quote_for_message(figure));
+                UserError::new(ErrorCode::UnknownName, what, format!("use `{near}`"))
             })?);
         }
         let (part, status) = (self.column("part"), self.column("status"));
@@ -194,7 +198,8 @@ mod tests {
     #[test]
     fn unknown_figures_and_damaged_tables_are_refused() {
         let error = table(3, 1).pareto(&["time_estimat"]).unwrap_err();
-        assert!(error.contains("`time_estimate`"), "{error}");
+        assert_eq!(error.code, ErrorCode::UnknownName, "{error}");
+        assert!(error.help.contains("`time_estimate`"), "{error}");
         assert!(table(3, 1).pareto(&["status"]).is_err());
         assert!(table(3, 1).pareto(&[]).is_err());
         for (bytes, words) in [

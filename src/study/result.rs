@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::runs::{Run, RunInput, RunList};
+use crate::error::ErrorCode;
 use crate::io::source::read_bytes;
 use crate::io::table::Scalar;
 use crate::io::write::write_atomically;
@@ -53,7 +54,8 @@ pub enum RunStatus {
     /// A plan whose program has faults, as `verify` finds them.
     Faults,
     /// A plan whose planning loop did not converge.
-    Unsettled,
+    #[serde(rename = "unsettled")]
+    NotConverged,
     /// No plan: part and setup do not go together.
     Error,
 }
@@ -64,7 +66,7 @@ impl RunStatus {
         match self {
             Self::Done => "done",
             Self::Faults => "faults",
-            Self::Unsettled => "unsettled",
+            Self::NotConverged => "unsettled",
             Self::Error => "error",
         }
     }
@@ -124,7 +126,13 @@ impl RunResult {
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let bytes = read_bytes(path)?;
         let fault = |line, what: String| {
-            InputError::new(&source::name_of(path), line, what, "run the study again, which redoes it")
+            InputError::new(
+                ErrorCode::StudyResults,
+                &source::name_of(path),
+                line,
+                what,
+                "run the study again, which redoes it",
+            )
         };
         let result: Self = serde_json::from_slice(&bytes)
             .map_err(|error| fault(error.line(), format!("is not the result of a run ({error})")))?;
@@ -179,16 +187,34 @@ impl Manifest {
         let name = source::name_of(&path);
         if !path.exists() {
             let what = "is not there, so that this is not the folder of a study";
-            return Err(InputError::new(&name, 0, what, "give the DIR of `vanecut study STUDY.toml -o DIR`"));
+            return Err(InputError::new(
+                ErrorCode::StudyResults,
+                &name,
+                0,
+                what,
+                "give the DIR of `vanecut study STUDY.toml -o DIR`",
+            ));
         }
         let manifest: Self = serde_json::from_slice(&read_bytes(&path)?).map_err(|error| {
             let what = format!("is not the list of a study's runs ({error})");
-            InputError::new(&name, error.line(), what, "run the study again, which writes it anew")
+            InputError::new(
+                ErrorCode::StudyResults,
+                &name,
+                error.line(),
+                what,
+                "run the study again, which writes it anew",
+            )
         })?;
         let is_name = |id: &String| !id.is_empty() && id.bytes().all(|byte| byte.is_ascii_hexdigit());
         if manifest.vanecut_study != RESULT_VERSION || !manifest.runs.iter().all(is_name) {
             let what = format!("is not a list of version {RESULT_VERSION}");
-            return Err(InputError::new(&name, 0, what, "run the study again, which writes it anew"));
+            return Err(InputError::new(
+                ErrorCode::StudyResults,
+                &name,
+                0,
+                what,
+                "run the study again, which writes it anew",
+            ));
         }
         Ok(manifest)
     }

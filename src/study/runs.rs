@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::file::{Axis, StudyFile};
 use super::result::RESULT_VERSION;
 use super::sha256::sha256_hex;
+use crate::error::{ErrorCode, UserError};
 use crate::io::native::write_native;
 use crate::io::part_file::read_part;
 use crate::io::setup_file::{read_setup_with_defaults, write_setup};
@@ -60,7 +61,7 @@ pub struct RunInput<'a> {
     /// The part.
     pub part: &'a StudyPart,
     /// The setup, or why there is none.
-    pub setup: Result<Setup, String>,
+    pub setup: Result<Setup, UserError>,
     /// The complete setup as text; the text that is not a setup where there is none.
     pub setup_text: String,
 }
@@ -77,7 +78,9 @@ impl RunList {
         let mut list = Self { file, parts, runs: Vec::new() };
         let ids: Vec<(String, bool)> = choices.par_iter().map(|choice| list.id_of(choice)).collect();
         list.check_values(&choices, &ids)?;
-        let fault = |what: String, help: &str| Err(InputError::new(&list.file.name, 0, what, help));
+        let fault = |what: String, help: &str| {
+            Err(InputError::new(ErrorCode::StudyFile, &list.file.name, 0, what, help))
+        };
         if choices.is_empty() {
             return fault("every run is excluded".to_owned(), "remove an [[exclude]]");
         }
@@ -98,14 +101,14 @@ impl RunList {
         let place = choice.get(self.file.part_axis()).map_or(0, |&index| index as usize);
         let part = &self.parts[place];
         let (setup, setup_text) = match self.file.setup_text(choice) {
-            Err(what) => (Err(what), String::new()),
+            Err(error) => (Err(error), String::new()),
             Ok(text) => match read_setup_with_defaults("", text.as_bytes(), &part.defaults) {
                 Ok(setup) => {
                     let text = write_setup(&setup);
                     (Ok(setup), text)
                 }
                 // Lines of this text are those of no file.
-                Err(error) => (Err(format!("{}; {}", error.message, error.help)), text),
+                Err(error) => (Err(error.into()), text),
             },
         };
         RunInput { part, setup, setup_text }
@@ -141,17 +144,18 @@ impl RunList {
         let input = self.input(choice);
         // A setup that cannot be used has the values that make it so in its text, or in its message.
         let (usable, fault) = match &input.setup {
-            Ok(_) => (true, ""),
-            Err(fault) => (false, fault.as_str()),
+            Ok(_) => (true, String::new()),
+            Err(error) => (false, error.to_string()),
         };
         let settings = if input.setup_text.is_empty() { self.shown_choice(choice) } else { String::new() };
         let whole = [
             &format!("vanecut study run {RESULT_VERSION}"),
             &input.part.hash,
-            input.setup_text.as_str(),
-            fault,
+            &input.setup_text,
+            &fault,
             &settings,
         ]
+        .map(String::as_str)
         .join("\n");
         let mut id = sha256_hex(whole.as_bytes());
         id.truncate(ID_DIGITS);
@@ -175,13 +179,11 @@ impl RunList {
                 axis.values.iter().zip(&axis.lines).zip(used).filter(|(_, used)| !**used)
             {
                 let read = self.file.text_with([(axis, value)].into_iter()).and_then(|text| {
-                    read_setup_with_defaults("", text.as_bytes(), &Setup::default())
-                        .map_err(|error| format!("{}; {}", error.message, error.help))
+                    read_setup_with_defaults("", text.as_bytes(), &Setup::default()).map_err(UserError::from)
                 });
-                if let Err(fault) = read {
-                    let name = format!("{}:{line}", self.file.name);
-                    let (what, help) = fault.split_once("; ").unwrap_or((&fault, "correct it"));
-                    return Err(InputError::new(&name, 0, format!("`{}`: {what}", axis.key), help));
+                if let Err(error) = read {
+                    let what = format!("`{}`: {}", axis.key, error.message);
+                    return Err(InputError::new(error.code, &self.file.name, *line, what, error.help));
                 }
             }
         }
@@ -194,8 +196,8 @@ fn read(file: &StudyFile, path: &Scalar) -> Result<StudyPart, InputError> {
     let shown = path.to_string();
     let path: PathBuf = file.folder.join(&shown);
     let description = read_part(&path)?;
-    let part = Impeller::build(&description)
-        .map_err(|error| InputError::new(&source::name_of(&path), error.line, error.message, error.help))?;
+    let part =
+        Impeller::build(&description).map_err(|error| InputError::of_part(&source::name_of(&path), error))?;
     let hash = sha256_hex(write_native(&description).as_bytes());
     let defaults = Setup::for_part(&part);
     Ok(StudyPart { shown, part: Arc::new(part), hash, defaults })

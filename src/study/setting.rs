@@ -1,5 +1,6 @@
 //! Keys and values of a study: dotted paths into a setup, ranges, equality.
 
+use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::{Source, quote_for_message, text};
 use crate::io::table::Scalar;
@@ -9,14 +10,11 @@ const RANGE_DIGITS: usize = 12;
 /// Longest path of a key.
 const MAX_KEY_CHARS: usize = 100;
 
-/// What is wrong, and what to do about it.
-type Fault = (String, String);
-
 /// The key of an axis as a path in the setup, or `part`: `policy` is short for `plunge.axis`.
 ///
 /// # Errors
 /// When it cannot be a key that varies.
-pub fn canonical_key(key: &str) -> Result<String, Fault> {
+pub fn canonical_key(key: &str) -> Result<String, UserError> {
     let shown = quote_for_message(key);
     match key {
         "policy" => return Ok("plunge.axis".to_owned()),
@@ -25,11 +23,13 @@ pub fn canonical_key(key: &str) -> Result<String, Fault> {
     }
     if key.chars().count() > MAX_KEY_CHARS || key.split('.').any(str::is_empty) {
         let help = "give a path such as plunge.step, tool.1.diameter or stock.hub_allowance";
-        return Err((format!("{shown} is not the path of a key of a setup"), help.to_owned()));
+        let what = format!("{shown} is not the path of a key of a setup");
+        return Err(UserError::new(ErrorCode::UnknownKey, what, help));
     }
     if key.split('.').next() == Some("flank") {
         let what = format!("{shown} does not change a plunge plan");
-        return Err((what, "vary keys of stock, tool, plunge or machine".to_owned()));
+        let help = "vary keys of stock, tool, plunge or machine";
+        return Err(UserError::new(ErrorCode::UnknownKey, what, help));
     }
     Ok(key.to_owned())
 }
@@ -38,19 +38,20 @@ pub fn canonical_key(key: &str) -> Result<String, Fault> {
 ///
 /// # Errors
 /// When these are not three numbers that make at least one and at most `most` values.
-pub fn range_values(numbers: &[f64], most: usize) -> Result<Vec<Scalar>, Fault> {
+pub fn range_values(numbers: &[f64], most: usize) -> Result<Vec<Scalar>, UserError> {
     let &[from, to, step] = numbers else {
         let what = format!("the range has {} numbers", numbers.len());
-        return Err((what, "give three: from, to, step".to_owned()));
+        return Err(UserError::new(ErrorCode::ValueType, what, "give three: from, to, step"));
     };
     // A hundred-thousandth of a step may be missing at the end, for rounding.
     let steps = ((to - from) / step + 1e-5).floor();
     if !(steps >= 0.0 && step != 0.0) {
         let what = format!("no step of {step} leads from {from} to {to}");
-        return Err((what, "give from, to and a step towards it".to_owned()));
+        return Err(UserError::new(ErrorCode::ValueRange, what, "give from, to and a step towards it"));
     }
     if steps >= most as f64 {
-        return Err((format!("the range has {} values", steps + 1.0), format!("give at most {most}")));
+        let what = format!("the range has {} values", steps + 1.0);
+        return Err(UserError::new(ErrorCode::FileTooLarge, what, format!("give at most {most}")));
     }
     let whole = numbers.iter().all(|number| number.fract() == 0.0);
     let value = |k: usize| {
@@ -83,9 +84,9 @@ pub fn setup_tree(name: &str, bytes: &[u8]) -> Result<toml::Table, InputError> {
     if bytes.iter().all(u8::is_ascii_whitespace) {
         return Ok(toml::Table::new());
     }
-    text(Source { file: name }, bytes)?.parse().map_err(|error: toml::de::Error| {
+    text(Source::new(name, ErrorCode::StudyFile), bytes)?.parse().map_err(|error: toml::de::Error| {
         let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-        InputError::new(name, 0, format!("invalid TOML: {what}"), "correct the line")
+        InputError::new(ErrorCode::InvalidToml, name, 0, format!("invalid TOML: {what}"), "correct the line")
     })
 }
 
@@ -94,12 +95,12 @@ pub fn setup_tree(name: &str, bytes: &[u8]) -> Result<toml::Table, InputError> {
 ///
 /// # Errors
 /// When the path leads through a value, or to a tool or place that is not there.
-pub fn set_in_setup(setup: &mut toml::Table, key: &str, value: &Scalar) -> Result<(), Fault> {
+pub fn set_in_setup(setup: &mut toml::Table, key: &str, value: &Scalar) -> Result<(), UserError> {
     let mut names: Vec<&str> = key.split('.').collect();
     let Some(last) = names.pop() else { return Ok(()) };
     let blocked = |name: &str| {
         let what = format!("{}: `{name}` is a value, not a table", quote_for_message(key));
-        (what, "correct the path".to_owned())
+        UserError::new(ErrorCode::UnknownKey, what, "correct the path")
     };
     let mut table = setup;
     let mut rest = names.into_iter().peekable();
@@ -117,7 +118,8 @@ pub fn set_in_setup(setup: &mut toml::Table, key: &str, value: &Scalar) -> Resul
     }
     if matches!(table.get(last), Some(toml::Value::Table(_) | toml::Value::Array(_))) {
         let what = format!("{} is not a single value", quote_for_message(key));
-        return Err((what, "name a key in it, such as plunge.step or tool.1.diameter".to_owned()));
+        let help = "name a key in it, such as plunge.step or tool.1.diameter";
+        return Err(UserError::new(ErrorCode::UnknownKey, what, help));
     }
     let value = match value {
         Scalar::Flag(flag) => toml::Value::Boolean(*flag),
@@ -129,11 +131,12 @@ pub fn set_in_setup(setup: &mut toml::Table, key: &str, value: &Scalar) -> Resul
     Ok(())
 }
 
-fn no_entry(key: &str, list: &str, number: &str) -> Fault {
+fn no_entry(key: &str, list: &str, number: &str) -> UserError {
     let header = if list == "tool" { "[[tool]]".to_owned() } else { format!("[[…{list}]]") };
     let what =
         format!("{}: the base setup has no {list} {}", quote_for_message(key), quote_for_message(number));
-    (what, format!("add a {header} to the base setup, or name one that it has"))
+    let help = format!("add a {header} to the base setup, or name one that it has");
+    UserError::new(ErrorCode::UnknownKey, what, help)
 }
 
 /// The table in a list that a path names.
@@ -142,10 +145,11 @@ fn entry<'s>(
     name: &str,
     number: Option<&str>,
     key: &str,
-) -> Result<&'s mut toml::Table, Fault> {
+) -> Result<&'s mut toml::Table, UserError> {
     let Some(number) = number else {
         let what = format!("{}: `{name}` is a list", quote_for_message(key));
-        return Err((what, format!("name an entry of it, such as {name}.1.KEY")));
+        let help = format!("name an entry of it, such as {name}.1.KEY");
+        return Err(UserError::new(ErrorCode::UnknownKey, what, help));
     };
     let fault = || no_entry(key, name, number);
     let wanted: i64 = number.parse().map_err(|_| fault())?;
@@ -199,8 +203,8 @@ mod tests {
             ("machine.1.max_axis_tilt", "no machine `1`"),
             ("tool.7.diameter.x", "is a value"),
         ] {
-            let (what, help) = set(bad).expect_err(bad);
-            assert!(format!("{what}; {help}").contains(words), "{bad}: {what}; {help}");
+            let error = set(bad).expect_err(bad).to_string();
+            assert!(error.contains(words), "{bad}: {error}");
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Shards: which runs of a study one process does, by hand or from the index that a scheduler gives.
 
+use crate::error::{ErrorCode, UserError};
+
 /// Largest number of shards.
 const MAX_SHARDS: usize = 1_000_000;
 
@@ -48,20 +50,20 @@ impl Shard {
     /// Parses `I/N`, `auto` or `auto/N`; `environment` is asked for the variables of schedulers.
     ///
     /// # Errors
-    /// When the text is none of these, or the environment does not say which shard it is: one line, what is
-    /// wrong and what to do.
-    pub fn parse(text: &str, environment: Lookup<'_>) -> Result<Self, String> {
+    /// When the text is none of these, or the environment does not say which shard it is.
+    pub fn parse(text: &str, environment: Lookup<'_>) -> Result<Self, UserError> {
         let (index, count) = match text.split_once('/') {
             Some((index, count)) => (index, Some(count)),
             None => (text, None),
         };
-        let wrong = || format!("{text}: not a shard; give I/N with I from 1 to N, or auto");
+        let wrong = || fault(format!("{text}: not a shard"), "give I/N with I from 1 to N, or auto");
         let count = match count {
             Some(count) => Some(number(count).filter(|n| (1..=MAX_SHARDS).contains(n)).ok_or_else(wrong)?),
             None => None,
         };
         if index == "auto" {
-            return Self::from_environment(count, environment).map_err(|what| format!("{text}: {what}"));
+            return Self::from_environment(count, environment)
+                .map_err(|error| fault(format!("{text}: {}", error.message), error.help));
         }
         let (index, count) = (number(index).ok_or_else(wrong)?, count.ok_or_else(wrong)?);
         if !(1..=count).contains(&index) {
@@ -71,20 +73,18 @@ impl Shard {
     }
 
     /// The shard of this job of an array; `count` replaces the number of jobs.
-    fn from_environment(count: Option<usize>, environment: Lookup<'_>) -> Result<Self, String> {
+    fn from_environment(count: Option<usize>, environment: Lookup<'_>) -> Result<Self, UserError> {
         let set = |name: &str| environment(name).filter(|value| !value.trim().is_empty());
         let Some((scheduler, given)) =
             SCHEDULERS.iter().find_map(|scheduler| Some((scheduler, set(scheduler.index)?)))
         else {
             let names = SCHEDULERS.map(|scheduler| scheduler.index).join(", ");
-            return Err(format!(
-                "no scheduler says which shard this is ({names} are not set); start it as an array job, or \
-                 give --shard I/N"
-            ));
+            let what = format!("no scheduler says which shard this is ({names} are not set)");
+            return Err(fault(what, "start it as an array job, or give --shard I/N"));
         };
         let whole = |name: &str, value: &str| {
             number(value.trim()).ok_or_else(|| {
-                format!("{name} is {value:?}, not a whole number; give --shard I/N instead of auto")
+                fault(format!("{name} is {value:?}, not a whole number"), "give --shard I/N instead of auto")
             })
         };
         let index = whole(scheduler.index, &given)?;
@@ -93,22 +93,21 @@ impl Shard {
             (Some(count), _) => ("N", count),
             (None, Some((name, value))) => (name, whole(name, &value)?),
             (None, None) => {
-                return Err(format!(
-                    "{} gives the index {index} but no number of jobs; set {} to it, or give --shard auto/N",
-                    scheduler.name, scheduler.counts[0]
-                ));
+                let what = format!("{} gives the index {index} but no number of jobs", scheduler.name);
+                let help = format!("set {} to it, or give --shard auto/N", scheduler.counts[0]);
+                return Err(fault(what, help));
             }
         };
         if !(1..=MAX_SHARDS).contains(&value) {
-            return Err(format!("{name} is {value}, not a number of shards; give 1 to {MAX_SHARDS}"));
+            let what = format!("{name} is {value}, not a number of shards");
+            return Err(fault(what, format!("give 1 to {MAX_SHARDS}")));
         }
         let index = match scheduler.name {
             "Slurm" if count.is_none() => slurm_place(index, value, &set, &whole)?,
             // A job of Kubernetes counts from 0 to N − 1.
             "Kubernetes" if index >= value => {
-                return Err(format!(
-                    "JOB_COMPLETION_INDEX is {index}, but {name} is {value}; correct {name}"
-                ));
+                let what = format!("JOB_COMPLETION_INDEX is {index}, but {name} is {value}");
+                return Err(fault(what, format!("correct {name}")));
             }
             // An array begins where its user says. Any N consecutive numbers have all remainders, so that the
             // remainder needs no start, and a job that is submitted again under its number keeps its shard.
@@ -124,8 +123,8 @@ fn slurm_place(
     index: usize,
     count: usize,
     set: &dyn Fn(&str) -> Option<String>,
-    whole: &dyn Fn(&str, &str) -> Result<usize, String>,
-) -> Result<usize, String> {
+    whole: &dyn Fn(&str, &str) -> Result<usize, UserError>,
+) -> Result<usize, UserError> {
     let other = |name: &str| set(name).map(|value| whole(name, &value)).transpose();
     let least = other("SLURM_ARRAY_TASK_MIN")?;
     let most = other("SLURM_ARRAY_TASK_MAX")?;
@@ -141,12 +140,17 @@ fn slurm_place(
         {
             Ok(if step == 1 { index } else { place })
         }
-        _ => Err(format!(
-            "task {index} does not belong to a Slurm array of {count} without gaps; start it with \
-             --array=0-{}, or give --shard auto/N",
-            count.saturating_sub(1)
-        )),
+        _ => {
+            let what = format!("task {index} does not belong to a Slurm array of {count} without gaps");
+            let last = count.saturating_sub(1);
+            Err(fault(what, format!("start it with --array=0-{last}, or give --shard auto/N")))
+        }
     }
+}
+
+/// An error of the argument or of the scheduler's variables.
+fn fault(what: impl Into<String>, help: impl Into<String>) -> UserError {
+    UserError::new(ErrorCode::Arguments, what, help)
 }
 
 fn number(text: &str) -> Option<usize> {
@@ -162,7 +166,7 @@ mod tests {
         let lookup = |name: &str| {
             variables.iter().find(|(known, _)| *known == name).map(|(_, value)| (*value).to_owned())
         };
-        Shard::parse(text, &lookup).map(|shard| (shard.index, shard.count))
+        Shard::parse(text, &lookup).map(|shard| (shard.index, shard.count)).map_err(|error| error.to_string())
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Faults of a program and their messages, common to plunge and flank programs.
 
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::Vector;
 use crate::part::Impeller;
 use crate::setup::{AllowanceSetup, Setup, Tool};
@@ -90,6 +91,13 @@ pub struct Fault {
     pub value: Option<f64>,
     /// Message: what is wrong, and what to do about it.
     pub message: String,
+}
+
+/// A program that cannot be judged for this fault.
+impl From<Fault> for UserError {
+    fn from(fault: Fault) -> Self {
+        Self::new(ErrorCode::ProgramFaults, fault.message, "")
+    }
 }
 
 /// A fault before its line is known.

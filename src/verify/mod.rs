@@ -249,9 +249,9 @@ fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (f64
         let end = near(rapid.to);
         let mut clearance = end.clearance;
         if let Some(from) = rapid.from.filter(|_| !rapid.is_retract()) {
-            let flight = LinkMove { tool: &cut.tool, blank, from, to: rapid.to };
-            clearance = clearance.min(flight.clearance([&near(from), &end], stock.safety_distance));
-            let (turn, depth) = (from.1.angle(&rapid.to.1), flight.max_tool_depth(&surface));
+            let link = LinkMove { tool: &cut.tool, blank, from, to: rapid.to };
+            clearance = clearance.min(link.clearance([&near(from), &end], stock.safety_distance));
+            let (turn, depth) = (from.1.angle(&rapid.to.1), link.max_tool_depth(&surface));
             let found = [
                 (turn > MAX_RAPID_TURN_RAD).then(|| {
                     let what = format!(

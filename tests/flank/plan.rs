@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use vanecut::error::ErrorCode;
 use vanecut::flank::chart::{LayerChart, WallName};
 use vanecut::flank::choice::choose_tool;
 use vanecut::flank::curves::{FlankError, FlankLayout, LayoutInputs};
@@ -242,13 +243,13 @@ fn curves_keep_clear_of_all_walls() {
 }
 
 #[test]
-fn what_cannot_be_planned_is_said_in_a_line() {
+fn what_cannot_be_planned_has_its_code() {
     let part = sample("impeller9x9.toml");
     let fault = |change: &dyn Fn(&mut Setup)| {
         let mut setup = Setup::default();
         change(&mut setup);
         match planned(&part, &setup) {
-            Err(FlankError::Setup(fault)) => fault.to_string(),
+            Err(FlankError::Setup(fault)) => fault.code,
             other => panic!("no fault: {:?}", other.map(|(curves, _)| curves.totals)),
         }
     };
@@ -262,17 +263,17 @@ fn what_cannot_be_planned_is_said_in_a_line() {
         spindle: 1000.0,
         assembly: Default::default(),
     };
-    assert!(fault(&|s| s.flank.layer_depth = 0.0).contains("more than 0"));
-    assert!(fault(&|s| s.flank.layer_depth = 40.0).contains("deeper than the channel"));
-    assert!(fault(&|s| s.flank.layer_depth = 1e-9).contains("layers"));
-    assert!(fault(&|s| s.flank.scallop_height = 0.0).contains("stepover"));
-    assert!(fault(&|s| s.flank.tool = Some(9999)).contains("9999"));
-    assert!(fault(&|s| s.tools = vec![tool(60.0)]).contains("no cutter fits"));
+    for depth in [0.0, 40.0, 1e-9] {
+        assert_eq!(fault(&|s| s.flank.layer_depth = depth), ErrorCode::LayerDepth, "{depth} mm");
+    }
+    assert_eq!(fault(&|s| s.flank.scallop_height = 0.0), ErrorCode::FineScallop);
+    assert_eq!(fault(&|s| s.flank.tool = Some(9999)), ErrorCode::UndefinedTool);
+    assert_eq!(fault(&|s| s.tools = vec![tool(60.0)]), ErrorCode::CutterTooWide);
     let thick = fault(&|s| {
         s.tools = vec![tool(60.0)];
         s.flank.tool = Some(1);
     });
-    assert!(thick.contains("fits nowhere"), "{thick}");
+    assert_eq!(thick, ErrorCode::CutterTooWide, "where it is named");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use vanecut::error::ErrorCode;
 use vanecut::flank::MoveKind;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::flank_file::{is_flank, read_flank_bytes, write_flank};
@@ -146,7 +147,7 @@ fn a_flank_file_reads_back_and_damage_is_told() {
     let old = read_flank_bytes("f.json", format!("{}}}\n", &text[..at]).as_bytes()).expect("an older file");
     assert!(old.moves.iter().all(|m| m.kind == MoveKind::Rapid || m.feed_mm_per_min == old.feed_mm_per_min));
     let newer = text.replacen("\"vanecut_flank\":2", "\"vanecut_flank\":7", 1);
-    assert!(read_flank_bytes("f.json", newer.as_bytes()).unwrap_err().to_string().contains("newer"));
+    assert_eq!(read_flank_bytes("f.json", newer.as_bytes()).unwrap_err().code, ErrorCode::NewerFile);
     assert!(read_flank_bytes("f.json", &text.as_bytes()[..text.len() / 2]).is_err());
 }
 

@@ -52,7 +52,7 @@ fn made(inner: usize) -> Made {
         tool: &tool,
         blade_allowance: stock.blade_allowance,
         hub_allowance: stock.hub_allowance,
-        extension: 12.0,
+        lead_in_out: 12.0,
         step: 2.0,
         chord_error: 0.002,
     };

@@ -39,7 +39,7 @@ fn milling(tool: &Tool) -> WallMilling<'_> {
         tool,
         blade_allowance: ALLOWANCE,
         hub_allowance: ALLOWANCE,
-        extension: 8.0,
+        lead_in_out: 8.0,
         step: 4.0,
         chord_error: 5e-4,
     }

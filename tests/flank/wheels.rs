@@ -4,6 +4,7 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
+use vanecut::error::ErrorCode;
 use vanecut::flank::choice::choose_tool;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::{read_part, read_part_bytes};
@@ -93,17 +94,18 @@ fn the_mouth_between_overlapping_blades_is_covered() {
     let of = |scheme: FlankStrategy| outcome.plan.layout.totals[scheme as usize];
     // The chart does not resolve the ends of arcs around a nose.
     let gap = of(FlankStrategy::Balanced).coverage.largest_gap;
-    assert!(gap < 1.2, "{gap} intervals");
+    assert!(gap < 1.2, "{gap} stepovers");
     assert!(of(FlankStrategy::Layers).length <= of(FlankStrategy::Isoparametric).length);
 }
 
 #[test]
-fn a_channel_without_room_is_told_with_values_that_work() {
+fn a_channel_without_room_is_refused_with_values_that_work() {
     let part = overlapping();
     let mut setup = Setup::default();
     setup.allowances.blade_allowance = 40.0;
     let error = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect_err("no room");
-    assert!(!error.to_string().contains("D -"), "{error}");
+    assert_eq!(error.code, ErrorCode::CutterTooWide, "{error}");
+    assert!(!error.help.contains("D -"), "a diameter that there is: {error}");
     setup.allowances.blade_allowance = 5.0;
     let chosen = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter");
     assert!(chosen.tool.diameter < 4.0, "{:?}", chosen);

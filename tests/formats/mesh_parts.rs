@@ -8,6 +8,7 @@ use std::path::Path;
 
 use body::Body;
 use nalgebra::Rotation3;
+use vanecut::error::ErrorCode;
 use vanecut::geometry::{Point, Vector, rotate_z};
 use vanecut::io::gltf::GltfScene;
 use vanecut::io::{read_part, read_part_bytes};
@@ -310,11 +311,9 @@ fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
     let mut body = Body::default().of(&part);
     body.join_blades(&part);
     let meshes = vec![named("Solid1".into(), 0, body.whole())];
-    let error = describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default())
-        .map(|_| ())
-        .unwrap_err()
-        .to_string();
-    assert!(error.contains("connected with each other") && error.contains("separate meshes"), "{error}");
+    let error =
+        describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).map(|_| ()).unwrap_err();
+    assert_eq!(error.code, ErrorCode::MeshRoles, "{error}");
 }
 
 #[test]
@@ -325,7 +324,7 @@ fn one_blade_is_enough_with_the_number_of_blades_and_needs_no_shroud() {
     meshes.remove(1);
     let error =
         describe("back", meshes.clone(), LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err();
-    assert!(error.to_string().contains("--blades N"), "{error}");
+    assert_eq!(error.code, ErrorCode::BladeCount, "{error}");
     same(&part, &back(meshes, &MeshOptions { blades: Some(9), ..turning(&part) }), 0.02);
 }
 
@@ -378,7 +377,8 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     assert!((tilted.rim_radius() - part.rim_radius()).abs() < 0.02, "{}", tilted.rim_radius());
     // Millimetres in a file of metres.
     let huge = describe("back", separate(&part), LengthUnit::Metre, &MeshOptions::default()).unwrap_err();
-    assert!(huge.to_string().contains("--unit mm"), "{huge}");
+    assert_eq!(huge.code, ErrorCode::MeshUnit, "{huge}");
+    assert!(huge.help.contains("--unit mm"), "{huge}");
     let options = MeshOptions { unit: Some(LengthUnit::Millimetre), ..turning(&part) };
     same(&part, &build(separate(&part), &options), 0.02);
     // Names that do not indicate roles.
@@ -388,12 +388,8 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     }
     let mut roles = vec![("body0".to_owned(), Role::Hub), ("Body1".to_owned(), Role::Shroud)];
     let wrong = MeshOptions { roles: roles.clone(), ..MeshOptions::default() };
-    assert!(
-        describe("back", meshes.clone(), LengthUnit::Millimetre, &wrong)
-            .unwrap_err()
-            .to_string()
-            .contains("NODE=blade")
-    );
+    let error = describe("back", meshes.clone(), LengthUnit::Millimetre, &wrong).unwrap_err();
+    assert_eq!(error.code, ErrorCode::MeshRoles, "{error}");
     let mut alike = meshes.clone();
     alike.iter_mut().for_each(|m| m.name = "Solid".into());
     roles.extend((2..8).map(|k| (format!("Body{k}"), Role::Blade)));
@@ -410,7 +406,7 @@ fn what_is_no_hub_is_refused_with_its_place() {
     for p in &mut meshes[0].mesh.points {
         p.z += 0.01 * p.x;
     }
-    let error =
-        describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("the hub is not a surface of revolution") && error.contains("at z ="), "{error}");
+    let error = describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err();
+    assert_eq!(error.code, ErrorCode::NotRevolved, "{error}");
+    assert!(error.message.contains("at z ="), "{error}");
 }

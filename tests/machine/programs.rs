@@ -26,7 +26,7 @@ pub fn machine(name: &str) -> MachineTool {
 }
 
 /// A direction by its tilt from −Z (the inlet of the made-up part is down) and its place around Z, degrees.
-pub fn leaning(tilt: f64, around: f64) -> Vector {
+pub fn tilted(tilt: f64, around: f64) -> Vector {
     let (tilt, around) = (tilt.to_radians(), around.to_radians());
     Vector::new(tilt.sin() * around.cos(), tilt.sin() * around.sin(), -tilt.cos())
 }
@@ -61,7 +61,7 @@ pub fn plunges() -> ClProgram {
             12 => 0.004,
             k => f64::from(k) * 2.2,
         };
-        let axis = leaning(tilt, 2.3 * around);
+        let axis = tilted(tilt, 2.3 * around);
         let place = around.to_radians();
         let tip = Point::new(90.0 * place.cos(), 90.0 * place.sin(), -20.0 - f64::from(k) * 0.5);
         let out = tip + axis * 50.0;
@@ -81,7 +81,7 @@ pub fn sweeps() -> ClProgram {
             // From one side of the pole to the other, past it by the offset.
             let (a, b) = (f64::from(k - 30) * 1.1_f64, offset);
             let tilt = a.hypot(b);
-            let axis = leaning(tilt, b.atan2(a).to_degrees() + 40.0 * f64::from(sweep));
+            let axis = tilted(tilt, b.atan2(a).to_degrees() + 40.0 * f64::from(sweep));
             let tip = Point::new(60.0 + f64::from(k) * 0.7, f64::from(sweep) * 25.0, -15.0);
             let motion = if k == 0 { Motion::Rapid } else { Motion::Feed(Some(800.0)) };
             program.moves.push(step(motion, tip, axis, 0));

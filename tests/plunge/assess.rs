@@ -66,11 +66,11 @@ fn passages_of_a_real_compressor() {
     near(found.depth(), 65.35, 0.05, "depth");
     near(found.depths.iter().map(|d| d.1).fold(f64::INFINITY, f64::min), 13.6, 0.06, "least depth");
     let full = found.passage(PassageKind::Full).expect("the channel");
-    let ((hub_least, hub_most), (tip_least, tip_most)) = (range(full, 0), range(full, 2));
-    near(hub_least, 19.11, 0.02, "width at the hub");
-    near(hub_most, 80.7, 0.1, "width at the hub");
-    near(tip_least, 32.4, 0.1, "width at the tip");
-    near(tip_most, 78.1, 0.4, "width at the tip");
+    let ((hub_min, hub_max), (tip_min, tip_max)) = (range(full, 0), range(full, 2));
+    near(hub_min, 19.11, 0.02, "width at the hub");
+    near(hub_max, 80.7, 0.1, "width at the hub");
+    near(tip_min, 32.4, 0.1, "width at the tip");
+    near(tip_max, 78.1, 0.4, "width at the tip");
     for (place, hub, tip) in
         [(PassageKind::BesideSuction, 15.48, 27.36), (PassageKind::BesidePressure, 14.57, 25.17)]
     {

@@ -221,7 +221,7 @@ fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
     let wanted = corner * lean.tan() + blade_allowance / lean.cos();
     let bench = Bench::new(&part, &channel, &grid, radius);
     let [found, mask] = bench.check(row, 0);
-    assert!((mask - wanted).abs() < 0.15, "{mask} mm out of reach, {wanted} by geometry, {found} by search");
+    assert!((mask - wanted).abs() < 0.15, "{mask} mm inaccessible, {wanted} by geometry, {found} by search");
     assert!((found - wanted).abs() < 0.25, "{found} by search, {wanted} by geometry");
     let second: Vec<bool> = (CELLS / 2..CELLS).map(|j| grid.reachable[row * CELLS + j]).collect();
     assert!(second.iter().all(|&reachable| reachable), "the second wall leans away");
@@ -272,7 +272,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
         let [found, mask] = bench.check((s * CELLS as f64) as usize, wall);
         // At most two cells more. Less is on the safe side; the masks neglect terms beyond the second order.
         let what =
-            format!("{} s {s} wall {wall}: out of reach {found:.2} mm by search, {mask:.2}", part.name);
+            format!("{} s {s} wall {wall}: inaccessible {found:.2} mm by search, {mask:.2}", part.name);
         assert!((found - 0.5..found + 0.3).contains(&mask), "{what}");
         println!("{what}");
     }

@@ -5,6 +5,7 @@
 mod assess;
 mod channel;
 mod disc;
+mod drop_cutter;
 mod floor;
 mod free_of_contact;
 mod goals;
@@ -14,7 +15,6 @@ mod plan;
 mod probe;
 mod program;
 mod samples;
-mod slotting;
 mod splitters;
 mod tool_choice;
 mod wall_axes;

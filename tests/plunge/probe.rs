@@ -68,7 +68,7 @@ fn whether_a_cutter_is_near_is_told_as_it_is_measured() {
     for name in SAMPLES {
         let part = sample(name);
         let channel = Channel::of(&part);
-        let mut told = [0, 0];
+        let mut counts = [0, 0];
         for side in &channel.sides {
             let probe = SideProbe::new(side, 0.0, 1.0);
             for i in 0..300 {
@@ -85,11 +85,11 @@ fn whether_a_cutter_is_near_is_told_as_it_is_measured() {
                 for off in [-1.0, -0.01, -1e-4, 1e-4, 0.01, 1.0] {
                     let is_near = probe.is_within(&cutter, distance + off);
                     assert_eq!(is_near, off > 0.0, "{name}, s {s:.3}: {distance} and {off} beside it");
-                    told[usize::from(is_near)] += 1;
+                    counts[usize::from(is_near)] += 1;
                 }
             }
         }
-        assert!(told[0] > 300 && told[1] > 300, "{name}: {told:?}");
+        assert!(counts[0] > 300 && counts[1] > 300, "{name}: {counts:?}");
     }
 }
 

@@ -176,7 +176,7 @@ fn a_fault_names_the_move_that_is_wrong() {
         p.moves[31].tip -= axis * 0.3;
     });
     assert!(deep.iter().any(|f| (f.0, f.1) == (line(31), FaultKind::HubAllowance)), "{deep:?}");
-    // The retract move of a plunge, shifted sideways.
+    // The retract move of a plunge, shifted across.
     let aside = faults_after(|p| p.moves[32].tip += Vector::new(0.0, 0.0, 15.0));
     assert!(aside.iter().any(|f| (f.0, f.1) == (line(32), FaultKind::RapidClearance)), "{aside:?}");
 }

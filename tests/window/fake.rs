@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use vanecut::app::engine::Engine;
 use vanecut::cutting::contact::CoreContact;
+use vanecut::error::ErrorCode;
 use vanecut::geometry::Vector;
 use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
@@ -50,11 +51,11 @@ fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     if request.setup.allowances.hub_allowance > 15.0 {
         let what = format!("`hub_allowance` is {}, too much", request.setup.allowances.hub_allowance);
-        return Err(SetupFault::new(what, "make hub_allowance smaller").into());
+        return Err(SetupFault::new(ErrorCode::HubAllowance, what, "make hub_allowance smaller").into());
     }
     if request.setup.allowances.hub_allowance > 10.0 {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
-        return Err(SetupFault::new(what, "make it smaller").into());
+        return Err(SetupFault::new(ErrorCode::HubAllowance, what, "make it smaller").into());
     }
     let part = &request.part;
     let passage = Channel::of(part).full;

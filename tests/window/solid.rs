@@ -5,6 +5,7 @@ use vanecut::app::dialogs::Purpose;
 use vanecut::app::look::{PlaneOrientation, SectionPlaneLook};
 use vanecut::app::planned::Side;
 use vanecut::app::solid::SolidColours;
+use vanecut::error::ErrorCode;
 use vanecut::io::stl::read_stl_bytes;
 
 use crate::fake;
@@ -107,5 +108,5 @@ fn the_solid_is_exported_as_stl_and_gltf_and_nothing_else() {
     assert!((six / 6.0 / drawn - 1.0).abs() < 2e-3, "{} {drawn}", six / 6.0);
     std::fs::remove_dir_all(&folder).unwrap();
     let problems = &window.state().state().problems;
-    assert!(problems.iter().any(|p| p.message.contains("is not a format of solids")), "{problems:?}");
+    assert!(problems.iter().any(|p| p.code == Some(ErrorCode::FileFormat)), "{problems:?}");
 }

@@ -16,13 +16,13 @@ use vanecut::setup::AxisPolicy;
 use crate::harness::{Window, settle, snapshot_view, with_sample};
 
 /// The real planner, which waits after each stage until the test allows the next.
-fn held_back() -> (Engine, Arc<AtomicUsize>) {
+fn gated() -> (Engine, Arc<AtomicUsize>) {
     let allowed = Arc::new(AtomicUsize::new(usize::MAX));
     let (job, gate) = (PlanJob::default(), Arc::clone(&allowed));
     let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let told = AtomicUsize::new(0);
+        let reported = AtomicUsize::new(0);
         let listen = |stage: PlanStage| {
-            let number = told.fetch_add(1, Ordering::SeqCst) + 1;
+            let number = reported.fetch_add(1, Ordering::SeqCst) + 1;
             listener.notify(|| stage);
             while number >= gate.load(Ordering::SeqCst) && !monitor.is_cancelled() {
                 std::thread::sleep(Duration::from_millis(1));
@@ -49,7 +49,7 @@ fn coming(window: &Window) -> Option<(AxisPolicy, bool, usize)> {
 
 #[test]
 fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_is_judged() {
-    let (engine, allowed) = held_back();
+    let (engine, allowed) = gated();
     let mut window = with_sample(engine);
     let old = window.state().state().results.planned.clone().expect("planned");
     let count = |window: &Window| window.state().state().position_count();
@@ -119,7 +119,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
 
 #[test]
 fn a_plan_that_is_cancelled_half_way_leaves_the_one_before() {
-    let (engine, allowed) = held_back();
+    let (engine, allowed) = gated();
     let mut window = with_sample(engine);
     let old = window.state().state().results.planned.clone().expect("planned");
     allowed.store(3, Ordering::SeqCst);
@@ -140,7 +140,7 @@ fn a_plan_that_is_cancelled_half_way_leaves_the_one_before() {
 
 #[test]
 fn while_a_slider_is_held_something_true_of_the_new_setup_comes_before_the_next_movement_counts() {
-    let (engine, allowed) = held_back();
+    let (engine, allowed) = gated();
     let mut window = with_sample(engine);
     let rect = window.get_by_role_and_label(Role::Slider, "Step").rect();
     allowed.store(1, Ordering::SeqCst);

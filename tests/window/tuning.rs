@@ -79,7 +79,7 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     window.get_by_label("Load Variant 1").click();
     window.run_steps(3);
     settle(&mut window);
-    assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is in work");
+    assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is active");
     window.run_steps(8);
     window.get_by_label("Remove Variant 2").click_accesskit();
     window.run_steps(8);

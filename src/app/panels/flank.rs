@@ -34,8 +34,8 @@ const fn feed(label: &'static str, tip: &'static str) -> FieldSpec {
 }
 
 /// Label of a strategy.
-pub fn scheme_label(scheme: FlankStrategy) -> &'static str {
-    match scheme {
+pub fn strategy_label(strategy: FlankStrategy) -> &'static str {
+    match strategy {
         FlankStrategy::Isoparametric => "Isoparametric",
         FlankStrategy::Layers => "Layers",
         FlankStrategy::Regions => "Regions",
@@ -43,8 +43,8 @@ pub fn scheme_label(scheme: FlankStrategy) -> &'static str {
     }
 }
 
-fn scheme_tip(scheme: FlankStrategy) -> &'static str {
-    match scheme {
+fn strategy_tip(strategy: FlankStrategy) -> &'static str {
+    match strategy {
         FlankStrategy::Isoparametric => "Layers and passes through the whole channel: the baseline",
         FlankStrategy::Layers => "Layers of constant depth, isoparametric passes region by region",
         FlankStrategy::Regions => "Offsets of both walls that meet in the middle, as published",
@@ -56,8 +56,8 @@ const SCHEME: ChoiceSpec<FlankStrategy> = ChoiceSpec {
     label: "Strategy",
     tip: "Layout of the passes in a layer",
     all: &FlankStrategy::ALL,
-    name: scheme_label,
-    meaning: scheme_tip,
+    name: strategy_label,
+    meaning: strategy_tip,
 };
 
 /// Colourings of the plan, with label and tooltip.

@@ -8,7 +8,7 @@ use crate::setup::FlankStrategy;
 
 use super::super::state::AppState;
 use super::super::theme::Condition;
-use super::flank::scheme_label;
+use super::flank::strategy_label;
 use super::verdict::{figure, format_duration, format_times};
 
 /// Maximum number of faults that are listed.
@@ -81,7 +81,7 @@ fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
 
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
-    Grid::new("schemes").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+    Grid::new("strategies").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for (name, tip) in [
             ("Strategy", "Layout of the passes in a layer"),
             ("Length m", "Length of all passes of one channel"),
@@ -91,15 +91,15 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             ui.label(RichText::new(name).weak()).on_hover_text(tip);
         }
         ui.end_row();
-        for scheme in FlankStrategy::ALL {
-            let figures = &curves.totals[scheme as usize];
-            let name = RichText::new(scheme_label(scheme));
-            ui.label(if scheme == curves.strategy { name.strong() } else { name });
+        for strategy in FlankStrategy::ALL {
+            let figures = &curves.totals[strategy as usize];
+            let name = RichText::new(strategy_label(strategy));
+            ui.label(if strategy == curves.strategy { name.strong() } else { name });
             ui.label(format!("{:.2}", 1e-3 * figures.length));
             ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
-            let measured = scheme != FlankStrategy::Isoparametric || scheme == curves.strategy;
+            let measured = strategy != FlankStrategy::Isoparametric || strategy == curves.strategy;
             ui.label(if measured {
-                format!("{:.2} %", 100.0 * curves.wide_share(scheme))
+                format!("{:.2} %", 100.0 * curves.wide_share(strategy))
             } else {
                 "-".to_owned()
             });

@@ -23,21 +23,21 @@ pub enum PartAction {
 
 /// Draws the panel; returns the requested action.
 pub fn show(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAction> {
-    let mut wish = None;
+    let mut action = None;
     ui.horizontal(|ui| {
         let open = ui.button(Command::OpenPart.label());
         let tip = Command::OpenPart.tip_with_keys(ui.ctx());
         if open.on_hover_text(tip).clicked() {
-            wish = Some(PartAction::Command(Command::OpenPart));
+            action = Some(PartAction::Command(Command::OpenPart));
         }
         ui.menu_button("Samples", |ui| {
             if let Some(source) = sample_buttons(ui, samples) {
-                wish = Some(PartAction::Open(source));
+                action = Some(PartAction::Open(source));
                 ui.close();
             }
         });
     });
-    let Some(part) = &state.document.part else { return wish };
+    let Some(part) = &state.document.part else { return action };
     let impeller = &part.impeller;
     Grid::new("part facts").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         let mut fact = |name: &str, value: String| {
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAct
         let tip = impeller.shroud.point(1.0);
         fact("Outlet height", format!("{:.1} mm", (tip.r - rim.r).hypot(tip.z - rim.z)));
     });
-    wish
+    action
 }
 
 /// "17" or "9 + 9 splitters".
@@ -76,7 +76,7 @@ pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
 
 /// Draws the start page in the middle of the window; returns the requested action.
 pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAction> {
-    let mut wish = None;
+    let mut action = None;
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.18).max(8.0));
         if let Some(source) = &state.opening {
@@ -89,10 +89,10 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
                 let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
                 ui.add_space(room);
                 if ui.button("Recover").on_hover_text(path.display().to_string()).clicked() {
-                    wish = Some(PartAction::OpenFile(path.clone()));
+                    action = Some(PartAction::OpenFile(path.clone()));
                 }
                 if ui.button("Discard").clicked() {
-                    wish = Some(PartAction::DiscardRecovery(path.clone()));
+                    action = Some(PartAction::DiscardRecovery(path.clone()));
                 }
             });
             ui.add_space(10.0);
@@ -103,7 +103,7 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
         for command in [Command::OpenPart, Command::OpenProject] {
             let button = ui.button(command.label());
             if button.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
-                wish = Some(PartAction::Command(command));
+                action = Some(PartAction::Command(command));
             }
         }
         if !state.recents.is_empty() {
@@ -112,7 +112,7 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
             for path in state.recents.iter().take(4) {
                 let name = path.file_stem().unwrap_or_default().to_string_lossy();
                 if ui.link(name).on_hover_text(path.display().to_string()).clicked() {
-                    wish = Some(PartAction::OpenFile(path.clone()));
+                    action = Some(PartAction::OpenFile(path.clone()));
                 }
             }
         }
@@ -125,11 +125,11 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
         for sample in samples {
             let text = RichText::new(sample.name).size(15.0);
             if ui.add(egui::Button::new(text).min_size([170.0, 28.0].into())).clicked() {
-                wish = Some(PartAction::Open(PartSource::Sample(sample.name.to_owned())));
+                action = Some(PartAction::Open(PartSource::Sample(sample.name.to_owned())));
             }
             ui.label(RichText::new(sample.about).weak().small());
             ui.add_space(4.0);
         }
     });
-    wish
+    action
 }

@@ -30,7 +30,10 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
                 Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
                     ui.set_width(width - 16.0);
                     let text = RichText::new(&problem.message).color(mark.text(ui.visuals()));
-                    ui.add(Label::new(text).wrap());
+                    let shown = ui.add(Label::new(text).wrap());
+                    if let Some(code) = problem.code {
+                        shown.on_hover_text(format!("{code}: {}", code.meaning()));
+                    }
                     if !problem.help.is_empty() {
                         let text = RichText::new(format!("Fix: {}", problem.help)).strong();
                         ui.add(Label::new(text).wrap());

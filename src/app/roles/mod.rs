@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
 
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::gltf::read_meshes;
 use crate::mesh::nodes::{MeshNode, nodes};
@@ -63,6 +64,7 @@ impl UnassignedRoles {
         if nodes.is_empty() {
             let file = path.display().to_string();
             return Err(InputError::new(
+                ErrorCode::MeshFile,
                 &file,
                 0,
                 "holds no triangles",
@@ -96,11 +98,11 @@ impl RolesDialog {
     }
 
     /// Opens the dialog for a file; if it is open for that file already, only the error is replaced.
-    pub(super) fn ask(&mut self, untold: UnassignedRoles) {
+    pub(super) fn ask(&mut self, unassigned: UnassignedRoles) {
         self.waiting = false;
         match &mut self.asked {
-            Some(asked) if asked.path == untold.path => asked.fault = untold.fault,
-            asked => *asked = Some(untold),
+            Some(asked) if asked.path == unassigned.path => asked.fault = unassigned.fault,
+            asked => *asked = Some(unassigned),
         }
     }
 

@@ -24,7 +24,7 @@ const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-
     .tool{display:inline-block;vertical-align:top;margin:0 10pt 6pt 0;font-size:9pt}\
     .warning{border-left:4pt solid #d55e00;padding-left:6pt}";
 
-/// What the sheet tells.
+/// What the sheet shows.
 pub struct SheetInput<'a> {
     /// The plan.
     pub outcome: &'a PlanOutcome,
@@ -39,7 +39,7 @@ pub struct SheetInput<'a> {
 /// Writes `report.html`, with its pictures where the program draws any, into `folder`.
 ///
 /// # Errors
-/// [`Failure::Work`] when drawing fails, [`Failure::Input`] when a file cannot be written.
+/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
 pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
     let pictures = render::write_pictures(folder, input.outcome)?;
     let figures: String = pictures

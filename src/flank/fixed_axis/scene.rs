@@ -205,9 +205,9 @@ impl NearPoints {
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
         let ray = AxisRay { axis: single(axis), offset: single(offset) };
         let cutter = if shape.rim() < 1e-6 {
-            self.column_least::<true>(shape, &ray, enough.cutter)
+            self.column_min::<true>(shape, &ray, enough.cutter)
         } else {
-            self.column_least::<false>(shape, &ray, enough.cutter)
+            self.column_min::<false>(shape, &ray, enough.cutter)
         };
         let mut holder = f32::MAX;
         if cutter >= enough.cutter {
@@ -228,7 +228,7 @@ impl NearPoints {
         MinDistances { cutter, holder: f64::from(holder).sqrt() - shape.holder_radius }
     }
 
-    fn column_least<const BALL: bool>(&self, shape: &ToolShape, ray: &AxisRay, enough: f64) -> f64 {
+    fn column_min<const BALL: bool>(&self, shape: &ToolShape, ray: &AxisRay, enough: f64) -> f64 {
         let rim = shape.rim() as f32;
         let (radius, corner) = (shape.radius as f32, shape.corner as f32);
         let mut least = f64::INFINITY;

@@ -227,8 +227,8 @@ impl LayerPassMaker<'_> {
     /// Weight of a wall's own axis at a point near it: 0 in the middle of the channel, 1 next to the pass
     /// along the wall.
     fn wall_weight(&self, p: LayerPoint) -> f64 {
-        let intervals = self.chart.wall_margin(p) / self.found.stepover;
-        ((BLEND_START - intervals) / (BLEND_START - BLEND_END)).clamp(0.0, 1.0)
+        let stepovers = self.chart.wall_margin(p) / self.found.stepover;
+        ((BLEND_START - stepovers) / (BLEND_START - BLEND_END)).clamp(0.0, 1.0)
     }
 
     /// Axis of the pass along the wall that is nearest to `p`, beside `p`.

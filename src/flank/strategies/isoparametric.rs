@@ -16,20 +16,20 @@ pub fn isoparametric(
     layer: &LayerSurface,
     borders: &LayerWalls,
     clear: f64,
-    interval: f64,
+    stepover: f64,
     beyond: f64,
 ) -> Vec<PassCurve> {
     let passages = LayerPassage::all(layer, borders, clear);
     let whole = &passages[0];
     let mut curves = Vec::new();
     if passages.len() == 1 {
-        for share in whole.shares(interval) {
+        for share in whole.shares(stepover) {
             curves.push(whole.curve(share, layer.from - beyond, layer.to + beyond));
         }
         return curves;
     }
     for passage in &passages[1..] {
-        for share in passage.shares(interval) {
+        for share in passage.shares(stepover) {
             // Upstream of the splitter the curve keeps the fraction of the whole channel at which it passes
             // the nose.
             let nose = passage.from;
@@ -52,7 +52,7 @@ pub fn isoparametric_by_region(
     layer: &LayerSurface,
     borders: &LayerWalls,
     clear: f64,
-    interval: f64,
+    stepover: f64,
     beyond: f64,
 ) -> Vec<PassCurve> {
     let passages = LayerPassage::all(layer, borders, clear);
@@ -63,7 +63,7 @@ pub fn isoparametric_by_region(
         }
         let from = if passage.from <= layer.from { layer.from - beyond } else { passage.from };
         let to = if passage.to >= layer.to { layer.to + beyond } else { passage.to };
-        curves.extend(passage.shares(interval).map(|share| passage.curve(share, from, to)));
+        curves.extend(passage.shares(stepover).map(|share| passage.curve(share, from, to)));
     }
     curves
 }
@@ -126,13 +126,13 @@ impl<'a> LayerPassage<'a> {
     }
 
     /// Fractions of the curves, by the widest station; one in the middle where only that fits.
-    fn shares(&self, interval: f64) -> impl Iterator<Item = f64> + use<> {
+    fn shares(&self, stepover: f64) -> impl Iterator<Item = f64> + use<> {
         let width = |x: f64| {
             let ([a, b], cos) = self.ends(x);
             self.layer.radius(x).0 * (b - a) * cos
         };
         let widest = stations(self.from, self.to).map(width).fold(0.0, f64::max);
-        let count = (widest / interval).ceil() as usize;
+        let count = (widest / stepover).ceil() as usize;
         (0..=count).map(move |k| if count > 0 { k as f64 / count as f64 } else { 0.5 })
     }
 

@@ -219,20 +219,20 @@ impl OffsetSide<'_> {
     }
 
     /// Minimax fit of the axis at `u` over the `heights`, started from the axis `beside` it or from the plain
-    /// offset. Its angle along the feed to the plain offset is at most `most_tilt` (rad), its shift from the
+    /// offset. Its angle along the feed to the plain offset is at most `max_tilt` (rad), its shift from the
     /// one beside it at most [`MAX_SHIFT`].
     pub(super) fn fit(
         &self,
         u: f64,
         heights: &Heights,
         beside: Option<&FittedAxis>,
-        most_tilt: f64,
+        max_tilt: f64,
     ) -> FittedAxis {
         let (start, freedoms) = self.start(u);
         let rest = beside.map_or(Vector3::zeros(), |beside| beside.x);
         let mut fitted = FittedAxis { start, freedoms, x: rest, level: 0.0 };
-        let most_stray = self.reach + MAX_STRAY * (start.high - start.low).norm();
-        let most_shift = most_tilt.tan() * (start.high - start.low).norm();
+        let max_stray = self.reach + MAX_STRAY * (start.high - start.low).norm();
+        let max_shift = max_tilt.tan() * (start.high - start.low).norm();
         let mut seen = [LineDeviation::at(u); MAX_LINES];
         // Twice: the first search at an inclined axis starts far from the nearest point and does not quite
         // converge.
@@ -241,14 +241,14 @@ impl OffsetSide<'_> {
         fitted.level = heights.max_deviation(&seen);
         let mut shorter = 1.0;
         for _ in 0..FIT_STEPS {
-            let Some(step) = minimax_step(heights, &seen, &fitted, &rest, most_shift) else { break };
+            let Some(step) = minimax_step(heights, &seen, &fitted, &rest, max_shift) else { break };
             let limit = 0.5 * self.reach * shorter;
             let step = step * (limit / step.amax().max(limit));
             let mut there = seen;
             self.update_deviations(&fitted.at(&(fitted.x + step)), &heights.v, &mut there);
             let then = heights.max_deviation(&there);
             // Far from its start an axis may fit another part of the wall.
-            let strays = (fitted.x + step).xy().amax() > most_stray;
+            let strays = (fitted.x + step).xy().amax() > max_stray;
             if then >= fitted.level || strays {
                 // Beyond the range of the linearisation.
                 shorter = (0.3 * step.amax() / self.reach).min(0.5 * shorter);
@@ -318,14 +318,14 @@ impl Heights {
 }
 
 /// Gauss–Newton step of the three free parameters towards the minimax deviation, for an axis that has `seen`
-/// the wall at `heights`. The third parameter stays within ±`most_shift`; parameters without influence return
+/// the wall at `heights`. The third parameter stays within ±`max_shift`; parameters without influence return
 /// to `rest`. `None` where none has any.
 fn minimax_step(
     heights: &Heights,
     seen: &[LineDeviation],
     FittedAxis { freedoms, x, .. }: &FittedAxis,
     rest: &Vector3<f64>,
-    most_shift: f64,
+    max_shift: f64,
 ) -> Option<Vector3<f64>> {
     let count = heights.v.len();
     let mut rows = [LinearDeviation::default(); MAX_LINES + 3];
@@ -344,7 +344,7 @@ fn minimax_step(
     let rows = &mut rows[..count + 3];
     let first = [0, heights.formed / 2, heights.formed - 1, count + 2];
     let step = minimax(rows, first)?;
-    let shift = (x[2] + step[2]).clamp(-most_shift, most_shift) - x[2];
+    let shift = (x[2] + step[2]).clamp(-max_shift, max_shift) - x[2];
     if shift == step[2] {
         return Some(step);
     }

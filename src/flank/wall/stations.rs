@@ -21,7 +21,7 @@ pub(super) fn station_parameters(face: &OffsetSide, milling: &WallMilling) -> Op
     let ends = side.u_range();
     let beyond = |u: f64| {
         let speed = [0.0, 1.0].map(|v| side.derivatives(u, v).1.norm());
-        milling.extension / speed[0].min(speed[1]).max(1e-9)
+        milling.lead_in_out / speed[0].min(speed[1]).max(1e-9)
     };
     let (from, to) = (ends.0 - beyond(ends.0), ends.1 + beyond(ends.1));
     let u = evenly(from, to, SPACING_SAMPLES + 1);

@@ -115,11 +115,10 @@ impl WallStrip {
         face: &OffsetSide,
         places: &[f64],
         beside: Option<&[FittedAxis]>,
-        most_tilt: f64,
+        max_tilt: f64,
     ) -> Vec<FittedAxis> {
-        let fitted = |(k, &u): (usize, &f64)| {
-            face.fit(u, &self.heights(k), beside.map(|beside| &beside[k]), most_tilt)
-        };
+        let fitted =
+            |(k, &u): (usize, &f64)| face.fit(u, &self.heights(k), beside.map(|beside| &beside[k]), max_tilt);
         places.par_iter().enumerate().map(fitted).collect()
     }
 

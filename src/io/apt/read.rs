@@ -17,6 +17,7 @@ use super::super::source::{
 };
 use super::transform::Transform;
 use super::words::{WordEffect, classify_word};
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::setup::CutDirection;
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
@@ -52,7 +53,7 @@ pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
 /// When a number or an axis is invalid, a statement moves or transforms in an unsupported way, or the
 /// program has no moves.
 pub fn read_apt_bytes(name: &str, bytes: &[u8]) -> Result<ClProgram, InputError> {
-    let source = Source { file: name };
+    let source = Source::new(name, ErrorCode::AptStatement);
     let text = text_lossy(source, bytes)?;
     let mut reader = Reader::new(source);
     let mut lines = text.lines().enumerate();
@@ -233,7 +234,10 @@ impl<'a> Reader<'a> {
             list.split(',').take(MAX_WORDS).map(|w| w.trim().to_ascii_uppercase()).collect();
         if self.program.tools.len() > MAX_TOOLS {
             let what = format!("the program loads more than {MAX_TOOLS} tools");
-            return Err(self.source.fault(line, what, "check that this is the right file"));
+            return Err(self
+                .source
+                .fault(line, what, "check that this is the right file")
+                .with_code(ErrorCode::FileTooLarge));
         }
         match word.as_str() {
             "FINI" => return Ok(true),
@@ -334,8 +338,11 @@ impl<'a> Reader<'a> {
     }
 
     fn number(&self, line: usize, word: &str, token: &str) -> Result<f64, InputError> {
-        source::number(token)
-            .map_err(|what| self.source.fault(line, format!("{word}: {what}"), "correct or export again"))
+        source::number(token).map_err(|what| {
+            self.source
+                .fault(line, format!("{word}: {what}"), "correct or export again")
+                .with_code(ErrorCode::InvalidNumber)
+        })
     }
 
     /// Sets tip and axis from 3 or 6 numbers; lengths in the program's unit.
@@ -375,7 +382,7 @@ impl<'a> Reader<'a> {
 
     fn too_far(&self, line: usize) -> InputError {
         let what = "the position is more than 1,000,000 mm away";
-        self.source.fault(line, what, "check the numbers and the units")
+        self.source.fault(line, what, "check the numbers and the units").with_code(ErrorCode::InvalidNumber)
     }
 
     fn goto(&mut self, line: usize, words: &[String], rapid: bool) -> Result<(), InputError> {
@@ -400,7 +407,10 @@ impl<'a> Reader<'a> {
 
     fn push(&mut self, line: usize, rapid: bool) -> Result<(), InputError> {
         if self.program.moves.len() >= MAX_POINTS {
-            return Err(self.source.fault(line, "holds more than 1,000,000 moves", "split the program"));
+            return Err(self
+                .source
+                .fault(line, "holds more than 1,000,000 moves", "split the program")
+                .with_code(ErrorCode::FileTooLarge));
         }
         if let Some((away, word)) = self.unknown_position.take() {
             let what = format!("{word} moves the cutter to a position that the program does not give");
@@ -516,7 +526,10 @@ impl<'a> Reader<'a> {
         if corner_radius > diameter / 2.0 + 1e-6 {
             let what =
                 format!("CUTTER: corner radius {corner_radius} is larger than the radius {}", diameter / 2.0);
-            return Err(self.source.fault(line, what, "correct the cutter"));
+            return Err(self
+                .source
+                .fault(line, what, "correct the cutter")
+                .with_code(ErrorCode::ProgramTool));
         }
         let same = |tool: &ClTool| tool.diameter == diameter && tool.corner_radius == corner_radius;
         let number = self.tool.and_then(|index| self.program.tools.get(index)).map(|tool| tool.number);
@@ -535,11 +548,10 @@ impl<'a> Reader<'a> {
 
     fn finish(mut self, last: usize) -> Result<ClProgram, InputError> {
         if self.program.moves.is_empty() {
-            return Err(self.source.fault(
-                last,
-                "the program has no moves",
-                "check that it holds GOTO statements",
-            ));
+            return Err(self
+                .source
+                .fault(last, "the program has no moves", "check that it holds GOTO statements")
+                .with_code(ErrorCode::NothingMoves));
         }
         for (word, line, count) in std::mem::take(&mut self.unknown) {
             let times = if count > 1 { format!(", {count} times") } else { String::new() };

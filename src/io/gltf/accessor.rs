@@ -3,7 +3,6 @@
 
 use super::container::Container;
 use crate::io::InputError;
-use crate::io::source::TRUNCATED;
 
 /// Maximum number of elements of an accessor: corners or indices of one mesh.
 pub const MAX_ELEMENTS: usize = 24_000_000;
@@ -92,7 +91,7 @@ impl ElementRun {
                 self.offset,
                 bytes.len()
             );
-            return Err(source.fault(0, text, TRUNCATED));
+            return Err(source.cut_off(0, text));
         }
         for i in 0..self.count {
             let at = self.offset + i * stride;

@@ -4,8 +4,9 @@
 use std::path::{Component, Path};
 
 use super::document::GltfDocument;
+use crate::error::ErrorCode;
 use crate::io::InputError;
-use crate::io::source::{MAX_BYTES, Source, TRUNCATED, quote_for_message, read_bytes_up_to};
+use crate::io::source::{MAX_BYTES, Source, quote_for_message, read_bytes_up_to};
 
 /// Maximum size of a `.glb` or buffer file, bytes: four million triangles without shared corners.
 pub const MAX_MESH_BYTES: usize = 512 << 20;
@@ -105,7 +106,7 @@ impl<'a> Container<'a> {
                 "buffer view {view} takes {length} bytes from {offset} on, but buffer {buffer} has {}",
                 bytes.len()
             );
-            source.fault(0, what, TRUNCATED)
+            source.cut_off(0, what)
         })
     }
 
@@ -118,7 +119,9 @@ impl<'a> Container<'a> {
         }
         let taken: usize = self.buffers.iter().flatten().map(Vec::len).sum();
         if taken.saturating_add(buffer.byte_length) > MAX_MESH_BYTES {
-            return Err(self.fault("its buffers hold more than 512 MiB", "export it with fewer triangles"));
+            return Err(self
+                .fault("its buffers hold more than 512 MiB", "export it with fewer triangles")
+                .with_code(ErrorCode::FileTooLarge));
         }
         let bytes = match &buffer.uri {
             None => {
@@ -131,7 +134,7 @@ impl<'a> Container<'a> {
         };
         if bytes.len() < buffer.byte_length {
             let what = format!("buffer {index} has {} of its {} bytes", bytes.len(), buffer.byte_length);
-            return Err(self.fault(what, TRUNCATED));
+            return Err(self.source.cut_off(0, what));
         }
         self.buffers[index] = Some(bytes);
         Ok(())
@@ -179,7 +182,7 @@ fn chunks(source: Source<'_>, bytes: &[u8]) -> Result<Chunks, InputError> {
         let four = bytes.get(at..at.checked_add(4)?)?;
         Some(u32::from_le_bytes([four[0], four[1], four[2], four[3]]))
     };
-    let cut = || source.fault(0, "ends inside its chunks", TRUNCATED);
+    let cut = || source.cut_off(0, "ends inside its chunks");
     match word(4).ok_or_else(cut)? {
         2 => {}
         other => {
@@ -190,7 +193,7 @@ fn chunks(source: Source<'_>, bytes: &[u8]) -> Result<Chunks, InputError> {
     let length = word(8).ok_or_else(cut)? as usize;
     if length > bytes.len() {
         let what = format!("has {} of its {length} bytes", bytes.len());
-        return Err(source.fault(0, what, TRUNCATED));
+        return Err(source.cut_off(0, what));
     }
     let (mut json, mut binary) = (None, None);
     let mut at = 12_usize;

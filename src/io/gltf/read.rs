@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::container::{Container, MAX_MESH_BYTES};
 use super::scene::{SceneMeshes, read_scene};
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{MAX_COORDINATE, Source, name_of, read_bytes_up_to, stem_of};
 use crate::mesh::{LengthUnit, MeshOptions, NamedMesh, describe};
@@ -51,23 +52,29 @@ fn scene_of(path: &Path) -> Result<SceneMeshes, InputError> {
         Some(folder) => folder,
         None => Path::new("."),
     };
-    read_scene(&mut Container::open(Source { file: &name }, bytes, Some(folder))?)
+    read_scene(&mut Container::open(Source::new(&name, ErrorCode::MeshFile), bytes, Some(folder))?)
 }
 
 fn scene_of_bytes(name: &str, bytes: &[u8]) -> Result<SceneMeshes, InputError> {
-    read_scene(&mut Container::open(Source { file: name }, bytes.to_vec(), None)?)
+    read_scene(&mut Container::open(Source::new(name, ErrorCode::MeshFile), bytes.to_vec(), None)?)
 }
 
 fn part(name: &str, scene: SceneMeshes, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let SceneMeshes { meshes, rotation } = scene;
     let options = &MeshOptions { rotation: options.rotation.or(rotation), ..options.clone() };
-    let fault = |e: PartError| InputError::new(name, e.line, e.message, e.help);
+    let fault = |e: PartError| InputError::of_part(name, e);
     let scale = options.unit.unwrap_or(LengthUnit::Metre).mm();
     // The limit is 1,000 times that of a part, so that a wrong unit is reported as such by `describe`.
     let beyond = |m: &NamedMesh| m.mesh.points.iter().any(|p| p.coords.amax() * scale > 1e3 * MAX_COORDINATE);
     if let Some(mesh) = meshes.iter().find(|m| beyond(m)) {
         let what = format!("the mesh `{}` has points beyond 1,000,000 m", mesh.name);
-        return Err(InputError::new(name, 0, what, "give the unit of its numbers with --unit, or repair it"));
+        return Err(InputError::new(
+            ErrorCode::MeshUnit,
+            name,
+            0,
+            what,
+            "give the unit of its numbers with --unit, or repair it",
+        ));
     }
     describe(&stem_of(name), meshes, LengthUnit::Metre, options).map_err(fault)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::format::NumberFormat;
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{name_of, quote_for_message, read_bytes};
 use crate::io::table::{Located, TomlDocument, TomlTable};
@@ -102,7 +103,13 @@ pub fn read_post(name_or_path: &str) -> Result<Post, InputError> {
     if !path.exists() && !name_or_path.contains(['/', '\\', '.']) {
         let known: Vec<&str> = built_in_posts().collect();
         let what = format!("no post for the control {} is known", quote_for_message(name_or_path));
-        return Err(InputError::new("", 0, what, format!("use {}, or a post file", known.join(", "))));
+        return Err(InputError::new(
+            ErrorCode::UnknownName,
+            "",
+            0,
+            what,
+            format!("use {}, or a post file", known.join(", ")),
+        ));
     }
     read_post_bytes(&name_of(path), &read_bytes(path)?)
 }
@@ -113,7 +120,7 @@ pub fn read_post(name_or_path: &str) -> Result<Post, InputError> {
 /// # Errors
 /// When the bytes are not TOML, a key is unknown, or a word in braces is.
 pub fn read_post_bytes(name: &str, bytes: &[u8]) -> Result<Post, InputError> {
-    let document = TomlDocument::new(name, bytes)?;
+    let document = TomlDocument::new(name, bytes, ErrorCode::MachineFile)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["dialect", "extends", "format", "blocks", "on", "off"])?;
@@ -124,6 +131,7 @@ pub fn read_post_bytes(name: &str, bytes: &[u8]) -> Result<Post, InputError> {
             let known: Vec<&str> = built_in_posts().collect();
             let what = format!("unknown control {}", quote_for_message(text.value));
             root.fault_at(text.at, what, format!("use one of {}", known.join(", ")))
+                .with_code(ErrorCode::UnknownName)
         })
     };
     let mut post = match (named("dialect")?, named("extends")?) {
@@ -145,7 +153,11 @@ pub fn read_post_bytes(name: &str, bytes: &[u8]) -> Result<Post, InputError> {
             on: BTreeMap::new(),
             off: BTreeMap::new(),
         },
-        _ => return Err(root.fault("the post names no control", "give either `extends` or `dialect`")),
+        _ => {
+            return Err(root
+                .fault("the post names no control", "give either `extends` or `dialect`")
+                .with_code(ErrorCode::MissingKey));
+        }
     };
     post.name = name.to_owned();
     if let Some(table) = root.table("format")? {
@@ -223,7 +235,7 @@ fn lines(table: &TomlTable<'_>, key: &str) -> Result<Option<Vec<String>>, InputE
     let Some(lines) = table.strings(key)? else { return Ok(None) };
     if lines.len() > MAX_BLOCKS {
         let what = format!("`{key}` has more than {MAX_BLOCKS} blocks");
-        return Err(table.fault(what, "give fewer"));
+        return Err(table.fault(what, "give fewer").with_code(ErrorCode::FileTooLarge));
     }
     for Located { value, at } in &lines {
         if value.chars().any(char::is_control) {
@@ -233,7 +245,9 @@ fn lines(table: &TomlTable<'_>, key: &str) -> Result<Option<Vec<String>>, InputE
             let word = piece.split('}').next().unwrap_or_default();
             if !WORDS.contains(&word) || !piece.contains('}') {
                 let what = format!("unknown word {} in braces", quote_for_message(word));
-                return Err(table.fault_at(*at, what, format!("use one of {}", WORDS.join(", "))));
+                return Err(table
+                    .fault_at(*at, what, format!("use one of {}", WORDS.join(", ")))
+                    .with_code(ErrorCode::UnknownName));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::format::NumberFormat;
 use super::post::{Dialect, Post};
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::io::apt::section_words;
 use crate::machine::{
@@ -28,15 +29,14 @@ pub struct NcProgram {
 /// Writes `motion` of `program` on `machine` by `post`.
 ///
 /// # Errors
-/// When the control does not take `output`, or a tool has no number or spindle speed: what is wrong and what
-/// to do.
+/// When the control does not take `output`, or a tool has no number or spindle speed.
 pub fn write_nc(
     program: &ClProgram,
     machine: &MachineTool,
     motion: &MachineProgram,
     post: &Post,
     output: OutputKind,
-) -> Result<NcProgram, String> {
+) -> Result<NcProgram, UserError> {
     check(program, motion, post, output)?;
     let mut writer = NcWriter {
         program,
@@ -76,11 +76,12 @@ fn check(
     motion: &MachineProgram,
     post: &Post,
     output: OutputKind,
-) -> Result<(), String> {
+) -> Result<(), UserError> {
     if !post.on.contains_key(&output) {
         let known: Vec<&str> = post.outputs().map(OutputKind::name).collect();
         let (name, output) = (&post.name, output.name());
-        return Err(format!("the control {name} does not take {output}; use {}", known.join(" or ")));
+        let what = format!("the control {name} does not take {output}");
+        return Err(UserError::new(ErrorCode::ControlOutput, what, format!("use {}", known.join(" or "))));
     }
     for (index, tool) in program.tools.iter().enumerate() {
         if !motion.steps.iter().any(|step| step.tool == index) {
@@ -88,10 +89,13 @@ fn check(
         }
         let place = if tool.diameter > 0.0 { format!(" of {:.3} mm", tool.diameter) } else { String::new() };
         if tool.number == 0 {
-            return Err(format!("a tool{place} has no number; give the program LOADTL before it is used"));
+            let what = format!("a tool{place} has no number");
+            let help = "give the program LOADTL before it is used";
+            return Err(UserError::new(ErrorCode::ProgramTool, what, help));
         }
         if tool.spindle_rpm.is_none() {
-            return Err(format!("tool {}{place} has no spindle speed; give the program SPINDL", tool.number));
+            let what = format!("tool {}{place} has no spindle speed", tool.number);
+            return Err(UserError::new(ErrorCode::ProgramTool, what, "give the program SPINDL"));
         }
     }
     Ok(())

@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::{
     LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, short_name, too_many,
 };
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{MAX_COORDINATE, Source, quote_for_message};
 use crate::io::tool_file::{MAX_NUMBER, MAX_TEETH, MAX_TOOLS};
@@ -22,7 +23,7 @@ type ReadBeside<'a> = dyn Fn(&str) -> Result<(String, Vec<u8>), InputError> + 'a
 /// # Errors
 /// When the bytes are not a tool bit, or its sizes are impossible.
 pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<ToolLibrary, InputError> {
-    let fault = |what: String, help: &str| Source { file: name }.fault(0, what, help);
+    let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let tree = parse_json(name, bytes)?;
     let parameters = tree.get("parameter").filter(|p| p.is_object());
     let parameters = parameters
@@ -48,7 +49,8 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
             None => Err(fault(format!("{shown}: `{key}` is not a length"), "give a number with mm or in")),
         }
     };
-    let missing = || fault(format!("{shown} has no `Diameter`"), "add it in FreeCAD");
+    let missing =
+        || fault(format!("{shown} has no `Diameter`"), "add it in FreeCAD").with_code(ErrorCode::MissingKey);
     let diameter = length("Diameter")?.ok_or_else(missing)?;
     let mut notes = Vec::new();
     let flute = length("CuttingEdgeHeight")?;
@@ -107,7 +109,7 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
 /// # Errors
 /// When the bytes are not a library, or one of its tool bits cannot be read.
 pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result<ToolLibrary, InputError> {
-    let fault = |what: String, help: &str| Source { file: name }.fault(0, what, help);
+    let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let tree = parse_json(name, bytes)?;
     let list = tree.get("tools").and_then(Value::as_array);
     let list =
@@ -115,10 +117,10 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
     too_many(name, list.len().min(MAX_TOOLS + 1))?;
     let mut library = ToolLibrary::default();
     for (index, entry) in list.iter().enumerate() {
-        let file = entry
-            .get("path")
-            .and_then(Value::as_str)
-            .ok_or_else(|| fault(format!("tool {} has no `path`", index + 1), "correct it in FreeCAD"))?;
+        let file = entry.get("path").and_then(Value::as_str).ok_or_else(|| {
+            fault(format!("tool {} has no `path`", index + 1), "correct it in FreeCAD")
+                .with_code(ErrorCode::MissingKey)
+        })?;
         // Only files beside the library: no folder above it, no absolute path.
         if file.contains(['/', '\\', ':']) || !file.to_lowercase().ends_with(".fctb") {
             let what =

@@ -11,6 +11,7 @@ use super::{
     LibraryTool, MAX_SEGMENTS, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, rate,
     short_name, too_many,
 };
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{Source, quote_for_message};
 use crate::io::tool_file::{MAX_NUMBER, MAX_TEETH};
@@ -33,7 +34,7 @@ const MILLS: [(&str, f64); 7] = [
 /// # Errors
 /// When the bytes are not JSON of this form, or a mill in it has impossible sizes.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> {
-    let fault = |what: String, help: &str| Source { file: name }.fault(0, what, help);
+    let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let tree = parse_json(name, bytes)?;
     let data = tree.get("data").and_then(Value::as_array);
     let data = data.ok_or_else(|| fault("has no list `data`".to_owned(), "give a tool library of Fusion"))?;

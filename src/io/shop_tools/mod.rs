@@ -14,8 +14,9 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::InputError;
-use super::source::{Source, name_of, read_bytes, text, text_lossy};
+use super::source::{Source, name_of, read_bytes, text};
 use super::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TOOLS, RATE, read_tools_bytes, write_tool};
+use crate::error::ErrorCode;
 use crate::setup::Tool;
 pub use fusion::write_fusion;
 
@@ -134,7 +135,9 @@ pub fn read_library_bytes(
             Ok(ToolLibrary { tools: tool.tools, notes: tool.notes })
         }
         LibraryFormat::FreeCadLibrary => freecad::read_list(name, bytes, &|file| {
-            Err(Source { file }.fault(0, "is not given", "give it beside the library"))
+            Err(Source::new(file, ErrorCode::ToolFile)
+                .fault(0, "is not given", "give it beside the library")
+                .with_code(ErrorCode::FileUnreadable))
         }),
     }
 }
@@ -160,15 +163,12 @@ pub fn write_toml(library: &ToolLibrary) -> String {
 
 /// The tree of a JSON file.
 fn parse_json(name: &str, bytes: &[u8]) -> Result<Value, InputError> {
-    let source = Source { file: name };
-    let text = text(source, bytes).or_else(|error| match error.message.contains("UTF-8") {
-        true => text_lossy(source, bytes).and(Err(error)),
-        false => Err(error),
-    })?;
+    let source = Source::new(name, ErrorCode::ToolFile);
+    let text = text(source, bytes)?;
     let items = text.bytes().filter(|b| matches!(b, b',' | b'[' | b'{' | b':')).count();
     if items > MAX_JSON_ITEMS {
         let what = format!("holds more than {MAX_JSON_ITEMS} values");
-        return Err(source.fault(0, what, "split the library"));
+        return Err(source.fault(0, what, "split the library").with_code(ErrorCode::FileTooLarge));
     }
     serde_json::from_str(text).map_err(|error| {
         source.fault(error.line(), format!("not valid JSON: {error}"), "export the library again")
@@ -223,5 +223,7 @@ fn too_many(name: &str, count: usize) -> Result<(), InputError> {
         return Ok(());
     }
     let what = format!("{count} tools, more than {MAX_TOOLS}");
-    Err(Source { file: name }.fault(0, what, "split the library"))
+    Err(Source::new(name, ErrorCode::ToolFile)
+        .fault(0, what, "split the library")
+        .with_code(ErrorCode::FileTooLarge))
 }

@@ -1,5 +1,6 @@
 //! The one JSON member of a ZIP archive: stored or deflated, neither encrypted nor ZIP64.
 
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{MAX_BYTES, Source};
 
@@ -15,14 +16,15 @@ const MEMBER: (&[u8], usize) = (b"PK\x03\x04", 30);
 /// # Errors
 /// When the bytes are not such an archive.
 pub fn json_member(name: &str, bytes: &[u8]) -> Result<Vec<u8>, InputError> {
-    let fault = |what: &str, help: &str| Source { file: name }.fault(0, what, help);
+    let fault = |what: &str, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let broken = |what: &str| fault(what, "export the library again");
     let u16_at = |at: usize| Some(usize::from(u16::from_le_bytes(bytes.get(at..at + 2)?.try_into().ok()?)));
     let u32_at = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?) as usize);
     // The end record is last, before a comment of at most 65,535 bytes.
     let first = bytes.len().saturating_sub(END.1 + 0xffff);
     let end = (first..=bytes.len().saturating_sub(END.1)).rev().find(|&at| bytes[at..].starts_with(END.0));
-    let end = end.ok_or_else(|| broken("is not a ZIP archive, or is cut off"))?;
+    let end =
+        end.ok_or_else(|| broken("is not a ZIP archive, or is cut off").with_code(ErrorCode::FileCutOff))?;
     let lost = || broken("the directory of the archive is damaged");
     let count = u16_at(end + 10).ok_or_else(lost)?;
     let mut at = u32_at(end + 16).ok_or_else(lost)?;
@@ -44,7 +46,8 @@ pub fn json_member(name: &str, bytes: &[u8]) -> Result<Vec<u8>, InputError> {
             return Err(fault("the library in the archive is encrypted", "export it without a password"));
         }
         if packed.max(unpacked).max(local) == u32::MAX as usize || unpacked > MAX_BYTES {
-            return Err(fault("the library in the archive is larger than 64 MiB", "split the library"));
+            return Err(fault("the library in the archive is larger than 64 MiB", "split the library")
+                .with_code(ErrorCode::FileTooLarge));
         }
         if !bytes.get(local..).is_some_and(|rest| rest.starts_with(MEMBER.0)) {
             return Err(lost());
@@ -52,7 +55,9 @@ pub fn json_member(name: &str, bytes: &[u8]) -> Result<Vec<u8>, InputError> {
         let skip = [26, 28].map(|offset| u16_at(local + offset));
         let [Some(name_length), Some(extra)] = skip else { return Err(lost()) };
         let from = local + MEMBER.1 + name_length + extra;
-        let data = bytes.get(from..from + packed).ok_or_else(|| broken("the archive is cut off"))?;
+        let data = bytes
+            .get(from..from + packed)
+            .ok_or_else(|| broken("the archive is cut off").with_code(ErrorCode::FileCutOff))?;
         let json = match method {
             0 => data.to_vec(),
             8 => miniz_oxide::inflate::decompress_to_vec_with_limit(data, unpacked)

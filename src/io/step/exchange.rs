@@ -1,5 +1,6 @@
 //! The exchange structure of ISO 10303-21: header and instances by number.
 
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{Source, TRUNCATED, line_at, quote_for_message};
 
@@ -112,24 +113,27 @@ impl<'a> Exchange<'a> {
 /// # Errors
 /// When the bytes are not an exchange structure of a known schema, or two instances have the same number.
 pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError> {
-    let source = Source { file: name };
+    let source = Source::new(name, ErrorCode::StepFile);
     let mut parser = Parser { bytes, at: 0, values: 0 };
     if !parser.takes(b"ISO-10303-21;") {
         let what = "is not a STEP file: it does not begin with ISO-10303-21";
-        return Err(source.fault(0, what, "check that this is the right file"));
+        return Err(source
+            .fault(0, what, "check that this is the right file")
+            .with_code(ErrorCode::FileFormat));
     }
     parser.file().map_err(|fault| {
         let Fault { at, id, what } = fault;
         let place = id.map_or(String::new(), |id| format!("#{id}: "));
         let cut_off = at >= bytes.len();
-        let cure = if what.starts_with("schema") {
-            READABLE
+        let (code, cure) = if what.starts_with("schema") {
+            (ErrorCode::StepFile, READABLE)
         } else if cut_off {
-            TRUNCATED
+            (ErrorCode::FileCutOff, TRUNCATED)
         } else {
-            "export the file again"
+            (ErrorCode::StepFile, "export the file again")
         };
-        source.fault(line_at(bytes, at.min(bytes.len())), format!("{place}{what}"), cure)
+        let line = line_at(bytes, at.min(bytes.len()));
+        source.fault(line, format!("{place}{what}"), cure).with_code(code)
     })
 }
 

@@ -1,6 +1,7 @@
 //! Typed access to the instances of a file, with faults that name the instance; units of representations.
 
 use super::exchange::{Exchange, Instance, Record, Value};
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::{MAX_COORDINATE, quote_for_message};
@@ -26,7 +27,7 @@ impl EntityFault {
     /// As an error of the file `name`.
     pub fn in_file(&self, name: &str) -> InputError {
         let what = format!("#{}: {}", self.id, self.what);
-        InputError::new(name, 0, what, "repair the model, or export it again")
+        InputError::new(ErrorCode::StepFile, name, 0, what, "repair the model, or export it again")
     }
 }
 

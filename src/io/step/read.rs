@@ -11,6 +11,7 @@ use super::edges::StepFineness;
 use super::exchange::parse;
 use super::model::Model;
 use super::shape::MAX_WORK;
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::{MAX_BYTES, name_of, read_bytes_up_to, stem_of};
@@ -55,7 +56,7 @@ pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, Input
 /// As [`read`].
 pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
     let scene = read_scene_bytes(name, bytes, None)?;
-    let fault = |e: PartError| InputError::new(name, e.line, e.message, e.help);
+    let fault = |e: PartError| InputError::of_part(name, e);
     let normals = ExactNormals::of(scene.bodies.iter().flat_map(|body| body.normals.iter().copied()));
     let source =
         MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: scene.notes(), normals };
@@ -86,7 +87,13 @@ pub fn read_scene_bytes(name: &str, bytes: &[u8], chord_mm: Option<f64>) -> Resu
         } else {
             "holds no solids or surfaces"
         };
-        return Err(InputError::new(name, 0, what, "export the wheel's solids or surfaces"));
+        return Err(InputError::new(
+            ErrorCode::MeshFile,
+            name,
+            0,
+            what,
+            "export the wheel's solids or surfaces",
+        ));
     }
     let chord_mm =
         chord_mm.unwrap_or_else(|| (CHORD * extent(&model, &bodies)).clamp(CHORD_LIMITS.0, CHORD_LIMITS.1));

@@ -25,13 +25,14 @@ use super::InputError;
 use super::source::{
     JOINT, MAX_POINTS, Source, name_of, number, quote_for_message, read_bytes, stem_of, text, text_lossy,
 };
+use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::part::{CurveDescription, Meridional, PartDescription};
 
 /// Reads a part from its `.inf` file and the files that it names. Errors name the file they are in.
 pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
     let name = name_of(path);
-    let source = Source { file: &name };
+    let source = Source::new(&name, ErrorCode::PartFile);
     let bytes = read_bytes(path)?;
     let text = text_lossy(source, &bytes)?;
     let inf = Inf::parse(source, &text);
@@ -79,7 +80,9 @@ impl<'a> Inf<'a> {
     fn need(&self, key: &str, example: &str) -> Result<(&'a str, usize), InputError> {
         self.keys.get(key).copied().ok_or_else(|| {
             let (name, _) = example.split_once(':').unwrap_or((example, ""));
-            self.source.fault(0, format!("the key `{name}` is missing"), format!("add `{example}`"))
+            self.source
+                .fault(0, format!("the key `{name}` is missing"), format!("add `{example}`"))
+                .with_code(ErrorCode::MissingKey)
         })
     }
 
@@ -94,7 +97,9 @@ impl<'a> Inf<'a> {
         }
         similar_file(folder, &path).map(|path| (path, line)).ok_or_else(|| {
             let what = format!("the {kind} file {} does not exist", quote_for_message(name));
-            self.source.fault(line, what, "put it beside the .inf file, or correct its name")
+            self.source
+                .fault(line, what, "put it beside the .inf file, or correct its name")
+                .with_code(ErrorCode::FileUnreadable)
         })
     }
 
@@ -106,7 +111,7 @@ impl<'a> Inf<'a> {
     ) -> Result<(Vec<Meridional>, usize), InputError> {
         let (path, line) = self.data_file(folder, kind)?;
         let name = name_of(&path);
-        let source = Source { file: &name };
+        let source = Source::new(&name, ErrorCode::PartFile);
         let bytes = read_bytes(&path)?;
         let mut points: Vec<Meridional> = Vec::new();
         for (at, line) in text(source, &bytes)?.lines().enumerate() {
@@ -120,12 +125,16 @@ impl<'a> Inf<'a> {
                 points.push(p);
             }
             if points.len() > MAX_POINTS {
-                return Err(source.fault(at + 1, "holds more than 1,000,000 points", "give fewer points"));
+                return Err(source
+                    .fault(at + 1, "holds more than 1,000,000 points", "give fewer points")
+                    .with_code(ErrorCode::FileTooLarge));
             }
         }
         if points.len() < 2 {
             let what = format!("the {kind} has {} distinct point(s)", points.len());
-            return Err(source.fault(0, what, "give two or more, upstream to downstream"));
+            return Err(source
+                .fault(0, what, "give two or more, upstream to downstream")
+                .with_code(ErrorCode::FlowCurve));
         }
         Ok((points, line))
     }
@@ -166,7 +175,10 @@ impl TurboGridFrame {
             "FT" => 304.8,
             _ => {
                 let what = format!("{} is not a known unit", quote_for_message(unit));
-                return Err(inf.source.fault(line, what, "give MM, CM, M, IN or FT"));
+                return Err(inf
+                    .source
+                    .fault(line, what, "give MM, CM, M, IN or FT")
+                    .with_code(ErrorCode::UnknownName));
             }
         };
         let (axis, line) = inf.keys.get("axis of rotation").copied().unwrap_or(("Z", 0));
@@ -176,7 +188,7 @@ impl TurboGridFrame {
             "Y" => [2, 0, 1],
             _ => {
                 let what = format!("{} is not a known axis", quote_for_message(axis));
-                return Err(inf.source.fault(line, what, "give X, Y or Z"));
+                return Err(inf.source.fault(line, what, "give X, Y or Z").with_code(ErrorCode::UnknownName));
             }
         };
         Ok(Self { order, unit_mm: unit })

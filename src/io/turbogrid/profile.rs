@@ -15,6 +15,7 @@ use std::path::Path;
 use super::super::InputError;
 use super::super::source::{JOINT, MAX_POINTS, Source, name_of, read_bytes, text};
 use super::{TurboGridFrame, profile_header};
+use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::part::{BladeDescription, Meridional};
 
@@ -55,17 +56,21 @@ pub(super) fn read(
     flowpaths: [&[Meridional]; 2],
 ) -> Result<(BladeDescription, Vec<BladeDescription>), InputError> {
     let name = name_of(path);
-    let source = Source { file: &name };
+    let source = Source::new(&name, ErrorCode::PartFile);
     let bytes = read_bytes(path)?;
     let mut blades = blades(source, text(source, &bytes)?, frame)?;
     for blade in &blades {
         if blade.loops.len() < 2 {
             let what = format!("the blade has {} profile(s)", blade.loops.len());
-            return Err(source.fault(blade.line, what, "give two or more, hub to tip"));
+            return Err(source
+                .fault(blade.line, what, "give two or more, hub to tip")
+                .with_code(ErrorCode::BladeSections));
         }
     }
     if blades.is_empty() {
-        return Err(source.fault(0, "holds no profile", "give `# Profile` headers with points below"));
+        return Err(source
+            .fault(0, "holds no profile", "give `# Profile` headers with points below")
+            .with_code(ErrorCode::BladeSections));
     }
     let main = blades.iter().position(|blade| blade.name.contains("main")).unwrap_or(0);
     let main = blades.remove(main);
@@ -112,7 +117,9 @@ fn blades(source: Source<'_>, text: &str, frame: TurboGridFrame) -> Result<Vec<P
             };
             points += 1;
             if points > MAX_POINTS {
-                return Err(source.fault(line, "holds more than 1,000,000 points", "give fewer points"));
+                return Err(source
+                    .fault(line, "holds more than 1,000,000 points", "give fewer points")
+                    .with_code(ErrorCode::FileTooLarge));
             }
             match last.points.last_mut() {
                 Some((before, old)) if (*before - point).norm() < JOINT => {
@@ -228,7 +235,9 @@ fn split(
     let n = profile.points.len();
     if n < 4 {
         let what = format!("the profile has {n} distinct point(s)");
-        return Err(source.fault(line, what, "give a closed loop of four or more"));
+        return Err(source
+            .fault(line, what, "give a closed loop of four or more")
+            .with_code(ErrorCode::BladeSections));
     }
     let m: Vec<f64> = profile.points.iter().map(|(p, _)| ruler.measure(p, span)).collect();
     let (le, te) = edges(&profile.points, &m);
@@ -237,11 +246,9 @@ fn split(
     let from_le = |k: usize| (k + n - le) % n;
     let (a, b) = (from_le(te.0).min(from_le(te.1)), from_le(te.0).max(from_le(te.1)));
     if a == 0 {
-        return Err(source.fault(
-            line,
-            "leading and trailing edge of the profile are one point",
-            "mark le and te",
-        ));
+        return Err(source
+            .fault(line, "leading and trailing edge of the profile are one point", "mark le and te")
+            .with_code(ErrorCode::BladeSections));
     }
     let at = |k: usize| points.get((le + k) % n).copied();
     let forward: Vec<Point> = (0..=a).filter_map(at).collect();

@@ -64,7 +64,7 @@ impl ZeroLeadRef {
 pub(super) struct AxisFrame {
     pub(super) conventional: AxisEnds,
     pub(super) frame: RowFrame,
-    pub(super) upright: ZeroLeadRef,
+    pub(super) zero_lead: ZeroLeadRef,
     /// The conventional axis, and its lead angle relative to the shift of the grid, rad.
     pub(super) reference: Vector,
     pub(super) conventional_lead: f64,
@@ -106,9 +106,9 @@ impl CandidateMaker<'_> {
         // The grid is shifted towards positive lead angles only: with large negative ones each plunge would
         // end above the previous one. Where no others remain, the row ends.
         let moved = (tilt - self.max_tilt_rad - MIDDLE_LEAD_DEG.to_radians()).max(0.0);
-        let upright = self.zero_lead_ref(&conventional, &frame, moved)?;
+        let zero_lead = self.zero_lead_ref(&conventional, &frame, moved)?;
         let (conventional_lead, grid) = (tilt - moved, LeadGrid::USUAL);
-        Some(AxisFrame { conventional, frame, upright, reference, conventional_lead, grid })
+        Some(AxisFrame { conventional, frame, zero_lead, reference, conventional_lead, grid })
     }
 
     /// Ends of the conventional axis at `s_hub`, whether or not it clears the walls.
@@ -174,7 +174,7 @@ impl CandidateMaker<'_> {
     pub(super) fn axes<const N: usize>(
         &self,
         s_shroud: f64,
-        (s_hub, frame, upright): (f64, &RowFrame, &ZeroLeadRef),
+        (s_hub, frame, zero_lead): (f64, &RowFrame, &ZeroLeadRef),
         shares: [f64; N],
     ) -> [Option<AxisEnds>; N] {
         let maker = self.maker;
@@ -182,18 +182,18 @@ impl CandidateMaker<'_> {
         let Some(ends) = maker.lane.row_axis(maker.lambda, s_hub, s_shroud) else { return only };
         only[0] = Some(ends);
         if is_wall(maker.lambda) {
-            self.add_turned(&mut only, &ends, (frame, upright));
+            self.add_turned(&mut only, &ends, (frame, zero_lead));
             return only;
         }
         if self.max_side_shift <= 0.0 {
             return only;
         }
         let w = maker.lane.shroud_point(&ends);
-        let lean = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
-        let most = -lean.clamp(-self.max_side_shift, self.max_side_shift);
+        let shift = (w - maker.lane.hub_point(&ends)).dot(&frame.across);
+        let most = -shift.clamp(-self.max_side_shift, self.max_side_shift);
         // Turning W about Z changes the lead angle as well; s of W compensates that.
         let turn = Vector::new(-w.y, w.x, 0.0);
-        let by_s = upright.tan_lead_by_s * upright.height;
+        let by_s = zero_lead.tan_lead_by_s * zero_lead.height;
         let gain = turn.dot(&frame.across);
         if gain.abs() < MIN_GAIN_SHARE * turn.norm() {
             return only;
@@ -208,12 +208,12 @@ impl CandidateMaker<'_> {
 
     /// Fills the free slots after the own axis `ends` of a wall row with axes of which W is turned off the
     /// wall. A twisted or bowed wall keeps the cutter that is fitted along it off its foot, where a strip
-    /// stays uncut; a more upright axis gets nearer.
+    /// stays uncut; an axis with less tilt gets nearer.
     fn add_turned<const N: usize>(
         &self,
         only: &mut [Option<AxisEnds>; N],
         ends: &AxisEnds,
-        (frame, upright): (&RowFrame, &ZeroLeadRef),
+        (frame, zero_lead): (&RowFrame, &ZeroLeadRef),
     ) {
         let (lane, wall) = (self.maker.lane, self.maker.lambda as usize);
         if lane.distance_from_plain(wall, ends) <= OFF_FOOT_RADII * self.maker.tool.radius() {
@@ -223,10 +223,10 @@ impl CandidateMaker<'_> {
         let turn = Vector::new(-w.y, w.x, 0.0);
         let gain = turn.dot(&frame.across).abs().max(MIN_GAIN_SHARE * turn.norm());
         // Turning W about Z changes the lead angle as well; s of W compensates that.
-        let by_s = upright.tan_lead_by_s * upright.height;
+        let by_s = zero_lead.tan_lead_by_s * zero_lead.height;
         for (k, slot) in only.iter_mut().enumerate().skip(1) {
             let tilt = (MAX_TURNED_DEG * k as f64 / (N - 1) as f64).to_radians();
-            let angle = tilt.tan() * upright.height / gain * lane.inward_sign(wall);
+            let angle = tilt.tan() * zero_lead.height / gain * lane.inward_sign(wall);
             let s_shroud = ends.s_shroud - angle * turn.dot(&frame.feed) / by_s;
             *slot = lane.turned_wall_axis(wall, (ends.s_hub, s_shroud), angle);
         }

@@ -244,10 +244,10 @@ impl CandidateMaker<'_> {
 
     /// The candidates of lead angle `j` of the grid.
     fn lead_candidates(&self, j: usize, at: &AxisFrame, floor: &FloorPoints) -> LeadCandidates {
-        let AxisFrame { conventional, frame, upright, reference, grid, .. } = at;
+        let AxisFrame { conventional, frame, zero_lead, reference, grid, .. } = at;
         let tilt = grid.lead(j, self.fineness);
-        let place = (conventional.s_hub, frame, upright);
-        let axes = self.axes(upright.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES);
+        let place = (conventional.s_hub, frame, zero_lead);
+        let axes = self.axes(zero_lead.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES);
         let mut candidates = axes.map(|ends| {
             let candidate = self.lowered(ends?, floor, reference)?;
             let station = Station { s_shroud_conventional: conventional.s_shroud, ..candidate.station };
@@ -276,11 +276,13 @@ impl CandidateMaker<'_> {
         tilts: impl Iterator<Item = f64>,
         shares: &[f64; N],
     ) -> Vec<Station> {
-        let Some(AxisFrame { conventional, frame, upright, reference, .. }) = self.axis_frame(s_hub) else {
+        let Some(AxisFrame { conventional, frame, zero_lead, reference, .. }) = self.axis_frame(s_hub) else {
             return Vec::new();
         };
         tilts
-            .flat_map(|tilt| self.axes(upright.s_shroud_at_lead(tilt), (s_hub, &frame, &upright), *shares))
+            .flat_map(|tilt| {
+                self.axes(zero_lead.s_shroud_at_lead(tilt), (s_hub, &frame, &zero_lead), *shares)
+            })
             .flatten()
             .filter_map(|ends| self.station_within_limits(ends, &reference))
             .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })

@@ -198,8 +198,8 @@ impl PathSearch<'_> {
             Some(cheapest) if counts(places[k].0) => cheapest * share(k).min(1.0),
             _ => 0.0,
         };
-        let least_cost: f64 = (0..places.len()).map(least).sum();
-        let mut to_come = least_cost;
+        let min_cost: f64 = (0..places.len()).map(least).sum();
+        let mut to_come = min_cost;
         let mut states: Vec<StageStates> = Vec::with_capacity(places.len());
         let mut last: Option<usize> = None;
         for (k, (s, place)) in places.iter().enumerate() {
@@ -249,7 +249,7 @@ impl PathSearch<'_> {
             path.missing_cost += cost * share(k);
             path.missing.push((*s, why));
         }
-        path.least_cost = least_cost;
+        path.min_cost = min_cost;
         path.missing.sort_by(|(a, _), (b, _)| (a * inward).total_cmp(&(b * inward)));
         Ok((path.cost < limit).then_some(path))
     }

@@ -27,7 +27,7 @@ pub struct RowPath {
     /// ignored), mm.
     pub acceptable_cost: f64,
     /// Lower bound on the cost of any path, mm.
-    pub least_cost: f64,
+    pub min_cost: f64,
     /// s of the stages from the start on at which nothing is cut, and why.
     pub missing: Vec<(f64, DropCause)>,
     /// Cost of these stages, mm.

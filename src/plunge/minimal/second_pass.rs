@@ -1,5 +1,5 @@
 //! The second pass over the rows of a section. The rows that are cut first have only what earlier sections
-//! and they themselves removed to keep their cores free: beside a wall, where the axis cannot lean as contact
+//! and they themselves removed to keep their cores free: beside a wall, where the axis cannot tilt as contact
 //! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open places
 //! of each row are searched again, from both of their ends.
 

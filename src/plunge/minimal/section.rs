@@ -41,8 +41,8 @@ struct DirectedPlan {
     cost: f64,
     /// See [`RowPath::acceptable_cost`].
     acceptable_cost: f64,
-    /// [`RowPath::least_cost`] of each row, mm.
-    least_costs: Vec<f64>,
+    /// [`RowPath::min_cost`] of each row, mm.
+    min_costs: Vec<f64>,
     /// Rows with places that contact left open.
     open: Vec<OpenRow>,
 }
@@ -56,8 +56,8 @@ const SECOND_SHARE: f64 = 0.4;
 struct DirectionLimit<'a> {
     /// Cost of the other direction, mm.
     cost: f64,
-    /// [`DirectedPlan::least_costs`] of the other direction.
-    least_costs: &'a [f64],
+    /// [`DirectedPlan::min_costs`] of the other direction.
+    min_costs: &'a [f64],
     /// Share of the work on the section that is done before this direction, and that of this direction.
     done_before: f64,
     share_of_work: f64,
@@ -66,11 +66,11 @@ struct DirectionLimit<'a> {
 impl DirectionLimit<'_> {
     /// Without another direction.
     const NONE: Self =
-        Self { cost: f64::INFINITY, least_costs: &[], done_before: 0.0, share_of_work: FIRST_SHARE };
+        Self { cost: f64::INFINITY, min_costs: &[], done_before: 0.0, share_of_work: FIRST_SHARE };
 
     /// Whether a section whose first `rows` rows cost `cost` mm cannot get cheaper than the limit.
     fn is_exceeded(&self, rows: usize, cost: f64) -> bool {
-        let to_come: f64 = self.least_costs.iter().skip(rows).sum();
+        let to_come: f64 = self.min_costs.iter().skip(rows).sum();
         cost + LEAST_COST_SHARE * to_come >= self.cost
     }
 }
@@ -137,7 +137,7 @@ impl Planner<'_> {
             Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
                 let limit = DirectionLimit {
                     cost: first.cost,
-                    least_costs: &first.least_costs,
+                    min_costs: &first.min_costs,
                     done_before: FIRST_SHARE,
                     share_of_work: SECOND_SHARE,
                 };
@@ -166,8 +166,8 @@ impl Planner<'_> {
         monitor: &Monitor,
     ) -> Result<Option<DirectedPlan>, PlanError> {
         let cut = SectionCut::empty(feed, earlier.clone());
-        let (least_costs, open) = (Vec::new(), Vec::new());
-        let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0, least_costs, open };
+        let (min_costs, open) = (Vec::new(), Vec::new());
+        let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0, min_costs, open };
         match self.plan_rows(index, layouts, &mut directed, limit, monitor) {
             Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(directed)),
             within => Ok(within?.then_some(directed)),
@@ -184,7 +184,7 @@ impl Planner<'_> {
         limit: &DirectionLimit,
         monitor: &Monitor,
     ) -> Result<bool, PlanError> {
-        let DirectedPlan { cut, cost, acceptable_cost, least_costs, open } = directed;
+        let DirectedPlan { cut, cost, acceptable_cost, min_costs, open } = directed;
         let feed = cut.feed;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
         let all_rows: usize = layouts.iter().map(|layout| layout.rows.len()).sum();
@@ -211,7 +211,7 @@ impl Planner<'_> {
                         path = search.path(places, *start, &cut.columns, &mut stages)?;
                     }
                     *acceptable_cost += path.acceptable_cost;
-                    least_costs.push(path.least_cost);
+                    min_costs.push(path.min_cost);
                     let best = self.cut_path(path, search, lambda, &cut.columns, closing)?;
                     if !best.has_lost {
                         return Ok(best);
@@ -234,10 +234,10 @@ impl Planner<'_> {
                     Ok::<CutPath, PlanError>(best)
                 })??;
                 *cost += best.cost;
-                let done = (least_costs.len() as f64 / all_rows as f64).min(1.0);
+                let done = (min_costs.len() as f64 / all_rows as f64).min(1.0);
                 let share = limit.done_before + limit.share_of_work * done;
                 self.report_section(index, share, monitor);
-                if limit.is_exceeded(least_costs.len(), *cost) {
+                if limit.is_exceeded(min_costs.len(), *cost) {
                     return Ok(false);
                 }
                 open.extend(OpenRow::new((number, row), best.open()));

@@ -1,5 +1,6 @@
 //! The lattice on whose lines the rays run.
 
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 
 /// Memory that a stock may take, bytes.
@@ -14,12 +15,11 @@ const SHIFT: [f64; 3] = [0.137_035, 0.291_103, 0.412_307];
 
 /// Why a stock cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.explained())]
 pub enum SolidError {
     /// The spacing is not a length.
-    #[error("a spacing of {0} mm is not possible; give a length above 0")]
     Spacing(f64),
     /// The stock would take too much memory.
-    #[error("a spacing of {spacing} mm would take {gib:.1} GiB; give at least {least:.3} mm")]
     Memory {
         /// The spacing, mm.
         spacing: f64,
@@ -29,14 +29,39 @@ pub enum SolidError {
         least: f64,
     },
     /// The cuts leave too many separate pieces.
-    #[error("the stock falls into too many pieces for 1 GiB; give a larger spacing than {0} mm")]
     Pieces(f64),
     /// The blank has no extent.
-    #[error("the blank encloses no volume; check its file")]
     Empty,
     /// The work was cancelled.
-    #[error(transparent)]
     Cancelled(#[from] crate::monitor::Cancelled),
+}
+
+impl SolidError {
+    /// What is wrong and what to do.
+    pub fn explained(&self) -> UserError {
+        let (what, help) = match self {
+            Self::Spacing(spacing) => {
+                (format!("a spacing of {spacing} mm is not possible"), "give a length above 0".to_owned())
+            }
+            Self::Memory { spacing, gib, least } => (
+                format!("a spacing of {spacing} mm would take {gib:.1} GiB"),
+                format!("give at least {least:.3} mm"),
+            ),
+            Self::Pieces(spacing) => (
+                "the stock falls into too many pieces for 1 GiB".to_owned(),
+                format!("give a larger spacing than {spacing} mm"),
+            ),
+            Self::Empty => ("the blank encloses no volume".to_owned(), "check its file".to_owned()),
+            Self::Cancelled(cancelled) => return (*cancelled).into(),
+        };
+        UserError::new(ErrorCode::StockSpacing, what, help)
+    }
+}
+
+impl From<SolidError> for UserError {
+    fn from(error: SolidError) -> Self {
+        error.explained()
+    }
 }
 
 /// A cubic lattice; rays run along its lines in all three directions.

@@ -3,6 +3,7 @@
 use super::lattice::{Lattice, SolidError};
 use super::rays::RayField;
 use super::span::{Span, SpanEnd};
+use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::mesh::TriangleMesh;
 use crate::mesh::weld;
@@ -12,15 +13,11 @@ const MAX_CROSSINGS: usize = 20_000_000;
 
 /// Why a mesh does not bound a solid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.explained())]
 pub enum MeshFault {
     /// It has no triangles.
-    #[error("has no triangles; export the blank again")]
     Empty,
     /// It is open, or its triangles do not agree about the outside.
-    #[error(
-        "is not closed: {count} edges lack a neighbour, one of them at {x:.3}, {y:.3}, {z:.3}; close the mesh and \
-         export it again"
-    )]
     Open {
         /// Number of edges without an opposite one.
         count: usize,
@@ -32,8 +29,26 @@ pub enum MeshFault {
         z: f64,
     },
     /// It encloses no volume.
-    #[error("encloses no volume; export the blank again")]
     Flat,
+}
+
+impl MeshFault {
+    /// What is wrong and what to do.
+    pub fn explained(&self) -> UserError {
+        match self {
+            Self::Empty => UserError::new(ErrorCode::MeshFile, "has no triangles", "export the blank again"),
+            Self::Open { count, x, y, z } => UserError::new(
+                ErrorCode::MeshNotClosed,
+                format!(
+                    "is not closed: {count} edges lack a neighbour, one of them at {x:.3}, {y:.3}, {z:.3}"
+                ),
+                "close the mesh and export it again",
+            ),
+            Self::Flat => {
+                UserError::new(ErrorCode::MeshNotClosed, "encloses no volume", "export the blank again")
+            }
+        }
+    }
 }
 
 /// A closed triangle mesh.

@@ -7,7 +7,7 @@ use crate::geometry::Point;
 
 /// Cells along the longest side of the stock.
 const CELLS: f64 = 96.0;
-/// Share of a cell below which a distance is not told from contact.
+/// Share of a cell below which a distance counts as contact.
 const SMALLEST_STEP: f64 = 0.25;
 
 /// Lower bounds of the distance to the stock as it was at first. As cuts only remove stock, they hold for all

@@ -2,17 +2,18 @@
 
 use super::assembly::SolidTool;
 use super::motion::{SolidMove, ToolPose};
+use crate::error::{ErrorCode, UserError};
 use crate::setup::Setup;
 use crate::toolpath::{ClProgram, Motion};
 
 /// Why a program cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{message}")]
+#[error("{error}")]
 pub struct ProgramFault {
     /// Line of the program; 0 when it is about all of it.
     pub line: usize,
     /// What is wrong and what to do.
-    pub message: String,
+    pub error: UserError,
 }
 
 /// A program that can be simulated.
@@ -33,27 +34,26 @@ impl SolidProgram {
     /// # Errors
     /// When no tool is loaded, a cut comes before any tool, or a tool has no diameter.
     pub fn new(program: &ClProgram, setup: &Setup) -> Result<Self, ProgramFault> {
-        let fault = |line: usize, message: String| Err(ProgramFault { line, message });
+        let fault = |line: usize, what: &str, help: &str| {
+            Err(ProgramFault { line, error: UserError::new(ErrorCode::ProgramTool, what, help) })
+        };
         if program.tools.is_empty() {
-            return fault(0, "loads no tool; add LOADTL and CUTTER before its cuts".to_owned());
+            return fault(0, "loads no tool", "add LOADTL and CUTTER before its cuts");
         }
         let tools: Vec<_> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
         let mut moves: Vec<SolidMove> = Vec::with_capacity(program.moves.len());
         for (number, step) in program.moves.iter().enumerate() {
             let Some(tool) = step.tool else {
                 if matches!(step.motion, Motion::Feed(_)) && number > 0 {
-                    let what = "cuts before any tool is loaded; add LOADTL and CUTTER before it";
-                    return fault(step.line, what.to_owned());
+                    let help = "add LOADTL and CUTTER before it";
+                    return fault(step.line, "cuts before any tool is loaded", help);
                 }
                 continue;
             };
             let size = &tools[tool];
             if size.diameter <= 0.0 {
-                let what = format!(
-                    "tool {} has the diameter {}; give CUTTER/ its diameter",
-                    size.number, size.diameter
-                );
-                return fault(step.line, what);
+                let what = format!("tool {} has the diameter {}", size.number, size.diameter);
+                return fault(step.line, &what, "give CUTTER/ its diameter");
             }
             let to = ToolPose { tip: step.tip, axis: step.axis };
             let from = moves.last().filter(|last| last.tool == tool).map_or(to, |last| last.to);

@@ -193,13 +193,13 @@ fn a_move_that_turns_equals_a_hundred_times_finer_one() {
 /// Plunges all over the disc, tilted in all directions.
 #[test]
 fn runs_of_short_cuts_equal_the_cuts_one_by_one() {
-    // A pass on an arc with an axis that leans more and more, in moves of 0.5 mm.
+    // A pass on an arc with an axis that tilts more and more, in moves of 0.5 mm.
     let spacing = 0.5;
     let at = |k: u32| {
         let turn = f64::from(k) / 60.0;
-        let lean = 0.2 * turn;
+        let tilt = 0.2 * turn;
         let tip = [30.0 * turn.cos(), 30.0 * turn.sin(), 12.0 - 2.0 * turn];
-        pose(tip, [lean.sin() * turn.cos(), lean.sin() * turn.sin(), lean.cos()])
+        pose(tip, [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()])
     };
     let moves: Vec<SolidMove> = (0..60).map(|k| feed(k, at(k), at(k + 1))).collect();
     let bare = [SolidTool { segments: Vec::new(), ..SolidTool::of(&tool(8.0, 2.0)) }];

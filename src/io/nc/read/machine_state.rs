@@ -2,6 +2,7 @@
 
 use super::words::NcWord;
 use super::{AxisOverrun, Dialect, MAX_OVERRUNS, NcReading, ReadContext};
+use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::{self, Source};
@@ -111,7 +112,10 @@ impl<'a> NcState<'a> {
     pub fn finish(self, lines: usize) -> Result<NcReading, InputError> {
         if !self.ended {
             let what = "the program has no end";
-            return Err(self.source.fault(lines, what, "it seems cut off: write or copy it again"));
+            return Err(self
+                .source
+                .fault(lines, what, "it seems cut off: write or copy it again")
+                .with_code(ErrorCode::FileCutOff));
         }
         Ok(self.out)
     }
@@ -314,7 +318,10 @@ impl<'a> NcState<'a> {
             return Err(self.source.fault(line, what, "retract it before"));
         }
         let Some(number) = self.next_tool.filter(|number| *number > 0) else {
-            return Err(self.source.fault(line, "the tool change has no tool number", "give T before M6"));
+            return Err(self
+                .source
+                .fault(line, "the tool change has no tool number", "give T before M6")
+                .with_code(ErrorCode::ProgramTool));
         };
         let known = |tool: &&ClTool| tool.number == number;
         let tool = self.described.iter().rev().find(known).cloned();
@@ -327,7 +334,10 @@ impl<'a> NcState<'a> {
         });
         let Some(tool) = tool else {
             let what = format!("tool {number} is not known");
-            return Err(self.source.fault(line, what, "give it in the setup as [[tool]]"));
+            return Err(self
+                .source
+                .fault(line, what, "give it in the setup as [[tool]]")
+                .with_code(ErrorCode::ProgramTool));
         };
         let same = |t: &ClTool| {
             (t.number, t.diameter, t.corner_radius, t.overhang)
@@ -409,7 +419,10 @@ impl<'a> NcState<'a> {
             return Ok(());
         };
         let Some(tool) = self.tool else {
-            return Err(self.source.fault(line, "a move before the first tool", "change to a tool before"));
+            return Err(self
+                .source
+                .fault(line, "a move before the first tool", "change to a tool before")
+                .with_code(ErrorCode::ProgramTool));
         };
         if !self.length_on {
             return Err(self.source.fault(line, "a move without the tool's length", "give G43 or D1 before"));
@@ -546,7 +559,10 @@ impl<'a> NcState<'a> {
         angles: Option<[f64; 2]>,
     ) -> Result<(), InputError> {
         if self.out.program.moves.len() >= source::MAX_POINTS {
-            return Err(self.source.fault(line, "the program has more than 1,000,000 moves", "split it"));
+            return Err(self
+                .source
+                .fault(line, "the program has more than 1,000,000 moves", "split it")
+                .with_code(ErrorCode::FileTooLarge));
         }
         let placed = &self.context.placed;
         if let (Motion::Feed(rate), Some(cutter)) = (motion, self.out.program.tools.get_mut(tool)) {

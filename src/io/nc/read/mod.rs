@@ -10,6 +10,7 @@ mod sinumerik;
 mod words;
 
 use super::post::Dialect;
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{self, Source};
 use crate::machine::{MachineTool, PlacedPart};
@@ -75,7 +76,7 @@ pub fn read_nc(
     dialect: Dialect,
     context: &ReadContext<'_>,
 ) -> Result<NcReading, InputError> {
-    let source = Source { file: name };
+    let source = Source::new(name, ErrorCode::NcBlock);
     let text = source::text_lossy(source, bytes)?;
     let mut state = NcState::new(source, dialect, context);
     let mut words = Vec::with_capacity(16);
@@ -83,7 +84,9 @@ pub fn read_nc(
     for (line, text) in (1..).zip(text.lines()) {
         lines = line;
         if line > MAX_LINES {
-            return Err(source.fault(line, "the program is longer than 2,000,000 lines", "split it"));
+            return Err(source
+                .fault(line, "the program is longer than 2,000,000 lines", "split it")
+                .with_code(ErrorCode::FileTooLarge));
         }
         words.clear();
         let read = match dialect {

@@ -9,7 +9,7 @@ use super::samples::{SAMPLES, sample};
 
 /// Distance of the flat disc (centre, axis, radius) from the surface, mm: minimum of a dense scan of signed
 /// distances of disc points, refined by pattern search from the best ones.
-fn least_distance(curve: &MeridionalCurve, centre: &Point, axis: &Vector, radius: f64) -> f64 {
+fn min_distance(curve: &MeridionalCurve, centre: &Point, axis: &Vector, radius: f64) -> f64 {
     let (e1, e2) = frame_about(axis);
     let at = |rho: f64, phi: f64| {
         let p = centre + (e1 * phi.cos() + e2 * phi.sin()) * rho;
@@ -56,7 +56,7 @@ fn check(part: &Impeller, s: f64, turn: f64, tilt: f64, heading: f64, radius: f6
     let on_axis = part.hub.point(s).at_angle(turn) + axis * 3.0;
     let surface = DepthSurface::new(part.hub.curve(), offset);
     let Some(touch) = surface.touch(&on_axis, &axis, radius) else { panic!("no touch at s {s}") };
-    let distance = least_distance(part.hub.curve(), &(on_axis + axis * touch.height), &axis, radius);
+    let distance = min_distance(part.hub.curve(), &(on_axis + axis * touch.height), &axis, radius);
     assert!(
         (distance - offset).abs() < 1e-3,
         "disc rests {distance} mm from the hub instead of {offset}: \
