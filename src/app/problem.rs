@@ -56,6 +56,7 @@ const LABELS: [(&str, &str); 22] = [
     ("blade_allowance", "Blade allowance"),
     ("safety_distance", "Rapid clearance"),
     ("inlet_extension", "Inlet overhang"),
+    ("blank", "Blank"),
     ("max_tilt", "Max tilt"),
     ("max_axis_tilt", "Max machine tilt"),
     ("max_axis_change", "Max axis change"),

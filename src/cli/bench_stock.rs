@@ -7,7 +7,8 @@ use crate::monitor::Monitor;
 use crate::part::Blank;
 use crate::setup::Tool;
 use crate::stock::solid::{
-    SolidBlank, SolidMove, SolidStock, SolidTool, StockSurface, ToolPose, TurnedOutline,
+    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, StockPlayer, StockSurface, ToolPose,
+    TurnedOutline,
 };
 
 /// Outlet diameter of the wheel, mm, and spacing of the rays, mm.
@@ -15,6 +16,14 @@ const DIAMETER: f64 = 300.0;
 const SPACING: f64 = 0.25;
 /// Numbers of plunges for the growth.
 const PLUNGES: [u32; 3] = [250, 500, 1000];
+/// Moves of the flank program: passes side by side, of so many moves each.
+const PASSES: u32 = 60;
+const PASS_MOVES: u32 = 250;
+/// Rays across the wheel where a timeline is scrubbed, and where the memory is measured.
+const SCRUB_RAYS: f64 = 500.0;
+const FULL_RAYS: f64 = 800.0;
+/// Jumps of the timeline.
+const JUMPS: usize = 40;
 
 /// Measures on the largest sample wheel, scaled.
 ///
@@ -60,14 +69,99 @@ pub fn run() -> Result<(), Failure> {
         print_row(&format!("  {count} plunges of D 20 into one pitch"), seconds[1])?;
     }
     let Some(stock) = last else { return Ok(()) };
+    print_surface(&stock)?;
+    print_memory("  memory of its rays", &stock)?;
+
+    let flank = flank_program(&part, scale);
+    let count = flank.count;
+    let mut cut = whole.clone();
+    let started = std::time::Instant::now();
+    cut.make_moves(&flank.tools, &flank.moves, &Monitor::default()).map_err(failed)?;
+    print_row(&format!("  {count} moves of a flank program, D 8"), started.elapsed().as_secs_f64())?;
+
+    let coarse = SolidStock::new(&blank, DIAMETER / SCRUB_RAYS).map_err(failed)?;
+    let plunges = SolidProgram {
+        tools: tools.to_vec(),
+        moves: (0..1000).map(|k| plunge(k, 1000, &part, scale)).collect(),
+        count: 1000,
+    };
+    for (what, program) in [("1000 plunges", plunges), ("the flank program", flank)] {
+        print_jumps(what, StockPlayer::new(program, coarse.clone())).map_err(failed)??;
+    }
+
+    let mut full = SolidStock::new(&blank, DIAMETER / FULL_RAYS).map_err(failed)?;
+    let moves: Vec<SolidMove> = (0..1000).map(|k| plunge(k, 1000, &part, scale)).collect();
+    full.make_moves(&tools, &moves, &Monitor::default()).map_err(failed)?;
+    print_memory("  memory of the rays of the whole wheel at D/800", &full)
+}
+
+fn print_memory(what: &str, stock: &SolidStock) -> Result<(), Failure> {
+    print_stdout(&format!("{what:<62} {:>7.1} MiB\n", stock.bytes() as f64 / (1 << 20) as f64))
+}
+
+fn print_surface(stock: &SolidStock) -> Result<(), Failure> {
     let mut triangles = 0;
-    let seconds = median(|| triangles = StockSurface::of(&stock).triangles.len());
-    print_row(&format!("  its surface: {triangles} triangles"), seconds)?;
-    print_stdout(&format!(
-        "{:<62} {:>7.1} MiB\n",
-        "  memory of its rays",
-        stock.bytes() as f64 / (1 << 20) as f64
-    ))
+    let seconds = median(|| triangles = StockSurface::of(stock).triangles.len());
+    print_row(&format!("  its surface: {triangles} triangles"), seconds)
+}
+
+/// Prints the time of jumps to places all over a program that was played once, and of the surface at its end.
+fn print_jumps(what: &str, mut player: StockPlayer) -> Result<Result<(), Failure>, SolidError> {
+    let monitor = Monitor::default();
+    let count = player.program().count;
+    player.at(count, &monitor)?;
+    let mut seconds = Vec::with_capacity(JUMPS);
+    for jump in 1..=JUMPS {
+        // Multiples of the golden section visit all of the program, far from one jump to the next.
+        let place = (jump as f64 * 0.618_033_988_749_895).fract();
+        let started = std::time::Instant::now();
+        player.at((place * count as f64) as usize, &monitor)?;
+        seconds.push(started.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    let (stock, _) = player.at(count, &monitor)?;
+    let rows = || {
+        print_row(&format!("  a jump in {what} at D/500, median of {JUMPS}"), seconds[JUMPS / 2])?;
+        print_row("    the slowest of them", seconds[JUMPS - 1])?;
+        print_surface(stock)
+    };
+    Ok(rows())
+}
+
+/// Passes along the channel floor of one pitch, each 2 mm beside the last, whose axis turns on the way.
+fn flank_program(part: &crate::part::Impeller, scale: f64) -> SolidProgram {
+    let tool = Tool {
+        number: 2,
+        diameter: 8.0,
+        corner_radius: 1.0,
+        insert_width: 3.6,
+        overhang: 60.0,
+        plunge_feed: 500.0,
+        spindle: 6000.0,
+        assembly: Default::default(),
+    };
+    let pose = |pass: u32, k: u32| {
+        let along = f64::from(k) / f64::from(PASS_MOVES);
+        let s = 0.02 + 0.96 * if pass.is_multiple_of(2) { along } else { 1.0 - along };
+        let angle = part.pitch() * f64::from(pass % 20) / 20.0;
+        let normal = part.hub.normal(s).direction_at_angle(angle);
+        let lean = Vector::new(-angle.sin(), angle.cos(), 0.0) * (0.3 * s);
+        let axis = (normal + lean).normalize();
+        // From layer to layer down to the floor.
+        let layer = 6.5 - 3.0 * f64::from(pass / 20);
+        ToolPose { tip: part.hub.point(s).at_angle(angle) * scale + axis * layer, axis }
+    };
+    let places = (0..PASSES).flat_map(|pass| (0..PASS_MOVES).map(move |k| (pass, k)));
+    let moves: Vec<SolidMove> = places
+        .map(|(pass, k)| SolidMove {
+            number: pass * PASS_MOVES + k,
+            tool: 0,
+            rapid: false,
+            from: pose(pass, k),
+            to: pose(pass, k + 1),
+        })
+        .collect();
+    SolidProgram { tools: vec![SolidTool::of(&tool)], count: moves.len(), moves }
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.

@@ -6,6 +6,7 @@
 //! |x| ≤ 1,000,000 mm; for meshes 512 MiB and 8,000,000 triangles.
 
 pub mod apt;
+pub mod blank_file;
 pub mod flank_file;
 pub mod geomturbo;
 pub mod gltf;
