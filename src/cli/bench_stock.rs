@@ -7,8 +7,8 @@ use crate::monitor::Monitor;
 use crate::part::Blank;
 use crate::setup::Tool;
 use crate::stock::solid::{
-    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, StockPlayer, StockSurface, ToolPose,
-    TurnedOutline,
+    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, StockPlayer, StockSurface,
+    ToolPose, TurnedOutline,
 };
 
 /// Outlet diameter of the wheel, mm, and spacing of the rays, mm.

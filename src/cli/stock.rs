@@ -158,8 +158,8 @@ fn blank_of(given: Option<&Path>, part: &Impeller, setup: &Setup) -> Result<Soli
         && is_stl(&file.path)
     {
         eprintln!(
-            "vanecut: the plan holds only the turned envelope of its blank {}; give --blank with the file for its \
-             exact shape",
+            "vanecut: the plan holds only the turned envelope of its blank {}; give --blank with the file \
+             for its exact shape",
             file.name
         );
     }

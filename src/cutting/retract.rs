@@ -94,19 +94,16 @@ impl NearBottom {
         Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
     }
 
-    /// Alternating projection between the bottom and the blank, from the nearest sample: an edge of the blank may
-    /// be nearest between the samples. The clearance is that of the inset disc about `centre`.
+    /// Alternating projection between the bottom and the blank, from the nearest sample: an edge of the blank
+    /// may be nearest between the samples. The clearance is that of the inset disc about `centre`.
     fn settle(&mut self, centre: &Point, axis: &Vector, flat: f64, blank: &Blank) {
         for _ in 0..MAX_PROJECTIONS {
             if self.clearance <= 0.0 {
                 break;
             }
             let r = norm2(self.point.x, self.point.y).max(1e-12);
-            let foot = Point::new(
-                self.point.x * self.foot.r / r,
-                self.point.y * self.foot.r / r,
-                self.foot.z,
-            );
+            let foot =
+                Point::new(self.point.x * self.foot.r / r, self.point.y * self.foot.r / r, self.foot.z);
             let d = foot - centre;
             let across = d - axis * d.dot(axis);
             let point = centre + across * (flat / across.norm().max(1e-12)).min(1.0);

@@ -1,8 +1,8 @@
 //! Blanks: an outline as text, or a closed mesh as STL.
 //!
 //! An outline is one point per line, `r z` in mm, in order around the body; `#` begins a remark. It is closed
-//! where its last point repeats the first. Else both of its ends go straight to the axis. STL is in the frame of
-//! the part.
+//! where its last point repeats the first. Else both of its ends go straight to the axis. STL is in the frame
+//! of the part.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -76,7 +76,7 @@ pub(crate) fn is_stl(path: &Path) -> bool {
 /// Reads an outline; `file` is the file name used in messages.
 ///
 /// ```
-/// let outline = vanecut::io::blank_file::read_outline_bytes("blank.txt", b"0 50 # front\n80 50\n80 -5\n0 -5\n")?;
+/// let outline = vanecut::io::blank_file::read_outline_bytes("blank.txt", b"0 50 #\n80 50\n80 -5\n0 -5\n")?;
 /// assert_eq!(outline.bounds(), (80.0, (-5.0, 50.0)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -93,7 +93,9 @@ pub fn read_outline_bytes(file: &str, bytes: &[u8]) -> Result<MeridionalOutline,
         let (r, z) = match (words.next(), words.next(), words.next()) {
             (None, ..) => continue,
             (Some(r), Some(z), None) => (r, z),
-            _ => return Err(source.fault(number, "the line is not `r z`", "give two numbers in mm per line")),
+            _ => {
+                return Err(source.fault(number, "the line is not `r z`", "give two numbers in mm per line"));
+            }
         };
         points.push(Meridional { r: source.length(number, r, 1.0)?, z: source.length(number, z, 1.0)? });
         lines.push(number);

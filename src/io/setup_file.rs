@@ -189,8 +189,9 @@ fn stock(table: &TomlTable<'_>, stock: &mut AllowanceSetup) -> Result<(), InputE
     Ok(())
 }
 
-/// Reads the shape of the blank. With `blank_outline` beside the file that is the outline, and the file is not
-/// needed: setups within plans stay readable where it is not. Its mesh is taken where it still has that outline.
+/// Reads the shape of the blank. With `blank_outline` beside the file that is the outline, and the file is
+/// not needed: setups within plans stay readable where it is not. Its mesh is taken where it still has that
+/// outline.
 fn blank(table: &TomlTable<'_>) -> Result<Option<BlankShape>, InputError> {
     let rows = table.rows::<2>("blank_outline")?;
     let Some(name) = table.string("blank")? else {
@@ -446,8 +447,8 @@ pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, (String, String
     })
 }
 
-/// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to
-/// the last bit of an f64. A blank from a file is written with its outline, so that the text does not depend on
+/// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to the
+/// last bit of an f64. A blank from a file is written with its outline, so that the text does not depend on
 /// that file; see [`write_setup_beside`].
 pub fn write_setup(setup: &Setup) -> String {
     let mut out = String::new();
@@ -456,8 +457,8 @@ pub fn write_setup(setup: &Setup) -> String {
     out
 }
 
-/// Writes a setup file that is to be saved at `path`: as [`write_setup`], but a blank from a file is written as
-/// the path of that file, relative to the setup where it is in the same folder or below.
+/// Writes a setup file that is to be saved at `path`: as [`write_setup`], but a blank from a file is written
+/// as the path of that file, relative to the setup where it is in the same folder or below.
 pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
     let mut setup = setup.clone();
     if let BlankShape::File(file) = &setup.allowances.blank {

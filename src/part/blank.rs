@@ -1,5 +1,5 @@
-//! The blank: by default the turned body between hub and shroud, from the line of leading edges to the rim; or
-//! any turned body, by its outline.
+//! The blank: by default the turned body between hub and shroud, from the line of leading edges to the rim;
+//! or any turned body, by its outline.
 
 use std::sync::Arc;
 
@@ -22,7 +22,8 @@ const MIN_STRIDE_SHARE: f64 = 1.0 / 2000.0;
 /// between the trailing edges), back along the shroud, and down the line of leading edges.
 #[derive(Clone, Debug)]
 pub struct Blank {
-    /// Hub between leading edge (less the extension) and rim; normal into the blank. With an outline, all of it.
+    /// Hub between leading edge (less the extension) and rim; normal into the blank. With an outline, all of
+    /// it.
     pub hub: MeridionalCurve,
     /// Shroud over the same range of s; normal out of the blank.
     pub shroud: MeridionalCurve,
@@ -266,13 +267,18 @@ impl Blank {
         self.clip(origin, direction, radius, (0.0, f64::INFINITY)).map_or(0.0, |(_, high)| high)
     }
 
-    /// Height along `axis` (unit) above `centre` at which a disc of `radius` mm, lowered from above, touches the
-    /// outline raised by `offset` mm; `None` where it misses it, or the blank has no outline of its own.
+    /// Height along `axis` (unit) above `centre` at which a disc of `radius` mm, lowered from above, touches
+    /// the outline raised by `offset` mm; `None` where it misses it, or the blank has no outline of its own.
     pub fn outline_touch(&self, centre: &Point, axis: &Vector, radius: f64, offset: f64) -> Option<f64> {
         let outline = self.outline.as_ref()?;
         let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
         let range = self.clip(centre, axis, radius + offset, everywhere)?;
-        outline.touch_height(centre, axis, (radius, offset), (range.0 - offset - radius, range.1 + offset + radius))
+        outline.touch_height(
+            centre,
+            axis,
+            (radius, offset),
+            (range.0 - offset - radius, range.1 + offset + radius),
+        )
     }
 
     /// The part of a line within `aside` mm of the height range and outer cylinder of the blank; elsewhere it

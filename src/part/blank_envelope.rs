@@ -88,8 +88,8 @@ fn least_radius(corners: &[Point; 3]) -> f64 {
     (0..3).map(|k| origin.nearest_on_segment(flat[k], flat[(k + 1) % 3]).0).fold(f64::INFINITY, f64::min)
 }
 
-/// Least and greatest height of a triangle over a circle about Z: where its edges cross the circle, or where the
-/// triangle is steepest along the radius. An empty range where it does not meet the circle.
+/// Least and greatest height of a triangle over a circle about Z: where its edges cross the circle, or where
+/// the triangle is steepest along the radius. An empty range where it does not meet the circle.
 fn heights_on_circle(corners: &[Point; 3], radius: f64) -> (f64, f64) {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut add = |z: f64| (low, high) = (low.min(z), high.max(z));

@@ -20,8 +20,8 @@ pub enum BlankShape {
     /// Turned between hub and shroud, from the line of leading edges to the rim.
     #[default]
     Edges,
-    /// A cylinder through the largest radius of the trailing edges, from the back of the wheel to a plane before
-    /// the leading edges: what a shop turns.
+    /// A cylinder through the largest radius of the trailing edges, from the back of the wheel to a plane
+    /// before the leading edges: what a shop turns.
     Turned,
     /// From a file.
     File(Arc<BlankFile>),
@@ -56,8 +56,8 @@ impl PartialEq for BlankFile {
 }
 
 impl BlankFile {
-    /// The turned envelope of a mesh: what it covers while it turns about Z, with hollows that no straight line
-    /// along Z reaches filled.
+    /// The turned envelope of a mesh: what it covers while it turns about Z, with hollows that no straight
+    /// line along Z reaches filled.
     ///
     /// # Errors
     /// When the mesh covers no area of the meridional plane.
@@ -103,7 +103,11 @@ impl BlankShape {
             ]
         });
         places
-            .map(|(what, point)| OutsideBlank { distance: file.outline.signed_distance(point).0, point, what })
+            .map(|(what, point)| OutsideBlank {
+                distance: file.outline.signed_distance(point).0,
+                point,
+                what,
+            })
             .filter(|place| place.distance > ENCLOSED_TOLERANCE)
             .reduce(|worst, other| if other.distance > worst.distance { other } else { worst })
     }

@@ -81,8 +81,8 @@ impl PartialEq for MeridionalOutline {
 }
 
 impl MeridionalOutline {
-    /// The outline through `points`. It is closed where the last point repeats the first; else both of its ends
-    /// go straight to the axis, at their heights.
+    /// The outline through `points`. It is closed where the last point repeats the first; else both of its
+    /// ends go straight to the axis, at their heights.
     ///
     /// # Errors
     /// When the points do not bound a body.
@@ -106,7 +106,8 @@ impl MeridionalOutline {
         if first.distance(last) < SAME {
             cleaned.pop();
         } else {
-            cleaned.extend([last, first].iter().filter(|p| p.r > SAME).map(|p| Meridional { r: 0.0, z: p.z }));
+            cleaned
+                .extend([last, first].iter().filter(|p| p.r > SAME).map(|p| Meridional { r: 0.0, z: p.z }));
         }
         Self::closed(cleaned)
     }
@@ -127,10 +128,8 @@ impl MeridionalOutline {
         }
         let count = points.len();
         let at = |i: usize| points[i % count];
-        let edges: Vec<_> = (0..count)
-            .map(|i| (at(i), at(i + 1)))
-            .filter(|(a, b)| a.r > SAME || b.r > SAME)
-            .collect();
+        let edges: Vec<_> =
+            (0..count).map(|i| (at(i), at(i + 1))).filter(|(a, b)| a.r > SAME || b.r > SAME).collect();
         if let Some(place) = crossing_of(&edges) {
             return Err(OutlineFault::Crossed { r: place.r, z: place.z });
         }
@@ -258,12 +257,12 @@ impl MeridionalOutline {
         best
     }
 
-    /// Height along `axis` (unit) above `centre` of the highest point of the body, raised by `offset` mm to its
-    /// outside, that a disc of `radius` mm meets while it moves on the axis between heights `low` and `high`.
-    /// `None` where the disc misses the body.
+    /// Height along `axis` (unit) above `centre` of the highest point of the body, raised by `offset` mm to
+    /// its outside, that a disc of `radius` mm meets while it moves on the axis between heights `low` and
+    /// `high`. `None` where the disc misses the body.
     ///
-    /// The highest point is on a convex edge of the body within the disc, or above the rim of the disc: of the
-    /// first all are considered, the second is searched.
+    /// The highest point is on a convex edge of the body within the disc, or above the rim of the disc: of
+    /// the first all are considered, the second is searched.
     pub fn touch_height(
         &self,
         centre: &Point,
@@ -315,8 +314,12 @@ impl MeridionalOutline {
                 continue;
             }
             let middle = step * i as f64;
-            let (_, value) =
-                search::minimum(|phi| -height(phi).unwrap_or(floor), middle - step, middle + step, RIM_TOLERANCE);
+            let (_, value) = search::minimum(
+                |phi| -height(phi).unwrap_or(floor),
+                middle - step,
+                middle + step,
+                RIM_TOLERANCE,
+            );
             best = best.into_iter().chain([-value]).reduce(f64::max).filter(|h| *h > floor);
         }
         best
@@ -395,9 +398,8 @@ fn add_boxes(edges: &[(Meridional, Meridional)], from: usize, to: usize, boxes: 
 
 /// A place where two edges cross that have no end in common.
 fn crossing_of(edges: &[(Meridional, Meridional)]) -> Option<Meridional> {
-    let side = |a: Meridional, b: Meridional, p: Meridional| {
-        (b.r - a.r) * (p.z - a.z) - (b.z - a.z) * (p.r - a.r)
-    };
+    let side =
+        |a: Meridional, b: Meridional, p: Meridional| (b.r - a.r) * (p.z - a.z) - (b.z - a.z) * (p.r - a.r);
     for (i, &(a, b)) in edges.iter().enumerate() {
         let (low, high) = (a.z.min(b.z), a.z.max(b.z));
         for &(c, d) in &edges[i + 1..] {

@@ -94,7 +94,8 @@ impl AllowanceSetup {
         let Some(outside) = self.blank.outside(part) else { return Ok(()) };
         let (p, distance) = (outside.point, outside.distance);
         let message = format!(
-            "the blank does not enclose the part: the {} is {distance:.2} mm outside of it at r {:.2}, z {:.2}",
+            "the blank does not enclose the part: the {} is {distance:.2} mm outside of it at r {:.2}, \
+             z {:.2}",
             outside.what, p.r, p.z
         );
         Err(SetupFault::new(message, "give a larger blank, or check its units and where its zero is")

@@ -148,8 +148,8 @@ pub struct ClProgram {
     pub warnings: Vec<ClWarning>,
 }
 
-/// Consecutive moves under feed across the axis that are a pass along a curve: plunge programs position and lift
-/// their tools under feed, but not in that many moves.
+/// Consecutive moves under feed across the axis that are a pass along a curve: plunge programs position and
+/// lift their tools under feed, but not in that many moves.
 const PASS_MOVES: usize = 8;
 
 impl Move {
@@ -162,8 +162,8 @@ impl Move {
 }
 
 impl ClProgram {
-    /// Whether the program mills along curves, alone or beside plunges: most of its moves under feed do not plunge
-    /// along the axis, or a pass of them does not.
+    /// Whether the program mills along curves, alone or beside plunges: most of its moves under feed do not
+    /// plunge along the axis, or a pass of them does not.
     pub fn mills_along_curves(&self) -> bool {
         let (mut along, mut across, mut pass) = (0usize, 0usize, 0usize);
         for pair in self.moves.windows(2) {

@@ -164,8 +164,8 @@ pub fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> 
         let numbers = unknown.join(", ");
         if program.mills_along_curves() {
             return format!(
-                "shank and holder are unknown, a holder of twice the diameter is assumed: tool {numbers}; give \
-                 them in the setup"
+                "shank and holder are unknown, a holder of twice the diameter is assumed: tool {numbers}; \
+                 give them in the setup"
             );
         }
         format!("shank and holder are unknown and were not checked: tool {numbers}; give them in the setup")

@@ -15,14 +15,14 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
+pub use assembly::unknown_assemblies;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, count_by_kind};
 use fault::{
-    Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank, stopped_spindle,
-    tool_mismatch,
+    Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank,
+    stopped_spindle, tool_mismatch,
 };
-pub use assembly::unknown_assemblies;
 pub use flank::{FlankVerdict, FlankVerifier, Uncovered, verify_flank};
 use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};

@@ -141,10 +141,13 @@ fn blanks_that_do_not_fit_are_named_with_what_to_do() {
     file("three.txt", "10 20\n10 20 30\n");
     file("behind.txt", "10 20\n-10 20\n");
     file("crossed.txt", "1 0\n5 4\n5 0\n1 4\n1 0\n");
-    file("open.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
-                      endloop\nendfacet\nendsolid a\n");
+    file(
+        "open.stl",
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+                      endloop\nendfacet\nendsolid a\n",
+    );
     for (name, words) in [
-        ("none.txt", "s.toml:2: no blank file \"none.txt\""),
+        ("none.txt", "s.toml:2: no blank file `none.txt`"),
         ("one.txt", "one.txt: the outline has 1 different points"),
         ("nan.txt", "nan.txt:3: "),
         ("three.txt", "three.txt:2: the line is not `r z`"),

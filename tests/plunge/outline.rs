@@ -75,7 +75,10 @@ fn distances_and_insides_are_those_of_a_plain_search() {
             }
             let (found, foot) = outline.signed_distance(p);
             assert!((p.distance(foot) - found.abs()).abs() < 1e-9);
-            assert!(found.abs() <= distance + 1e-9 && found.abs() > distance - 0.3, "{p:?}: {found} {distance}");
+            assert!(
+                found.abs() <= distance + 1e-9 && found.abs() > distance - 0.3,
+                "{p:?}: {found} {distance}"
+            );
             assert_eq!(found < 0.0, winds_about(&outline, p), "{p:?}");
         }
     }
@@ -161,8 +164,18 @@ fn block(x: f64, y: f64, z: f64) -> BlankMesh {
         Point::new(side(0, x), side(1, y), if k >> 2 & 1 == 1 { z } else { 0.0 })
     });
     let triangles = vec![
-        [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-        [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
     ];
     BlankMesh { points: points.collect(), triangles }
 }

@@ -62,8 +62,8 @@ impl TurnedOutline {
         Self { points, sense }
     }
 
-    /// The outline of a blank; of one that encloses the edges of the blades with the body of the hub inside and
-    /// behind it.
+    /// The outline of a blank; of one that encloses the edges of the blades with the body of the hub inside
+    /// and behind it.
     pub fn of_blank(part: &Impeller, blank: &Blank) -> Self {
         if let Some(outline) = blank.outline() {
             return Self::new(outline.points().to_vec());

@@ -1,8 +1,8 @@
 //! Collisions of a program with the stock that stands, by the solid.
 //!
-//! The heightfield knows the stock above the floor of one channel; the solid also that beside walls that lean away
-//! and in the channels not cut yet, and it meets the whole length of shank and holder. In programs that plunge
-//! beside it knows what passes along curves have left of the stock in the way of a core.
+//! The heightfield knows the stock above the floor of one channel; the solid also that beside walls that lean
+//! away and in the channels not cut yet, and it meets the whole length of shank and holder. In programs that
+//! plunge beside it knows what passes along curves have left of the stock in the way of a core.
 
 use super::super::fault::{FaultKind, Finding, core_in_stock};
 use super::steps::CutterStep;
@@ -63,8 +63,9 @@ fn moves(part: &Impeller, steps: &[CutterStep]) -> Vec<SolidMove> {
         .collect()
 }
 
-/// Replaces the contacts of cores by the exact ones where only plunges can have cut before: the solid resolves no
-/// thin contact. Elsewhere a core is free where it is free after the plunges alone, and else the solid decides.
+/// Replaces the contacts of cores by the exact ones where only plunges can have cut before: the solid
+/// resolves no thin contact. Elsewhere a core is free where it is free after the plunges alone, and else the
+/// solid decides.
 fn judge_cores(
     part: &Impeller,
     blank: &Blank,
