@@ -51,7 +51,7 @@ impl From<&InputError> for Problem {
 }
 
 /// Keys of setup files, with the labels of their fields.
-const LABELS: [(&str, &str); 22] = [
+const LABELS: [(&str, &str); 23] = [
     ("hub_allowance", "Hub allowance"),
     ("blade_allowance", "Blade allowance"),
     ("safety_distance", "Rapid clearance"),

@@ -17,7 +17,6 @@ use crate::setup::AxisPolicy;
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
     Contact, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer, StockSurface,
-    TurnedOutline,
 };
 use crate::toolpath::ClProgram;
 

@@ -79,7 +79,7 @@ fn a_core_meets_what_neither_plunges_nor_passes_have_cut() {
         (ClProgram { moves, ..whole.clone() }, next)
     };
     let (mut program, _) = passed(false);
-    assert_eq!(cores_in_stock(&mut program), []);
+    assert_eq!(cores_in_stock(&mut program), Vec::<usize>::new());
     let (mut program, next) = passed(true);
     assert_eq!(cores_in_stock(&mut program), [next], "the fourth plunge follows the second");
 }

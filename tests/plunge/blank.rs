@@ -140,7 +140,7 @@ fn blanks_that_do_not_fit_are_named_with_what_to_do() {
     file("nan.txt", "10 20\n\nnan 3\n");
     file("three.txt", "10 20\n10 20 30\n");
     file("behind.txt", "10 20\n-10 20\n");
-    file("crossed.txt", "1 0\n5 4\n5 0\n1 4\n1 0\n");
+    file("crossed.txt", "1 0\n5 4\n5 0\n1 6\n1 0\n");
     file(
         "open.stl",
         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
@@ -152,7 +152,7 @@ fn blanks_that_do_not_fit_are_named_with_what_to_do() {
         ("nan.txt", "nan.txt:3: "),
         ("three.txt", "three.txt:2: the line is not `r z`"),
         ("behind.txt", "behind.txt:2: r is negative"),
-        ("crossed.txt", "crosses itself at r 3.000, z 2.000"),
+        ("crossed.txt", "crosses itself at r 3.400, z 2.400"),
         ("open.stl", "open.stl: is not closed"),
     ] {
         let error = read(name).expect_err(name).to_string();
