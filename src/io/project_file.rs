@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::{relative, write_setup};
+use super::setup_file::{beside, relative, write_setup};
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, setup_within};
 use crate::mesh::MeshOptions;
@@ -172,13 +172,13 @@ pub fn write_project(project: &Project, path: &Path) -> String {
         vanecut_project: VERSION,
         part,
         part_hash: format!("{:016x}", project.part_hash),
-        setup: write_setup(&project.setup),
+        setup: write_setup(&beside(&project.setup, path)),
         sets: project
             .sets
             .iter()
             .map(|set| SetFile {
                 name: set.name.clone(),
-                setup: write_setup(&set.setup),
+                setup: write_setup(&beside(&set.setup, path)),
                 // JSON has no NaN; figures without a value are omitted.
                 figures: set.figures.filter(|f| f.residual_mean.is_finite() && f.residual_p95.is_finite()),
             })

@@ -460,14 +460,19 @@ pub fn write_setup(setup: &Setup) -> String {
 /// Writes a setup file that is to be saved at `path`: as [`write_setup`], but a blank from a file is written
 /// as the path of that file, relative to the setup where it is in the same folder or below.
 pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
+    let mut out = String::new();
+    let _ = write_to(&mut out, &beside(setup, path), false);
+    out
+}
+
+/// `setup` with the file of its blank named as seen from a file at `path`.
+pub(super) fn beside(setup: &Setup, path: &Path) -> Setup {
     let mut setup = setup.clone();
     if let BlankShape::File(file) = &setup.allowances.blank {
         let name = relative(&file.path, path).to_string_lossy().into_owned();
         setup.allowances.blank = BlankShape::File(Arc::new(BlankFile { name, ..BlankFile::clone(file) }));
     }
-    let mut out = String::new();
-    let _ = write_to(&mut out, &setup, false);
-    out
+    setup
 }
 
 /// `file` relative to the folder of `path`, if it is in that folder or below; else absolute.
