@@ -1,24 +1,25 @@
 //! Benchmarks of the stock as a solid.
 
-use super::bench::{build, describe, median, print_row};
+use super::bench::{build, build_sample, describe, median, print_row};
 use super::{Failure, print_stdout};
 use crate::geometry::Vector;
+use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::monitor::Monitor;
 use crate::part::Blank;
-use crate::setup::Tool;
+use crate::setup::{Setup, Tool};
 use crate::stock::solid::{
     SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, StockPlayer, StockSurface,
     ToolPose, TurnedOutline,
 };
+use crate::toolpath::ClProgram;
 
 /// Outlet diameter of the wheel, mm, and spacing of the rays, mm.
 const DIAMETER: f64 = 300.0;
 const SPACING: f64 = 0.25;
 /// Numbers of plunges for the growth.
 const PLUNGES: [u32; 3] = [250, 500, 1000];
-/// Moves of the flank program: passes side by side, of so many moves each.
-const PASSES: u32 = 60;
-const PASS_MOVES: u32 = 250;
+/// Moves of the flank program.
+const FLANK_MOVES: usize = 15_000;
 /// Rays across the wheel where a timeline is scrubbed, and where the memory is measured.
 const SCRUB_RAYS: f64 = 500.0;
 const FULL_RAYS: f64 = 800.0;
@@ -35,7 +36,7 @@ pub fn run() -> Result<(), Failure> {
     let scale = DIAMETER / (2.0 * part.rim_radius());
     let outline = TurnedOutline::of_blank(&part, &Blank::of(&part, 0.0)).scaled(scale);
     let blank = SolidBlank::Turned(outline);
-    let failed = |error: crate::stock::solid::SolidError| Failure::Work(error.to_string());
+    let failed = |error: SolidError| Failure::Work(error.to_string());
     let whole = SolidStock::new(&blank, SPACING).map_err(failed)?;
     print_row(
         "solid stock: blank of D 300 at 0.25 mm",
@@ -72,21 +73,24 @@ pub fn run() -> Result<(), Failure> {
     print_surface(&stock)?;
     print_memory("  memory of its rays", &stock)?;
 
-    let flank = flank_program(&part, scale);
+    let (flank, flank_blank) = flank_program()?;
     let count = flank.count;
-    let mut cut = whole.clone();
+    let mut cut = SolidStock::new(&flank_blank, SPACING).map_err(failed)?;
     let started = std::time::Instant::now();
     cut.make_moves(&flank.tools, &flank.moves, &Monitor::default()).map_err(failed)?;
-    print_row(&format!("  {count} moves of a flank program, D 8"), started.elapsed().as_secs_f64())?;
+    print_row(&format!("  {count} moves of a flank plan of D 300"), started.elapsed().as_secs_f64())?;
 
-    let coarse = SolidStock::new(&blank, DIAMETER / SCRUB_RAYS).map_err(failed)?;
+    let at = |blank: &SolidBlank| SolidStock::new(blank, DIAMETER / SCRUB_RAYS).map_err(failed);
+    let coarse = [at(&blank)?, at(&flank_blank)?];
     let plunges = SolidProgram {
         tools: tools.to_vec(),
         moves: (0..1000).map(|k| plunge(k, 1000, &part, scale)).collect(),
         count: 1000,
     };
-    for (what, program) in [("1000 plunges", plunges), ("the flank program", flank)] {
-        print_jumps(what, StockPlayer::new(program, coarse.clone())).map_err(failed)??;
+    for ((what, program), coarse) in
+        [("1000 plunges", plunges), ("the flank program", flank)].into_iter().zip(coarse)
+    {
+        print_jumps(what, StockPlayer::new(program, coarse)).map_err(failed)??;
     }
 
     let mut full = SolidStock::new(&blank, DIAMETER / FULL_RAYS).map_err(failed)?;
@@ -128,40 +132,18 @@ fn print_jumps(what: &str, mut player: StockPlayer) -> Result<Result<(), Failure
     Ok(rows())
 }
 
-/// Passes along the channel floor of one pitch, each 2 mm beside the last, whose axis turns on the way.
-fn flank_program(part: &crate::part::Impeller, scale: f64) -> SolidProgram {
-    let tool = Tool {
-        number: 2,
-        diameter: 8.0,
-        corner_radius: 1.0,
-        insert_width: 3.6,
-        overhang: 60.0,
-        plunge_feed: 500.0,
-        spindle: 6000.0,
-        assembly: Default::default(),
-    };
-    let pose = |pass: u32, k: u32| {
-        let along = f64::from(k) / f64::from(PASS_MOVES);
-        let s = 0.02 + 0.96 * if pass.is_multiple_of(2) { along } else { 1.0 - along };
-        let angle = part.pitch() * f64::from(pass % 20) / 20.0;
-        let normal = part.hub.normal(s).direction_at_angle(angle);
-        let lean = Vector::new(-angle.sin(), angle.cos(), 0.0) * (0.3 * s);
-        let axis = (normal + lean).normalize();
-        // From layer to layer down to the floor.
-        let layer = 6.5 - 3.0 * f64::from(pass / 20);
-        ToolPose { tip: part.hub.point(s).at_angle(angle) * scale + axis * layer, axis }
-    };
-    let places = (0..PASSES).flat_map(|pass| (0..PASS_MOVES).map(move |k| (pass, k)));
-    let moves: Vec<SolidMove> = places
-        .map(|(pass, k)| SolidMove {
-            number: pass * PASS_MOVES + k,
-            tool: 0,
-            rapid: false,
-            from: pose(pass, k),
-            to: pose(pass, k + 1),
-        })
-        .collect();
-    SolidProgram { tools: vec![SolidTool::of(&tool)], count: moves.len(), moves }
+/// The first moves of the flank plan of the sample wheel with splitters, of D 300, with its blank.
+fn flank_program() -> Result<(SolidProgram, SolidBlank), Failure> {
+    let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
+    let request = FlankRequest { part: part.clone(), setup: Setup::for_part(&part) };
+    let planned = FlankJob::default().run(&request, &Monitor::default());
+    let FlankOutcome { setup, plan, .. } = planned.map_err(|error| Failure::Work(error.to_string()))?;
+    let program = ClProgram::of_flank(&part.name, &plan.tool, &plan.moves);
+    let mut program =
+        SolidProgram::new(&program, &setup).map_err(|fault| Failure::Work(fault.to_string()))?;
+    program.moves.truncate(FLANK_MOVES);
+    program.count = program.moves.len();
+    Ok((program, SolidBlank::of(&part, &setup.allowances.blank_of(&part))))
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.

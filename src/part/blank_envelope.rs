@@ -4,9 +4,10 @@ use super::blank_shape::BlankMesh;
 use super::meridional_outline::{MeridionalOutline, OutlineFault};
 use crate::geometry::{Meridional, Point, norm2};
 
-/// Circles over which the heights are taken.
-const CIRCLES: usize = 1000;
-/// Width of the first and last ring, mm, in which a wall is upright.
+/// Circles over which the heights are taken: fewer for meshes whose triangles cross too many of them together.
+const CIRCLES: (usize, usize) = (50, 1000);
+const MAX_CROSSINGS: f64 = 1e8;
+/// Least difference between the largest and the least radius, mm.
 const WALL: f64 = 1e-6;
 
 /// Highest or lowest places over the circles; `sign` is +1 for the highest.
@@ -37,12 +38,16 @@ pub(super) fn envelope_of(mesh: &BlankMesh) -> Result<MeridionalOutline, Outline
         inner = inner.min(least_radius(corners));
         outer = corners.iter().map(r_of).fold(outer, f64::max);
     }
-    let width = (outer - inner) / CIRCLES as f64;
+    let width = outer - inner;
     if !(width.is_finite() && width > WALL) {
         return Err(OutlineFault::Flat);
     }
+    let reach = |corners: &[Point; 3]| corners.iter().map(r_of).fold(0.0, f64::max) - least_radius(corners);
+    let shares: f64 = triangles.iter().map(|corners| reach(corners) / width).sum();
+    let circles = ((MAX_CROSSINGS / shares.max(1.0)) as usize).clamp(CIRCLES.0, CIRCLES.1);
+    let width = width / circles as f64;
     let radius = |circle: usize| inner + width * circle as f64;
-    let mut both = [1.0, -1.0].map(|sign| Heights { sign, at: vec![f64::NEG_INFINITY; CIRCLES + 1] });
+    let mut both = [1.0, -1.0].map(|sign| Heights { sign, at: vec![f64::NEG_INFINITY; circles + 1] });
     for corners in &triangles {
         for p in corners {
             let circle = ((r_of(p) - inner) / width).max(0.0) as usize;
@@ -53,7 +58,7 @@ pub(super) fn envelope_of(mesh: &BlankMesh) -> Result<MeridionalOutline, Outline
         }
         let low = ((least_radius(corners) - inner) / width).floor().max(0.0) as usize;
         let high = corners.iter().map(r_of).fold(0.0, f64::max);
-        for circle in low..=CIRCLES {
+        for circle in low..=circles {
             if radius(circle) > high {
                 break;
             }
