@@ -10,7 +10,7 @@ use vanecut::io::apt::read_apt;
 use vanecut::io::part_file::read_part;
 use vanecut::part::{Channel, Impeller};
 use vanecut::setup::Setup;
-use vanecut::verify::{is_flank, verify, verify_flank};
+use vanecut::verify::{verify, verify_flank};
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -21,7 +21,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let (channel, setup) = (Channel::of(&part), Setup::for_part(&part));
     let program = read_apt(Path::new(&path))?;
     // Plunges and flank milling are judged by rules of their own; the moves of the program tell which it is.
-    let faults = match is_flank(&program) {
+    let faults = match program.mills_along_curves() {
         true => verify_flank(&part, &channel, &setup, &program).map(|verdict| verdict.faults),
         false => verify(&part, &channel, &setup, &program).map(|verdict| verdict.faults),
     };

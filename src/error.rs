@@ -94,6 +94,9 @@ error_codes! {
         StepFile "step-file",
             "A STEP file breaks its format, or an entity of it is not valid.",
             "Repair the model, or export it again as AP203, AP214 or AP242.";
+        BlankFile "blank-file",
+            "The outline of a blank bounds no body, or a blank does not enclose the part.",
+            "Give the points of the outline in order; check unit and origin of the file.";
         SetupFile "setup-file",
             "Values of a setup do not go together.",
             "Correct the key at the line of the message.";

@@ -10,7 +10,7 @@ use crate::io::apt::write_apt;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::project_file::{EXTENSION, part_hash};
-use crate::io::setup_file::write_setup;
+use crate::io::setup_file::write_setup_beside;
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 use crate::mesh::tessellate::{Fineness, Tessellation};
@@ -154,7 +154,7 @@ pub enum WriteTask {
 pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     let (path, bytes) = match task {
         WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
-        WriteTask::Setup(path, setup) => (path, write_setup(setup).into_bytes()),
+        WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),

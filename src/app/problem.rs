@@ -63,11 +63,12 @@ impl From<&InputError> for Problem {
 }
 
 /// Keys of setup files, with the labels of their fields.
-const LABELS: [(&str, &str); 22] = [
+const LABELS: [(&str, &str); 23] = [
     ("hub_allowance", "Hub allowance"),
     ("blade_allowance", "Blade allowance"),
     ("safety_distance", "Rapid clearance"),
     ("inlet_extension", "Inlet overhang"),
+    ("blank", "Blank"),
     ("max_tilt", "Max tilt"),
     ("max_axis_tilt", "Max machine tilt"),
     ("max_axis_change", "Max axis change"),

@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use crate::part::Blank;
 use crate::plunge::inspect::{SectionView, section_view};
 use crate::setup::AxisPolicy;
 use crate::stock::{field_cutters, residual_field};
@@ -74,7 +73,7 @@ impl InspectedSection {
         let look = |place: &PlanPosition| {
             let outcome = &place.planned.outcome;
             let stock = &outcome.setup.allowances;
-            let blank = Blank::of(&outcome.part, stock.inlet_extension);
+            let blank = stock.blank_of(&outcome.part);
             let plan = place.planned.plan(place.policy);
             section_view(&outcome.part, &blank, stock.hub_allowance, plan, place.count).map(Arc::new)
         };

@@ -10,14 +10,13 @@ use crate::job::flank::FlankOutcome;
 use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::palette::{self, Rgb};
-use crate::part::{Blank, Impeller};
+use crate::part::Impeller;
 use crate::plunge::MOVES_PER_PLUNGE;
 use crate::plunge::plan::{Condition, PlungePlan};
 use crate::setup::AxisPolicy;
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
     Contact, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer, StockSurface,
-    TurnedOutline,
 };
 use crate::toolpath::ClProgram;
 
@@ -145,9 +144,8 @@ impl SolidSource {
 
     /// The blank with rays at a spacing.
     fn blank(&self, rays: f64) -> Result<(SolidStock, f64), SolidError> {
-        let extension = self.planned.outcome.setup.allowances.inlet_extension;
-        let blank = Blank::of(self.part(), extension);
-        let blank = SolidBlank::Turned(TurnedOutline::of_blank(self.part(), &blank));
+        let blank = self.planned.outcome.setup.allowances.blank_of(self.part());
+        let blank = SolidBlank::of(self.part(), &blank);
         let spacing = blank.default_spacing() * 800.0 / rays;
         Ok((SolidStock::new(&blank, spacing)?, spacing))
     }

@@ -61,6 +61,9 @@ pub struct BenchArgs {
     /// minutes
     #[arg(long, value_name = "N", default_value_t = 4000)]
     pub positions: usize,
+    /// Only the stock as a solid
+    #[arg(long)]
+    pub stock: bool,
 }
 
 /// Options for parts given as meshes.
@@ -241,7 +244,8 @@ pub struct StockArgs {
     /// Distance of the rays, mm; absent: the diameter of the blank / 800
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub spacing: Option<f64>,
-    /// Blank: edges (enclosing the edges of the blades), turned (a cylinder), or a closed .stl
+    /// Blank: edges (enclosing the edges of the blades), turned (a cylinder), or a file: a closed .stl, or
+    /// lines of `r z`; absent: that of the setup
     #[arg(long, value_name = "BLANK")]
     pub blank: Option<PathBuf>,
     /// File to write: .stl or .glb

@@ -104,6 +104,10 @@ fn bench_sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
 /// fails.
 pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     bench_growth::check_positions(args.positions)?;
+    if args.stock {
+        print_stdout(&format!("{:<62} {:>10}\n", "what", "median"))?;
+        return bench_stock::run();
+    }
     let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let part = build(&wheel)?;
     let channel = Channel::of(&part);

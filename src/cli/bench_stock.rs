@@ -1,20 +1,30 @@
 //! Benchmarks of the stock as a solid.
 
-use super::bench::{build, describe, median, print_row};
+use super::bench::{build, build_sample, describe, median, print_row};
 use super::{Failure, print_stdout};
 use crate::geometry::Vector;
+use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::monitor::Monitor;
 use crate::part::Blank;
-use crate::setup::Tool;
+use crate::setup::{Setup, Tool};
 use crate::stock::solid::{
-    SolidBlank, SolidMove, SolidStock, SolidTool, StockSurface, ToolPose, TurnedOutline,
+    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, StockPlayer, StockSurface,
+    ToolPose, TurnedOutline,
 };
+use crate::toolpath::ClProgram;
 
 /// Outlet diameter of the wheel, mm, and spacing of the rays, mm.
 const DIAMETER: f64 = 300.0;
 const SPACING: f64 = 0.25;
 /// Numbers of plunges for the growth.
 const PLUNGES: [u32; 3] = [250, 500, 1000];
+/// Moves of the flank program.
+const FLANK_MOVES: usize = 15_000;
+/// Rays across the wheel where a timeline is scrubbed, and where the memory is measured.
+const SCRUB_RAYS: f64 = 500.0;
+const FULL_RAYS: f64 = 800.0;
+/// Jumps of the timeline.
+const JUMPS: usize = 40;
 
 /// Measures on the largest sample wheel, scaled.
 ///
@@ -59,14 +69,79 @@ pub fn run() -> Result<(), Failure> {
         print_row(&format!("  {count} plunges of D 20 into one pitch"), seconds[1])?;
     }
     let Some(stock) = last else { return Ok(()) };
+    print_surface(&stock)?;
+    print_memory("  memory of its rays", &stock)?;
+
+    let (flank, flank_blank) = flank_program()?;
+    let count = flank.count;
+    let mut cut = SolidStock::new(&flank_blank, SPACING).map_err(Failure::of_work)?;
+    let started = std::time::Instant::now();
+    cut.make_moves(&flank.tools, &flank.moves, &Monitor::default()).map_err(Failure::of_work)?;
+    print_row(&format!("  {count} moves of a flank plan of D 300"), started.elapsed().as_secs_f64())?;
+
+    let at = |blank: &SolidBlank| SolidStock::new(blank, DIAMETER / SCRUB_RAYS).map_err(Failure::of_work);
+    let coarse = [at(&blank)?, at(&flank_blank)?];
+    let plunges = SolidProgram {
+        tools: tools.to_vec(),
+        moves: (0..1000).map(|k| plunge(k, 1000, &part, scale)).collect(),
+        count: 1000,
+    };
+    for ((what, program), coarse) in
+        [("1000 plunges", plunges), ("the flank program", flank)].into_iter().zip(coarse)
+    {
+        print_jumps(what, StockPlayer::new(program, coarse)).map_err(Failure::of_work)??;
+    }
+
+    let mut full = SolidStock::new(&blank, DIAMETER / FULL_RAYS).map_err(Failure::of_work)?;
+    let moves: Vec<SolidMove> = (0..1000).map(|k| plunge(k, 1000, &part, scale)).collect();
+    full.make_moves(&tools, &moves, &Monitor::default()).map_err(Failure::of_work)?;
+    print_memory("  memory of the rays of the whole wheel at D/800", &full)
+}
+
+fn print_memory(what: &str, stock: &SolidStock) -> Result<(), Failure> {
+    print_stdout(&format!("{what:<62} {:>7.1} MiB\n", stock.bytes() as f64 / (1 << 20) as f64))
+}
+
+fn print_surface(stock: &SolidStock) -> Result<(), Failure> {
     let mut triangles = 0;
-    let seconds = median(|| triangles = StockSurface::of(&stock).triangles.len());
-    print_row(&format!("  its surface: {triangles} triangles"), seconds)?;
-    print_stdout(&format!(
-        "{:<62} {:>7.1} MiB\n",
-        "  memory of its rays",
-        stock.bytes() as f64 / (1 << 20) as f64
-    ))
+    let seconds = median(|| triangles = StockSurface::of(stock).triangles.len());
+    print_row(&format!("  its surface: {triangles} triangles"), seconds)
+}
+
+/// Prints the time of jumps to places all over a program that was played once, and of the surface at its end.
+fn print_jumps(what: &str, mut player: StockPlayer) -> Result<Result<(), Failure>, SolidError> {
+    let monitor = Monitor::default();
+    let count = player.program().count;
+    player.at(count, &monitor)?;
+    let mut seconds = Vec::with_capacity(JUMPS);
+    for jump in 1..=JUMPS {
+        // Multiples of the golden section visit all of the program, far from one jump to the next.
+        let place = (jump as f64 * 0.618_033_988_749_895).fract();
+        let started = std::time::Instant::now();
+        player.at((place * count as f64) as usize, &monitor)?;
+        seconds.push(started.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    let (stock, _) = player.at(count, &monitor)?;
+    let rows = || {
+        print_row(&format!("  a jump in {what} at D/500, median of {JUMPS}"), seconds[JUMPS / 2])?;
+        print_row("    the slowest of them", seconds[JUMPS - 1])?;
+        print_surface(stock)
+    };
+    Ok(rows())
+}
+
+/// The first moves of the flank plan of the sample wheel with splitters, of D 300, with its blank.
+fn flank_program() -> Result<(SolidProgram, SolidBlank), Failure> {
+    let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
+    let request = FlankRequest { part: part.clone(), setup: Setup::for_part(&part) };
+    let planned = FlankJob::default().run(&request, &Monitor::default());
+    let FlankOutcome { setup, plan, .. } = planned.map_err(Failure::of_work)?;
+    let program = ClProgram::of_flank(&part.name, &plan.tool, &plan.moves);
+    let mut program = SolidProgram::new(&program, &setup).map_err(|fault| Failure::of_work(fault.error))?;
+    program.moves.truncate(FLANK_MOVES);
+    program.count = program.moves.len();
+    Ok((program, SolidBlank::of(&part, &setup.allowances.blank_of(&part))))
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.

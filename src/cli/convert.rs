@@ -22,7 +22,7 @@ use crate::io::write::{write_all_atomically, write_atomically};
 use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
-use crate::part::{Blank, Channel, Impeller, PartDescription};
+use crate::part::{Channel, Impeller, PartDescription};
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
@@ -180,7 +180,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -> GltfScene {
     let StoredPlan { part, setup, plan, .. } = stored;
     let channel = Channel::of(part);
-    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let blank = setup.allowances.blank_of(part);
     let source = FloorSource {
         part,
         channel: &channel,

@@ -65,7 +65,9 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
     };
     let (name, bytes) = named_bytes(path)?;
     let setup = read_setup_with_defaults(&name, &bytes, &defaults)?;
-    Ok(OpenSetup { setup, name, bytes })
+    let opened = OpenSetup { setup, name, bytes };
+    opened.setup.allowances.check_blank(part).map_err(|fault| opened.failure(fault))?;
+    Ok(opened)
 }
 
 /// Name for messages and bytes of a file, or of standard input for `-`.

@@ -121,13 +121,13 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         let up: f64 = program.moves.iter().map(|m| m.axis.z).sum();
         return Ok(PostSource { program, inlet_up: up >= 0.0, blank: None, name, has_lines: true });
     }
-    let (mut program, part) = if is_flank(&bytes) {
+    let (mut program, part, setup) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
         let missing = || Failure::input(ErrorCode::PlanFile, "has no tool", "plan it again").at(&name);
-        (stored.program().ok_or_else(missing)?, stored.part)
+        (stored.program().ok_or_else(missing)?, stored.part, stored.setup)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        (stored.program(&Monitor::default())?, stored.part)
+        (stored.program(&Monitor::default())?, stored.part, stored.setup)
     };
     if program.moves.is_empty() {
         let what = "the plan has no positions";
@@ -139,11 +139,15 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
     for (number, step) in (1..).zip(&mut program.moves) {
         step.line = number;
     }
-    Ok(PostSource { program, inlet_up, blank: Some(blank_size(&part)), name, has_lines: false })
+    Ok(PostSource { program, inlet_up, blank: Some(blank_size(&part, &setup)), name, has_lines: false })
 }
 
-/// Extent of the turned body between hub and shroud.
-fn blank_size(part: &Impeller) -> BlankSize {
+/// Extent of the blank: of the body between hub and shroud, or of the outline that the setup gives.
+fn blank_size(part: &Impeller, setup: &Setup) -> BlankSize {
+    if let Some(outline) = setup.allowances.blank_of(part).outline() {
+        let (radius, z) = outline.bounds();
+        return BlankSize { radius, z };
+    }
     let places = (0..=20).map(|i| f64::from(i) / 20.0);
     let points: Vec<_> = places.flat_map(|s| [part.hub.point(s), part.shroud.point(s)]).collect();
     let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);

@@ -18,7 +18,7 @@ use crate::io::source::{name_of, read_bytes};
 use crate::io::write::write_atomically;
 use crate::job::PlanOutcome;
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Channel, Impeller};
 use crate::plunge::{MOVES_PER_PLUNGE, PlungePlan};
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan};
@@ -100,7 +100,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         (Some((setup, plan)), None) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let channel = Channel::of(&part);
-            let blank = Blank::of(&part, setup.allowances.inlet_extension);
+            let blank = setup.allowances.blank_of(&part);
             let source = FloorSource {
                 part: &part,
                 channel: &channel,

@@ -11,10 +11,10 @@ use super::watch::run_with_progress;
 use crate::gpu::mesh::Paint;
 use crate::gpu::solid_mesh::solid_mesh;
 use crate::gpu::{CutterFilter, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
-use crate::part::{Blank, Impeller};
+use crate::part::Impeller;
 use crate::setup::Setup;
 use crate::stock::excess::Excess;
-use crate::stock::solid::{SolidBlank, SolidProgram, SolidStock, SpanEnd, StockSurface, TurnedOutline};
+use crate::stock::solid::{SolidBlank, SolidProgram, SolidStock, SpanEnd, StockSurface};
 use crate::toolpath::ClProgram;
 
 /// Upper end of the colour scale unless one is given, in allowances of the hub.
@@ -40,8 +40,7 @@ pub fn picture(
     let fitted = (low as f32, (RANGE_IN_ALLOWANCES * low).max(1.0) as f32);
     let range_mm = args.range.as_deref().map(parse_range).transpose()?.unwrap_or(fitted);
     let moves = SolidProgram::new(program, setup).map_err(|fault| Failure::from(fault.error))?;
-    let blank = Blank::of(part, allowances.inlet_extension);
-    let blank = SolidBlank::Turned(TurnedOutline::of_blank(part, &blank));
+    let blank = SolidBlank::of(part, &allowances.blank_of(part));
     let spacing = blank.default_spacing();
     let mut stock = SolidStock::new(&blank, spacing).map_err(Failure::of_work)?;
     run_with_progress(|monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))

@@ -6,24 +6,23 @@ use std::time::Instant;
 use serde_json::{Map, Value, json};
 
 use super::args::StockArgs;
-use super::report::number;
+use super::report::{self, number};
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::blank_file::{is_stl, read_blank};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::gltf::GltfScene;
 use crate::io::plan_file::read_plan_bytes;
-use crate::io::source::{name_of, read_bytes_up_to};
-use crate::io::stl::{MAX_STL_BYTES, read_stl_bytes, write_stl};
+use crate::io::stl::write_stl;
 use crate::io::write_atomically;
 use crate::monitor::Monitor;
-use crate::part::{Blank, Impeller};
+use crate::part::{BlankShape, Impeller};
 use crate::setup::Setup;
-use crate::stock::solid::{
-    Contact, MeshBlank, SolidBlank, SolidError, SolidProgram, SolidStock, StockSurface, TurnedOutline,
-};
+use crate::stock::solid::{Contact, SolidBlank, SolidError, SolidProgram, SolidStock, StockSurface};
 use crate::toolpath::ClProgram;
+use crate::verify::unknown_assemblies;
 
 /// Number of collisions that are printed; further ones are only counted.
 const MAX_SHOWN: usize = 20;
@@ -97,6 +96,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         1e-3 * whole,
         1e-3 * volume,
     );
+    text += &report::notes_text(unknown_assemblies(&program, &setup).as_slice());
     text += &collisions.text();
     print_stdout(&text)
 }
@@ -138,26 +138,30 @@ fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failu
     Ok((name, program, Some(setup)))
 }
 
-/// The blank by the word or the file given for it; absent: that between the edges of the blades.
+/// The blank of the setup, or that by the word or the file given for it.
 fn blank_of(given: Option<&Path>, part: &Impeller, setup: &Setup) -> Result<SolidBlank, Failure> {
-    let extension = setup.allowances.inlet_extension;
-    match given.map(|path| (path, path.to_str())) {
-        None | Some((_, Some("edges"))) => {
-            Ok(SolidBlank::Turned(TurnedOutline::of_blank(part, &Blank::of(part, extension))))
-        }
-        Some((_, Some("turned"))) => Ok(SolidBlank::Turned(TurnedOutline::cylinder_of(part, extension))),
-        Some((path, _)) if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("stl")) => {
-            let name = name_of(path);
-            let mesh = read_stl_bytes(&name, &read_bytes_up_to(path, MAX_STL_BYTES)?)?;
-            let blank = MeshBlank::new(&mesh).map_err(|fault| Failure::from(fault.explained()).at(name))?;
-            Ok(SolidBlank::Mesh(blank))
-        }
-        Some((path, _)) => {
-            let help = "give edges, turned, or an .stl file";
-            let option = format!("--blank {}", path.display());
-            Err(Failure::input(ErrorCode::UnknownName, "is not known", help).at(option))
-        }
+    let mut allowances = setup.allowances.clone();
+    if let Some(path) = given {
+        let name = path.to_string_lossy();
+        allowances.blank = read_blank(&name, Path::new(""))?.ok_or_else(|| {
+            let help = "give edges, turned, or a file (.stl, or lines of r z)";
+            Failure::input(ErrorCode::UnknownName, "there is no such file", help)
+                .at(format!("--blank {name}"))
+        })?;
     }
+    if let BlankShape::File(file) = &allowances.blank
+        && given.is_none()
+        && file.mesh.is_none()
+        && is_stl(&file.path)
+    {
+        eprintln!(
+            "vanecut: the plan holds only the turned envelope of its blank {}; give --blank with the file \
+             for its exact shape",
+            file.name
+        );
+    }
+    // A blank that does not enclose the part is of use here: that of a later operation.
+    Ok(SolidBlank::of(part, &allowances.blank_of(part)))
 }
 
 /// Collisions with the lines of the program.

@@ -20,7 +20,7 @@ use crate::part::{Channel, Impeller};
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, ClWarning};
-use crate::verify::{Fault, FaultKind, PlungeReport, is_flank, report_plunges, verify_flank};
+use crate::verify::{Fault, FaultKind, PlungeReport, report_plunges, verify_flank};
 
 /// Number of faults that are printed; further ones are only counted.
 const MAX_SHOWN: usize = 20;
@@ -42,7 +42,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let (program, overruns) = read_program(args, &part, setup, &name, &bytes)?;
     let channel = Channel::of(&part);
     let unjudged = |fault: Fault| Failure::of_fault(&name, fault);
-    let (mut map, mut text, mut faults) = if is_flank(&program) {
+    let (mut map, mut text, mut faults) = if program.mills_along_curves() {
         let verdict = verify_flank(&part, &channel, setup, &program).map_err(unjudged)?;
         (flank::object(&part, &verdict), flank::text(&verdict), verdict.faults)
     } else {

@@ -2,28 +2,48 @@
 //! the blank.
 
 use super::drop_cutter::DepthSurface;
-use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, distance_rate, search};
+use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, distance_rate, norm2, search};
 use crate::part::Blank;
 
 /// The top of the blank as a drop-cutter surface: the shroud surface and the circles of the leading-edge line
-/// and of the rim.
+/// and of the rim; or the outline of the blank.
 #[derive(Debug)]
 pub struct RetractSurface<'a> {
-    top: DepthSurface<'a>,
+    top: Top<'a>,
+}
+
+#[derive(Debug)]
+enum Top<'a> {
+    Shroud(DepthSurface<'a>),
+    Outline(&'a Blank, f64),
 }
 
 impl<'a> RetractSurface<'a> {
     /// The surface at `distance` mm (safety distance plus corner radius) from `blank`.
     pub fn new(blank: &'a Blank, distance: f64) -> Self {
-        Self { top: DepthSurface::new(&blank.shroud, distance).with_edges(blank.end_circles()) }
+        Self {
+            top: match blank.outline() {
+                Some(_) => Top::Outline(blank, distance),
+                None => {
+                    Top::Shroud(DepthSurface::new(&blank.shroud, distance).with_edges(blank.end_circles()))
+                }
+            },
+        }
     }
 
     /// Height above `tip` along `axis` (unit), mm, from which on a flat bottom of `radius` mm is clear of the
     /// blank; at least 0.
     pub fn height(&self, tip: &Point, axis: &Vector, radius: f64) -> f64 {
-        self.top.touch(tip, axis, radius).map_or(0.0, |touch| touch.height.max(0.0))
+        let height = match &self.top {
+            Top::Shroud(surface) => surface.touch(tip, axis, radius).map(|touch| touch.height),
+            Top::Outline(blank, distance) => blank.outline_touch(tip, axis, radius, *distance),
+        };
+        height.map_or(0.0, |height| height.max(0.0))
     }
 }
+
+/// Largest number of steps of the alternating projection.
+const MAX_PROJECTIONS: usize = 8;
 
 /// The nearest points of a cutter's bottom and the blank.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +88,31 @@ impl NearBottom {
             (d, distance_rate(&p, &turning, foot) * d.signum())
         };
         search::min_over_turn::<16>(on_rim, 0.2);
+        if blank.outline().is_some() {
+            nearest.settle(&centre, &cutter.axis, flat, blank);
+        }
         Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest }
+    }
+
+    /// Alternating projection between the bottom and the blank, from the nearest sample: an edge of the blank
+    /// may be nearest between the samples. The clearance is that of the inset disc about `centre`.
+    fn settle(&mut self, centre: &Point, axis: &Vector, flat: f64, blank: &Blank) {
+        for _ in 0..MAX_PROJECTIONS {
+            if self.clearance <= 0.0 {
+                break;
+            }
+            let r = norm2(self.point.x, self.point.y).max(1e-12);
+            let foot =
+                Point::new(self.point.x * self.foot.r / r, self.point.y * self.foot.r / r, self.foot.z);
+            let d = foot - centre;
+            let across = d - axis * d.dot(axis);
+            let point = centre + across * (flat / across.norm().max(1e-12)).min(1.0);
+            let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut None);
+            if clearance > self.clearance - 1e-6 {
+                break;
+            }
+            *self = Self { clearance, point, foot };
+        }
     }
 
     /// Derivative of the clearance, mm per unit, while the tip of its `cutter` moves by `motion` and the axis

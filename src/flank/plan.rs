@@ -15,7 +15,7 @@ use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{MeridionalCurve, Vector};
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Channel, Impeller};
 use crate::setup::{FlankFeedRates, FlankStrategy, Setup, Tool};
 
 use super::chart::WallName;
@@ -182,7 +182,7 @@ pub fn plan(
     stages.walls = Some((inputs, tool.clone(), walls.clone()));
     monitor.report(0.3);
 
-    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let blank = setup.allowances.blank_of(part);
     let maker = PassMaker::new(&finished, channel, &blank, setup, tool, &walls);
     let clear = tool.radius() + setup.allowances.blade_allowance;
     let beyond = setup.flank.lead_in_out_for(tool) + LINK_SPACING;

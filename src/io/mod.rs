@@ -6,6 +6,7 @@
 //! |x| ≤ 1,000,000 mm; for meshes 512 MiB and 8,000,000 triangles.
 
 pub mod apt;
+pub mod blank_file;
 pub mod flank_file;
 pub mod geomturbo;
 pub mod gltf;
@@ -64,6 +65,11 @@ impl InputError {
         help: impl Into<String>,
     ) -> Self {
         Self { code, file: file.to_owned(), line, message: message.into(), help: help.into() }
+    }
+
+    /// An error of the whole of `file`.
+    pub fn at_file(file: &str, error: UserError) -> Self {
+        Self::new(error.code, file, 0, error.message, error.help)
     }
 
     /// The error of a part that `file` describes.

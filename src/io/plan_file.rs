@@ -10,7 +10,7 @@ use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::cutting::contact::CoreContact;
 use crate::error::ErrorCode;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, Impeller, PartDescription};
+use crate::part::{Impeller, PartDescription};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::{AxisPolicy, CutDirection, Setup, tool_of};
@@ -95,7 +95,7 @@ impl StoredPlan {
     pub fn program(&self, monitor: &Monitor) -> Result<ClProgram, Cancelled> {
         let channels = self.channels.clamp(1, self.part.blade_count);
         let allowances = &self.setup.allowances;
-        let blank = Blank::of(&self.part, allowances.inlet_extension);
+        let blank = allowances.blank_of(&self.part);
         let safety = allowances.safety_distance;
         let plan = plan_channels(&self.plan, &self.part, &blank, safety, channels, monitor)?;
         Ok(ClProgram::of_plan(&self.part.name, &plan))

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::write_setup;
+use super::setup_file::{beside, relative, write_setup};
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, setup_within};
 use crate::error::ErrorCode;
@@ -173,13 +173,13 @@ pub fn write_project(project: &Project, path: &Path) -> String {
         vanecut_project: VERSION,
         part,
         part_hash: format!("{:016x}", project.part_hash),
-        setup: write_setup(&project.setup),
+        setup: write_setup(&beside(&project.setup, path)),
         sets: project
             .sets
             .iter()
             .map(|set| SetFile {
                 name: set.name.clone(),
-                setup: write_setup(&set.setup),
+                setup: write_setup(&beside(&set.setup, path)),
                 // JSON has no NaN; figures without a value are omitted.
                 figures: set.figures.filter(|f| f.residual_mean.is_finite() && f.residual_p95.is_finite()),
             })
@@ -191,13 +191,6 @@ pub fn write_project(project: &Project, path: &Path) -> String {
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
     text.push('\n');
     text
-}
-
-fn relative(part: &Path, path: &Path) -> PathBuf {
-    let folder = |path: &Path| std::path::absolute(path).ok();
-    let (Some(whole), Some(own)) = (folder(part), folder(path)) else { return part.to_owned() };
-    let beside = own.parent().and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
-    beside.unwrap_or(whole)
 }
 
 /// Reads a project file.

@@ -6,7 +6,8 @@
 //! ```toml
 //! version = 2                # of the file format; absent: that of the program
 //! part = "impeller"          # the only part this setup applies to
-//! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension, material
+//! [stock]                    # hub_allowance, blade_allowance, safety_distance, inlet_extension, blank,
+//!                            # material
 //! hub_allowance = 0.5
 //! [clearance]                # shank, holder
 //! holder = 1.0
@@ -27,8 +28,10 @@
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::InputError;
+use super::blank_file::{blank_name, is_stl, read_blank, read_blank_file};
 use super::machine_file::{built_in_names, read_machine};
 use super::source::{name_of, quote_for_message, read_bytes};
 use super::table::{NumberRange, RenamedKeys, TomlDocument, TomlTable, degrees_text, nearest, quoted};
@@ -36,6 +39,7 @@ use super::tool_file::{
     ALLOWANCE, LENGTH, MAX_NUMBER, RATE, check_count, name, read_tool_tables, write_tools,
 };
 use crate::error::{ErrorCode, UserError};
+use crate::part::{BlankFile, BlankShape, Meridional, MeridionalOutline};
 use crate::setup::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, Goal, Machine,
     PlungeSetup, SectionSetup, Setup, SetupPlace, Tool,
@@ -173,14 +177,55 @@ fn stock(table: &TomlTable<'_>, stock: &mut AllowanceSetup) -> Result<(), InputE
         "blade_allowance",
         "safety_distance",
         "inlet_extension",
+        "blank",
+        "blank_outline",
         "material",
     ])?;
     stock.hub_allowance = table.number_or("hub_allowance", ALLOWANCE, stock.hub_allowance)?;
     stock.blade_allowance = table.number_or("blade_allowance", ALLOWANCE, stock.blade_allowance)?;
     stock.safety_distance = table.number_or("safety_distance", ALLOWANCE, stock.safety_distance)?;
     stock.inlet_extension = table.number_or("inlet_extension", ALLOWANCE, stock.inlet_extension)?;
+    if let Some(shape) = blank(table)? {
+        stock.blank = shape;
+    }
     stock.material = name(table, "material")?.or(stock.material.take());
     Ok(())
+}
+
+/// Reads the shape of the blank. With `blank_outline` beside the file that is the outline, and the file is
+/// not needed: setups within plans stay readable where it is not. Its mesh is taken where it still has that
+/// outline.
+fn blank(table: &TomlTable<'_>) -> Result<Option<BlankShape>, InputError> {
+    let rows = table.rows::<2>("blank_outline")?;
+    let Some(name) = table.string("blank")? else {
+        return match rows {
+            None => Ok(None),
+            Some(rows) => {
+                let what = "`blank_outline` is given without the file in `blank`";
+                Err(table.fault_at(rows.at, what, "add `blank`, or remove `blank_outline`"))
+            }
+        };
+    };
+    if let Some(rows) = rows {
+        let points: Vec<Meridional> =
+            rows.value.iter().map(|row| Meridional { r: row.value[0], z: row.value[1] }).collect();
+        let outline = MeridionalOutline::new(&points).map_err(|fault| {
+            let UserError { message, help, .. } = fault.explained();
+            table.fault_at(rows.at, format!("`blank_outline`: {message}"), help)
+        })?;
+        let path = table.folder().join(name.value);
+        let is_mesh = is_stl(&path) && path.is_file();
+        let known = is_mesh.then(|| read_blank_file(name.value, &path).ok()).flatten();
+        let mesh = known.filter(|file| file.outline == outline).and_then(|file| file.mesh);
+        let file = BlankFile { name: name.value.to_owned(), path, outline, mesh };
+        return Ok(Some(BlankShape::File(Arc::new(file))));
+    }
+    let shape = read_blank(name.value, table.folder())?;
+    let missing = || {
+        let what = format!("no blank file {}", quote_for_message(name.value));
+        table.fault_at(name.at, what, "give \"edges\", \"turned\", or a file (.stl, or lines of r z)")
+    };
+    Ok(Some(shape.ok_or_else(missing)?))
 }
 
 fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Result<(), InputError> {
@@ -418,16 +463,44 @@ pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, UserError> {
     })
 }
 
-/// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to
-/// the last bit of an f64.
+/// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to the
+/// last bit of an f64. A blank from a file is written with its outline, so that the text does not depend on
+/// that file; see [`write_setup_beside`].
 pub fn write_setup(setup: &Setup) -> String {
     let mut out = String::new();
     // `write!` to a `String` cannot fail.
-    let _ = write_to(&mut out, setup);
+    let _ = write_to(&mut out, setup, true);
     out
 }
 
-fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
+/// Writes a setup file that is to be saved at `path`: as [`write_setup`], but a blank from a file is written
+/// as the path of that file, relative to the setup where it is in the same folder or below.
+pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
+    let mut out = String::new();
+    let _ = write_to(&mut out, &beside(setup, path), false);
+    out
+}
+
+/// `setup` with the file of its blank named as seen from a file at `path`.
+pub(super) fn beside(setup: &Setup, path: &Path) -> Setup {
+    let mut setup = setup.clone();
+    if let BlankShape::File(file) = &setup.allowances.blank {
+        let name = relative(&file.path, path).to_string_lossy().into_owned();
+        setup.allowances.blank = BlankShape::File(Arc::new(BlankFile { name, ..BlankFile::clone(file) }));
+    }
+    setup
+}
+
+/// `file` relative to the folder of `path`, if it is in that folder or below; else absolute.
+pub(super) fn relative(file: &Path, path: &Path) -> PathBuf {
+    let (Some(whole), Some(own)) = (std::path::absolute(file).ok(), std::path::absolute(path).ok()) else {
+        return file.to_owned();
+    };
+    let beside = own.parent().and_then(|folder| whole.strip_prefix(folder).ok().map(Path::to_owned));
+    beside.unwrap_or(whole)
+}
+
+fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Result {
     writeln!(out, "version = {VERSION}")?;
     if let Some(part) = &setup.part {
         writeln!(out, "part = {}", quoted(part))?;
@@ -438,6 +511,16 @@ fn write_to(out: &mut String, setup: &Setup) -> std::fmt::Result {
     writeln!(out, "blade_allowance = {:?}", stock.blade_allowance)?;
     writeln!(out, "safety_distance = {:?}", stock.safety_distance)?;
     writeln!(out, "inlet_extension = {:?}", stock.inlet_extension)?;
+    if stock.blank != BlankShape::Edges {
+        writeln!(out, "blank = {}", quoted(blank_name(&stock.blank)))?;
+    }
+    if let BlankShape::File(file) = &stock.blank
+        && with_outline
+    {
+        let points = file.outline.points();
+        let rows = points.iter().chain(points.first()).map(|p| format!("[{:?}, {:?}]", p.r, p.z));
+        writeln!(out, "blank_outline = [{}]", rows.collect::<Vec<_>>().join(", "))?;
+    }
     if let Some(material) = &stock.material {
         writeln!(out, "material = {}", quoted(material))?;
     }

@@ -146,8 +146,8 @@ fn fault_reason(kind: FaultKind) -> Option<&'static str> {
         FaultKind::AxisTurn => "the axis would turn too far in one move",
         FaultKind::AxisLimit => "an axis of the machine would pass its limit",
         FaultKind::TooDeep => "the cut would be too deep in one pass",
-        FaultKind::CoreContact
-        | FaultKind::NoFeed
+        FaultKind::CoreContact => "the core of the cutter would plunge into uncut stock",
+        FaultKind::NoFeed
         | FaultKind::SpindleStopped
         | FaultKind::CutsNothing
         | FaultKind::ToolDiffers

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::error::{ErrorCode, UserError};
 use crate::io::tool_library::plunge_cutters;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Channel, Impeller};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, sections};
@@ -92,7 +92,7 @@ impl PlanOutcome {
         monitor: &Monitor,
     ) -> Result<ClProgram, Cancelled> {
         let (part, allowances) = (&self.part, &self.setup.allowances);
-        let blank = Blank::of(part, allowances.inlet_extension);
+        let blank = allowances.blank_of(part);
         let plan = plan_channels(&result.plan, part, &blank, allowances.safety_distance, channels, monitor)?;
         Ok(ClProgram::of_plan(&part.name, &plan))
     }

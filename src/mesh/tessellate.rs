@@ -7,7 +7,7 @@
 mod blade;
 mod revolved;
 
-pub use revolved::{body_outline, nose, up_sign};
+pub use crate::part::body::{body_outline, nose, up_sign};
 
 use super::solid::Solid;
 use crate::part::Impeller;

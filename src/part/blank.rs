@@ -1,8 +1,13 @@
-//! The blank: the turned body between hub and shroud, from the line of leading edges to the rim.
+//! The blank: by default the turned body between hub and shroud, from the line of leading edges to the rim;
+//! or any turned body, by its outline.
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::blank_shape::{BlankFile, BlankShape};
 use super::impeller::Impeller;
+use super::meridional_outline::MeridionalOutline;
 use super::nose::HubNose;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search};
 
@@ -13,11 +18,12 @@ const BORDER_TOLERANCE: f64 = 1e-6;
 const MIN_STRIDE: f64 = 0.01;
 const MIN_STRIDE_SHARE: f64 = 1.0 / 2000.0;
 
-/// A turned blank. Its outline runs along the hub, up the rim (a straight line between the trailing
-/// edges), back along the shroud, and down the line of leading edges.
+/// A turned blank. Without an outline of its own, its outline runs along the hub, up the rim (a straight line
+/// between the trailing edges), back along the shroud, and down the line of leading edges.
 #[derive(Clone, Debug)]
 pub struct Blank {
-    /// Hub between leading edge (less the extension) and rim; normal into the blank.
+    /// Hub between leading edge (less the extension) and rim; normal into the blank. With an outline, all of
+    /// it.
     pub hub: MeridionalCurve,
     /// Shroud over the same range of s; normal out of the blank.
     pub shroud: MeridionalCurve,
@@ -32,19 +38,34 @@ pub struct Blank {
     single: (f64, f64),
     /// The hub upstream of the blank; it is never cut, but rapids keep clear of it.
     nose: Option<HubNose>,
+    /// The outline of another shape than [`BlankShape::Edges`]; the body under the hub is within it.
+    outline: Option<Arc<MeridionalOutline>>,
+    /// The file that it comes from.
+    file: Option<Arc<BlankFile>>,
 }
 
 /// Share of a curve's length on either side of a guess over which a projection is searched first.
 const WARM_SEARCH_SHARE: f64 = 0.2;
 
 impl Blank {
-    /// The blank of `part`, extended by `inlet_extension` mm upstream of the leading edge.
+    /// The blank of `part` between the edges of its blades, extended by `inlet_extension` mm upstream of the
+    /// leading edge.
     pub fn of(part: &Impeller, inlet_extension: f64) -> Self {
+        Self::shaped(part, inlet_extension, &BlankShape::Edges)
+    }
+
+    /// The blank of `part` with a shape; see [`Self::of`].
+    pub fn shaped(part: &Impeller, inlet_extension: f64, shape: &BlankShape) -> Self {
+        let outline = shape.outline(part, inlet_extension).map(Arc::new);
         let piece = |path: &super::Flowpath| {
             let from = path.arc_at(0.0) - inlet_extension;
             path.curve().piece(from, path.arc_at(1.0))
         };
-        let (hub, shroud) = (piece(&part.hub), piece(&part.shroud));
+        let shroud = piece(&part.shroud);
+        let hub = match &outline {
+            Some(_) => part.hub.curve().piece(0.0, part.hub.arc_at(1.0)),
+            None => piece(&part.hub),
+        };
         let mut r_max = 0.0f64;
         let mut z_range = (f64::INFINITY, f64::NEG_INFINITY);
         for curve in [&hub, &shroud] {
@@ -59,11 +80,33 @@ impl Blank {
         let inside = hub.point(0.5 * hub.length()).lerp(shroud.point(0.5 * shroud.length()), 0.5);
         let end_signs =
             ends.map(|(a, b)| ((inside.r - a.r) * (b.z - a.z) - (inside.z - a.z) * (b.r - a.r)).signum());
+        if let Some(outline) = &outline {
+            (r_max, z_range) = outline.bounds();
+        }
         let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
         let coarse_shroud = CoarseHeights::new(&shroud, r_max, z_range);
         let single = (unique_foot_distance(&hub), unique_foot_distance(&shroud));
         let nose = HubNose::of(part.hub.curve(), part.hub.arc_at(0.0) - inlet_extension);
-        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single, nose }
+        let file = match shape {
+            BlankShape::File(file) => Some(Arc::clone(file)),
+            _ => None,
+        };
+        Self { hub, shroud, ends, end_signs, r_max, z_range, coarse_shroud, single, nose, outline, file }
+    }
+
+    /// The outline, where it is not that between hub and shroud.
+    pub fn outline(&self) -> Option<&MeridionalOutline> {
+        self.outline.as_deref()
+    }
+
+    /// The file that the blank comes from.
+    pub fn file(&self) -> Option<&BlankFile> {
+        self.file.as_deref()
+    }
+
+    /// Largest radius and range of heights, mm, rounded up by 0.1 mm.
+    pub fn extent(&self) -> (f64, (f64, f64)) {
+        (self.r_max, self.z_range)
     }
 
     /// Points along the leading-edge line and the rim line; revolved about Z they are circles that a cutter
@@ -84,6 +127,11 @@ impl Blank {
 
     /// As [`Self::depth`]; `warm` holds the arc lengths on hub and shroud of the last call as a warm start.
     pub fn depth_near(&self, point: Meridional, warm: &mut Option<(f64, f64)>) -> f64 {
+        if let Some(outline) = &self.outline {
+            let (t, above_hub) = project(&self.hub, point, warm.map(|warm| warm.0), self.single.0);
+            *warm = Some((t, 0.0));
+            return above_hub.min(-outline.signed_distance(point).0);
+        }
         // Early exit without a projection: the point is beyond one of the straight ends.
         let ends = self.ends_depth(point);
         if ends < 0.0 {
@@ -119,6 +167,11 @@ impl Blank {
 
     /// As [`Self::clearance`], with the nearest point of the top.
     pub fn nearest_top(&self, point: Meridional, warm: &mut Option<f64>) -> (f64, Meridional) {
+        if let Some(outline) = &self.outline {
+            let nearest = outline.signed_distance(point);
+            let nose = self.nose.as_ref().filter(|_| nearest.0 > 0.0);
+            return nose.and_then(|nose| nose.nearer_than(point, nearest.0)).unwrap_or(nearest);
+        }
         let (t, shroud) = self.on_shroud(point, *warm);
         *warm = Some(t);
         let mut nearest = (shroud.abs(), self.shroud.point(t));
@@ -149,7 +202,10 @@ impl Blank {
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
     /// body. `warm` holds the arc length on the shroud of the last call as a warm start.
     pub fn is_solid(&self, point: Meridional, warm: &mut Option<f64>) -> bool {
-        self.free_radius(point, warm).is_none()
+        match &self.outline {
+            Some(outline) => outline.contains(point),
+            None => self.free_radius(point, warm).is_none(),
+        }
     }
 
     /// Radius of a ball about `point` that is certainly free of solid, mm; `None` if the point is solid.
@@ -165,8 +221,8 @@ impl Blank {
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is solid: steps down by free
     /// radii (sphere tracing), then refines the border by bracketed root finding. Chords shorter than
-    /// 0.01 mm, or than 1/2000 of the line, may be missed where it grazes the blank. `warm` as in
-    /// [`Self::is_solid`].
+    /// 0.01 mm, or than 1/2000 of the line, may be missed where it grazes the blank. With an outline the
+    /// crossings are exact. `warm` as in [`Self::is_solid`].
     pub fn highest_inside(
         &self,
         origin: &Point,
@@ -176,6 +232,9 @@ impl Blank {
         warm: &mut Option<f64>,
     ) -> Option<f64> {
         let (low, high) = self.clip(origin, direction, 0.0, (low, high))?;
+        if let Some(outline) = &self.outline {
+            return outline.highest_inside(origin, direction, low, high);
+        }
         let stride = (MIN_STRIDE_SHARE * (high - low)).max(MIN_STRIDE);
         let mut free_radius = |h: f64| self.free_radius(Meridional::of(&(origin + direction * h)), warm);
         let mut above = None;
@@ -206,6 +265,20 @@ impl Blank {
     /// certainly left the blank, mm; 0 where it does not enter it.
     pub fn exit_height(&self, origin: &Point, direction: &Vector, radius: f64) -> f64 {
         self.clip(origin, direction, radius, (0.0, f64::INFINITY)).map_or(0.0, |(_, high)| high)
+    }
+
+    /// Height along `axis` (unit) above `centre` at which a disc of `radius` mm, lowered from above, touches
+    /// the outline raised by `offset` mm; `None` where it misses it, or the blank has no outline of its own.
+    pub fn outline_touch(&self, centre: &Point, axis: &Vector, radius: f64, offset: f64) -> Option<f64> {
+        let outline = self.outline.as_ref()?;
+        let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
+        let range = self.clip(centre, axis, radius + offset, everywhere)?;
+        outline.touch_height(
+            centre,
+            axis,
+            (radius, offset),
+            (range.0 - offset - radius, range.1 + offset + radius),
+        )
     }
 
     /// The part of a line within `aside` mm of the height range and outer cylinder of the blank; elsewhere it

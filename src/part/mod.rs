@@ -2,12 +2,16 @@
 
 mod blade;
 pub mod blank;
+mod blank_envelope;
+pub mod blank_shape;
+pub mod body;
 mod camber;
 pub mod channel;
 pub mod description;
 pub mod envelope;
 mod flowpath;
 pub mod impeller;
+pub mod meridional_outline;
 mod nose;
 pub mod probe;
 mod rotation;
@@ -16,6 +20,7 @@ mod width;
 
 pub use blade::Blade;
 pub use blank::Blank;
+pub use blank_shape::{BlankFile, BlankMesh, BlankShape};
 pub use channel::{Channel, ChannelPoint, Division, Passage, SplitterWalls, Wall, WallAngle, passage_angle};
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
@@ -23,6 +28,7 @@ pub use description::{
 pub use envelope::{BladeWall, WallEnvelope};
 pub use flowpath::Flowpath;
 pub use impeller::Impeller;
+pub use meridional_outline::{MeridionalOutline, OutlineFault};
 pub use probe::{NearestOnSide, SideProbe};
 pub use rotation::Rotation;
 pub use side::BladeSide;

@@ -236,7 +236,7 @@ impl<'a> Planner<'a> {
             part,
             channel,
             setup,
-            blank: Blank::of(part, setup.allowances.inlet_extension),
+            blank: setup.allowances.blank_of(part),
             finished: Arc::new(FinishedPart::new(part, &channel.sides)),
             layouts: Vec::new(),
         };

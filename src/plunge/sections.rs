@@ -101,7 +101,7 @@ pub fn check_part(setup: &Setup, part: &Impeller) -> Result<(), SetupFault> {
             "give the setup of this part, or change its `part` key",
         )
         .at(SetupPlace::Part)),
-        _ => Ok(()),
+        _ => setup.allowances.check_blank(part),
     }
 }
 

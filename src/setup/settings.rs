@@ -1,8 +1,10 @@
 //! The setup: allowances, clearances, tools and planner parameters. Keys as in the TOML file.
 
+use super::fault::{SetupFault, SetupPlace};
 use super::{AssemblyPart, Tool};
+use crate::error::ErrorCode;
 use crate::geometry::Vector;
-use crate::part::{Channel, Impeller, PassageWidth};
+use crate::part::{Blank, BlankShape, Channel, Impeller, PassageWidth};
 
 /// Axis policy of the plunge planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -73,8 +75,37 @@ pub struct AllowanceSetup {
     pub safety_distance: f64,
     /// Length of blank upstream of the leading edge, along hub and shroud.
     pub inlet_extension: f64,
+    /// Shape of the blank: everything that holds a tool against stock uses it.
+    pub blank: BlankShape,
     /// Material of the blank, as the shop calls it.
     pub material: Option<String>,
+}
+
+impl AllowanceSetup {
+    /// The blank of `part`.
+    pub fn blank_of(&self, part: &Impeller) -> Blank {
+        Blank::shaped(part, self.inlet_extension, &self.blank)
+    }
+
+    /// Checks that the blank encloses `part`.
+    ///
+    /// # Errors
+    /// When hub or blades stick out of it: by how much and where.
+    pub fn check_blank(&self, part: &Impeller) -> Result<(), SetupFault> {
+        let Some(outside) = self.blank.outside(part) else { return Ok(()) };
+        let (p, distance) = (outside.point, outside.distance);
+        let message = format!(
+            "the blank does not enclose the part: the {} is {distance:.2} mm outside of it at r {:.2}, \
+             z {:.2}",
+            outside.what, p.r, p.z
+        );
+        Err(SetupFault::new(
+            ErrorCode::BlankFile,
+            message,
+            "give a larger blank, or check its units and where its zero is",
+        )
+        .at(SetupPlace::Stock("blank")))
+    }
 }
 
 /// `[clearance]`: distances that shank and holder keep from the finished part with its allowances, and from
@@ -376,6 +407,7 @@ impl Default for Setup {
                 blade_allowance: 0.5,
                 safety_distance: 2.0,
                 inlet_extension: 0.0,
+                blank: BlankShape::Edges,
                 material: None,
             },
             clearances: ClearanceSetup::default(),

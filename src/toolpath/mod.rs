@@ -148,5 +148,41 @@ pub struct ClProgram {
     pub warnings: Vec<ClWarning>,
 }
 
+/// Consecutive moves under feed across the axis that are a pass along a curve: plunge programs position and
+/// lift their tools under feed, but not in that many moves.
+const PASS_MOVES: usize = 8;
+
+impl Move {
+    /// Whether the tool moves along its own axis from `before` to here, without turning.
+    pub fn is_axial_from(&self, before: &Self) -> bool {
+        let travel = self.tip - before.tip;
+        let across = (travel - self.axis * travel.dot(&self.axis)).norm();
+        across < 1e-4 * (1.0 + travel.norm()) && before.axis.angle(&self.axis) < 1e-5
+    }
+}
+
+impl ClProgram {
+    /// Whether the program mills along curves, alone or beside plunges: most of its moves under feed do not
+    /// plunge along the axis, or a pass of them does not.
+    pub fn mills_along_curves(&self) -> bool {
+        let (mut along, mut across, mut pass) = (0usize, 0usize, 0usize);
+        for pair in self.moves.windows(2) {
+            if !matches!(pair[1].motion, Motion::Feed(_)) || pair[0].tool != pair[1].tool {
+                pass = 0;
+                continue;
+            }
+            if pair[1].is_axial_from(&pair[0]) {
+                (along, pass) = (along + 1, 0);
+            } else {
+                (across, pass) = (across + 1, pass + 1);
+            }
+            if pass == PASS_MOVES {
+                return true;
+            }
+        }
+        across > along
+    }
+}
+
 /// Maximum number of warnings that the reader collects.
 pub const MAX_WARNINGS: usize = 100;

@@ -146,8 +146,9 @@ pub(super) fn holder_in_stock(
     None
 }
 
-/// Tools of a program whose shank and holder are unknown, while the setup knows those of others: a remark.
-pub(super) fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
+/// Tools of a program whose shank and holder are unknown, while the setup knows those of others: a remark. Of
+/// programs that mill along curves their holder is assumed, of others it is not looked at.
+pub fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
     if setup.tools.iter().all(|tool| tool.assembly.is_empty()) {
         return None;
     }
@@ -161,6 +162,12 @@ pub(super) fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<S
         .collect();
     (!unknown.is_empty()).then(|| {
         let numbers = unknown.join(", ");
+        if program.mills_along_curves() {
+            return format!(
+                "shank and holder are unknown, a holder of twice the diameter is assumed: tool {numbers}; \
+                 give them in the setup"
+            );
+        }
         format!("shank and holder are unknown and were not checked: tool {numbers}; give them in the setup")
     })
 }

@@ -169,6 +169,14 @@ pub(super) fn rapid_near_blank(distance: f64, stock: &AllowanceSetup) -> Option<
     })
 }
 
+/// The fault of a plunge whose core meets stock up to `depth` mm above its bottom, over a share of its area
+/// where that is known.
+pub(super) fn core_in_stock(depth: f64, area_share: Option<f64>) -> Finding {
+    let over = area_share.map_or(String::new(), |share| format!(", over {:.0} % of its area", 100.0 * share));
+    let what = format!("interferes: the core meets stock up to {depth:.3} mm above its bottom{over}");
+    Finding::new(FaultKind::CoreContact, depth, what)
+}
+
 /// The fault of a tool axis beyond the machine's limit in `setup`.
 pub(super) fn beyond_machine(part: &Impeller, setup: &Setup, axis: &Vector) -> Option<Finding> {
     let (limit, beyond) = (setup.machine.max_axis_tilt_rad, setup.machine.excess_tilt_rad(part, axis));

@@ -97,26 +97,6 @@ const MAX_DIAMETERS: f64 = 4.0;
 /// manner than intended.
 const MAX_TURN_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
-/// Whether a program mills with the flank: most of its moves under feed do not plunge along the axis.
-pub fn is_flank(program: &ClProgram) -> bool {
-    let (mut along, mut across) = (0usize, 0usize);
-    for pair in program.moves.windows(2) {
-        if !matches!(pair[1].motion, Motion::Feed(_)) || pair[0].tool != pair[1].tool {
-            continue;
-        }
-        let step = CutterStep {
-            line: 0,
-            tool: 0,
-            feed: None,
-            channel: 0,
-            from: (pair[0].tip, pair[0].axis),
-            to: (pair[1].tip, pair[1].axis),
-        };
-        if step.is_axial() { along += 1 } else { across += 1 }
-    }
-    across > along
-}
-
 /// Checks `program` against `part` with the allowances of `setup`.
 ///
 /// # Errors
@@ -175,7 +155,7 @@ impl<'a> FlankVerifier<'a> {
             part,
             channel,
             setup,
-            blank: Blank::of(part, setup.allowances.inlet_extension),
+            blank: setup.allowances.blank_of(part),
             finished: FinishedPart::new(part, &channel.sides),
             tools: Vec::new(),
             cache: HashMap::new(),

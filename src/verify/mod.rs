@@ -15,14 +15,15 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
+pub use assembly::unknown_assemblies;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, count_by_kind};
 use fault::{
-    Finding, beyond_machine, missing_feed, near_blade, near_hub, rapid_near_blank, stopped_spindle,
-    tool_mismatch,
+    Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank,
+    stopped_spindle, tool_mismatch,
 };
-pub use flank::{FlankVerdict, FlankVerifier, Uncovered, is_flank, verify_flank};
+pub use flank::{FlankVerdict, FlankVerifier, Uncovered, verify_flank};
 use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
@@ -115,7 +116,7 @@ pub fn verify(
         Some(sections) => sections,
         None => sections_of(part, &cuts),
     };
-    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let blank = setup.allowances.blank_of(part);
     let top = BlankTop::new(&blank);
     let finished = FinishedPart::new(part, &channel.sides);
     let columns: Columns =
@@ -167,15 +168,7 @@ pub fn verify(
             near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
             near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
             beyond_machine(part, setup, &here.axis),
-            contact.interferes().then(|| {
-                let what = format!(
-                    "interferes: the core meets stock up to {:.3} mm above its bottom, over {:.0} % of its \
-                     area",
-                    contact.depth,
-                    100.0 * contact.area_share
-                );
-                Finding::new(FaultKind::CoreContact, contact.depth, what)
-            }),
+            contact.interferes().then(|| core_in_stock(contact.depth, Some(contact.area_share))),
             (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));

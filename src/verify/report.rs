@@ -6,7 +6,7 @@ use super::assembly::unknown_assemblies;
 use super::summary::{Floors, Summary};
 use super::{Fault, PlungeVerdict, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Channel, Impeller};
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::Setup;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
@@ -43,7 +43,7 @@ pub fn report_plunges(
     cells: usize,
 ) -> Result<PlungeReport, Fault> {
     let verdict = verify(part, channel, setup, program)?;
-    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let blank = setup.allowances.blank_of(part);
     let stretches = stretches_of_plan(&verdict.plan);
     let source = FloorSource { part, channel, blank: &blank, stock: &setup.allowances, cutters: &stretches };
     let grid = FloorGrid::new(&source, cells);

@@ -12,7 +12,7 @@ use vanecut::io::part_file::read_part;
 use vanecut::part::{Channel, Impeller};
 use vanecut::setup::{Setup, Tool};
 use vanecut::toolpath::{ClProgram, ClTool, Motion, Move};
-use vanecut::verify::{FaultKind, FlankVerdict, is_flank, verify_flank};
+use vanecut::verify::{FaultKind, FlankVerdict, verify_flank};
 
 /// Range of the passes, as s of the foot of the axis: beyond the hub's ends, cutters would drop too low.
 const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
@@ -126,7 +126,7 @@ impl Made {
     /// The verdict of `verify` on the written program.
     fn verdict(&self, program: &ClProgram) -> FlankVerdict {
         let read = read_apt_bytes("flank.apt", write_apt(program).as_bytes()).expect("readable");
-        assert!(is_flank(&read), "a flank program");
+        assert!(read.mills_along_curves(), "a flank program");
         let verdict = verify_flank(&self.part, &self.channel, &self.setup, &read).expect("can be judged");
         // These programs mill the full depth at once, which is a separate fault.
         let others = verdict.faults.iter().filter(|fault| fault.kind != FaultKind::TooDeep);

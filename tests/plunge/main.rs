@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod assess;
+mod blank;
 mod channel;
 mod disc;
 mod drop_cutter;
@@ -11,6 +12,7 @@ mod free_of_contact;
 mod goals;
 mod inspect;
 mod narrow_contact;
+mod outline;
 mod plan;
 mod probe;
 mod program;

@@ -2,6 +2,7 @@
 
 use egui::Ui;
 
+use crate::part::BlankShape;
 use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
@@ -82,6 +83,63 @@ const INLET: FieldSpec = FieldSpec::mm(
 )
 .sliding(0.0, 50.0);
 
+/// What the blank is, as the list of the panel shows it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum BlankChoice {
+    Edges,
+    Turned,
+    File,
+}
+
+impl BlankChoice {
+    fn of(shape: &BlankShape) -> Self {
+        match shape {
+            BlankShape::Edges => Self::Edges,
+            BlankShape::Turned => Self::Turned,
+            BlankShape::File(_) => Self::File,
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Edges => "To the edges",
+            Self::Turned => "Cylinder",
+            Self::File => "From file",
+        }
+    }
+
+    fn tip(self) -> &'static str {
+        match self {
+            Self::Edges => "Turned between hub and shroud, from the leading edges to the rim",
+            Self::Turned => "A cylinder through the trailing edges, with a plane before the leading edges",
+            Self::File => "The file of the setup: an outline, or the turned envelope of a mesh",
+        }
+    }
+}
+
+/// Files come with setup files; without one there are two choices.
+const BLANK: ChoiceSpec<BlankChoice> = ChoiceSpec {
+    label: "Blank",
+    tip: "Shape of the stock before the first cut",
+    all: &[BlankChoice::Edges, BlankChoice::Turned],
+    name: BlankChoice::label,
+    meaning: BlankChoice::tip,
+};
+const BLANK_OR_FILE: ChoiceSpec<BlankChoice> =
+    ChoiceSpec { all: &[BlankChoice::Edges, BlankChoice::Turned, BlankChoice::File], ..BLANK };
+
+fn blank_row(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) {
+    let before = BlankChoice::of(shape);
+    let spec = if before == BlankChoice::File { &BLANK_OR_FILE } else { &BLANK };
+    let mut choice = before;
+    fields::choice_row(ui, &mut choice, BlankChoice::of(default), spec);
+    match choice {
+        BlankChoice::Edges => *shape = BlankShape::Edges,
+        BlankChoice::Turned => *shape = BlankShape::Turned,
+        BlankChoice::File => {}
+    }
+}
+
 /// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
 /// plan.
 pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
@@ -107,5 +165,6 @@ pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) {
         fields::number_row(ui, &mut setup.allowances.blade_allowance, default.blade_allowance, &BLADE);
         fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
         fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
+        blank_row(ui, &mut setup.allowances.blank, &default.blank);
     });
 }

@@ -106,7 +106,12 @@ pub fn part_svg(part: &Impeller, blank: &Blank) -> String {
         let at = |i: usize| curve.point(curve.length() * i as f64 / SAMPLES as f64);
         (0..=SAMPLES).map(|i| (at(i).r, at(i).z)).collect()
     };
-    let all: Vec<(f64, f64)> = curves.iter().flat_map(|curve| sampled(curve)).collect();
+    let outline: Vec<(f64, f64)> = match blank.outline() {
+        Some(outline) => outline.points().iter().map(|p| (p.r, p.z)).collect(),
+        None => sampled(&blank.hub).into_iter().chain(sampled(&blank.shroud).into_iter().rev()).collect(),
+    };
+    let all: Vec<(f64, f64)> =
+        curves.iter().flat_map(|curve| sampled(curve)).chain(outline.iter().copied()).collect();
     let r_max = all.iter().map(|p| p.0).fold(0.0, f64::max);
     let (low, high) = all.iter().map(|p| p.1).fold((0.0f64, 0.0f64), |(a, b), z| (a.min(z), b.max(z)));
     let (width, height) = PART_SIZE;
@@ -117,8 +122,6 @@ pub fn part_svg(part: &Impeller, blank: &Blank) -> String {
         let shown = points.iter().map(|&p| at(p)).map(|(x, y)| format!("{x:.1} {y:.1}"));
         format!("M{}", shown.collect::<Vec<_>>().join("L"))
     };
-    let outline: Vec<(f64, f64)> =
-        sampled(&blank.hub).into_iter().chain(sampled(&blank.shroud).into_iter().rev()).collect();
     let (zero_x, zero_y) = at((0.0, 0.0));
     let (_, bottom) = at((0.0, low));
     format!(

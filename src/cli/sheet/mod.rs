@@ -10,7 +10,6 @@ use super::html::escaped;
 use super::{Failure, render, report};
 use crate::io::write_atomically;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
-use crate::part::Blank;
 use crate::plunge::DropReason;
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
@@ -70,7 +69,7 @@ pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
 /// Part, blank and zero point.
 fn part_text(input: &SheetInput) -> String {
     let (part, setup) = (&input.outcome.part, &input.outcome.setup);
-    let blank = Blank::of(part, setup.allowances.inlet_extension);
+    let blank = setup.allowances.blank_of(part);
     let stock = &setup.allowances;
     let machine = match &setup.machine.file {
         Some(file) => {

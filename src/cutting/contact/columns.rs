@@ -34,19 +34,25 @@ impl PlungeColumn {
 #[derive(Debug)]
 pub struct BlankTop<'a> {
     blank: &'a Blank,
-    surface: DepthSurface<'a>,
+    /// The shroud and the ends of the blank; `None` for a blank with an outline.
+    surface: Option<DepthSurface<'a>>,
 }
 
 impl<'a> BlankTop<'a> {
     /// The top of `blank`.
     pub fn new(blank: &'a Blank) -> Self {
         // A small offset gives the circles of the outline a finite thickness.
-        let surface = DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles());
+        let surface = || DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles());
+        let surface = blank.outline().is_none().then(surface);
         Self { blank, surface }
     }
 
     fn above(&self, cutter: &CutterSolid, core_radius: f64) -> f64 {
-        let touch = self.surface.touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6));
+        let Some(surface) = &self.surface else {
+            let touch = self.blank.outline_touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6), 0.0);
+            return touch.unwrap_or(0.0);
+        };
+        let touch = surface.touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6));
         touch.map_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, core_radius), |t| t.height)
     }
 }

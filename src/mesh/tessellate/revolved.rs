@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::mesh::solid::{FaceKind, Grid, Solid};
+use crate::part::body::{body_outline, inside, nose};
 use crate::part::{Flowpath, Impeller};
 
 /// Smallest number of angular steps of a full turn.
@@ -14,32 +15,6 @@ const MIN_STEPS: usize = 24;
 const TURN: f64 = 3.0;
 /// Rings closer together than this are merged, mm.
 const SAME: f64 = 1e-9;
-
-/// s at which the displayed part of a flowpath begins: slightly ahead of the blades, where the curve extends
-/// there.
-pub fn nose(path: &Flowpath) -> f64 {
-    path.s_range().0.max(-0.12)
-}
-
-/// +1 when the hub's inlet has a larger z than its rim, else −1.
-pub fn up_sign(part: &Impeller) -> f64 {
-    if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 }
-}
-
-/// The outline of the wheel without the hub: rim, back, bore and nose ring, from the rim of the hub back to
-/// its nose, mm. It is for display only: part files do not contain the back side of the wheel.
-pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
-    let (nose, rim) = (inside(part.hub.point(nose(&part.hub))), part.hub.point(1.0));
-    let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);
-    let bore = 0.45 * nose.r;
-    [
-        rim,
-        Meridional { r: rim.r, z: back },
-        Meridional { r: bore, z: back },
-        Meridional { r: bore, z: nose.z },
-        nose,
-    ]
-}
 
 /// The hub with its body; closed.
 pub(super) fn tessellate_hub(part: &Impeller, chord_error: f64) -> Solid {
@@ -97,10 +72,6 @@ pub(super) fn count_triangles(part: &Impeller, chord_error: f64) -> usize {
         2 * (stations(path, error).len() + more) * RevolvedMesher::new(part.rim_radius(), error).steps
     };
     of(&part.hub, 4) + of(&part.shroud, 0)
-}
-
-fn inside(p: Meridional) -> Meridional {
-    Meridional { r: p.r.max(0.0), z: p.z }
 }
 
 /// Reverses the orientation of a closed solid if it faces inwards.

@@ -59,11 +59,20 @@ impl SolidTool {
     /// The assembly of a tool as setups describe it. Without a shank it cuts over its overhang; without a holder a
     /// cylinder of [`Tool::holder_diameter`] begins there.
     pub fn of(tool: &Tool) -> Self {
+        Self::assembled(tool, true)
+    }
+
+    /// As [`Self::of`], but nothing above the overhang where the holder is not described.
+    pub fn described(tool: &Tool) -> Self {
+        Self::assembled(tool, false)
+    }
+
+    fn assembled(tool: &Tool, assumes_holder: bool) -> Self {
         let described = tool.assembly.segments(tool.overhang);
         let shank = described.iter().find(|segment| segment.part == AssemblyPart::Shank);
         let cutting_length = shank.map_or(tool.overhang, |shank| shank.from).max(tool.corner_radius);
         let mut segments: Vec<Segment> = described.iter().map(Segment::of).collect();
-        if tool.assembly.holder.is_empty() {
+        if tool.assembly.holder.is_empty() && assumes_holder {
             let radius = 0.5 * tool.holder_diameter();
             let (part, from) = (ToolPart::Holder, tool.overhang);
             segments.push(Segment { part, from, length: ENDLESS, lower: radius, upper: radius });

@@ -7,6 +7,7 @@ use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::mesh::TriangleMesh;
 use crate::mesh::weld;
+use crate::part::BlankMesh;
 
 /// Crossings of triangles and rays that fit the memory allowed.
 const MAX_CROSSINGS: usize = 20_000_000;
@@ -105,6 +106,19 @@ impl MeshBlank {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
         Ok(Self { mesh: TriangleMesh { points, triangles }, volume: volume.abs() })
+    }
+
+    /// The solid in a mesh that was read before.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of_mesh(mesh: &BlankMesh) -> Result<Self, MeshFault> {
+        Self::new(&TriangleMesh { points: mesh.points.clone(), triangles: mesh.triangles.clone() })
+    }
+
+    /// Its triangles, with corners joined and normals outwards.
+    pub fn into_mesh(self) -> BlankMesh {
+        BlankMesh { points: self.mesh.points, triangles: self.mesh.triangles }
     }
 
     /// Volume, mm³.

@@ -42,6 +42,7 @@ use rays::RayField;
 
 use crate::geometry::Point;
 use crate::monitor::Monitor;
+use crate::part::{Blank, Impeller};
 
 /// Distance of the pieces of a move that turns from its true sweep, in spacings.
 const TURN_TOLERANCE: f64 = 0.06;
@@ -64,6 +65,15 @@ pub enum SolidBlank {
 }
 
 impl SolidBlank {
+    /// The blank of `part`: the mesh of its file where there is one, else the turned body.
+    pub fn of(part: &Impeller, blank: &Blank) -> Self {
+        let mesh = blank.file().and_then(|file| file.mesh.as_ref());
+        match mesh.map(MeshBlank::of_mesh) {
+            Some(Ok(mesh)) => Self::Mesh(mesh),
+            _ => Self::Turned(TurnedOutline::of_blank(part, blank)),
+        }
+    }
+
     /// Lower and upper corner of the box around it, mm.
     pub fn bounds(&self) -> (Point, Point) {
         match self {

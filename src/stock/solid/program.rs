@@ -60,7 +60,9 @@ impl SolidProgram {
             let rapid = step.motion == Motion::Rapid;
             moves.push(SolidMove { number: number as u32, tool, rapid, from, to });
         }
-        Ok(Self { tools: tools.iter().map(SolidTool::of).collect(), moves, count: program.moves.len() })
+        // As in `verify`: plunges are not judged by a holder that nobody described.
+        let assembled = if program.mills_along_curves() { SolidTool::of } else { SolidTool::described };
+        Ok(Self { tools: tools.iter().map(assembled).collect(), moves, count: program.moves.len() })
     }
 
     /// The moves before move `count` of the program.

@@ -4,7 +4,7 @@ use super::lattice::Lattice;
 use super::rays::RayField;
 use super::span::{Span, SpanEnd};
 use crate::geometry::{Meridional, Point, Vector};
-use crate::mesh::tessellate::{body_outline, nose, up_sign};
+use crate::mesh::tessellate::{body_outline, nose};
 use crate::part::{Blank, Impeller};
 
 /// Chords of each curve of an outline: those of a wheel of 500 mm are within 1 µm of it.
@@ -62,8 +62,12 @@ impl TurnedOutline {
         Self { points, sense }
     }
 
-    /// The blank that encloses the edges of the blades, with the body of the hub inside and behind it.
+    /// The outline of a blank; of one that encloses the edges of the blades with the body of the hub inside
+    /// and behind it.
     pub fn of_blank(part: &Impeller, blank: &Blank) -> Self {
+        if let Some(outline) = blank.outline() {
+            return Self::new(outline.points().to_vec());
+        }
         let along = |curve: &crate::geometry::MeridionalCurve, i: u32| {
             curve.point(curve.length() * f64::from(i) / f64::from(CHORDS))
         };
@@ -81,20 +85,6 @@ impl TurnedOutline {
         points.push(blank.hub.point(0.0));
         points.dedup_by(|a, b| a.distance(*b) < 1e-9);
         Self::new(points)
-    }
-
-    /// What a shop turns: a cylinder through the largest radius of the trailing edges, from the back of the
-    /// wheel to a plane `inlet_extension` mm before the leading edges.
-    pub fn cylinder_of(part: &Impeller, inlet_extension: f64) -> Self {
-        let body = body_outline(part);
-        let (back, bore) = (body[1].z, body[2].r);
-        let up = up_sign(part);
-        let ends = [part.hub.point(0.0), part.shroud.point(0.0)];
-        let front = ends.iter().map(|p| up * p.z).fold(f64::NEG_INFINITY, f64::max) + inlet_extension;
-        let front = up * front.max(up * body[4].z);
-        let radius = part.hub.point(1.0).r.max(part.shroud.point(1.0).r);
-        let corner = |r: f64, z: f64| Meridional { r, z };
-        Self::new(vec![corner(bore, back), corner(radius, back), corner(radius, front), corner(bore, front)])
     }
 
     /// The outline with all coordinates times `factor`.

@@ -1,0 +1,36 @@
+//! The body of the wheel under the hub: rim, back, bore and nose.
+
+use super::flowpath::Flowpath;
+use super::impeller::Impeller;
+use crate::geometry::Meridional;
+
+/// s at which the displayed part of a flowpath begins: slightly ahead of the blades, where the curve extends
+/// there.
+pub fn nose(path: &Flowpath) -> f64 {
+    path.s_range().0.max(-0.12)
+}
+
+/// +1 when the hub's inlet has a larger z than its rim, else −1.
+pub fn up_sign(part: &Impeller) -> f64 {
+    if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 }
+}
+
+/// The outline of the wheel without the hub: rim, back, bore and nose ring, from the rim of the hub back to
+/// its nose, mm. It is for display only: part files do not contain the back side of the wheel.
+pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
+    let (nose, rim) = (inside(part.hub.point(nose(&part.hub))), part.hub.point(1.0));
+    let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);
+    let bore = 0.45 * nose.r;
+    [
+        rim,
+        Meridional { r: rim.r, z: back },
+        Meridional { r: bore, z: back },
+        Meridional { r: bore, z: nose.z },
+        nose,
+    ]
+}
+
+/// `p`, on the axis where it lies beyond it.
+pub(crate) fn inside(p: Meridional) -> Meridional {
+    Meridional { r: p.r.max(0.0), z: p.z }
+}

@@ -1,0 +1,516 @@
+//! A turned body: a closed outline in the meridional plane, revolved about Z.
+//!
+//! Its edges lie in a binary tree of bounding boxes over consecutive edges, in preorder. Queries descend it
+//! and skip the boxes that cannot change the result.
+
+use crate::error::{ErrorCode, UserError};
+use crate::geometry::{Meridional, Point, Vector, norm2, search};
+
+/// Largest number of points of an outline.
+pub const MAX_OUTLINE_POINTS: usize = 4000;
+/// Points closer together than this are merged, mm; edges nearer to the axis than this do not bound the body.
+const SAME: f64 = 1e-6;
+/// Distance of a point from the line between its neighbours below which it is left out, mm.
+const STRAIGHT: f64 = 1e-7;
+/// Edges in a leaf of the tree.
+const LEAF: usize = 4;
+/// Area below which an outline bounds nothing, mm².
+const MIN_AREA: f64 = 1e-6;
+/// Chords of a line in the body shorter than this do not count, mm.
+const MIN_CHORD: f64 = 1e-7;
+/// Contacts that only touch the body before a line is taken as outside.
+const MAX_TOUCHES: usize = 16;
+/// Lines along the rim of a disc, and steps of the refinement between two of them.
+const RIM_LINES: usize = 24;
+const RIM_TOLERANCE: f64 = 1e-4;
+/// Distance to a raised outline at which sphere tracing ends, mm, and its least step.
+const TRACE_TOLERANCE: f64 = 1e-4;
+const TRACE_STEP: f64 = 1e-3;
+const TRACE_STEPS: usize = 400;
+
+/// Why points do not bound a body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OutlineFault {
+    /// There are too few.
+    TooFew(usize),
+    /// There are too many.
+    TooMany(usize),
+    /// A coordinate is not a finite number, or r is negative. Index of the point.
+    NoPoint(usize),
+    /// It encloses no area.
+    Flat,
+    /// Two edges cross, at this place.
+    Crossed {
+        /// Radius, mm.
+        r: f64,
+        /// Height, mm.
+        z: f64,
+    },
+}
+
+impl OutlineFault {
+    /// What is wrong and what to do.
+    pub fn explained(&self) -> UserError {
+        let in_order = "give the outline point by point, in order";
+        let (what, help) = match self {
+            Self::TooFew(count) => (format!("the outline has {count} different points"), "give at least 2"),
+            Self::TooMany(count) => (
+                format!("the outline has {count} points, more than {MAX_OUTLINE_POINTS}"),
+                "leave out points",
+            ),
+            Self::NoPoint(index) => (
+                format!("point {index} of the outline is not a finite r ≥ 0 and z"),
+                "give the distance from the axis, then the height",
+            ),
+            Self::Flat => ("the outline encloses no area".to_owned(), in_order),
+            Self::Crossed { r, z } => (format!("the outline crosses itself at r {r:.3}, z {z:.3}"), in_order),
+        };
+        UserError::new(ErrorCode::BlankFile, what, help)
+    }
+}
+
+/// A box around consecutive edges.
+#[derive(Clone, Copy, Debug)]
+struct EdgeBox {
+    low: Meridional,
+    high: Meridional,
+    /// The edges of a leaf; empty for other boxes.
+    edges: (u32, u32),
+    /// The next box that is not in this one.
+    next: u32,
+}
+
+/// A closed outline (r, z), mm, to be revolved about Z.
+#[derive(Clone, Debug)]
+pub struct MeridionalOutline {
+    points: Vec<Meridional>,
+    /// The edges, without those on the axis.
+    edges: Vec<(Meridional, Meridional)>,
+    boxes: Vec<EdgeBox>,
+    /// Points where the body has a convex edge.
+    ridges: Vec<Meridional>,
+}
+
+impl PartialEq for MeridionalOutline {
+    fn eq(&self, other: &Self) -> bool {
+        self.points == other.points
+    }
+}
+
+impl MeridionalOutline {
+    /// The outline through `points`. It is closed where the last point repeats the first; else both of its
+    /// ends go straight to the axis, at their heights.
+    ///
+    /// # Errors
+    /// When the points do not bound a body.
+    pub fn new(points: &[Meridional]) -> Result<Self, OutlineFault> {
+        if points.len() > MAX_OUTLINE_POINTS {
+            return Err(OutlineFault::TooMany(points.len()));
+        }
+        let sound = |p: &Meridional| p.r.is_finite() && p.z.is_finite() && p.r >= -SAME;
+        if let Some(index) = points.iter().position(|p| !sound(p)) {
+            return Err(OutlineFault::NoPoint(index + 1));
+        }
+        let mut cleaned: Vec<Meridional> =
+            points.iter().map(|p| Meridional { r: p.r.max(0.0), z: p.z }).collect();
+        cleaned.dedup_by(|a, b| a.distance(*b) < SAME);
+        let (Some(&first), Some(&last)) = (cleaned.first(), cleaned.last()) else {
+            return Err(OutlineFault::TooFew(0));
+        };
+        if cleaned.len() < 2 {
+            return Err(OutlineFault::TooFew(cleaned.len()));
+        }
+        if first.distance(last) < SAME {
+            cleaned.pop();
+        } else {
+            cleaned
+                .extend([last, first].iter().filter(|p| p.r > SAME).map(|p| Meridional { r: 0.0, z: p.z }));
+        }
+        Self::closed(cleaned)
+    }
+
+    /// The outline through points whose last is joined to the first.
+    fn closed(points: Vec<Meridional>) -> Result<Self, OutlineFault> {
+        let mut points = without_straight_points(points);
+        let around = |points: &[Meridional]| {
+            let edges = points.iter().zip(points.iter().cycle().skip(1));
+            0.5 * edges.map(|(a, b)| a.r * b.z - b.r * a.z).sum::<f64>()
+        };
+        let area = around(&points);
+        if points.len() < 3 || area.abs() < MIN_AREA {
+            return Err(OutlineFault::Flat);
+        }
+        if area < 0.0 {
+            points.reverse();
+        }
+        let count = points.len();
+        let at = |i: usize| points[i % count];
+        let edges: Vec<_> =
+            (0..count).map(|i| (at(i), at(i + 1))).filter(|(a, b)| a.r > SAME || b.r > SAME).collect();
+        if let Some(place) = crossing_of(&edges) {
+            return Err(OutlineFault::Crossed { r: place.r, z: place.z });
+        }
+        // Counter-clockwise: a convex corner turns left.
+        let turns_left = |a: Meridional, b: Meridional, c: Meridional| {
+            (b.r - a.r) * (c.z - b.z) - (b.z - a.z) * (c.r - b.r) > 0.0
+        };
+        let ridges = (0..count)
+            .filter(|&i| turns_left(at(i + count - 1), at(i), at(i + 1)))
+            .map(at)
+            .filter(|p| p.r > SAME)
+            .collect();
+        let mut boxes = Vec::new();
+        add_boxes(&edges, 0, edges.len(), &mut boxes);
+        Ok(Self { points, edges, boxes, ridges })
+    }
+
+    /// The points, counter-clockwise in the plane (r, z); the last is joined to the first.
+    pub fn points(&self) -> &[Meridional] {
+        &self.points
+    }
+
+    /// Largest radius, and the range of heights, mm.
+    pub fn bounds(&self) -> (f64, (f64, f64)) {
+        self.boxes.first().map_or((0.0, (0.0, 0.0)), |all| (all.high.r, (all.low.z, all.high.z)))
+    }
+
+    /// Whether `point` is in the body: the number of edges outside of it in r is odd.
+    pub fn contains(&self, point: Meridional) -> bool {
+        let mut inside = false;
+        let mut index = 0;
+        while let Some(here) = self.boxes.get(index) {
+            if here.high.r <= point.r || here.high.z < point.z || here.low.z > point.z {
+                index = here.next as usize;
+                continue;
+            }
+            for (a, b) in self.leaf(here) {
+                let crosses = (a.z > point.z) != (b.z > point.z)
+                    && point.r < a.r + (b.r - a.r) * (point.z - a.z) / (b.z - a.z);
+                inside ^= crosses;
+            }
+            index += 1;
+        }
+        inside
+    }
+
+    /// Distance from `point` to the surface, mm, negative in the body, and the nearest point of the surface.
+    pub fn signed_distance(&self, point: Meridional) -> (f64, Meridional) {
+        let (distance, foot) = self.nearest(point);
+        (if self.contains(point) { -distance } else { distance }, foot)
+    }
+
+    fn nearest(&self, point: Meridional) -> (f64, Meridional) {
+        let mut best = (f64::INFINITY, point);
+        let gap = |b: &EdgeBox| {
+            norm2(
+                (b.low.r - point.r).max(point.r - b.high.r).max(0.0),
+                (b.low.z - point.z).max(point.z - b.high.z).max(0.0),
+            )
+        };
+        // A first leaf, by the nearer box at each level, for a bound.
+        let mut index = 0;
+        while let Some(here) = self.boxes.get(index) {
+            if here.edges.0 < here.edges.1 {
+                best = nearest_of(self.leaf(here), point, best);
+                break;
+            }
+            let second = self.boxes.get(index + 1).map_or(index + 1, |first| first.next as usize);
+            let (a, b) = (self.boxes.get(index + 1), self.boxes.get(second));
+            let is_second = a.zip(b).is_some_and(|(a, b)| gap(b) < gap(a));
+            index = if is_second { second } else { index + 1 };
+        }
+        let mut index = 0;
+        while let Some(here) = self.boxes.get(index) {
+            if gap(here) >= best.0 {
+                index = here.next as usize;
+                continue;
+            }
+            best = nearest_of(self.leaf(here), point, best);
+            index += 1;
+        }
+        best
+    }
+
+    /// The edges of a leaf; none of another box.
+    fn leaf(&self, of: &EdgeBox) -> &[(Meridional, Meridional)] {
+        &self.edges[of.edges.0 as usize..of.edges.1 as usize]
+    }
+
+    /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the body.
+    pub fn highest_inside(&self, origin: &Point, direction: &Vector, low: f64, high: f64) -> Option<f64> {
+        let at = |h: f64| Meridional::of(&(origin + direction * h));
+        if self.contains(at(high)) {
+            return Some(high);
+        }
+        let line = MeridianLine::new(origin, direction);
+        let mut high = high;
+        for _ in 0..MAX_TOUCHES {
+            let crossing = self.highest_crossing(&line, low, high)?;
+            if self.contains(at(crossing - MIN_CHORD)) {
+                return Some(crossing);
+            }
+            high = crossing - MIN_CHORD;
+        }
+        None
+    }
+
+    /// Highest h in [`low`, `high`] at which a line crosses the surface.
+    fn highest_crossing(&self, line: &MeridianLine, low: f64, high: f64) -> Option<f64> {
+        let mut best: Option<f64> = None;
+        let mut index = 0;
+        while let Some(here) = self.boxes.get(index) {
+            let bottom = best.unwrap_or(low);
+            if !line.may_meet(here, bottom, high) {
+                index = here.next as usize;
+                continue;
+            }
+            for (a, b) in self.leaf(here) {
+                let found = line.crossings(*a, *b).into_iter().flatten();
+                let highest = found.filter(|h| (low..=high).contains(h)).reduce(f64::max);
+                best = best.into_iter().chain(highest).reduce(f64::max);
+            }
+            index += 1;
+        }
+        best
+    }
+
+    /// Height along `axis` (unit) above `centre` of the highest point of the body, raised by `offset` mm to
+    /// its outside, that a disc of `radius` mm meets while it moves on the axis between heights `low` and
+    /// `high`. `None` where the disc misses the body.
+    ///
+    /// The highest point is on a convex edge of the body within the disc, or above the rim of the disc: of
+    /// the first all are considered, the second is searched.
+    pub fn touch_height(
+        &self,
+        centre: &Point,
+        axis: &Vector,
+        (radius, offset): (f64, f64),
+        (low, high): (f64, f64),
+    ) -> Option<f64> {
+        let mut best: Option<f64> = None;
+        let heading = axis.y.atan2(axis.x);
+        for ridge in &self.ridges {
+            for side in [0.0, std::f64::consts::PI] {
+                let d = ridge.at_angle(heading + side) - centre;
+                let along = d.dot(axis);
+                let height = along + offset;
+                if best.is_none_or(|best| height > best) && (d - axis * along).norm() <= radius {
+                    best = Some(height);
+                }
+            }
+        }
+        let (e1, e2) = crate::geometry::frame_about(axis);
+        let height = |phi: f64| {
+            let (sin, cos) = phi.sin_cos();
+            let origin = centre + (e1 * cos + e2 * sin) * radius;
+            if offset > 0.0 {
+                self.trace_to_offset(&origin, axis, offset, (low, high))
+            } else {
+                self.highest_inside(&origin, axis, low, high)
+            }
+        };
+        let step = std::f64::consts::TAU / RIM_LINES as f64;
+        let lines: [Option<f64>; RIM_LINES] = std::array::from_fn(|i| height(step * i as f64));
+        // Towards and away from the rotation axis, where a disc overlaps a cylinder first.
+        let radial = Vector::new(centre.x, centre.y, 0.0);
+        let inwards = radial.dot(&e2).atan2(radial.dot(&e1));
+        best = [height(inwards), height(inwards + std::f64::consts::PI)]
+            .into_iter()
+            .chain(lines)
+            .flatten()
+            .chain(best)
+            .reduce(f64::max);
+        let floor = low - 1.0;
+        let level = |i: usize| lines[i % RIM_LINES].unwrap_or(floor);
+        for i in 0..RIM_LINES {
+            let here = level(i);
+            let is_peak = here > floor && here >= level(i + RIM_LINES - 1) && here >= level(i + 1);
+            // A peak between lines is at most as steep as the lines beside it are apart.
+            let rise = (here - level(i + RIM_LINES - 1)).max(here - level(i + 1)).min(2.0 * radius);
+            if !is_peak || best.is_some_and(|best| here + rise <= best) {
+                continue;
+            }
+            let middle = step * i as f64;
+            let (_, value) = search::minimum(
+                |phi| -height(phi).unwrap_or(floor),
+                middle - step,
+                middle + step,
+                RIM_TOLERANCE,
+            );
+            best = best.into_iter().chain([-value]).reduce(f64::max).filter(|h| *h > floor);
+        }
+        best
+    }
+
+    /// Highest point of a line within `offset` mm of the body, by sphere tracing.
+    fn trace_to_offset(
+        &self,
+        origin: &Point,
+        axis: &Vector,
+        offset: f64,
+        (low, high): (f64, f64),
+    ) -> Option<f64> {
+        let mut h = high;
+        for _ in 0..TRACE_STEPS {
+            let gap = self.signed_distance(Meridional::of(&(origin + axis * h))).0 - offset;
+            if gap < TRACE_TOLERANCE {
+                return Some(h);
+            }
+            h -= gap.max(TRACE_STEP);
+            if h < low {
+                return None;
+            }
+        }
+        // Grazing: taken as contact.
+        Some(h)
+    }
+}
+
+/// Without points on the line between their neighbours.
+fn without_straight_points(points: Vec<Meridional>) -> Vec<Meridional> {
+    let count = points.len();
+    let mut kept: Vec<Meridional> = Vec::with_capacity(count);
+    for (i, &p) in points.iter().enumerate() {
+        let before = kept.last().copied().unwrap_or(points[count - 1]);
+        let after = points[(i + 1) % count];
+        let between = (p.r - before.r) * (after.r - p.r) + (p.z - before.z) * (after.z - p.z) > 0.0;
+        if !(between && p.nearest_on_segment(before, after).0 < STRAIGHT) {
+            kept.push(p);
+        }
+    }
+    kept
+}
+
+fn nearest_of(
+    edges: &[(Meridional, Meridional)],
+    point: Meridional,
+    best: (f64, Meridional),
+) -> (f64, Meridional) {
+    let feet = edges.iter().map(|(a, b)| point.nearest_on_segment(*a, *b));
+    feet.fold(best, |best, foot| if foot.0 < best.0 { foot } else { best })
+}
+
+/// Adds the box around edges `from` to `to`, and those in it.
+fn add_boxes(edges: &[(Meridional, Meridional)], from: usize, to: usize, boxes: &mut Vec<EdgeBox>) {
+    if from >= to {
+        return;
+    }
+    let infinite = Meridional { r: f64::INFINITY, z: f64::INFINITY };
+    let (mut low, mut high) = (infinite, Meridional { r: -infinite.r, z: -infinite.z });
+    for p in edges[from..to].iter().flat_map(|(a, b)| [a, b]) {
+        low = Meridional { r: low.r.min(p.r), z: low.z.min(p.z) };
+        high = Meridional { r: high.r.max(p.r), z: high.z.max(p.z) };
+    }
+    let index = boxes.len();
+    let is_leaf = to - from <= LEAF;
+    let own = if is_leaf { (from as u32, to as u32) } else { (0, 0) };
+    boxes.push(EdgeBox { low, high, edges: own, next: 0 });
+    if !is_leaf {
+        let middle = from.midpoint(to);
+        add_boxes(edges, from, middle, boxes);
+        add_boxes(edges, middle, to, boxes);
+    }
+    boxes[index].next = boxes.len() as u32;
+}
+
+/// A place where two edges cross that have no end in common.
+fn crossing_of(edges: &[(Meridional, Meridional)]) -> Option<Meridional> {
+    let side =
+        |a: Meridional, b: Meridional, p: Meridional| (b.r - a.r) * (p.z - a.z) - (b.z - a.z) * (p.r - a.r);
+    for (i, &(a, b)) in edges.iter().enumerate() {
+        let (low, high) = (a.z.min(b.z), a.z.max(b.z));
+        for &(c, d) in &edges[i + 1..] {
+            if c.z.max(d.z) < low || c.z.min(d.z) > high {
+                continue;
+            }
+            let (p, q) = (side(a, b, c), side(a, b, d));
+            if p * q < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
+                return Some(c.lerp(d, p / (p - q)));
+            }
+        }
+    }
+    None
+}
+
+/// A line in space as it runs in the meridional plane: r² is a quadratic of the height along the line.
+struct MeridianLine {
+    /// r² = a h² + 2 b h + c.
+    a: f64,
+    b: f64,
+    c: f64,
+    /// z = z0 + dz h.
+    z0: f64,
+    dz: f64,
+}
+
+impl MeridianLine {
+    fn new(origin: &Point, direction: &Vector) -> Self {
+        Self {
+            a: direction.x * direction.x + direction.y * direction.y,
+            b: origin.x * direction.x + origin.y * direction.y,
+            c: origin.x * origin.x + origin.y * origin.y,
+            z0: origin.z,
+            dz: direction.z,
+        }
+    }
+
+    fn r_squared(&self, h: f64) -> f64 {
+        (self.a * h + 2.0 * self.b) * h + self.c
+    }
+
+    /// Whether the line may meet a box between heights `low` and `high`.
+    fn may_meet(&self, other: &EdgeBox, low: f64, high: f64) -> bool {
+        let (mut low, mut high) = (low, high);
+        let (bottom, top) = (other.low.z - SAME, other.high.z + SAME);
+        if self.dz.abs() > 1e-12 {
+            let (p, q) = ((bottom - self.z0) / self.dz, (top - self.z0) / self.dz);
+            (low, high) = (low.max(p.min(q)), high.min(p.max(q)));
+        } else if self.z0 < bottom || self.z0 > top {
+            return false;
+        }
+        if low > high {
+            return false;
+        }
+        // r² is convex: largest at an end, least at its vertex.
+        let vertex = if self.a > 1e-18 { (-self.b / self.a).clamp(low, high) } else { low };
+        let (inner, outer) = ((other.low.r - SAME).max(0.0), other.high.r + SAME);
+        self.r_squared(vertex) <= outer * outer
+            && self.r_squared(low).max(self.r_squared(high)) >= inner * inner
+    }
+
+    /// Heights at which the line crosses the cone, cylinder or plane of an edge.
+    fn crossings(&self, a: Meridional, b: Meridional) -> [Option<f64>; 2] {
+        let (dr, dz) = (b.r - a.r, b.z - a.z);
+        if dz.abs() <= 1e-9 * dr.abs() {
+            if self.dz.abs() < 1e-12 {
+                return [None; 2];
+            }
+            let h = (a.z - self.z0) / self.dz;
+            let r = self.r_squared(h).max(0.0).sqrt();
+            let (inner, outer) = (a.r.min(b.r) - 1e-9, a.r.max(b.r) + 1e-9);
+            return [(inner..=outer).contains(&r).then_some(h), None];
+        }
+        // r = p + q h on the edge, so that (a − q²) h² + 2 (b − p q) h + c − p² = 0.
+        let slope = dr / dz;
+        let (p, q) = (a.r + slope * (self.z0 - a.z), slope * self.dz);
+        let (low, high) = (a.z.min(b.z) - 1e-9, a.z.max(b.z) + 1e-9);
+        let valid = |h: f64| {
+            let z = self.z0 + self.dz * h;
+            (h.is_finite() && (low..=high).contains(&z) && p + q * h >= -1e-9).then_some(h)
+        };
+        let (u, v, w) = (self.a - q * q, self.b - p * q, self.c - p * p);
+        let scale = self.a + q * q;
+        if u.abs() <= 1e-14 * scale {
+            return [if v.abs() > 1e-300 { valid(-0.5 * w / v) } else { None }, None];
+        }
+        let discriminant = v * v - u * w;
+        if discriminant < 0.0 {
+            return [None; 2];
+        }
+        // The stable one of both formulas for each root.
+        let t = -(v + discriminant.sqrt().copysign(v));
+        let first = valid(t / u);
+        let second = if t == 0.0 { first } else { valid(w / t) };
+        [first, second]
+    }
+}

@@ -1,0 +1,169 @@
+//! The blank of the setup: what planning, verification and files do with one that is not that of the edges.
+
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
+
+use vanecut::geometry::Meridional;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::part_file::read_part_bytes;
+use vanecut::io::setup_file::{read_setup, read_setup_bytes, write_setup, write_setup_beside};
+use vanecut::io::stl::write_stl;
+use vanecut::job::{PlanOutcome, PlanRequest, run};
+use vanecut::monitor::Monitor;
+use vanecut::part::{Blank, BlankShape, Channel, Impeller};
+use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
+use vanecut::stock::solid::{SolidBlank, SolidStock, StockSurface};
+use vanecut::toolpath::{ClProgram, Motion};
+use vanecut::verify::{FaultKind, verify};
+
+static PART: LazyLock<Arc<Impeller>> = LazyLock::new(|| {
+    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
+    let part = read_part_bytes("a.toml", text, "toml").expect("readable");
+    Arc::new(Impeller::build(&part).expect("a wheel"))
+});
+
+/// One cutter in the outer half of the channel.
+fn planned(blank: BlankShape) -> PlanOutcome {
+    let tool = Tool {
+        number: 1,
+        diameter: 16.0,
+        corner_radius: 0.8,
+        insert_width: 5.0,
+        overhang: 250.0,
+        plunge_feed: 300.0,
+        spindle: 1200.0,
+        assembly: Default::default(),
+    };
+    let mut setup = Setup { tools: vec![tool], ..Setup::default() };
+    setup.allowances.blank = blank;
+    setup.plunge.sections =
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.6, cut_direction: None, rest: false }];
+    let part = Arc::clone(&PART);
+    let request = PlanRequest { part, setup, policy: AxisPolicy::Staircase, compare: false, field_cells: 32 };
+    run(&request, &Monitor::default()).expect("it can be planned")
+}
+
+/// The program as its file holds it.
+fn written(outcome: &PlanOutcome) -> ClProgram {
+    let text = write_apt(&ClProgram::of_plan("a", &outcome.after.plan));
+    read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable")
+}
+
+fn kinds(setup: &Setup, program: &ClProgram) -> Vec<FaultKind> {
+    let verdict = verify(&PART, &Channel::of(&PART), setup, program).expect("it can be checked");
+    verdict.faults.iter().map(|fault| fault.kind).collect()
+}
+
+#[test]
+fn a_plan_of_a_turned_blank_is_free_of_faults_and_of_the_cylinder() {
+    let outcome = planned(BlankShape::Turned);
+    let program = written(&outcome);
+    assert!(outcome.after.plan.positions.len() > 10);
+    assert_eq!(kinds(&outcome.setup, &program), []);
+    // By the cylinder itself: at the ends of rapids every point of the bottom is outside.
+    let blank = outcome.setup.allowances.blank_of(&PART);
+    let (radius, (low, high)) = blank.outline().expect("a cylinder").bounds();
+    let safety = outcome.setup.allowances.safety_distance;
+    let mut least = f64::INFINITY;
+    for step in program.moves.iter().filter(|step| step.motion == Motion::Rapid) {
+        let (u, v) = vanecut::geometry::frame_about(&step.axis);
+        for (share, turn) in (0..=8).flat_map(|i| (0..48).map(move |k| (f64::from(i) / 8.0, f64::from(k)))) {
+            let (sin, cos) = (turn * std::f64::consts::TAU / 48.0).sin_cos();
+            let p = Meridional::of(&(step.tip + (u * cos + v * sin) * (8.0 * share)));
+            let (beyond, above) = ((p.r - radius).max(0.0), (p.z - high).max(low - p.z).max(0.0));
+            least = least.min(beyond.hypot(above));
+        }
+    }
+    // The corner radius keeps the rim of the bottom further away than the samples say.
+    assert!(least > safety - 0.8, "{least} mm from the cylinder");
+}
+
+#[test]
+fn a_rapid_that_only_the_turned_blank_is_in_the_way_of_is_found() {
+    let outcome = planned(BlankShape::Edges);
+    let program = written(&outcome);
+    assert_eq!(kinds(&outcome.setup, &program), [], "free of the blank it was planned for");
+    let mut turned = outcome.setup.clone();
+    turned.allowances.blank = BlankShape::Turned;
+    let found = kinds(&turned, &program);
+    assert!(found.contains(&FaultKind::RapidClearance), "{found:?}");
+}
+
+#[test]
+fn an_outline_like_the_cylinder_is_the_cylinder() {
+    let blank = |shape: &BlankShape| Blank::shaped(&PART, 0.0, shape);
+    let turned = blank(&BlankShape::Turned);
+    let corners: Vec<String> =
+        turned.outline().expect("a cylinder").points().iter().map(|p| format!("{} {}", p.r, p.z)).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let outline = format!("# by hand\n{}\n{}\n", corners.join("\n"), corners[0]);
+    std::fs::write(folder.path().join("blank.txt"), outline).unwrap();
+    let solid = SolidStock::new(&SolidBlank::of(&PART, &turned), 3.0).expect("it fits");
+    let surface = StockSurface::of(&solid);
+    let stl = write_stl(&surface.points, &surface.triangles, "blank");
+    std::fs::write(folder.path().join("blank.stl"), stl).unwrap();
+    let path = folder.path().join("s.toml");
+    for (file, tolerance) in [("blank.txt", 1e-9), ("blank.stl", 1.0)] {
+        std::fs::write(&path, format!("[stock]\nblank = \"{file}\"\n")).unwrap();
+        let setup = read_setup(&path, &Setup::default()).expect("reads");
+        let other = blank(&setup.allowances.blank);
+        for i in 0..400 {
+            let p = Meridional { r: 0.6 * f64::from(i % 20) * 13.0, z: 12.0 * f64::from(i / 20) - 100.0 };
+            let (a, b) = (turned.clearance(p, &mut None), other.clearance(p, &mut None));
+            // The bore is filled in the envelope of neither; the solid has its edges within its spacing.
+            assert!((a - b).abs() < tolerance, "{file}, {p:?}: {a} {b}");
+        }
+        let volume = |blank: &Blank| SolidBlank::of(&PART, blank).volume();
+        let ratio = volume(&other) / volume(&turned);
+        assert!((ratio - 1.0).abs() < 1e-2, "{file}: {ratio} of its volume");
+        // Within a plan the outline is enough; beside another file the path is relative to that.
+        let embedded = read_setup_bytes("elsewhere/plan.json (setup)", write_setup(&setup).as_bytes());
+        assert_eq!(embedded.expect("reads without the file"), setup);
+        let copy = folder.path().join("copy.toml");
+        let text = write_setup_beside(&setup, &copy);
+        assert!(text.contains(&format!("blank = \"{file}\"")) && !text.contains("outline"), "{text}");
+        std::fs::write(&copy, text).unwrap();
+        assert_eq!(read_setup(&copy, &Setup::default()).expect("reads"), setup);
+    }
+}
+
+#[test]
+fn blanks_that_do_not_fit_are_named_with_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("s.toml");
+    let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let read = |name: &str| {
+        std::fs::write(&path, format!("[stock]\nblank = \"{name}\"\n")).unwrap();
+        read_setup(&path, &Setup::default())
+    };
+    file("one.txt", "10 20\n");
+    file("nan.txt", "10 20\n\nnan 3\n");
+    file("three.txt", "10 20\n10 20 30\n");
+    file("behind.txt", "10 20\n-10 20\n");
+    file("crossed.txt", "1 0\n5 4\n5 0\n1 6\n1 0\n");
+    file(
+        "open.stl",
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+                      endloop\nendfacet\nendsolid a\n",
+    );
+    for (name, words) in [
+        ("none.txt", "s.toml:2: no blank file `none.txt`"),
+        ("one.txt", "one.txt: the outline has 1 different points"),
+        ("nan.txt", "nan.txt:3: "),
+        ("three.txt", "three.txt:2: the line is not `r z`"),
+        ("behind.txt", "behind.txt:2: r is negative"),
+        ("crossed.txt", "crosses itself at r 3.400, z 2.400"),
+        ("open.stl", "open.stl: is not closed"),
+    ] {
+        let error = read(name).expect_err(name).to_string();
+        assert!(error.contains(words) && error.contains("; ") && !error.contains('\n'), "{name}: {error}");
+    }
+    // A blank that is too small in one place.
+    let radius = PART.rim_radius();
+    let narrow = radius - 2.0;
+    file("small.txt", &format!("0 400\n{narrow} 400\n{narrow} -400\n"));
+    let setup = read("small.txt").expect("it is an outline");
+    let fault = setup.allowances.check_blank(&PART).expect_err("it is too small").to_string();
+    assert!(fault.contains("2.00 mm outside") && fault.contains(&format!("r {radius:.2}")), "{fault}");
+    assert!(Path::new(&path).is_file());
+}
