@@ -58,7 +58,7 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
     // A plan that was stopped is that of the search, before plunges are left out for the goal.
     let found = whole.whole.as_ref().unwrap_or(&whole.after.plan);
     let (mut unfinished, mut cut_short) = (0, 0);
-    for share in (1..20).step_by(2) {
+    for share in (1..20).step_by(3) {
         let job = PlanJob::default();
         let outcome = match stopped_after(time * share / 20, &job, &request, &Monitor::default()) {
             Ok(outcome) => outcome,

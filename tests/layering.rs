@@ -145,7 +145,8 @@ fn the_picture_of_the_structure_is_up_to_date() {
         .expect("readable");
     let ids = |element: &str| -> BTreeSet<String> {
         let start = format!("<{element} id=\"");
-        picture.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).map(str::to_owned).collect()
+        let starts = picture.split(start.as_str()).skip(1);
+        starts.filter_map(|rest| rest.split('"').next()).map(str::to_owned).collect()
     };
     let boxes: BTreeSet<String> = MODULES.into_iter().map(str::to_owned).collect();
     assert_eq!(ids("text"), boxes, "draw it again: scripts/structure");

@@ -74,35 +74,30 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             }
         };
     }
-    let (part, stored) = if let Some(bytes) = &plan_bytes {
+    let (part, stored, program) = if let Some(bytes) = &plan_bytes {
         let stored = read_plan_bytes(&name_of(&args.source), bytes)?;
-        if as_solid {
-            let program = stored.program(&Monitor::default())?;
-            let count = plunges_as_moves(args.at, &program);
-            let png = render_solid::picture(args, &stored.part, &stored.setup, &program, count, view, size)?;
-            return Ok(write_atomically(&args.output, &png)?);
-        }
-        (stored.part, Some((stored.setup, stored.plan)))
+        let program = as_solid.then(|| stored.program(&Monitor::default())).transpose()?;
+        (stored.part, Some((stored.setup, stored.plan)), program)
     } else {
         let (_, part) = open::part(&args.source, &args.mesh)?;
         // A part is drawn without a plan unless the options need one; it is then planned with the defaults.
         if colours == FloorColours::Plain && args.at.is_none() && args.cutters.is_none() {
-            (part, None)
+            (part, None, None)
         } else {
             let setup = open::setup(None, &args.source, &part)?;
             let outcome = plan::plan_with_progress(part, &setup, setup.setup.plunge.axis, false)?;
             let part = Impeller::clone(&outcome.part);
-            (part, Some((outcome.setup, outcome.after.plan)))
+            let program = as_solid.then(|| ClProgram::of_plan(&part.name, &outcome.after.plan));
+            (part, Some((outcome.setup, outcome.after.plan)), program)
         }
     };
-    let png = match &stored {
-        Some((setup, plan)) if as_solid => {
-            let program = ClProgram::of_plan(&part.name, plan);
-            let count = plunges_as_moves(args.at, &program);
-            render_solid::picture(args, &part, setup, &program, count, view, size)?
+    let png = match (&stored, &program) {
+        (Some((setup, _)), Some(program)) => {
+            let count = plunges_as_moves(args.at, program);
+            render_solid::picture(args, &part, setup, program, count, view, size)?
         }
-        None => picture(&part, None, range, view, options, size, args.legend)?,
-        Some((setup, plan)) => {
+        (None, _) => picture(&part, None, range, view, options, size, args.legend)?,
+        (Some((setup, plan)), None) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let channel = Channel::of(&part);
             let blank = Blank::of(&part, setup.allowances.inlet_extension);

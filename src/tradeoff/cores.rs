@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::cutting::contact::{Columns, PLANNED_CONTACT, PlungeColumn, core_contact_among, core_interferes};
+use crate::cutting::contact::{Columns, PLANNED_CONTACT, PlungeColumn, core_contact_by, core_interferes};
 use crate::part::Blank;
 use crate::plunge::PlungePlan;
 
@@ -16,7 +16,13 @@ pub(super) struct Cores<'a> {
     after: Vec<Vec<u32>>,
     /// Whether the core met stock in the whole plan already.
     met_before: Vec<bool>,
+    /// The kept plunges that clear the way of each core, ascending: while they stay, the others make no difference to
+    /// it. Found with the last test of that core, as the watched literals of a solver are.
+    needed: Vec<Vec<u32>>,
 }
+
+/// A core that stays free, by its number, and the plunges that it needs then.
+type FreeCore = (usize, Vec<u32>);
 
 impl<'a> Cores<'a> {
     /// The cores of the plunges of `plan` in `blank`.
@@ -31,7 +37,11 @@ impl<'a> Cores<'a> {
             }
         }
         let met_before = plan.positions.iter().map(|p| p.contact.interferes()).collect();
-        Self { blank, columns, before, after, met_before }
+        let mut cores = Self { blank, columns, before, after, met_before, needed: Vec::new() };
+        let all = |_| true;
+        cores.needed =
+            (0..cores.columns.len()).into_par_iter().map(|core| cores.contact(core, all).1).collect();
+        cores
     }
 
     /// The columns of the plunges that are `kept`.
@@ -45,32 +55,59 @@ impl<'a> Cores<'a> {
             .collect()
     }
 
-    /// The first plunge whose core would meet stock if `plunge` were left out of those that are `kept`: by the quick
+    /// Leaves `plunge` out of those that are `kept` unless the core of a later one would meet stock then: by the quick
     /// test of planning, and what passes it by the one that plans are judged by.
-    pub fn first_to_meet_without(&self, plunge: usize, kept: &[bool]) -> Option<usize> {
-        let quick = |later: &usize| {
-            core_interferes(&self.columns.as_slice()[*later], self.near(*later, plunge, kept), self.blank)
-        };
-        let full = |later: &usize| {
-            let column = &self.columns.as_slice()[*later];
-            core_contact_among(column, self.near(*later, plunge, kept), self.blank) > PLANNED_CONTACT
-        };
-        let concerned = || {
-            let later = self.after[plunge].par_iter().map(|&later| later as usize);
-            later.filter(|&later| kept[later] && !self.met_before[later])
-        };
-        concerned().find_first(quick).or_else(|| concerned().find_first(full))
+    ///
+    /// # Errors
+    /// The first plunge whose core would.
+    pub fn leave_out(&mut self, plunge: usize, kept: &mut [bool]) -> Result<(), usize> {
+        let found = self.free_without(plunge, kept)?;
+        kept[plunge] = false;
+        for (core, needed) in found {
+            self.needed[core] = needed;
+        }
+        Ok(())
     }
 
-    /// The kept plunges near the core of `later`, without `plunge`, in cutting order.
-    fn near<'k>(
-        &'k self,
-        later: usize,
-        plunge: usize,
-        kept: &'k [bool],
-    ) -> impl DoubleEndedIterator<Item = &'k PlungeColumn> {
-        let numbers = self.before[later].iter().map(|&number| number as usize);
-        let kept = numbers.filter(move |&number| kept[number] && number != plunge);
-        kept.map(|number| &self.columns.as_slice()[number])
+    /// The cores that need `plunge` and are free without it.
+    fn free_without(&self, plunge: usize, kept: &[bool]) -> Result<Vec<FreeCore>, usize> {
+        let stays = |number: usize| kept[number] && number != plunge;
+        let needs = |core: &usize| {
+            kept[*core]
+                && !self.met_before[*core]
+                && self.needed[*core].binary_search(&(plunge as u32)).is_ok()
+        };
+        let concerned: Vec<usize> =
+            self.after[plunge].iter().map(|&later| later as usize).filter(needs).collect();
+        let meets = |core: &usize| {
+            let (_, near) = self.near(*core, stays);
+            core_interferes(&self.columns.as_slice()[*core], near.into_iter(), self.blank)
+        };
+        if let Some(&core) = concerned.par_iter().find_first(|core| meets(core)) {
+            return Err(core);
+        }
+        let judged = concerned.into_par_iter().map(|core| match self.contact(core, stays) {
+            (depth, _) if depth > PLANNED_CONTACT => Err(core),
+            (_, needed) => Ok((core, needed)),
+        });
+        // In this order, whichever thread finds one first.
+        judged.collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// Depth of contact of a core after the plunges that `stay`, mm, and those of them that clear its way.
+    fn contact(&self, core: usize, stays: impl Fn(usize) -> bool) -> (f64, Vec<u32>) {
+        let (mut numbers, near) = self.near(core, stays);
+        let (depth, removed) = core_contact_by(&self.columns.as_slice()[core], near.into_iter(), self.blank);
+        let mut removed = removed.into_iter();
+        numbers.retain(|_| removed.next().unwrap_or(true));
+        (depth, numbers)
+    }
+
+    /// The plunges near the core of `later` that `stay`, in cutting order: numbers and columns.
+    fn near(&self, later: usize, stays: impl Fn(usize) -> bool) -> (Vec<u32>, Vec<&PlungeColumn>) {
+        let of = |&number: &u32| {
+            stays(number as usize).then(|| (number, &self.columns.as_slice()[number as usize]))
+        };
+        self.before[later].iter().filter_map(of).unzip()
     }
 }

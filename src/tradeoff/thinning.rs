@@ -98,12 +98,11 @@ impl<'a> Thinning<'a> {
             {
                 continue;
             }
-            if let Some(later) = self.cores.first_to_meet_without(plunge, &kept) {
+            if let Err(later) = self.cores.leave_out(plunge, &mut kept) {
                 waiting[later].push(plunge);
                 continue;
             }
             self.floor.leave_out(plunge, &change);
-            kept[plunge] = false;
             rows.leave_out(plunge);
             order.push(plunge);
             for freed in std::mem::take(&mut waiting[plunge]) {

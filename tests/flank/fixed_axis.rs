@@ -75,13 +75,13 @@ fn stations(
 /// Whether a cutter and a holder of twice its diameter clear blades, hub and stock, by exact distances.
 fn is_free(
     part: &Impeller,
+    blank: &Blank,
     finished: &FinishedPart,
     tool: &Tool,
     contact: &Contact,
     cutter: &CutterSolid,
 ) -> bool {
     let hub = part.hub.curve();
-    let blank = Blank::of(part, 0.0);
     let off_hub = |up: f64, radius: f64| {
         let (t, d) = hub.project(Meridional::of(&(cutter.tip + cutter.axis * up)));
         d.abs() >= radius && (d > 0.0 || t <= 0.0 || t >= hub.length())
@@ -119,6 +119,7 @@ fn fewest_runs(
     step: f64,
 ) -> usize {
     let finished = FinishedPart::new(part, &channel.sides);
+    let blank = Blank::of(part, 0.0);
     let mut axes = Vec::new();
     let rings = (std::f64::consts::PI / step) as usize;
     for i in 0..=rings {
@@ -132,7 +133,7 @@ fn fewest_runs(
     let free = |contact: &Contact, axis: &Vector| {
         let tip = tool.tip_at_contact(&contact.point, &contact.normal, axis);
         axis.angle(&contact.normal) <= LIMITS.max_tilt_rad
-            && is_free(part, &finished, tool, contact, &tool.placed(tip, *axis))
+            && is_free(part, &blank, &finished, tool, contact, &tool.placed(tip, *axis))
     };
     let mut runs = 1;
     let mut left = axes.clone();
@@ -175,7 +176,7 @@ fn check(
             assert!(run.axis.angle(&contact.normal) <= LIMITS.max_tilt_rad + 1e-9);
             let cutter = tool.placed(search.tip(contact, &run.axis, layer), run.axis);
             assert!(
-                is_free(part, &finished, tool, contact, &cutter),
+                is_free(part, &blank, &finished, tool, contact, &cutter),
                 "station {k}, contact {j}: {cutter:?} meets something"
             );
             assert!(finished.blade_clearance(&cutter) >= run.clearance - 1e-6, "run {run:?}, station {k}");

@@ -14,8 +14,8 @@ use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{MeshOptions, NamedMesh};
 use vanecut::part::Impeller;
 
-/// Time limit for reading a small file.
-const LONGEST: Duration = Duration::from_secs(20);
+/// What takes longer to read a small file hangs, on however busy a machine.
+const LONGEST: Duration = Duration::from_secs(60);
 
 /// Two triangles in one mesh on one node, with the buffer in a separate file.
 fn square() -> (Value, Vec<u8>) {

@@ -11,15 +11,13 @@ use vanecut::part::{
 };
 use vanecut::setup::Tool;
 
+use super::samples::sample;
+
 const LIMITS: ReachLimits =
     ReachLimits { hub_allowance: 0.5, blade_allowance: 0.5, max_tilt_rad: std::f64::consts::FRAC_PI_4 };
 
 fn open(path: &Path) -> Impeller {
     Impeller::build(&read_part(path).expect("readable")).expect("an impeller")
-}
-
-fn sample(name: &str) -> Impeller {
-    open(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name))
 }
 
 /// A real compressor.
@@ -222,7 +220,7 @@ fn a_thin_cutter_reaches_as_much_as_a_thick_one() {
 
 #[test]
 fn a_short_overhang_leaves_what_the_holder_cannot_follow() {
-    let part = sample("pump6.toml");
+    let part = sample("pump6");
     let (long, short) = (reach(&part, &tool(12.0, 80.0)), reach(&part, &tool(12.0, 30.0)));
     let all = |map: &ReachMap| {
         [map.share(|s| s.any), map.share(|s| s.outlet), map.share(|s| s.inlet), map.share(ReachSides::both)]
@@ -237,7 +235,7 @@ fn a_short_overhang_leaves_what_the_holder_cannot_follow() {
 /// nearby.
 #[test]
 fn reach_agrees_with_the_largest_cutter() {
-    for (name, diameter) in [("impeller532.toml", 25.0), ("pump6.toml", 32.0)] {
+    for (name, diameter) in [("impeller532", 25.0), ("pump6", 32.0)] {
         let part = sample(name);
         let map = reach(&part, &tool(diameter, 6.0 * diameter));
         let needed = diameter + 2.0 * LIMITS.blade_allowance;

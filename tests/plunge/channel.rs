@@ -1,15 +1,9 @@
 //! Channel coordinates: their borders are the walls, and their derivatives agree with differences.
 
-use std::path::Path;
-
 use proptest::prelude::*;
-use vanecut::io::part_file::read_part;
-use vanecut::part::{Channel, Impeller, SideProbe};
+use vanecut::part::{Channel, SideProbe};
 
-fn sample(name: &str) -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
+use super::samples::{SAMPLES, sample};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
@@ -17,7 +11,7 @@ proptest! {
     fn derivatives_are_slopes(
         s in 0.05..0.95f64, lambda in 0.02..0.98f64, eta in 0.02..0.98f64, which in 0usize..3,
     ) {
-        let part = sample(["impeller532.toml", "impeller9x9.toml", "pump6.toml"][which]);
+        let part = sample(SAMPLES[which]);
         let channel = Channel::of(&part);
         let at = |s, l, e| channel.full.point(&part, s, l, e).expect("inside");
         let here = at(s, lambda, eta);
@@ -40,7 +34,7 @@ proptest! {
 
 #[test]
 fn borders_of_the_coordinates_are_the_walls_hub_and_shroud() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         let part = sample(name);
         let channel = Channel::of(&part);
         let walls = [&channel.sides[0], &channel.sides[3]].map(|side| SideProbe::new(side, 0.0, 1.0));

@@ -1,17 +1,11 @@
 //! Drop-cutter depth, compared with a brute-force scan of the disc.
 
-use std::path::Path;
-
 use proptest::prelude::*;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::geometry::{Meridional, MeridionalCurve, Point, Vector, frame_about};
-use vanecut::io::part_file::read_part;
 use vanecut::part::Impeller;
 
-fn sample(name: &str) -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
+use super::samples::{SAMPLES, sample};
 
 /// Distance of the flat disc (centre, axis, radius) from the surface, mm: minimum of a dense scan of signed
 /// distances of disc points, refined by pattern search from the best ones.
@@ -69,8 +63,6 @@ fn check(part: &Impeller, s: f64, turn: f64, tilt: f64, heading: f64, radius: f6
          s {s} turn {turn} tilt {tilt} heading {heading} radius {radius}"
     );
 }
-
-const SAMPLES: [&str; 3] = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"];
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(160))]

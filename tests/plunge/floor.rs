@@ -3,7 +3,6 @@
 
 use vanecut::cutting::clearance::FinishedPart;
 use vanecut::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle};
-use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::{BladeDescription, Blank, Channel, Impeller, SideProbe};
@@ -14,15 +13,12 @@ use vanecut::stock::{
 };
 
 use super::disc::disc;
+use super::samples::sample;
 
 const CELLS: usize = 400;
 
 fn stock() -> AllowanceSetup {
     Setup::default().allowances
-}
-
-fn sample(name: &str, text: &[u8]) -> Impeller {
-    Impeller::build(&read_part_bytes(name, text, "toml").expect("readable")).expect("an impeller")
 }
 
 /// A flat disc with straight radial blades inclined by `lean`, rad, in the circumferential direction: towards
@@ -259,9 +255,9 @@ fn larger_cutters_leave_more_and_none_excuse_nothing() {
 
 #[test]
 fn twisted_walls_agree_with_cutters_put_into_their_corners() {
-    let wheel = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"));
-    let pump = sample("pump6.toml", include_bytes!("../../assets/parts/pump6.toml"));
-    let large = sample("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"));
+    let wheel = sample("impeller9x9");
+    let pump = sample("pump6");
+    let large = sample("impeller532");
     for (part, radius, wall, s) in [
         (&wheel, 6.0, 0, 0.25),
         (&wheel, 6.0, 0, 0.7),
@@ -284,7 +280,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
 
 #[test]
 fn no_plan_cuts_what_is_out_of_reach() {
-    let part = sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"));
+    let part = sample("impeller9x9");
     let channel = Channel::of(&part);
     // A smaller cutter for rest milling would cut floor that is inaccessible to the others.
     let mut asked = Setup::default();

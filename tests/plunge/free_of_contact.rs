@@ -1,10 +1,8 @@
 //! Plans that must be free of contact: `minimal` and `staircase`, on the samples and on random wheels,
 //! checked by `verify` from the written program.
 
-use std::path::Path;
-
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::{read_part, read_part_bytes};
+use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller};
@@ -12,21 +10,7 @@ use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FaultKind, verify};
 
-fn sample(name: &str) -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
-
-fn compared(part: &Impeller, setup: &Setup) -> PlanOutcome {
-    let request = PlanRequest {
-        part: part.clone().into(),
-        setup: setup.clone(),
-        policy: AxisPolicy::Minimal,
-        compare: true,
-        field_cells: 512,
-    };
-    run(&request, &Monitor::default()).expect("a plan")
-}
+use super::samples::{SAMPLES, compared, sample, sample_plans};
 
 fn result(outcome: &PlanOutcome, policy: AxisPolicy) -> &PolicyResult {
     outcome.policies().into_iter().find(|r| r.plan.policy == policy).expect("all policies were planned")
@@ -78,15 +62,14 @@ fn shares_of_monotone(outcome: &PlanOutcome) -> Vec<(usize, f64, f64)> {
 
 #[test]
 fn samples_are_freed_and_less_is_left() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
-        let part = sample(name);
-        let outcome = compared(&part, &Setup::default());
-        check(name, &part, &outcome);
+    for name in SAMPLES {
+        let outcome = sample_plans(name);
+        check(name, &outcome.part, outcome);
         let [monotone, staircase, minimal] =
             [AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Minimal]
-                .map(|p| &result(&outcome, p).summary);
+                .map(|p| &result(outcome, p).summary);
         assert!(outcome.before.summary.interfering > 100, "{name}: what shops do today interferes");
-        for (index, mean, p95) in shares_of_monotone(&outcome) {
+        for (index, mean, p95) in shares_of_monotone(outcome) {
             for (what, limit, share) in [("mean", 0.4, mean), ("95 %", 0.5, p95)] {
                 // The field is accurate to a hundredth.
                 assert!(
@@ -346,7 +329,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
 
 #[test]
 fn links_of_a_ball_cutter_keep_the_whole_tool_out_of_the_blank() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let cutter = Tool {
         number: 1,
         diameter: 12.0,

@@ -1,20 +1,20 @@
 //! Goals of a plan, and the curve of time against stock.
 
-use std::path::Path;
 use std::sync::LazyLock;
 
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::read_part;
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::{Blank, Channel};
 use vanecut::plunge::PlungePlan;
 use vanecut::setup::{AxisPolicy, Goal, Setup};
 use vanecut::stock::{field_cutters, residual_field};
 use vanecut::toolpath::ClProgram;
 use vanecut::tradeoff::{Thinning, ThinningInput};
 use vanecut::verify::verify;
+
+use super::samples::sample;
 
 /// Rough settings, so that the plan is small.
 const TOOL: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n";
@@ -26,10 +26,8 @@ fn setup(goal: &str) -> Setup {
 }
 
 fn planned(setup: Setup) -> PlanOutcome {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
-    let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
     let request = PlanRequest {
-        part: part.into(),
+        part: sample("pump6").into(),
         setup,
         policy: AxisPolicy::Minimal,
         compare: false,

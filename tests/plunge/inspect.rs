@@ -1,13 +1,14 @@
 //! The sectional view through a position, compared with the plan it shows.
 
 use vanecut::geometry::{Meridional, Point};
-use vanecut::io::read_part;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Channel, Impeller};
 use vanecut::plunge::inspect::{row_of, section_view, step_before};
 use vanecut::plunge::{Planner, PlungePlan};
 use vanecut::setup::{AxisPolicy, Setup};
+
+use super::samples::sample;
 
 struct Case {
     part: Impeller,
@@ -17,8 +18,7 @@ struct Case {
 }
 
 fn case(name: &str, policy: AxisPolicy) -> Case {
-    let path = format!("{}/assets/parts/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let part = Impeller::build(&read_part(path.as_ref()).expect("reads")).expect("builds");
+    let part = sample(name);
     let channel = Channel::of(&part);
     let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let plan = Planner::new(&part, &channel, &setup).plan(policy, &Monitor::default()).expect("plans");

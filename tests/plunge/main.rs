@@ -14,6 +14,7 @@ mod narrow_contact;
 mod plan;
 mod probe;
 mod program;
+mod samples;
 mod splitters;
 mod tool_choice;
 mod wall_axes;

@@ -1,13 +1,10 @@
 //! The stages of the planner, compared with brute force on real parts.
 
-use std::path::Path;
-
 use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::geometry::{Meridional, Vector, frame_about};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::read_part;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Channel, Impeller};
@@ -18,10 +15,7 @@ use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionSetup, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
 
-fn sample(name: &str) -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
+use super::samples::{SAMPLES, sample};
 
 fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, PlungePlan) {
     let channel = Channel::of(part);
@@ -34,7 +28,7 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
 /// grown. The planner solves for the same point by root finding.
 #[test]
 fn monotone_finds_the_place_the_walk_finds() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let channel = Channel::of(&part);
     let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let tool = &setup.tools[0];
@@ -108,7 +102,7 @@ fn contact_by_points(column: &PlungeColumn, earlier: &[PlungeColumn], blank: &Bl
 
 #[test]
 fn contact_agrees_with_many_points() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let blank = Blank::of(&part, 0.0);
     let top = BlankTop::new(&blank);
     for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
@@ -144,7 +138,7 @@ fn contact_agrees_with_many_points() {
 
 #[test]
 fn plans_hold_their_allowances_on_all_samples() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         let part = sample(name);
         for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
             let (setup, plan) = planned(&part, &Setup::default(), policy);
@@ -175,7 +169,7 @@ fn plans_hold_their_allowances_on_all_samples() {
 
 #[test]
 fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let count = |plan: &PlungePlan, section: usize| {
         plan.positions.iter().filter(|p| p.section == section && p.contact.interferes()).count()
     };
@@ -190,7 +184,7 @@ fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
 
 #[test]
 fn rows_may_be_cut_outwards_and_corners_rounded() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let channel = Channel::of(&part);
     let mut setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     for tool in &mut setup.tools {
@@ -215,7 +209,7 @@ fn rows_may_be_cut_outwards_and_corners_rounded() {
 
 #[test]
 fn the_same_input_gives_the_same_plan() {
-    let part = sample("pump6.toml");
+    let part = sample("pump6");
     let (_, a) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
     let (_, b) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
     assert!(a == b, "planning is deterministic");
@@ -223,7 +217,7 @@ fn the_same_input_gives_the_same_plan() {
 
 #[test]
 fn a_cancelled_plan_says_so() {
-    let part = sample("pump6.toml");
+    let part = sample("pump6");
     let channel = Channel::of(&part);
     let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
     let monitor = Monitor::default();
@@ -234,7 +228,7 @@ fn a_cancelled_plan_says_so() {
 
 #[test]
 fn axes_stay_within_what_the_machine_reaches() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let (_, free) = planned(&part, &Setup::default(), AxisPolicy::Minimal);
     let tilt = |axis: &Vector| axis.angle(&part.out_of_inlet());
     let steepest = free.positions.iter().map(|p| tilt(&p.axis)).fold(0.0, f64::max);
@@ -258,7 +252,7 @@ fn axes_stay_within_what_the_machine_reaches() {
 #[test]
 fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
     let monitor = Monitor::default();
-    for name in ["impeller532.toml", "impeller9x9.toml"] {
+    for name in ["impeller9x9"] {
         let part = sample(name);
         let channel = Channel::of(&part);
         let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
@@ -299,7 +293,7 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
 
 #[test]
 fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let channel = Channel::of(&part);
     let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
     let sections = setup.plunge.sections.len();

@@ -1,19 +1,13 @@
 //! Nearest distances between cutters and blade sides, compared with a dense scan.
 
-use std::path::Path;
-
 use vanecut::geometry::CutterSolid;
-use vanecut::io::part_file::read_part;
-use vanecut::part::{BladeSide, Channel, Impeller, SideProbe};
+use vanecut::part::{BladeSide, Channel, SideProbe};
 
-fn sample(name: &str) -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
+use super::samples::{SAMPLES, sample};
 
 #[test]
 fn nearest_is_never_beaten_by_a_dense_scan() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let channel = Channel::of(&part);
     for (k, side) in channel.sides.iter().enumerate() {
         let probe = SideProbe::new(side, 0.0, 1.0);
@@ -46,7 +40,7 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
 
 #[test]
 fn a_cutoff_leaves_out_only_what_is_further() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         let part = sample(name);
         for (k, side) in Channel::of(&part).sides.iter().enumerate() {
             let probe = SideProbe::new(side, 0.0, 1.0);
@@ -71,7 +65,7 @@ fn a_cutoff_leaves_out_only_what_is_further() {
 
 #[test]
 fn whether_a_cutter_is_near_is_told_as_it_is_measured() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         let part = sample(name);
         let channel = Channel::of(&part);
         let mut counts = [0, 0];
@@ -129,7 +123,7 @@ fn refined(cutter: &CutterSolid, side: &BladeSide, (u, v): (f64, f64)) -> f64 {
 
 #[test]
 fn what_is_near_the_edge_of_the_bottom_is_met_to_a_tenth_of_a_micrometre() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let channel = Channel::of(&part);
     let mut beside_the_edge = 0;
     for (k, side) in channel.sides.iter().enumerate() {

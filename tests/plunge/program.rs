@@ -9,26 +9,13 @@ use serde_json::Value;
 use vanecut::geometry::{Meridional, Vector};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part;
-use vanecut::job::{PlanOutcome, PlanRequest, Summary, run};
+use vanecut::job::{PlanOutcome, Summary};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Channel, Impeller};
-use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
 
-fn sample_path(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(format!("{name}.toml"))
-}
-
-fn sample(name: &str) -> Impeller {
-    Impeller::build(&read_part(&sample_path(name)).expect("readable")).expect("an impeller")
-}
-
-fn planned(name: &str, policy: AxisPolicy) -> PlanOutcome {
-    let (part, setup) = (sample(name).into(), Setup::default());
-    let request = PlanRequest { part, setup, policy, compare: false, field_cells: 512 };
-    run(&request, &Monitor::default()).expect("a plan")
-}
+use super::samples::{SAMPLES, sample, sample_path, sample_plans};
 
 /// The program of a plan, written to a file and read back.
 fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
@@ -44,9 +31,9 @@ fn reported(outcome: &PlanOutcome, program: &ClProgram) -> PlungeReport {
 
 #[test]
 fn programs_of_whole_wheels_have_no_fault() {
-    for name in ["impeller532", "impeller9x9", "pump6"] {
-        let outcome = planned(name, AxisPolicy::Minimal);
-        let [one, all] = [1, outcome.part.blade_count].map(|n| reported(&outcome, &written(&outcome, n)));
+    for name in SAMPLES {
+        let outcome = sample_plans(name);
+        let [one, all] = [1, outcome.part.blade_count].map(|n| reported(outcome, &written(outcome, n)));
         for (report, channels) in [(&one, 1), (&all, outcome.part.blade_count)] {
             let verdict = &report.verdict;
             assert!(verdict.faults.is_empty(), "{name}, {channels}: {:#?}", verdict.faults);
@@ -152,9 +139,9 @@ fn tempfile() -> PathBuf {
 }
 
 /// A plan and program without faults, to be mutated.
-static SOUND: LazyLock<(PlanOutcome, ClProgram)> = LazyLock::new(|| {
-    let outcome = planned("impeller532", AxisPolicy::Minimal);
-    let program = written(&outcome, 1);
+static SOUND: LazyLock<(&PlanOutcome, ClProgram)> = LazyLock::new(|| {
+    let outcome = sample_plans("impeller532");
+    let program = written(outcome, 1);
     (outcome, program)
 });
 

@@ -1,9 +1,7 @@
 //! Automatic choice of tools and sections for real parts.
 
-use std::path::Path;
-
 use vanecut::error::ErrorCode;
-use vanecut::io::part_file::{read_part, read_part_bytes};
+use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::tool_library::plunge_cutters;
 use vanecut::job::{PlanRequest, resolve, run};
 use vanecut::monitor::Monitor;
@@ -12,13 +10,7 @@ use vanecut::plunge::sections;
 use vanecut::plunge::sections::Resolved;
 use vanecut::setup::{AxisPolicy, SectionSetup, Setup, SetupPlace, Tool};
 
-fn folder() -> &'static Path {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts"))
-}
-
-fn sample(name: &str) -> Impeller {
-    Impeller::build(&read_part(&folder().join(name)).expect("readable")).expect("an impeller")
-}
+use super::samples::{SAMPLES, sample, sample_path};
 
 /// The part described by a TOML text.
 fn part_of(text: &str) -> Impeller {
@@ -50,7 +42,7 @@ fn tool(number: u32, diameter: f64) -> Tool {
 
 #[test]
 fn every_chosen_tool_fits_the_samples() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         let part = sample(name);
         let channel = Channel::of(&part);
         let resolved = chosen(&part, &Setup::default());
@@ -95,7 +87,7 @@ fn every_chosen_tool_fits_the_samples() {
 
 #[test]
 fn fewer_blades_get_larger_cutters() {
-    let text = std::fs::read_to_string(folder().join("impeller532.toml")).expect("readable");
+    let text = std::fs::read_to_string(sample_path("impeller532")).expect("readable");
     let open = text.replace("blades = 17", "blades = 11");
     assert_ne!(text, open, "the part has 17 blades");
     let mut setup = Setup::default();
@@ -106,7 +98,7 @@ fn fewer_blades_get_larger_cutters() {
 
 #[test]
 fn tools_of_the_setup_are_the_only_ones_chosen_from() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let setup = Setup { tools: vec![tool(3, 9.0), tool(7, 20.0), tool(8, 70.0)], ..Setup::default() };
     let resolved = chosen(&part, &setup);
     assert_eq!(resolved.setup.tools, setup.tools, "the list stays as it was given");
@@ -120,7 +112,7 @@ fn tools_of_the_setup_are_the_only_ones_chosen_from() {
 
 #[test]
 fn sections_of_the_setup_stay_and_have_no_reason() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     let given = chosen(&part, &Setup::default()).setup;
     let again = chosen(&part, &given);
     assert_eq!(again.setup, given, "nothing is left to choose");
@@ -129,7 +121,7 @@ fn sections_of_the_setup_stay_and_have_no_reason() {
 
 #[test]
 fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
-    let part = sample("pump6.toml");
+    let part = sample("pump6");
     let channel = Channel::of(&part);
     let fault = sections::resolve(&Setup::default(), &[tool(1, 220.0)], &part, &channel).unwrap_err();
     assert!(matches!(fault.place, SetupPlace::Section { index: 0, tool: 1 }), "{fault}");
@@ -141,7 +133,7 @@ fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
 
 #[test]
 fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
-    let part = sample("impeller532.toml");
+    let part = sample("impeller532");
     // Wider than the channel at the leading edge, but much narrower than at the rim.
     let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
     let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, cut_direction: None, rest: false };
@@ -165,7 +157,7 @@ fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
 
 #[test]
 fn defaults_follow_the_size_of_the_wheel() {
-    for name in ["impeller532.toml", "impeller9x9.toml", "pump6.toml"] {
+    for name in SAMPLES {
         assert_eq!(Setup::for_part(&sample(name)), Setup::default(), "{name} is of usual size");
     }
     let mut before = 0.0;

@@ -72,19 +72,21 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
     let mut window = with_sample(engine);
     window.get_by_label("Flank: not calculated").click();
     window.run_steps(4);
-    window.get_by_label("Calculate flank").click_accesskit();
-    window.run_steps(2);
-    settle(&mut window);
-    window.get_by_label("Auto-update").click();
-    window.run_steps(2);
-    assert!(window.query_by_label("Out of date:").is_none());
     let set_depth = |window: &mut crate::harness::Window, depth: f64| {
         let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
         field.set_value_accesskit(depth);
         window.run_steps(4);
         settle(window);
     };
-    set_depth(&mut window, 6.0);
+    // Few layers.
+    set_depth(&mut window, 10.0);
+    window.get_by_label("Calculate flank").click_accesskit();
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    assert!(window.query_by_label("Out of date:").is_none());
+    set_depth(&mut window, 8.0);
     window.get_by_label("Out of date:");
     window.get_by_label("Flank: out of date");
     window.get_by_label("Setup edited: recalculate flank (F6)");
@@ -94,6 +96,6 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
     settle(&mut window);
     assert!(window.query_by_label("Out of date:").is_none(), "followed");
     let planned = window.state().state().results.flank.clone().expect("planned");
-    assert_eq!(planned.setup.flank.layer_depth, 6.0);
+    assert_eq!(planned.setup.flank.layer_depth, 8.0);
     window.get_by_label_contains("Flank calculated in");
 }

@@ -74,13 +74,20 @@ pub fn core_contacts(
     (0..columns.len()).into_par_iter().map(contact).collect()
 }
 
-/// Depth of [`core_contact`], given the `earlier` plunges that may meet the core, mm.
-pub fn core_contact_among<'c>(
+/// Depth of [`core_contact`], mm, given the `earlier` plunges that may meet the core, in cutting order; and for each
+/// of them whether it removed anything from a line. Without one that did not, the depth is the same.
+pub fn core_contact_by<'c>(
     column: &PlungeColumn,
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     blank: &Blank,
-) -> f64 {
-    contact_among(column, earlier, blank).depth
+) -> (f64, Vec<bool>) {
+    let near = Neighbours::of(column, earlier);
+    let mut removed = vec![false; near.columns().len()];
+    let mut stock = StockLines::new(column, &near, blank);
+    stock.removed = Some(&mut removed);
+    let depth = contact_up_to(column, stock, &RINGS, f64::INFINITY).depth;
+    removed.reverse();
+    (depth, removed)
 }
 
 fn contact_among<'c>(
@@ -291,25 +298,40 @@ impl LineRemainder {
     }
 
     /// What `plunges`, latest first, leave of it; stops as soon as further ones change nothing relevant.
-    fn after(mut self, plunges: &[CrossedPlunge], line: &CoreLine, deep: f64) -> Self {
-        for crossed in plunges {
+    fn after(self, plunges: &[CrossedPlunge], line: &CoreLine, deep: f64) -> Self {
+        self.after_noting(plunges, line, deep, |_| {})
+    }
+
+    /// As [`Self::after`]; `note` gets the indices of the plunges that mattered.
+    #[inline]
+    fn after_noting(
+        mut self,
+        plunges: &[CrossedPlunge],
+        line: &CoreLine,
+        deep: f64,
+        mut note: impl FnMut(usize),
+    ) -> Self {
+        for (index, crossed) in plunges.iter().enumerate() {
             if self.is_complete(deep) {
                 break;
             }
-            self.remove(crossed, line);
+            if self.remove(crossed, line) {
+                note(index);
+            }
         }
         self
     }
 
-    /// Removes the interval that a plunge cut.
-    fn remove(&mut self, crossed: &CrossedPlunge, line: &CoreLine) {
-        let Some((low, high)) = crossed.removed_by_sharp(line) else { return };
+    /// Removes the interval that a plunge cut; whether it may have mattered.
+    #[inline]
+    fn remove(&mut self, crossed: &CrossedPlunge, line: &CoreLine) -> bool {
+        let Some((low, high)) = crossed.removed_by_sharp(line) else { return false };
         // A rounded corner removes less than a sharp one, so the sharp interval is a quick reject.
         let matters = low < self.first || self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
         if !matters {
-            return;
+            return false;
         }
-        let Some((low, high)) = crossed.round_corner(line, low, high) else { return };
+        let Some((low, high)) = crossed.round_corner(line, low, high) else { return false };
         if high > 0.0 {
             self.first = self.first.min(low);
         }
@@ -330,6 +352,7 @@ impl LineRemainder {
             }
         }
         (self.open, self.count) = (kept, n);
+        true
     }
 }
 
@@ -342,11 +365,13 @@ struct StockLines<'a> {
     warm: Option<f64>,
     /// Cache for lines that are evaluated more than once.
     kept: Option<&'a mut [Option<LineRemainder>]>,
+    /// Whether each of the gathered plunges removed anything from a line; without a cache.
+    removed: Option<&'a mut [bool]>,
 }
 
 impl<'a> StockLines<'a> {
     fn new(column: &PlungeColumn, near: &'a Neighbours, blank: &'a Blank) -> Self {
-        Self { near, blank, top: column.top, warm: None, kept: None }
+        Self { near, blank, top: column.top, warm: None, kept: None, removed: None }
     }
 
     fn is_stock(&mut self, point: &Point) -> bool {
@@ -357,7 +382,12 @@ impl<'a> StockLines<'a> {
     /// there is none. Where no stock is left, an entry below `deep` may be any such value.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
         let left = LineRemainder::whole(self.top).after(self.near.passed(), line, deep);
-        let left = left.after(self.near.columns(), line, deep);
+        let left = match &mut self.removed {
+            Some(removed) => {
+                left.after_noting(self.near.columns(), line, deep, |index| removed[index] = true)
+            }
+            None => left.after(self.near.columns(), line, deep),
+        };
         (left.first, self.highest(&left, line))
     }
 
