@@ -35,14 +35,14 @@ pub(super) fn envelope_of(mesh: &BlankMesh) -> Result<MeridionalOutline, Outline
     let r_of = |p: &Point| norm2(p.x, p.y);
     let (mut inner, mut outer) = (f64::INFINITY, 0.0f64);
     for corners in &triangles {
-        inner = inner.min(least_radius(corners));
+        inner = inner.min(min_radius(corners));
         outer = corners.iter().map(r_of).fold(outer, f64::max);
     }
     let width = outer - inner;
     if !(width.is_finite() && width > WALL) {
         return Err(OutlineFault::Flat);
     }
-    let reach = |corners: &[Point; 3]| corners.iter().map(r_of).fold(0.0, f64::max) - least_radius(corners);
+    let reach = |corners: &[Point; 3]| corners.iter().map(r_of).fold(0.0, f64::max) - min_radius(corners);
     let shares: f64 = triangles.iter().map(|corners| reach(corners) / width).sum();
     let circles = ((MAX_CROSSINGS / shares.max(1.0)) as usize).clamp(CIRCLES.0, CIRCLES.1);
     let width = width / circles as f64;
@@ -56,7 +56,7 @@ pub(super) fn envelope_of(mesh: &BlankMesh) -> Result<MeridionalOutline, Outline
                 heights.raise(circle + 1, p.z);
             }
         }
-        let low = ((least_radius(corners) - inner) / width).floor().max(0.0) as usize;
+        let low = ((min_radius(corners) - inner) / width).floor().max(0.0) as usize;
         let high = corners.iter().map(r_of).fold(0.0, f64::max);
         for circle in low..=circles {
             if radius(circle) > high {
@@ -79,7 +79,7 @@ pub(super) fn envelope_of(mesh: &BlankMesh) -> Result<MeridionalOutline, Outline
 }
 
 /// Least distance of a triangle from the Z axis.
-fn least_radius(corners: &[Point; 3]) -> f64 {
+fn min_radius(corners: &[Point; 3]) -> f64 {
     let flat = corners.map(|p| Meridional { r: p.x, z: p.y });
     let origin = Meridional { r: 0.0, z: 0.0 };
     let side = |k: usize| {

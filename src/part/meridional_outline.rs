@@ -88,7 +88,7 @@ pub struct MeridionalOutline {
     edges: Vec<(Meridional, Meridional)>,
     boxes: Vec<EdgeBox>,
     /// Points where the body has a convex edge.
-    ridges: Vec<Meridional>,
+    convex_edges: Vec<Meridional>,
 }
 
 impl PartialEq for MeridionalOutline {
@@ -154,14 +154,14 @@ impl MeridionalOutline {
         let turns_left = |a: Meridional, b: Meridional, c: Meridional| {
             (b.r - a.r) * (c.z - b.z) - (b.z - a.z) * (c.r - b.r) > 0.0
         };
-        let ridges = (0..count)
+        let convex_edges = (0..count)
             .filter(|&i| turns_left(at(i + count - 1), at(i), at(i + 1)))
             .map(at)
             .filter(|p| p.r > SAME)
             .collect();
         let mut boxes = Vec::new();
         add_boxes(&edges, 0, edges.len(), &mut boxes);
-        Ok(Self { points, edges, boxes, ridges })
+        Ok(Self { points, edges, boxes, convex_edges })
     }
 
     /// The points, counter-clockwise in the plane (r, z); the last is joined to the first.
@@ -289,9 +289,9 @@ impl MeridionalOutline {
     ) -> Option<f64> {
         let mut best: Option<f64> = None;
         let heading = axis.y.atan2(axis.x);
-        for ridge in &self.ridges {
+        for edge in &self.convex_edges {
             for side in [0.0, std::f64::consts::PI] {
-                let d = ridge.at_angle(heading + side) - centre;
+                let d = edge.at_angle(heading + side) - centre;
                 let along = d.dot(axis);
                 let height = along + offset;
                 if best.is_none_or(|best| height > best) && (d - axis * along).norm() <= radius {
