@@ -93,10 +93,10 @@ pub struct Fault {
     pub message: String,
 }
 
-/// A program that cannot be judged for this fault.
+/// A program that cannot be judged for this fault: it lacks a tool.
 impl From<Fault> for UserError {
     fn from(fault: Fault) -> Self {
-        Self::new(ErrorCode::ProgramFaults, fault.message, "")
+        Self::new(ErrorCode::ProgramTool, fault.message, "")
     }
 }
 
