@@ -76,10 +76,15 @@ fn judge_cores(
 ) -> Result<Vec<Contact>, Cancelled> {
     let (cores, mut judged): (Vec<Contact>, Vec<Contact>) =
         contacts.into_iter().partition(|contact| contact.part == ToolPart::Core);
-    let is_plunge = |step: &CutterStep| {
+    let goes_in = |step: &CutterStep| {
         step.feed.is_some() && step.is_axial() && (step.to.0 - step.from.0).dot(&step.to.1) < 0.0
     };
-    let plunges: Vec<usize> = (0..steps.len()).filter(|&k| is_plunge(&steps[k])).collect();
+    // A plunge is followed by its retract. What a pass follows is the approach to it, by a cutter for passes.
+    let is_plunge = |k: usize| {
+        let next = steps[k..].iter().find(|step| !goes_in(step));
+        goes_in(&steps[k]) && next.is_none_or(|next| next.feed.is_none() || next.is_axial())
+    };
+    let plunges: Vec<usize> = (0..steps.len()).filter(|&k| is_plunge(k)).collect();
     if plunges.is_empty() {
         return Ok(judged);
     }
