@@ -4,6 +4,8 @@
 //! away and in the channels not cut yet, and it meets the whole length of shank and holder. In programs that
 //! plunge beside it knows what passes along curves have left of the stock in the way of a core.
 
+use std::collections::BTreeSet;
+
 use super::super::fault::{FaultKind, Finding, core_in_stock};
 use super::steps::CutterStep;
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contacts};
@@ -32,12 +34,11 @@ pub(super) fn collisions(
     let solid = SolidBlank::of(part, blank);
     let (low, high) = solid.bounds();
     let spacing = SPACING_SHARE * (high.x - low.x).max(high.y - low.y);
-    let own = tools;
-    let tools: Vec<SolidTool> = tools.iter().map(SolidTool::of).collect();
+    let solid_tools: Vec<SolidTool> = tools.iter().map(SolidTool::of).collect();
     let simulated = SolidStock::new(&solid, spacing)
-        .and_then(|mut stock| stock.make_moves(&tools, &moves(part, steps), monitor));
+        .and_then(|mut stock| stock.make_moves(&solid_tools, &moves(part, steps), monitor));
     match simulated {
-        Ok(contacts) => judge_cores(part, blank, own, steps, contacts, monitor),
+        Ok(contacts) => judge_cores(part, blank, tools, steps, contacts, monitor),
         Err(SolidError::Cancelled(cancelled)) => Err(cancelled),
         // At this spacing a blank fits the memory allowed; stock in more pieces than that is not milling.
         Err(_) => Ok(Vec::new()),
@@ -76,15 +77,7 @@ fn judge_cores(
 ) -> Result<Vec<Contact>, Cancelled> {
     let (cores, mut judged): (Vec<Contact>, Vec<Contact>) =
         contacts.into_iter().partition(|contact| contact.part == ToolPart::Core);
-    let goes_in = |step: &CutterStep| {
-        step.feed.is_some() && step.is_axial() && (step.to.0 - step.from.0).dot(&step.to.1) < 0.0
-    };
-    // A plunge is followed by its retract. What a pass follows is the approach to it, by a cutter for passes.
-    let is_plunge = |k: usize| {
-        let next = steps[k..].iter().find(|step| !goes_in(step));
-        goes_in(&steps[k]) && next.is_none_or(|next| next.feed.is_none() || next.is_axial())
-    };
-    let plunges: Vec<usize> = (0..steps.len()).filter(|&k| is_plunge(k)).collect();
+    let plunges = plunges_of(steps);
     if plunges.is_empty() {
         return Ok(judged);
     }
@@ -98,29 +91,49 @@ fn judge_cores(
     let columns: Columns = plunges.iter().map(|&k| column(k)).collect();
     let exact = core_contacts(&columns, blank, monitor)?;
     // What mills across its axis, as a column that contains its sweep.
-    let passes: Vec<(usize, CutterSolid)> = (0..steps.len())
-        .filter(|&k| steps[k].feed.is_some() && !steps[k].is_axial())
-        .map(|k| {
-            let (cutter, step) = (end(k), &steps[k]);
-            let aside = step.length() + step.turn() * tools[step.tool].overhang;
-            (k, CutterSolid { radius: cutter.radius + aside, ..cutter })
-        })
-        .collect();
+    let passes: Vec<usize> =
+        (0..steps.len()).filter(|&k| steps[k].feed.is_some() && !steps[k].is_axial()).collect();
+    let sweep = |&k: &usize| {
+        let (cutter, step) = (end(k), &steps[k]);
+        let aside = step.length() + step.turn() * tools[step.tool].overhang;
+        let cutter = CutterSolid { radius: cutter.radius + aside, ..cutter };
+        PlungeColumn { cutter, core_radius: 0.0, top: 0.0 }
+    };
+    let sweeps: Columns = passes.iter().map(sweep).collect();
+    let mut left_to_solid = BTreeSet::new();
     for ((&k, contact), column) in plunges.iter().zip(exact).zip(columns.as_slice()) {
         if !contact.interferes() {
             continue;
         }
-        let before = passes.partition_point(|(pass, _)| *pass < k);
-        let cutter = column.cutter;
-        if passes[..before].iter().any(|(_, pass)| column.may_meet(pass)) {
-            judged.extend(cores.iter().filter(|core| core.number as usize == k));
+        let number = k as u32;
+        let before = sweeps.before(passes.partition_point(|&pass| pass < k));
+        if before.numbers_near(column).is_empty() {
+            let (depth, point) = (contact.depth, column.cutter.tip);
+            judged.push(Contact { number, part: ToolPart::Core, depth, point });
         } else {
-            let depth = contact.depth;
-            judged.push(Contact { number: k as u32, part: ToolPart::Core, depth, point: cutter.tip });
+            left_to_solid.insert(number);
         }
     }
+    judged.extend(cores.into_iter().filter(|core| left_to_solid.contains(&core.number)));
     judged.sort_by_key(|contact| (contact.number, contact.part));
     Ok(judged)
+}
+
+/// Indices of the steps that plunge. A plunge is followed by its retract; what a pass follows is the approach to
+/// it, by a cutter for passes.
+fn plunges_of(steps: &[CutterStep]) -> Vec<usize> {
+    let goes_in = |step: &CutterStep| step.feed.is_some() && step.is_axial() && !step.is_retract();
+    let mut plunges = Vec::new();
+    let mut retracts_next = true;
+    for (k, step) in steps.iter().enumerate().rev() {
+        if !goes_in(step) {
+            retracts_next = step.feed.is_none() || step.is_axial();
+        } else if retracts_next {
+            plunges.push(k);
+        }
+    }
+    plunges.reverse();
+    plunges
 }
 
 /// The fault of a contact in a step with tool number `tool`.
