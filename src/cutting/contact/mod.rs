@@ -55,7 +55,7 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
-    contact_among(column, earlier.near(column), blank)
+    contact_among(column, &Neighbours::of(column, earlier.near(column)), blank, None)
 }
 
 /// [`core_contact`] of each of `columns` after those before it.
@@ -83,20 +83,21 @@ pub fn core_contact_by<'c>(
 ) -> (f64, Vec<bool>) {
     let near = Neighbours::of(column, earlier);
     let mut removed = vec![false; near.columns().len()];
-    let mut stock = StockLines::new(column, &near, blank);
-    stock.removed = Some(&mut removed);
-    let depth = contact_up_to(column, stock, &RINGS, f64::INFINITY).depth;
+    let depth = contact_among(column, &near, blank, Some(&mut removed)).depth;
+    // The neighbours are latest first.
     removed.reverse();
     (depth, removed)
 }
 
-fn contact_among<'c>(
+/// Notes in `removed`, if given, which neighbours removed anything from a line.
+fn contact_among(
     column: &PlungeColumn,
-    earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    near: &Neighbours,
     blank: &Blank,
+    removed: Option<&mut [bool]>,
 ) -> CoreContact {
-    let near = Neighbours::of(column, earlier);
-    contact_up_to(column, StockLines::new(column, &near, blank), &RINGS, f64::INFINITY)
+    let stock = StockLines { removed, ..StockLines::new(column, near, blank) };
+    contact_up_to(column, stock, &RINGS, f64::INFINITY)
 }
 
 /// Whether the core of `column` has more contact than planning tolerates, given the `earlier` plunges that
