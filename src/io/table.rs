@@ -128,6 +128,11 @@ impl<'a> TomlDocument<'a> {
     pub fn fault(&self, at: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
         self.source.fault(self.line(at), what, help)
     }
+
+    /// The error of a value at a byte offset that is of another type than its key takes.
+    fn value_type_fault(&self, at: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
+        self.fault(at, what, help).with_code(ErrorCode::ValueType)
+    }
 }
 
 /// Allowed values of a number.
@@ -317,11 +322,8 @@ impl<'t> TomlTable<'t> {
             DeValue::Float(float) => float.as_str(),
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
             other => {
-                let what = format!("`{key}` holds a {}, not a number", other.type_str());
-                return Err(self
-                    .doc
-                    .fault(at, what, "give a decimal number")
-                    .with_code(ErrorCode::ValueType));
+                let what = format!("`{key}` holds {}, not a number", type_name(other));
+                return Err(self.doc.value_type_fault(at, what, "give a decimal number"));
             }
         };
         source::number(token).map_err(|what| {
@@ -365,8 +367,8 @@ impl<'t> TomlTable<'t> {
         match value.get_ref() {
             DeValue::String(text) => Ok(Some(Located { value: text.as_ref(), at })),
             other => {
-                let what = format!("`{key}` holds a {}, not a text", other.type_str());
-                Err(self.doc.fault(at, what, "put it in quotes").with_code(ErrorCode::ValueType))
+                let what = format!("`{key}` holds {}, not a text", type_name(other));
+                Err(self.doc.value_type_fault(at, what, "put it in quotes"))
             }
         }
     }
@@ -381,11 +383,8 @@ impl<'t> TomlTable<'t> {
         match value.get_ref() {
             DeValue::Boolean(value) => Ok(Some(Located { value: *value, at })),
             other => {
-                let what = format!("`{key}` holds a {}, not true or false", other.type_str());
-                Err(self
-                    .doc
-                    .fault(at, what, "write true or false, without quotes")
-                    .with_code(ErrorCode::ValueType))
+                let what = format!("`{key}` holds {}, not true or false", type_name(other));
+                Err(self.doc.value_type_fault(at, what, "write true or false, without quotes"))
             }
         }
     }
@@ -396,14 +395,11 @@ impl<'t> TomlTable<'t> {
             DeValue::Table(table) => {
                 Ok(TomlTable { doc: self.doc, name, table, at: value.span().start, renamed: &[] })
             }
-            _ => Err(self
-                .doc
-                .fault(
-                    value.span().start,
-                    format!("`{key}` is not a table"),
-                    format!("write it under a header [{name}]"),
-                )
-                .with_code(ErrorCode::ValueType)),
+            _ => Err(self.doc.value_type_fault(
+                value.span().start,
+                format!("`{key}` is not a table"),
+                format!("write it under a header [{name}]"),
+            )),
         }
     }
 
@@ -423,14 +419,11 @@ impl<'t> TomlTable<'t> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         match value.get_ref() {
             DeValue::Array(list) => list.iter().map(|item| self.child(key, item)).collect(),
-            _ => Err(self
-                .doc
-                .fault(
-                    value.span().start,
-                    format!("`{key}` is not a list of tables"),
-                    format!("write each under a header [[{key}]] with two brackets"),
-                )
-                .with_code(ErrorCode::ValueType)),
+            _ => Err(self.doc.value_type_fault(
+                value.span().start,
+                format!("`{key}` is not a list of tables"),
+                format!("write each under a header [[{key}]] with two brackets"),
+            )),
         }
     }
 
@@ -457,10 +450,11 @@ impl<'t> TomlTable<'t> {
                 DeValue::Array(row) if row.len() == N => row,
                 _ => {
                     let what = format!("`{key}` has a row that is not {N} numbers");
-                    return Err(self
-                        .doc
-                        .fault(place, what, format!("give {N} numbers in brackets"))
-                        .with_code(ErrorCode::ValueType));
+                    return Err(self.doc.value_type_fault(
+                        place,
+                        what,
+                        format!("give {N} numbers in brackets"),
+                    ));
                 }
             };
             let mut numbers = [0.0; N];
@@ -482,8 +476,8 @@ impl<'t> TomlTable<'t> {
         for item in list {
             let at = item.span().start;
             let DeValue::String(text) = item.get_ref() else {
-                let what = format!("`{key}` holds a {}, not a text", item.get_ref().type_str());
-                return Err(self.doc.fault(at, what, "put it in quotes").with_code(ErrorCode::ValueType));
+                let what = format!("`{key}` holds {}, not a text", type_name(item.get_ref()));
+                return Err(self.doc.value_type_fault(at, what, "put it in quotes"));
             };
             texts.push(Located { value: text.as_ref(), at });
         }
@@ -517,11 +511,8 @@ impl<'t> TomlTable<'t> {
             }
             DeValue::Float(_) => Scalar::Number(self.number_of(key, value)?),
             other => {
-                let what = format!("`{key}` holds a {}", other.type_str());
-                return Err(self
-                    .doc
-                    .fault(at, what, "give numbers, texts, true or false")
-                    .with_code(ErrorCode::ValueType));
+                let what = format!("`{key}` holds {}", type_name(other));
+                return Err(self.doc.value_type_fault(at, what, "give numbers, texts, true or false"));
             }
         };
         Ok(Located { value: scalar, at })
@@ -558,8 +549,8 @@ impl<'t> TomlTable<'t> {
                 .with_code(ErrorCode::FileTooLarge)),
             DeValue::Array(list) => Ok(Some((list, at))),
             other => {
-                let what = format!("`{key}` holds a {}, not a list", other.type_str());
-                Err(self.doc.fault(at, what, "put it in brackets").with_code(ErrorCode::ValueType))
+                let what = format!("`{key}` holds {}, not a list", type_name(other));
+                Err(self.doc.value_type_fault(at, what, "put it in brackets"))
             }
         }
     }
@@ -572,6 +563,19 @@ impl<'t> TomlTable<'t> {
     /// An error at a byte offset of this document.
     pub fn fault_at(&self, at: usize, what: impl Into<String>, help: impl Into<String>) -> InputError {
         self.doc.fault(at, what, help)
+    }
+}
+
+/// TOML's name for the type of a value, with its article.
+fn type_name(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) => "an integer",
+        DeValue::Float(_) => "a float",
+        DeValue::Boolean(_) => "a boolean",
+        DeValue::Datetime(_) => "a datetime",
+        DeValue::Array(_) => "an array",
+        DeValue::Table(_) => "a table",
     }
 }
 
