@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use super::mesh::{Mesh, Segment};
 use super::walls::wall_mesh;
-use crate::error::{ErrorCode, UserError};
+use crate::error::UserError;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
 use crate::geometry::Point;
@@ -37,11 +37,7 @@ impl FromStr for FlankColours {
             "walls" => Self::Walls,
             _ => {
                 let help = "use layer, region, feed, walls or solid";
-                return Err(UserError::new(
-                    ErrorCode::UnknownName,
-                    format!("unknown colours \"{word}\""),
-                    help,
-                ));
+                return Err(super::unknown_colours(word, help));
             }
         })
     }

@@ -21,6 +21,8 @@ mod uniform;
 pub mod view;
 pub mod walls;
 
+use crate::error::{ErrorCode, UserError};
+
 pub use crate::palette::{ColourMap, Theme};
 pub use camera::{Camera, Projection};
 pub use cutters::CutterFilter;
@@ -31,3 +33,8 @@ pub use residual::ResidualKernel;
 pub use scene::{FloorColours, Pick, Scene, SceneOptions, SectionPlane};
 pub use stock_floor::{StockFloor, StockState};
 pub use view::View;
+
+/// The error of a word for colours that is none of those that `help` names.
+fn unknown_colours(word: &str, help: &str) -> UserError {
+    UserError::new(ErrorCode::UnknownName, format!("unknown colours \"{word}\""), help)
+}

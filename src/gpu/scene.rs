@@ -14,7 +14,7 @@ use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
-use crate::error::{ErrorCode, UserError};
+use crate::error::UserError;
 use crate::palette::{ColourMap, Rgb, Theme};
 use crate::part::Impeller;
 use crate::plunge::plan::PlungePlan;
@@ -148,11 +148,7 @@ impl FromStr for FloorColours {
             "plain" => Self::Plain,
             _ => {
                 let help = "use residual, interference, plain or solid";
-                return Err(UserError::new(
-                    ErrorCode::UnknownName,
-                    format!("unknown colours \"{word}\""),
-                    help,
-                ));
+                return Err(super::unknown_colours(word, help));
             }
         })
     }
