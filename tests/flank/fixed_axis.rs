@@ -1,16 +1,15 @@
 //! Fixed axes of inner passes, compared with brute force on real parts.
 
-use std::path::Path;
-
 use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::fixed_axis::{
     AxisObstacle, Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Unreachable,
 };
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
-use vanecut::io::part_file::read_part;
 use vanecut::part::{Blank, Channel, Impeller, Passage, SideProbe};
 use vanecut::setup::Tool;
+
+use super::parts::part_at;
 
 const LIMITS: FixedAxisLimits = FixedAxisLimits {
     hub_allowance: 0.5,
@@ -18,12 +17,6 @@ const LIMITS: FixedAxisLimits = FixedAxisLimits {
     stock_height: 3.0,
     max_tilt_rad: 60.0 * std::f64::consts::PI / 180.0,
 };
-
-fn part_at(path: &str) -> Impeller {
-    let path =
-        if path.starts_with('/') { path.into() } else { Path::new(env!("CARGO_MANIFEST_DIR")).join(path) };
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
 
 fn tool(diameter: f64, corner_radius: f64, overhang: f64) -> Tool {
     Tool {

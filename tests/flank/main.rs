@@ -4,6 +4,7 @@
 
 mod fixed_axis;
 mod mixed;
+mod parts;
 mod plan;
 mod program;
 mod verify;

@@ -1,24 +1,23 @@
 //! Programs that plunge and mill along curves: cores are held against the stock that both have left.
 
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use vanecut::geometry::frame_about;
-use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::Channel;
 use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, verify_flank};
+
+use super::parts::part_at;
 
 /// Moves of a plunge: rapid, plunge, rapid back.
 const PLUNGE: usize = 3;
 
 /// A plan whose cores are free, with one cutter in the outer part of the channel.
 static PLAN: LazyLock<PlanOutcome> = LazyLock::new(|| {
-    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
-    let part = read_part_bytes("a.toml", text, "toml").expect("readable");
-    let part = Arc::new(Impeller::build(&part).expect("a wheel"));
+    let part = part_at("assets/parts/impeller9x9.toml").into();
     let tool = Tool {
         number: 1,
         diameter: 16.0,

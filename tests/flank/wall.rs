@@ -1,25 +1,19 @@
 //! Flank milling of walls, compared with brute force on real parts.
 
-use std::path::Path;
-
 use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::layer::LayerSurface;
 use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, frame_about};
-use vanecut::io::part_file::read_part;
 use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, WallEnvelope};
 use vanecut::setup::Tool;
+
+use super::parts::part_at;
 
 /// A part with bowed blades through three span sections.
 const BOWED: &str = "tests/cli/assess_bowed/part.toml";
 const ALLOWANCE: f64 = 0.5;
 const DEPTH: f64 = 3.0;
-
-fn part_at(path: &str) -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
-}
 
 fn tool(diameter: f64, corner_radius: f64) -> Tool {
     Tool {

@@ -5,7 +5,6 @@ use std::sync::{Arc, LazyLock};
 
 use vanecut::geometry::Meridional;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::setup_file::{read_setup, read_setup_bytes, write_setup, write_setup_beside};
 use vanecut::io::stl::write_stl;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
@@ -16,11 +15,9 @@ use vanecut::stock::solid::{SolidBlank, SolidStock, StockSurface};
 use vanecut::toolpath::{ClProgram, Motion};
 use vanecut::verify::{FaultKind, verify};
 
-static PART: LazyLock<Arc<Impeller>> = LazyLock::new(|| {
-    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
-    let part = read_part_bytes("a.toml", text, "toml").expect("readable");
-    Arc::new(Impeller::build(&part).expect("a wheel"))
-});
+use super::samples::sample;
+
+static PART: LazyLock<Arc<Impeller>> = LazyLock::new(|| sample("impeller9x9").into());
 
 /// One cutter in the outer half of the channel.
 fn planned(blank: BlankShape) -> PlanOutcome {
