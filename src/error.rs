@@ -250,7 +250,7 @@ error_codes! {
             "The program was built without its window or without pictures.",
             "Build it with --features window or --features gpu.";
         GraphicsDevice "graphics-device",
-            "There is no usable graphics device or display, or it failed.",
+            "No graphics device or display can be used, or the device failed.",
             "Install a Vulkan driver (on Debian: mesa-vulkan-drivers), set DISPLAY, or use a command without pictures.";
         Picture "picture",
             "A picture cannot be encoded.",

@@ -43,7 +43,7 @@ impl AppError {
     pub fn explained(&self) -> UserError {
         let (what, help) = match self {
             Self::NoDisplay => (
-                "there is no display to open a window on".to_owned(),
+                "no display for the window".to_owned(),
                 "set DISPLAY or WAYLAND_DISPLAY, or use the commands without a window (vanecut help)",
             ),
             Self::DeadDisplay(display) => (
