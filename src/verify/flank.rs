@@ -12,6 +12,7 @@ mod uncovered;
 mod walls;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -120,14 +121,16 @@ pub struct FlankVerifier<'a> {
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
-    standing: Option<StandingContacts>,
+    last: Option<LastProgram>,
 }
 
-/// The contacts of a program with stock that stands.
-struct StandingContacts {
+/// What is known of the stock under the last program: a job first asks for its faults, then for its verdict.
+struct LastProgram {
     /// Its steps, with their channels.
     steps: Vec<(StepKey, i64)>,
-    contacts: Vec<Contact>,
+    floors: Vec<(i64, Arc<FloorResult>)>,
+    /// Contacts with stock that stands, once they have been searched for.
+    contacts: Option<Vec<Contact>>,
 }
 
 /// The steps of a program with their results.
@@ -135,7 +138,7 @@ struct ExaminedProgram {
     steps: Vec<CutterStep>,
     looks: Vec<StepResult>,
     /// The floor of each channel with cuts.
-    channels: Vec<(i64, FloorResult)>,
+    channels: Vec<(i64, Arc<FloorResult>)>,
     faults: Vec<Fault>,
 }
 
@@ -159,7 +162,7 @@ impl<'a> FlankVerifier<'a> {
             finished: FinishedPart::new(part, &channel.sides),
             tools: Vec::new(),
             cache: HashMap::new(),
-            standing: None,
+            last: None,
         }
     }
 
@@ -237,15 +240,16 @@ impl<'a> FlankVerifier<'a> {
         Ok(verdict)
     }
 
-    /// The faults where cutters in rapid, shanks and holders meet stock that stands.
+    /// The faults where cutters in rapid, shanks and holders meet stock that stands: of the program that was
+    /// examined last.
     fn faults_in_standing_stock(
         &mut self,
         steps: &[CutterStep],
         monitor: &Monitor,
     ) -> Result<Vec<Fault>, Cancelled> {
-        let keys: Vec<(StepKey, i64)> = steps.iter().map(|step| (step_key(step), step.channel)).collect();
-        let contacts = match self.standing.take().filter(|known| known.steps == keys) {
-            Some(known) => known.contacts,
+        let known = self.last.as_mut().and_then(|last| last.contacts.take());
+        let contacts = match known {
+            Some(known) => known,
             None => standing::collisions(self.part, &self.blank, &self.tools, steps, monitor)?,
         };
         let fault = |contact: &Contact| {
@@ -253,7 +257,9 @@ impl<'a> FlankVerifier<'a> {
             standing::finding(contact, self.tools[step.tool].number).at(step.line)
         };
         let faults = contacts.iter().map(fault).collect();
-        self.standing = Some(StandingContacts { steps: keys, contacts });
+        if let Some(last) = &mut self.last {
+            last.contacts = Some(contacts);
+        }
         Ok(faults)
     }
 
@@ -265,7 +271,7 @@ impl<'a> FlankVerifier<'a> {
         let (steps, tools) = steps_of(self.part, self.channel, program, self.setup)?;
         if tools != self.tools {
             self.cache.clear();
-            self.standing = None;
+            self.last = None;
             self.tools = tools;
         }
         let looks = match self.examine_steps(&steps, monitor) {
@@ -276,19 +282,14 @@ impl<'a> FlankVerifier<'a> {
         for (step, look) in steps.iter().zip(&looks) {
             faults.extend(self.faults_of(step, look));
         }
-        let mut numbers: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        let mut channels = Vec::with_capacity(numbers.len());
-        for number in numbers {
-            if let Err(cancelled) = monitor.check() {
-                return Ok(Err(cancelled));
-            }
-            let floor = self.floor(&steps, &looks, number);
-            let ours: Vec<&CutterStep> = steps.iter().filter(|s| s.channel == number).collect();
+        let channels = match self.floors(&steps, &looks, monitor) {
+            Ok(channels) => channels,
+            Err(cancelled) => return Ok(Err(cancelled)),
+        };
+        for (number, floor) in &channels {
+            let ours: Vec<&CutterStep> = steps.iter().filter(|s| s.channel == *number).collect();
             faults.extend(floor.collisions.iter().map(|struck| struck.fault(ours[struck.step].line)));
             faults.extend(floor.depths.iter().filter_map(|&(depth, step)| self.too_deep(depth, ours[step])));
-            channels.push((number, floor));
         }
         faults.extend(self.program_faults(program, &steps, &channels));
         faults.sort_by_key(|fault| fault.line);
@@ -336,6 +337,30 @@ impl<'a> FlankVerifier<'a> {
             (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;
         self.cache.extend(steps.iter().zip(&looks).map(|(step, look)| (step_key(step), look.clone())));
         Ok(looks)
+    }
+
+    /// The floors of all channels with cuts, after their steps.
+    fn floors(
+        &mut self,
+        steps: &[CutterStep],
+        looks: &[StepResult],
+        monitor: &Monitor,
+    ) -> Result<Vec<(i64, Arc<FloorResult>)>, Cancelled> {
+        let keys: Vec<(StepKey, i64)> = steps.iter().map(|step| (step_key(step), step.channel)).collect();
+        if let Some(last) = self.last.as_ref().filter(|last| last.steps == keys) {
+            return Ok(last.floors.clone());
+        }
+        let mut numbers: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let floor = |number| {
+            monitor.check()?;
+            Ok((number, Arc::new(self.floor(steps, looks, number))))
+        };
+        let floors: Vec<(i64, Arc<FloorResult>)> =
+            numbers.into_iter().map(floor).collect::<Result<_, Cancelled>>()?;
+        self.last = Some(LastProgram { steps: keys, floors: floors.clone(), contacts: None });
+        Ok(floors)
     }
 
     /// The floor of channel `number` after its steps.
@@ -396,7 +421,7 @@ impl<'a> FlankVerifier<'a> {
         &self,
         program: &ClProgram,
         steps: &[CutterStep],
-        channels: &[(i64, FloorResult)],
+        channels: &[(i64, Arc<FloorResult>)],
     ) -> Vec<Fault> {
         let mut faults = Vec::new();
         if channels.iter().map(|(_, floor)| floor.removed).sum::<f64>() <= 0.0 {
