@@ -30,9 +30,9 @@ fn planned(request: &FlankRequest) -> FlankOutcome {
 #[test]
 fn verify_finds_no_fault_in_the_programs() {
     for (name, scheme, depth) in [
-        ("impeller9x9.toml", FlankStrategy::Balanced, 3.0),
-        ("impeller9x9.toml", FlankStrategy::Isoparametric, 6.0),
-        ("pump6.toml", FlankStrategy::Regions, 5.0),
+        ("impeller9x9.toml", FlankStrategy::Balanced, 6.0),
+        ("impeller9x9.toml", FlankStrategy::Isoparametric, 12.0),
+        ("pump6.toml", FlankStrategy::Regions, 10.0),
     ] {
         let outcome = planned(&request(name, |setup| {
             setup.flank.strategy = scheme;
@@ -154,7 +154,7 @@ fn a_flank_file_reads_back_and_damage_is_told() {
 #[test]
 fn only_stale_stages_are_planned_again_and_to_the_same_end() {
     let job = FlankJob::default();
-    let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 6.0);
+    let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 12.0);
     let first = job.run(&request, &Monitor::default()).expect("a plan");
     request.setup.flank.feed_mm_per_min = Some(900.0);
     let second = job.run(&request, &Monitor::default()).expect("a plan");

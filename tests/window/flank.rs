@@ -5,13 +5,24 @@ use vanecut::app::dialogs::Purpose;
 use vanecut::setup::FlankStrategy;
 
 use crate::fake;
-use crate::harness::{settle, snapshot_view, with_sample, words};
+use crate::harness::{Window, settle, snapshot_view, with_sample, words};
+
+/// Sets the depth of the layers in the panel of flank milling, mm.
+fn set_depth(window: &mut Window, depth: f64) {
+    let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
+    field.set_value_accesskit(depth);
+    window.run_steps(4);
+    settle(window);
+}
 
 #[test]
 fn flank_curves_are_planned_shown_and_written() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     assert!(window.state().state().results.flank.is_none());
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    set_depth(&mut window, 8.0);
     window.key_press(egui::Key::F6);
     window.run_steps(2);
     settle(&mut window);
@@ -72,12 +83,6 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
     let mut window = with_sample(engine);
     window.get_by_label("Flank: not calculated").click();
     window.run_steps(4);
-    let set_depth = |window: &mut crate::harness::Window, depth: f64| {
-        let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
-        field.set_value_accesskit(depth);
-        window.run_steps(4);
-        settle(window);
-    };
     // Few layers.
     set_depth(&mut window, 10.0);
     window.get_by_label("Calculate flank").click_accesskit();

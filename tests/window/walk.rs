@@ -137,6 +137,8 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.get_by_label("Flank: not calculated").click();
     window.run_steps(4);
     choose(&mut window, "Strategy", "Regions");
+    window.get_by_role_and_label(Role::Slider, "Layer depth").set_value_accesskit(10.0);
+    window.run_steps(4);
     window.key_press(egui::Key::F6);
     window.run_steps(2);
     settle(&mut window);
