@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use vanecut::io::apt::read_apt;
 use vanecut::io::part_file::read_part;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::Impeller;
 use vanecut::setup::Setup;
 use vanecut::verify::{verify, verify_flank};
 
@@ -18,12 +18,13 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         return Err("usage: judge_program PART.toml PROGRAM.apt".into());
     };
     let part = Impeller::build(&read_part(Path::new(&part))?)?;
-    let (channel, setup) = (Channel::of(&part), Setup::for_part(&part));
+    let setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(part);
     let program = read_apt(Path::new(&path))?;
     // Plunges and flank milling are judged by rules of their own; the moves of the program tell which it is.
     let faults = match program.mills_along_curves() {
-        true => verify_flank(&part, &channel, &setup, &program).map(|verdict| verdict.faults),
-        false => verify(&part, &channel, &setup, &program).map(|verdict| verdict.faults),
+        true => verify_flank(&workpiece, &setup, &program).map(|verdict| verdict.faults),
+        false => verify(&workpiece, &setup, &program).map(|verdict| verdict.faults),
     };
     let faults = faults.unwrap_or_else(|fault| vec![fault]);
     for fault in &faults {

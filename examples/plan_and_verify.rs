@@ -9,7 +9,7 @@ use vanecut::io::part_file::read_part;
 use vanecut::io::write::write_atomically;
 use vanecut::job::{PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::report_plunges;
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = write_apt(&ClProgram::of_plan(&part.name, &outcome.after.plan));
     write_atomically(Path::new(&output), text.as_bytes())?;
     let program = read_apt_bytes(&output, text.as_bytes())?;
-    let report = report_plunges(&part, &Channel::of(&part), &outcome.setup, &program, 256)
+    let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, 256)
         .map_err(|fault| format!("{output}:{}: {}", fault.line, fault.message))?;
     println!("{output}: {} faults", report.verdict.faults.len());
     Ok(())

@@ -8,13 +8,13 @@
 //! | [`monitor`] | cancellation and progress of long work |
 //! | [`palette`] | colours of pictures and window |
 //! | [`geometry`] | curves, surfaces of revolution, solids of cutters, root finding, distances |
-//! | [`part`] | impeller, channel, blade sides, blank |
+//! | [`part`] | impeller, channel, blade sides, blank, workpiece |
 //! | [`setup`] | allowances, clearances, tools, machine, their defaults and faults |
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
 //! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
 //! | [`toolpath`] | programs as data: tools, moves, sections, rows |
 //! | [`machine`] | five-axis machines: chain of axes, rotary positions, links, time |
-//! | [`cutting`] | a cutter against part and stock: clearance, drop-cutter depth, links, core contact |
+//! | [`cutting`] | a cutter against part and stock: shank, holder, drop-cutter depth, links, core contact |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
 //! | [`stock`] | the heightfield of residual stock on the channel floor, its CPU kernel; the stock as a solid |

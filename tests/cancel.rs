@@ -11,7 +11,7 @@ use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::plan_file::{read_plan_bytes, write_plan};
 use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, Impeller, PartDescription};
+use vanecut::part::{Impeller, PartDescription};
 use vanecut::plunge::{PlungePlan, StopReason};
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::ClProgram;
@@ -91,7 +91,7 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
         let program = ClProgram::of_plan(&request.part.name, plan);
         assert!(program.part.ends_with("UNFINISHED"), "a program that is run by mistake says what it is");
         let program = read_apt_bytes("plunge.apt", write_apt(&program).as_bytes()).expect("readable");
-        let verdict = verify(&request.part, &Channel::of(&request.part), &outcome.setup, &program);
+        let verdict = verify(&outcome.workpiece, &outcome.setup, &program);
         assert_eq!(verdict.expect("can be judged").faults, [], "stopped at {share}");
         let text = write_plan(&description(), &outcome.setup, plan, 1);
         assert!(text.contains("\"cancelled\""), "the file says so");

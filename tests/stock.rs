@@ -6,7 +6,7 @@ use vanecut::geometry::Meridional;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::{Blank, Impeller, Workpiece};
 use vanecut::setup::{AxisPolicy, Setup, Tool};
 use vanecut::stock::excess::Excess;
 use vanecut::stock::solid::{
@@ -46,8 +46,8 @@ fn planned() -> PlanOutcome {
 fn contact_and_floor_agree_with_contact_and_heightfield() {
     let outcome = planned();
     let plan = &outcome.before.plan;
-    let blank = Blank::of(&outcome.part, 0.0);
-    let outline = SolidBlank::Turned(TurnedOutline::of_blank(&outcome.part, &blank));
+    let blank = Blank::of(&outcome.workpiece.part, 0.0);
+    let outline = SolidBlank::Turned(TurnedOutline::of_blank(&outcome.workpiece.part, &blank));
     let spacing = 0.8;
     let mut stock = SolidStock::new(&outline, spacing).expect("it fits");
     let program = SolidProgram::new(&ClProgram::of_plan("a", plan), &outcome.setup).expect("it has a tool");
@@ -67,7 +67,7 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
 
     // Vertices on cut floor, against the height of stock at their feet on the hub.
     let surface = StockSurface::of(&stock);
-    let hub = outcome.part.hub.curve();
+    let hub = outcome.workpiece.part.hub.curve();
     let mut heights = Vec::new();
     let (mut points, mut normals) = (Vec::new(), Vec::new());
     for ((p, n), by) in surface.points.iter().zip(&surface.normals).zip(&surface.cut_by) {
@@ -109,12 +109,13 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
 fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
     let text = include_bytes!("../assets/parts/impeller9x9.toml");
     let part = Impeller::build(&read_part_bytes("a.toml", text, "toml").expect("readable")).expect("a wheel");
-    let channel = Channel::of(&part);
-    let excess = Excess::new(&part);
+    let workpiece = Setup::default().allowances.workpiece_of(part);
+    let Workpiece { part, channel, .. } = &workpiece;
+    let excess = Excess::new(&workpiece);
     for by in [2.0, 0.5, 0.0, -0.5] {
         // Above the middle of the hub floor, and beside the middle of every wall, away from its edges.
         let passage = &channel.beside_splitter[0];
-        let floor = passage.point(&part, 0.8, 0.5, 0.0).expect("in the channel").point;
+        let floor = passage.point(part, 0.8, 0.5, 0.0).expect("in the channel").point;
         let up = part.hub.normal(0.8).direction_at_angle(floor.y.atan2(floor.x));
         assert!(
             (excess.at(&(floor + up * by)) - by).abs() < 1e-6,

@@ -141,8 +141,8 @@ impl Engine {
             compare: task.compare,
             field_cells: if task.draft { DRAFT_CELLS } else { FIELD_CELLS },
         };
-        let last = task.last.clone().filter(|last| Arc::ptr_eq(&last.outcome.part, &task.part));
-        let coming = PlanPreview::new(task.number, Arc::clone(&task.part), task.setup.clone(), last.clone());
+        let last = task.last.clone().filter(|last| Arc::ptr_eq(&last.outcome.workpiece.part, &task.part));
+        let coming = PlanPreview::new(task.number, task.setup.clone(), last.clone());
         let coming = Mutex::new(coming);
         let listen = |stage: PlanStage| {
             if monitor.is_cancelled() {

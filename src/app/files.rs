@@ -177,7 +177,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
 
 fn cl_text(content: &ClTask) -> String {
     let outcome = &content.planned.outcome;
-    let channels = if content.all_channels { outcome.part.blade_count } else { 1 };
+    let channels = if content.all_channels { outcome.workpiece.part.blade_count } else { 1 };
     let result = content.planned.result(content.policy);
     // Nothing cancels a file that is being written.
     outcome
@@ -224,7 +224,7 @@ fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<
 
 fn flank_text(outcome: &FlankOutcome) -> String {
     let plan = &outcome.plan;
-    write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves))
+    write_apt(&ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves))
 }
 
 #[cfg(test)]

@@ -402,7 +402,7 @@ impl SidePicture {
         }
         self.flank = shown;
         if let Some((outcome, _)) = self.flank.as_ref().filter(|_| self.shows_walls()) {
-            let (mesh, _) = flank::wall_deviations(&outcome.part, &shown_walls(&outcome.plan));
+            let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &shown_walls(&outcome.plan));
             self.scene.set_values(&self.gpu, mesh);
         }
         self.generation += 1;

@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::job::{PlanOutcome, PlanStage, PolicyResult};
-use crate::part::Impeller;
+use crate::part::Workpiece;
 use crate::plunge::PlungePlan;
 use crate::setup::{AxisPolicy, Setup};
 use crate::stock::{FieldProgram, FloorGrid, FloorLevels};
@@ -42,27 +42,35 @@ pub struct PlanPreview {
     cutters: Vec<PreviewCutters>,
     /// The finished policies, as a plan.
     pub planned: Option<Arc<DisplayPlan>>,
-    part: Arc<Impeller>,
     /// The plan shown before.
     last: Option<Arc<DisplayPlan>>,
-    resolved: Option<(Setup, Vec<Option<String>>)>,
+    resolved: Option<ResolvedRequest>,
     /// The floor of [`Self::planned`].
     floor: Option<Arc<FloorLevels>>,
     /// The plunges of the stages so far, sorted into the tiles of a floor.
     programs: Vec<Arc<FieldProgram>>,
 }
 
+/// What a plan is calculated for.
+#[derive(Clone, Debug)]
+struct ResolvedRequest {
+    workpiece: Arc<Workpiece>,
+    setup: Setup,
+    /// See [`PlanOutcome::reasons`].
+    reasons: Vec<Option<String>>,
+}
+
 impl PlanPreview {
     /// An empty preview. `last` is the plan of that part shown before.
-    pub(super) fn new(task: u64, part: Arc<Impeller>, setup: Setup, last: Option<Arc<DisplayPlan>>) -> Self {
+    pub(super) fn new(task: u64, setup: Setup, last: Option<Arc<DisplayPlan>>) -> Self {
         let (cutters, programs) = (Vec::new(), Vec::new());
-        Self { task, setup, cutters, planned: None, part, last, resolved: None, floor: None, programs }
+        Self { task, setup, cutters, planned: None, last, resolved: None, floor: None, programs }
     }
 
     /// The floor over which a stage is drawn, for [`super::planned::program_of`].
     pub(super) fn floor_of(&mut self, stage: &PlanStage) -> Option<Arc<FloorLevels>> {
         match stage {
-            PlanStage::Resolved(..) => None,
+            PlanStage::Resolved { .. } => None,
             PlanStage::Preview(_) | PlanStage::Placed(_) | PlanStage::Evaluated(_) => {
                 self.last.as_ref().map(|last| Arc::clone(&last.floor))
             }
@@ -95,7 +103,9 @@ impl PlanPreview {
             self.programs.push(Arc::clone(program));
         }
         match stage {
-            PlanStage::Resolved(setup, reasons) => self.resolved = Some((setup, reasons)),
+            PlanStage::Resolved { workpiece, setup, reasons } => {
+                self.resolved = Some(ResolvedRequest { workpiece, setup, reasons });
+            }
             PlanStage::Preview(plan) => {
                 self.take_cutters(plan, true, true, program);
             }
@@ -137,7 +147,7 @@ impl PlanPreview {
     }
 
     fn take_result(&mut self, grid: Arc<FloorGrid>, result: PolicyResult) {
-        let Some((setup, reasons)) = self.resolved.clone() else { return };
+        let Some(ResolvedRequest { workpiece, setup, reasons }) = self.resolved.clone() else { return };
         let outcome = match &self.planned {
             Some(planned) => {
                 let mut outcome = (*planned.outcome).clone();
@@ -145,7 +155,7 @@ impl PlanPreview {
                 outcome
             }
             None => PlanOutcome {
-                part: Arc::clone(&self.part),
+                workpiece,
                 setup,
                 reasons,
                 grid,

@@ -53,7 +53,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
             found.push(format!("Clearance to {name} is {kept:.3} mm, less than {wanted} mm"));
         }
     }
-    let part = &shown.planned.outcome.part;
+    let part = &shown.planned.outcome.workpiece.part;
     let machine = &shown.planned.outcome.setup.machine;
     let beyond = plan.positions.iter().filter(|p| machine.excess_tilt_rad(part, &p.axis) > 1e-6).count();
     if beyond > 0 {

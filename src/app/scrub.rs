@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::part::Workpiece;
 use crate::plunge::inspect::{SectionView, section_view};
 use crate::setup::AxisPolicy;
 use crate::stock::{field_cutters, residual_field};
@@ -72,10 +73,10 @@ impl InspectedSection {
     pub(super) fn new(ctx: &egui::Context) -> Self {
         let look = |place: &PlanPosition| {
             let outcome = &place.planned.outcome;
-            let stock = &outcome.setup.allowances;
-            let blank = stock.blank_of(&outcome.part);
+            let allowance = outcome.setup.allowances.hub_allowance;
+            let Workpiece { part, blank, .. } = &*outcome.workpiece;
             let plan = place.planned.plan(place.policy);
-            section_view(&outcome.part, &blank, stock.hub_allowance, plan, place.count).map(Arc::new)
+            section_view(part, blank, allowance, plan, place.count).map(Arc::new)
         };
         Self(Latest::new("section", ctx, look))
     }

@@ -10,7 +10,7 @@ use crate::job::flank::FlankOutcome;
 use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::palette::{self, Rgb};
-use crate::part::Impeller;
+use crate::part::{Impeller, Workpiece};
 use crate::plunge::MOVES_PER_PLUNGE;
 use crate::plunge::plan::{Condition, PlungePlan};
 use crate::setup::AxisPolicy;
@@ -108,8 +108,12 @@ pub struct SolidPicture {
 }
 
 impl SolidSource {
+    fn workpiece(&self) -> &Workpiece {
+        &self.planned.outcome.workpiece
+    }
+
     fn part(&self) -> &Impeller {
-        &self.planned.outcome.part
+        &self.workpiece().part
     }
 
     fn plan(&self) -> &PlungePlan {
@@ -144,8 +148,7 @@ impl SolidSource {
 
     /// The blank with rays at a spacing.
     fn blank(&self, rays: f64) -> Result<(SolidStock, f64), SolidError> {
-        let blank = self.planned.outcome.setup.allowances.blank_of(self.part());
-        let blank = SolidBlank::of(self.part(), &blank);
+        let blank = SolidBlank::of(self.part(), &self.workpiece().blank);
         let spacing = blank.default_spacing() * 800.0 / rays;
         Ok((SolidStock::new(&blank, spacing)?, spacing))
     }
@@ -322,7 +325,7 @@ fn painted(
     monitor: &Monitor,
 ) -> Result<(Mesh, Vec<(Rgb, String)>), String> {
     let painter = Painter::new(request, program, contacts);
-    let excess = (request.colours == SolidColours::Distance).then(|| Excess::new(request.source.part()));
+    let excess = (request.colours == SolidColours::Distance).then(|| Excess::new(request.source.workpiece()));
     let paint = |cut_by: u32| painter.paint(cut_by);
     // Cancelled by a newer request.
     let mesh = solid_mesh(surface, spacing, excess.as_ref(), paint, monitor).map_err(|_| String::new())?;
@@ -412,7 +415,9 @@ impl AppState {
     /// shown.
     pub(super) fn solid_source(&self, side: Side) -> Option<SolidSource> {
         let shown = self.last_whole_plan(side)?;
-        let same_part = |flank: &&Arc<FlankOutcome>| Arc::ptr_eq(&flank.part, &shown.planned.outcome.part);
+        let same_part = |flank: &&Arc<FlankOutcome>| {
+            Arc::ptr_eq(&flank.workpiece.part, &shown.planned.outcome.workpiece.part)
+        };
         let flank = self.shown_flank().map(|(outcome, _)| outcome).filter(same_part).cloned();
         Some(SolidSource { planned: Arc::clone(shown.planned), policy: shown.policy, flank })
     }

@@ -316,7 +316,7 @@ impl App {
         match end {
             Outcome::Done(outcome) => {
                 let part = self.state.document.part.as_ref();
-                if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &outcome.part)) {
+                if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &outcome.workpiece.part)) {
                     self.state.take_flank(outcome);
                 }
             }
@@ -352,7 +352,7 @@ impl App {
                 Outcome::Done(planned) => {
                     // Drop the plan of a part that was replaced meanwhile.
                     let part = self.state.document.part.as_ref();
-                    if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &planned.outcome.part)) {
+                    if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &planned.outcome.workpiece.part)) {
                         self.state.take_plan(planned);
                     }
                 }

@@ -14,7 +14,7 @@ pub mod reach;
 pub mod shape;
 mod tool_placement;
 
-use crate::part::{Blade, BladeWall, Channel, Impeller, WallEnvelope};
+use crate::part::{Blade, BladeWall, WallEnvelope, Workpiece};
 use passage::{PassageKind, PassageMeasure};
 use reach::{ReachLimits, ReachMap, ReachSection};
 use shape::BladeShape;
@@ -64,20 +64,16 @@ pub struct Assessment {
 }
 
 impl Assessment {
-    /// Assesses `part` with its `channel`, and the reach of the tools of `stretches`.
-    pub fn of(
-        part: &Impeller,
-        channel: &Channel,
-        stretches: &[ReachSection<'_>],
-        limits: &ReachLimits,
-    ) -> Self {
+    /// Assesses the part of `workpiece`, and the reach of the tools of `stretches`.
+    pub fn of(workpiece: &Workpiece, stretches: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
+        let Workpiece { part, channel, .. } = workpiece;
         let blades =
             std::iter::once(&part.main).chain(part.splitters.first()).map(BladeMeasure::of).collect();
         Self {
             blades,
             depths: passage::depths(part, channel),
             passages: passage::measure(part, channel),
-            reach: (!stretches.is_empty()).then(|| ReachMap::new(part, channel, stretches, limits)),
+            reach: (!stretches.is_empty()).then(|| ReachMap::new(workpiece, stretches, limits)),
         }
     }
 

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use super::tool_placement::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
-use crate::part::{Channel, Impeller, Passage};
+use crate::part::{Channel, Impeller, Passage, Workpiece};
 use crate::setup::Tool;
 
 /// A section of the channel and its tool.
@@ -130,14 +130,10 @@ const BORDER_STEPS: usize = 5;
 pub const MIN_INCLINATION: f64 = 7.5 * std::f64::consts::PI / 180.0;
 
 impl ReachMap {
-    /// The map of the floor of `channel`.
-    pub fn new(
-        part: &Impeller,
-        channel: &Channel,
-        stretches: &[ReachSection<'_>],
-        limits: &ReachLimits,
-    ) -> Self {
-        let surroundings = ReachObstacles::new(part, channel, limits);
+    /// The map of the channel floor of `workpiece`.
+    pub fn new(workpiece: &Workpiece, stretches: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
+        let Workpiece { part, channel, .. } = workpiece;
+        let surroundings = ReachObstacles::new(workpiece, limits);
         let rows_of = |row: usize| (row as f64 + 0.5) / ROWS as f64;
         let strips: Vec<Vec<FloorStrip>> = (0..ROWS)
             .into_par_iter()

@@ -4,7 +4,7 @@
 
 use super::reach::{MIN_INCLINATION, ReachLimits, ReachSides};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
-use crate::part::{Blank, Channel, Impeller, Passage, SideProbe};
+use crate::part::{Blank, Impeller, Passage, SideProbe, Workpiece};
 use crate::setup::Tool;
 
 /// Maximum number of pushes of an axis between the walls before it counts as blocked.
@@ -30,17 +30,18 @@ pub struct Inclinations {
 pub struct ReachObstacles<'a> {
     part: &'a Impeller,
     sides: Vec<SideProbe>,
-    blank: Blank,
+    blank: &'a Blank,
     limits: ReachLimits,
 }
 
 impl<'a> ReachObstacles<'a> {
-    /// The collision geometry of `channel`.
-    pub fn new(part: &'a Impeller, channel: &Channel, limits: &ReachLimits) -> Self {
+    /// The collision geometry of `workpiece`.
+    pub fn new(workpiece: &'a Workpiece, limits: &ReachLimits) -> Self {
+        let Workpiece { part, channel, blank, .. } = workpiece;
         Self {
             part,
             sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
-            blank: Blank::of(part, 0.0),
+            blank,
             limits: *limits,
         }
     }

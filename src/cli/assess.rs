@@ -10,13 +10,12 @@ use crate::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
 use crate::assess::shape::Twist;
 use crate::assess::{Assessment, BladeMeasure};
 use crate::job::resolve;
-use crate::part::{Channel, Impeller};
+use crate::part::Workpiece;
 use crate::setup::Setup;
 
 /// A part with its assessment and the setup with the tools.
 struct AssessedPart<'a> {
-    part: &'a Impeller,
-    channel: &'a Channel,
+    workpiece: &'a Workpiece,
     setup: &'a Setup,
     assessment: &'a Assessment,
 }
@@ -32,8 +31,8 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         plan::check_directory(folder)?;
     }
-    let channel = Channel::of(&part);
-    let (setup, no_reach) = match resolve(&opened.setup, &part, &channel) {
+    let workpiece = opened.setup.allowances.workpiece_of(part);
+    let (setup, no_reach) = match resolve(&opened.setup, &workpiece) {
         Ok(resolved) => (resolved.setup, None),
         // A part without a suitable standard cutter can still be measured.
         Err(fault) if args.setup.is_none() => (opened.setup.clone(), Some(fault)),
@@ -44,10 +43,10 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
         blade_allowance: setup.allowances.blade_allowance,
         max_tilt_rad: setup.plunge.max_tilt_rad,
     };
-    let assessment = Assessment::of(&part, &channel, &stretches(&setup), &limits);
-    let found = AssessedPart { part: &part, channel: &channel, setup: &setup, assessment: &assessment };
+    let assessment = Assessment::of(&workpiece, &stretches(&setup), &limits);
+    let found = AssessedPart { workpiece: &workpiece, setup: &setup, assessment: &assessment };
     let drawn = match &args.output {
-        Some(folder) => assess_pictures::write(folder, &part, &channel, &setup, &assessment)?,
+        Some(folder) => assess_pictures::write(folder, &workpiece, &setup, &assessment)?,
         None => String::new(),
     };
     if args.json {
@@ -83,7 +82,7 @@ const ACCESS_CLASSES: [AccessClass; 4] = [
 ];
 
 fn object(found: &AssessedPart) -> Map<String, Value> {
-    let (part, a) = (found.part, found.assessment);
+    let (part, a) = (&found.workpiece.part, found.assessment);
     let (narrow, wide) = a.width_range();
     let share = |wanted: fn(ReachSides) -> bool| {
         a.reach.as_ref().map_or(Value::Null, |map| number(map.share(wanted)))
@@ -103,7 +102,7 @@ fn object(found: &AssessedPart) -> Map<String, Value> {
         put(&format!("reachable_{key}"), share(*wanted));
     }
     put("envelope_gap", number(a.blades.iter().map(BladeMeasure::envelope_gap).fold(0.0, f64::max)));
-    put("splitter_leading_edge", json!(found.channel.splitter_s));
+    put("splitter_leading_edge", json!(found.workpiece.channel.splitter_s));
     put(
         "by_blade",
         a.blades.iter().zip(BLADE_NAMES).map(|(blade, name)| blade_object(blade, name)).collect(),
@@ -218,7 +217,7 @@ fn passage_label(place: PassageKind) -> &'static str {
 }
 
 fn tables(found: &AssessedPart) -> String {
-    let (part, a) = (found.part, found.assessment);
+    let (part, a) = (&found.workpiece.part, found.assessment);
     let mut text = format!(
         "{}: {} blades{}, D {:.1}\n\n",
         part.name,

@@ -17,7 +17,7 @@ use crate::gpu::mesh::{Mesh, even_steps};
 use crate::gpu::walls::wall_mesh;
 use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
 use crate::io::write::write_all_atomically;
-use crate::part::{Blade, BladeSide, Blank, Channel, Impeller};
+use crate::part::{Blade, BladeSide, Impeller, Workpiece};
 use crate::setup::Setup;
 use crate::stock::surface::MAX_LINES;
 use crate::stock::{FloorGrid, FloorSource};
@@ -43,11 +43,11 @@ struct PageFile {
 /// cannot be written.
 pub fn write(
     folder: &Path,
-    part: &Impeller,
-    channel: &Channel,
+    workpiece: &Workpiece,
     setup: &Setup,
     assessment: &Assessment,
 ) -> Result<String, Failure> {
+    let part = &workpiece.part;
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
     let mut scene = Scene::new(&gpu, part);
@@ -60,7 +60,7 @@ pub fn write(
     if let Some(map) = &assessment.reach {
         files.push(PageFile {
             name: "reach.png",
-            bytes: picture(reach_mesh(part, channel, setup, map), (0.0, 3.0))?,
+            bytes: picture(reach_mesh(workpiece, setup, map), (0.0, 3.0))?,
             caption: "Floor reached by the cutters. Dark blue: not reached; grey: from the inlet only; \
                       sand: from the outlet only; yellow: from both sides."
                 .to_owned(),
@@ -121,9 +121,8 @@ fn page(part: &Impeller, files: &[PageFile]) -> String {
 
 /// Floor mesh with the class of access as value: 0 not reached, 1 from the inlet, 1.5 only near the hub
 /// normal, 2 from the outlet, 3 from both.
-fn reach_mesh(part: &Impeller, channel: &Channel, setup: &Setup, map: &ReachMap) -> Mesh {
-    let blank = Blank::of(part, 0.0);
-    let source = FloorSource { part, channel, blank: &blank, stock: &setup.allowances, cutters: &[] };
+fn reach_mesh(workpiece: &Workpiece, setup: &Setup, map: &ReachMap) -> Mesh {
+    let source = FloorSource { workpiece, stock: &setup.allowances, cutters: &[] };
     let mut grid = FloorGrid::new(&source, FLOOR_CELLS);
     let class = |sides: ReachSides| match (sides.inlet, sides.outlet) {
         (true, true) => 3.0,

@@ -15,7 +15,7 @@ use crate::io::part_file::read_part_bytes;
 use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
-use crate::part::{Blank, Channel, Impeller, PartDescription};
+use crate::part::{Impeller, PartDescription};
 use crate::plunge::Planner;
 use crate::setup::{AxisPolicy, Setup, Tool};
 #[cfg(feature = "gpu")]
@@ -46,8 +46,7 @@ fn three_tools() -> Vec<Tool> {
 
 /// Plans the measured part by the policy `minimal`.
 fn plan_minimal(outcome: &PlanOutcome) {
-    let channel = Channel::of(&outcome.part);
-    let planner = Planner::new(&outcome.part, &channel, &outcome.setup);
+    let planner = Planner::new(&outcome.workpiece, &outcome.setup);
     let plan = planner.plan(AxisPolicy::Minimal, &Monitor::default());
     std::hint::black_box(plan.is_ok());
 }
@@ -57,7 +56,7 @@ fn plan_minimal(outcome: &PlanOutcome) {
 fn bench_sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     let job = PlanJob::default();
     let mut request = PlanRequest {
-        part: outcome.part.clone(),
+        part: outcome.workpiece.part.clone(),
         setup: outcome.setup.clone(),
         policy: AxisPolicy::Minimal,
         compare: false,
@@ -110,7 +109,6 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let part = build(&wheel)?;
-    let channel = Channel::of(&part);
     let request = PlanRequest {
         part: part.clone(),
         setup: Setup { tools: three_tools(), ..Setup::default() },
@@ -145,11 +143,8 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
             });
         }),
     )?;
-    let blank = Blank::of(&part, 0.0);
     let source = FloorSource {
-        part: &part,
-        channel: &channel,
-        blank: &blank,
+        workpiece: &outcome.workpiece,
         stock: &outcome.setup.allowances,
         cutters: &stretches_of_plan(plan),
     };

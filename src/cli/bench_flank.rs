@@ -1,5 +1,7 @@
 //! Benchmarks of the flank planner.
 
+use std::sync::Arc;
+
 use super::bench::{build_sample, median, print_row};
 use super::{Failure, print_stdout};
 use crate::flank::LayoutInputs;
@@ -7,7 +9,6 @@ use crate::flank::choice::choose_tool;
 use crate::io::tool_library::flank_cutters;
 use crate::job::flank::{FlankJob, FlankRequest};
 use crate::monitor::Monitor;
-use crate::part::Channel;
 use crate::setup::Setup;
 
 /// Layer depths for the growth measurement, mm: the smaller the depth, the more points the passes have.
@@ -19,12 +20,12 @@ const DEPTHS: [f64; 4] = [6.0, 3.0, 1.5, 0.75];
 /// [`Failure::work`] when planning fails.
 pub fn run() -> Result<(), Failure> {
     let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
-    let channel = Channel::of(&part);
     let mut setup = Setup::default();
-    let tool = choose_tool(&part, &channel, &setup, flank_cutters()).map_err(Failure::of_work)?.tool;
+    let workpiece = setup.allowances.workpiece_of(part);
+    let tool = choose_tool(&workpiece, &setup, flank_cutters()).map_err(Failure::of_work)?.tool;
     let monitor = Monitor::default();
     let schemes = |setup: &Setup| {
-        let source = LayoutInputs { part: &part, channel: &channel, setup, tool: &tool };
+        let source = LayoutInputs { workpiece: &workpiece, setup, tool: &tool };
         source.plan(&monitor).map_err(Failure::of_work)
     };
     print_row(
@@ -49,7 +50,7 @@ pub fn run() -> Result<(), Failure> {
         "  time grows with pass points to the power of",
         slope(&points)
     ))?;
-    let request = FlankRequest { part: part.clone(), setup: Setup::default() };
+    let request = FlankRequest { part: Arc::clone(&workpiece.part), setup: Setup::default() };
     print_row(
         "flank plan of one channel with splitters, with program",
         median(|| {

@@ -24,7 +24,8 @@ const PICTURES: u32 = 12;
 /// [`Failure::work`] when standard output cannot be written.
 pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = UVec2::new(1280, 800);
-    let mut scene = Scene::new(gpu, &outcome.part).with_draft(gpu, &PartMesh::draft(&outcome.part));
+    let mut scene =
+        Scene::new(gpu, &outcome.workpiece.part).with_draft(gpu, &PartMesh::draft(&outcome.workpiece.part));
     let plan = &outcome.after.plan;
     scene.set_plan(Some(plan));
     scene.set_floor(gpu, Some((&outcome.grid, &outcome.after.field.heights)), Some(plan));
@@ -58,7 +59,8 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
 /// buffer, as the window does while the timeline plays; prints the medians at every resolution.
 fn preview(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = draft_size(gpu, UVec2::new(1280, 800));
-    let mut scene = Scene::new(gpu, &outcome.part).with_draft(gpu, &PartMesh::draft(&outcome.part));
+    let mut scene =
+        Scene::new(gpu, &outcome.workpiece.part).with_draft(gpu, &PartMesh::draft(&outcome.workpiece.part));
     let mut renderer = Renderer::new(gpu);
     let mut floor = StockFloor::new(Arc::new(ResidualKernel::new(gpu)?));
     let levels = Arc::new(FloorLevels::new(&outcome.grid));

@@ -13,7 +13,7 @@ use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
 use crate::job::Summary;
 use crate::monitor::Monitor;
-use crate::part::{Channel, Impeller, PartDescription};
+use crate::part::{Impeller, PartDescription};
 use crate::plunge::Planner;
 use crate::plunge::sections::MAX_POSITIONS;
 use crate::setup::{AxisPolicy, Setup};
@@ -79,36 +79,35 @@ pub fn run(part: &Impeller, setup: &Setup, max_positions: usize) -> Result<(), F
 fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), Failure> {
     let failed = |error: UserError| Failure::of_work(error).at("the growing wheel");
     let part = build(wheel)?;
-    let channel = Channel::of(&part);
+    let workpiece = setup.allowances.workpiece_of(part);
     let mut seconds = [0.0; 4];
     let mut clock = Instant::now();
     let mut lap = |i: usize| {
         seconds[i] = clock.elapsed().as_secs_f64();
         clock = Instant::now();
     };
-    let planner = Planner::new(&part, &channel, setup);
+    let planner = Planner::new(&workpiece, setup);
     let plan =
         planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_err(|error| failed(error.into()))?;
     lap(0);
-    let (blank, stock) = (planner.blank(), &setup.allowances);
     let cutters = stretches_of_plan(&plan);
-    let source = FloorSource { part: &part, channel: &channel, blank, stock, cutters: &cutters };
+    let source = FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &cutters };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let summary = Summary::of(&plan, &grid, &residual_field(&grid, &field_cutters(&plan)));
     lap(1);
     let json = write_plan(wheel, setup, &plan, 1);
-    let apt = write_apt(&ClProgram::of_plan(&part.name, &plan));
+    let apt = write_apt(&ClProgram::of_plan(&workpiece.part.name, &plan));
     std::hint::black_box(json.len());
     drop(json);
     lap(2);
     let program = read_apt_bytes("plunge.apt", apt.as_bytes())?;
-    let verdict = verify(&part, &channel, setup, &program).map_err(|fault| failed(fault.into()))?;
+    let verdict = verify(&workpiece, setup, &program).map_err(|fault| failed(fault.into()))?;
     lap(3);
     let [planned, judged, written, verified] = seconds;
     print_stdout(&format!(
         "  D {:<6.0} {:>7} positions   planned {planned:>7.2}   evaluated {judged:>6.2}   \
          written {written:>5.2}   verified {verified:>6.2}   {:>4} of 1000 uncut, {} faults{}\n",
-        2.0 * part.rim_radius(),
+        2.0 * workpiece.part.rim_radius(),
         summary.positions,
         (1000.0 * summary.uncut_share).round(),
         verdict.faults.len(),

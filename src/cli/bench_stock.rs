@@ -136,12 +136,12 @@ fn flank_program() -> Result<(SolidProgram, SolidBlank), Failure> {
     let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
     let request = FlankRequest { part: part.clone(), setup: Setup::for_part(&part) };
     let planned = FlankJob::default().run(&request, &Monitor::default());
-    let FlankOutcome { setup, plan, .. } = planned.map_err(Failure::of_work)?;
+    let FlankOutcome { workpiece, setup, plan, .. } = planned.map_err(Failure::of_work)?;
     let program = ClProgram::of_flank(&part.name, &plan.tool, &plan.moves);
     let mut program = SolidProgram::new(&program, &setup).map_err(|fault| Failure::of_work(fault.error))?;
     program.moves.truncate(FLANK_MOVES);
     program.count = program.moves.len();
-    Ok((program, SolidBlank::of(&part, &setup.allowances.blank_of(&part))))
+    Ok((program, SolidBlank::of(&part, &workpiece.blank)))
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.

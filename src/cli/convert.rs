@@ -22,7 +22,7 @@ use crate::io::write::{write_all_atomically, write_atomically};
 use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
-use crate::part::{Channel, Impeller, PartDescription};
+use crate::part::{Impeller, PartDescription};
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 
@@ -179,15 +179,9 @@ fn same_file(a: &Path, b: &Path) -> bool {
 /// Scene of a plan. The residual stock is recomputed, as by `vanecut render`.
 fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -> GltfScene {
     let StoredPlan { part, setup, plan, .. } = stored;
-    let channel = Channel::of(part);
-    let blank = setup.allowances.blank_of(part);
-    let source = FloorSource {
-        part,
-        channel: &channel,
-        blank: &blank,
-        stock: &setup.allowances,
-        cutters: &stretches_of_plan(plan),
-    };
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let source =
+        FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &stretches_of_plan(plan) };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let field = residual_field(&grid, &field_cutters(plan));
     GltfScene::of_plan(&PlanScene {

@@ -52,7 +52,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         let help = "give a thinner or a longer cutter, or smaller allowances";
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
-    let program = ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves);
+    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
     create_directory(&args.output)?;
     let written = write_apt(&program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
@@ -90,7 +90,7 @@ fn left_out_length(plan: &FlankPlan) -> f64 {
 }
 
 fn object(outcome: &FlankOutcome) -> Map<String, Value> {
-    let (part, plan) = (&outcome.part, &outcome.plan);
+    let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let curves = &plan.layout;
     let scheme = curves.strategy;
     let of = |scheme: FlankStrategy| &curves.totals[scheme as usize];
@@ -210,7 +210,7 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
 }
 
 fn text(outcome: &FlankOutcome) -> String {
-    let (part, plan) = (&outcome.part, &outcome.plan);
+    let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let curves = &plan.layout;
     let mut text = format!(
         "{}: {} layers, {} region{}, {} passes; cutter D {} R {}, stepover {:.3} mm at the hub\n",

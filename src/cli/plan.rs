@@ -19,7 +19,7 @@ use crate::io::setup_file::parse_axis_policy;
 use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, Impeller};
+use crate::part::Impeller;
 use crate::setup::AxisPolicy;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
@@ -57,8 +57,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     // The report is that of the program as written: read back and verified as by `vanecut verify`.
     let name = apt.display().to_string();
     let written = read_apt_bytes(&name, program.as_bytes())?;
-    let channel = Channel::of(&outcome.part);
-    let report = report_plunges(&outcome.part, &channel, &outcome.setup, &written, FIELD_CELLS)
+    let report = report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS)
         .map_err(|fault| Failure::of_fault(&name, fault))?;
     if args.report {
         let files = ["plan.json".to_owned(), "plunge.apt".to_owned()];
@@ -145,7 +144,7 @@ fn plan_json(
     report: &PlungeReport,
     channels: usize,
 ) -> serde_json::Map<String, Value> {
-    let (part, grid, reasons) = (&outcome.part, &outcome.grid, &outcome.reasons);
+    let (part, grid, reasons) = (&outcome.workpiece.part, &outcome.grid, &outcome.reasons);
     let mut map = report::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
     let compared = |result| report::comparison_object(&PlanFigures::of_result(result, grid), reasons);
     map.extend(report::assembly_keys(&report.verdict.assembly));
@@ -178,7 +177,7 @@ fn written_figures<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels
 }
 
 fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &PlanArgs) -> String {
-    let part = &outcome.part;
+    let part = &outcome.workpiece.part;
     let plan = &outcome.after.plan;
     let mut text = format!(
         "{}: {} blades{}, D {:.1}; {channels} of {} channels planned\n",

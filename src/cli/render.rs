@@ -18,7 +18,7 @@ use crate::io::source::{name_of, read_bytes};
 use crate::io::write::write_atomically;
 use crate::job::PlanOutcome;
 use crate::monitor::Monitor;
-use crate::part::{Channel, Impeller};
+use crate::part::Impeller;
 use crate::plunge::{MOVES_PER_PLUNGE, PlungePlan};
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan};
@@ -86,7 +86,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         } else {
             let setup = open::setup(None, &args.source, &part)?;
             let outcome = plan::plan_with_progress(part, &setup, setup.setup.plunge.axis, false)?;
-            let part = Impeller::clone(&outcome.part);
+            let part = Impeller::clone(&outcome.workpiece.part);
             let program = as_solid.then(|| ClProgram::of_plan(&part.name, &outcome.after.plan));
             (part, Some((outcome.setup, outcome.after.plan)), program)
         }
@@ -99,12 +99,9 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         (None, _) => picture(&part, None, range, view, options, size, args.legend)?,
         (Some((setup, plan)), None) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
-            let channel = Channel::of(&part);
-            let blank = setup.allowances.blank_of(&part);
+            let workpiece = setup.allowances.workpiece_of(part.clone());
             let source = FloorSource {
-                part: &part,
-                channel: &channel,
-                blank: &blank,
+                workpiece: &workpiece,
                 stock: &setup.allowances,
                 cutters: &stretches_of_plan(plan),
             };
@@ -193,7 +190,7 @@ pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
 pub fn write_pictures(folder: &Path, outcome: &PlanOutcome) -> Result<Vec<(String, String)>, Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
-    let mut scene = Scene::new(&gpu, &outcome.part);
+    let mut scene = Scene::new(&gpu, &outcome.workpiece.part);
     let size = UVec2::new(900, 640);
     let range = fitting_range(&outcome.grid, &outcome.before.field.heights);
     let stock = format!("stock on the hub, {:.2} mm (dark) to {:.2} mm (bright)", range.0, range.1);

@@ -40,14 +40,15 @@ pub fn picture(
     let fitted = (low as f32, (RANGE_IN_ALLOWANCES * low).max(1.0) as f32);
     let range_mm = args.range.as_deref().map(parse_range).transpose()?.unwrap_or(fitted);
     let moves = SolidProgram::new(program, setup).map_err(|fault| Failure::from(fault.error))?;
-    let blank = SolidBlank::of(part, &allowances.blank_of(part));
+    let workpiece = allowances.workpiece_of(part.clone());
+    let blank = SolidBlank::of(part, &workpiece.blank);
     let spacing = blank.default_spacing();
     let mut stock = SolidStock::new(&blank, spacing).map_err(Failure::of_work)?;
     run_with_progress(|monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))
         .map_err(Failure::of_work)?;
     let surface = StockSurface::of(&stock);
     let paint = |cut_by: u32| if cut_by == SpanEnd::BLANK { Paint::UNCUT } else { Paint::BY_VALUE };
-    let excess = Excess::new(part);
+    let excess = Excess::new(&workpiece);
     let mesh = run_with_progress(|monitor| solid_mesh(&surface, spacing, Some(&excess), paint, monitor))
         .map_err(Failure::of_work)?;
     let options = SceneOptions {

@@ -16,7 +16,7 @@ use crate::io::machine_file::read_machine;
 use crate::io::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
 use crate::machine::PlacedPart;
-use crate::part::{Channel, Impeller};
+use crate::part::Impeller;
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, ClWarning};
@@ -40,14 +40,15 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let setup = &opened.setup;
     let (name, bytes) = open::named_bytes(&args.program)?;
     let (program, overruns) = read_program(args, &part, setup, &name, &bytes)?;
-    let channel = Channel::of(&part);
+    let workpiece = setup.allowances.workpiece_of(part);
+    let part = &workpiece.part;
     let unjudged = |fault: Fault| Failure::of_fault(&name, fault);
     let (mut map, mut text, mut faults) = if program.mills_along_curves() {
-        let verdict = verify_flank(&part, &channel, setup, &program).map_err(unjudged)?;
-        (flank::object(&part, &verdict), flank::text(&verdict), verdict.faults)
+        let verdict = verify_flank(&workpiece, setup, &program).map_err(unjudged)?;
+        (flank::object(part, &verdict), flank::text(&verdict), verdict.faults)
     } else {
-        let report = report_plunges(&part, &channel, setup, &program, FIELD_CELLS).map_err(unjudged)?;
-        (plunge_object(&part, &report), plunge_text(&report), report.verdict.faults)
+        let report = report_plunges(&workpiece, setup, &program, FIELD_CELLS).map_err(unjudged)?;
+        (plunge_object(part, &report), plunge_text(&report), report.verdict.faults)
     };
     faults.extend(overruns.iter().map(overrun_fault));
     faults.sort_by_key(|fault| fault.line);

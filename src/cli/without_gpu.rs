@@ -37,12 +37,12 @@ pub mod assess_pictures {
 
     use super::{Failure, no_pictures};
     use crate::assess::Assessment;
-    use crate::part::{Channel, Impeller};
+    use crate::part::Workpiece;
     use crate::setup::Setup;
 
     /// # Errors
     /// Always [`Failure::work`].
-    pub fn write(_: &Path, _: &Impeller, _: &Channel, _: &Setup, _: &Assessment) -> Result<String, Failure> {
+    pub fn write(_: &Path, _: &Workpiece, _: &Setup, _: &Assessment) -> Result<String, Failure> {
         no_pictures()
     }
 }

@@ -5,13 +5,12 @@
 //! conservative advancement: a distance changes by no more than the fastest point of the tool travels, so
 //! that the slack at a sample says how far the next one may be.
 
-use super::clearance::FinishedPart;
 use super::link::AxisTurn;
 use super::retract::bottom_clearance;
 use crate::geometry::{
     Circle, CutterSolid, Frustum, Meridional, Point, Vector, distance_rate, rotate_vector_z, rotate_z, search,
 };
-use crate::part::Blank;
+use crate::part::{Blank, FinishedPart};
 use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
 
 /// Clearance that may be missing by rounding, mm.
@@ -84,7 +83,7 @@ impl AssemblyClearance {
 #[derive(Clone, Copy, Debug)]
 pub struct AssemblySurroundings<'a> {
     /// The finished part.
-    pub finished: &'a FinishedPart<'a>,
+    pub finished: &'a FinishedPart,
     /// The blank, where all of it counts as standing.
     pub blank: Option<&'a Blank>,
     /// Allowances on hub and blades, mm.
@@ -95,7 +94,7 @@ pub struct AssemblySurroundings<'a> {
 
 impl<'a> AssemblySurroundings<'a> {
     /// The finished part with the allowances and clearances of `setup`.
-    pub fn new(finished: &'a FinishedPart<'a>, setup: &Setup) -> Self {
+    pub fn new(finished: &'a FinishedPart, setup: &Setup) -> Self {
         let allowances = [setup.allowances.hub_allowance, setup.allowances.blade_allowance];
         Self { finished, blank: None, allowances, clearances: setup.clearances }
     }
@@ -208,8 +207,8 @@ impl<'a> AssemblySurroundings<'a> {
 pub fn blade_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64 {
     let (centre, radius) = frustum.bounding_ball();
     let mut least = cap;
-    for k in 0..finished.part.blade_count {
-        let angle = -finished.part.pitch() * k as f64;
+    for k in 0..finished.blade_count {
+        let angle = -finished.pitch * k as f64;
         let there = rotate_z(&centre, angle);
         for (blade, (other, reach)) in finished.blades_with_balls() {
             if (there - other).norm() - radius - reach > least {
@@ -227,7 +226,7 @@ pub fn blade_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f
 
 /// Signed distance to the finished hub, mm, or `cap` where it is not nearer than that.
 pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64 {
-    let curve = finished.part.hub.curve();
+    let curve = finished.hub.curve();
     // Signed distance of a point, and its foot on the hub; beyond its ends the hub has an edge, no surface.
     let distance = |p: &Point| {
         let (t, d) = curve.project(Meridional::of(p));

@@ -2,7 +2,7 @@
 //! enough space for passes side by side, or a thicker one where that is too short.
 
 use crate::error::ErrorCode;
-use crate::part::{Channel, Impeller, Passage, PassageWidth};
+use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
 use crate::setup::{Setup, SetupFault, SetupPlace, Tool, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
@@ -31,12 +31,7 @@ pub struct ChosenTool {
 ///
 /// # Errors
 /// When neither the setup nor the library has a tool of that number, or no tool fits between the blades.
-pub fn choose_tool(
-    part: &Impeller,
-    channel: &Channel,
-    setup: &Setup,
-    library: &[Tool],
-) -> Result<ChosenTool, SetupFault> {
+pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
     if let Some(number) = setup.flank.tool {
         let tool = match library.iter().find(|t| t.number == number && setup.tools.is_empty()) {
             Some(tool) => tool,
@@ -45,8 +40,8 @@ pub fn choose_tool(
         return Ok(ChosenTool { tool: tool.clone(), reason: None });
     }
     let tools = if setup.tools.is_empty() { library } else { &setup.tools };
-    let [width, widest] = widths(part, channel);
-    let depth = deepest(part);
+    let [width, widest] = widths(&workpiece.part, &workpiece.channel);
+    let depth = deepest(&workpiece.part);
     let free_width = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);
     let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && free_width(t) >= 0.0;
     let thickest =

@@ -9,7 +9,7 @@ use super::stepover::stepover;
 use super::strategies::{self, PassCurve, PassRole};
 use crate::error::{ErrorCode, UserError};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, Impeller};
+use crate::part::Workpiece;
 use crate::setup::{FlankStrategy, Setup, SetupFault, SetupPlace, Tool, round_down, round_up};
 
 /// Maximum number of layers of a channel.
@@ -124,10 +124,8 @@ impl FlankLayout {
 /// Inputs of the planning of passes.
 #[derive(Clone, Copy, Debug)]
 pub struct LayoutInputs<'a> {
-    /// The part.
-    pub part: &'a Impeller,
-    /// Its channel.
-    pub channel: &'a Channel,
+    /// The part and its channel.
+    pub workpiece: &'a Workpiece,
     /// Allowances and `[flank]`.
     pub setup: &'a Setup,
     /// The tool.
@@ -143,7 +141,7 @@ impl LayoutInputs<'_> {
     /// Depth of the channel where it is deepest: at the leading edge along it, elsewhere above the hub, mm.
     fn deepest(&self) -> f64 {
         const STATIONS: usize = 32;
-        let (hub, shroud) = (&self.part.hub, &self.part.shroud);
+        let (hub, shroud) = (&self.workpiece.part.hub, &self.workpiece.part.shroud);
         let above_hub = |k: usize| hub.curve().project(shroud.point(k as f64 / STATIONS as f64)).1.abs();
         (1..=STATIONS).map(above_hub).fold(hub.point(0.0).distance(shroud.point(0.0)), f64::max)
     }
@@ -192,7 +190,7 @@ impl LayoutInputs<'_> {
             monitor.check()?;
             let eta = j as f64 / count as f64;
             let Some(layer) =
-                LayerSurface::isoparametric(self.part, eta, self.setup.allowances.hub_allowance)
+                LayerSurface::isoparametric(&self.workpiece.part, eta, self.setup.allowances.hub_allowance)
             else {
                 return Ok(None);
             };
@@ -200,7 +198,7 @@ impl LayoutInputs<'_> {
         };
         let ours = |j: usize| -> Result<Option<LayerLayout>, FlankError> {
             monitor.check()?;
-            let Some(layer) = LayerSurface::at_height(self.part, deep[j]) else { return Ok(None) };
+            let Some(layer) = LayerSurface::at_height(&self.workpiece.part, deep[j]) else { return Ok(None) };
             self.layer(layer, strategy)
         };
         // One parallel list for both kinds of layers, so that no core idles. The layers next to the hub take
@@ -256,7 +254,8 @@ impl LayoutInputs<'_> {
 
     /// The walls on `layer`, traced `raised` mm above it.
     fn borders(&self, layer: &LayerSurface, raised: f64) -> Option<LayerWalls> {
-        LayerWalls::of(self.part, self.channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
+        let Workpiece { part, channel, .. } = self.workpiece;
+        LayerWalls::of(part, channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
     }
 
     fn beyond(&self) -> f64 {

@@ -10,10 +10,9 @@
 mod scene;
 mod search;
 
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
-use crate::part::{Blank, Channel};
+use crate::part::{FinishedPart, Workpiece};
 use crate::setup::Tool;
 use scene::{BladePoints, Cone, DistanceTable, MinDistances, NearPoints, ToolShape};
 use search::Greedy;
@@ -96,7 +95,7 @@ pub struct FixedAxes {
 pub struct FixedAxisSearch<'a> {
     tool: &'a Tool,
     limits: FixedAxisLimits,
-    finished: &'a FinishedPart<'a>,
+    finished: &'a FinishedPart,
     blades: BladePoints,
     hub: DistanceTable,
     blank: DistanceTable,
@@ -134,14 +133,9 @@ const HUB_HEIGHTS: usize = 4;
 const RIM_POINTS: usize = 8;
 
 impl<'a> FixedAxisSearch<'a> {
-    /// A search for `tool` in `channel`, cut from `blank`. `finished` holds the surfaces of the channel.
-    pub fn new(
-        finished: &'a FinishedPart<'a>,
-        channel: &Channel,
-        blank: &Blank,
-        tool: &'a Tool,
-        limits: &FixedAxisLimits,
-    ) -> Self {
+    /// A search for `tool` in the channel of `workpiece`.
+    pub fn new(workpiece: &'a Workpiece, tool: &'a Tool, limits: &FixedAxisLimits) -> Self {
+        let Workpiece { part, channel, blank, finished } = workpiece;
         let reach = tool.radius() + limits.blade_allowance;
         let margin = tool.overhang + 2.0 * tool.holder_diameter();
         Self {
@@ -149,8 +143,8 @@ impl<'a> FixedAxisSearch<'a> {
             limits: *limits,
             finished,
             blades: BladePoints::new(&channel.sides, reach.max(1e-3)),
-            hub: DistanceTable::of_hub(finished.part, margin),
-            blank: DistanceTable::of_blank(finished.part, blank, margin),
+            hub: DistanceTable::of_hub(part, margin),
+            blank: DistanceTable::of_blank(part, blank, margin),
             shape: ToolShape::of(tool),
         }
     }

@@ -19,10 +19,9 @@ use super::layer::{LayerPoint, LayerSurface};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
 use super::strategies::PassRole;
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{FinishedPart, Impeller, Workpiece};
 use crate::setup::{Setup, Tool};
 use along_wall::{LayerPose, WallPositions};
 use stretches::{CurvePiece, split_by_region};
@@ -68,20 +67,12 @@ pub struct PassMaker<'a> {
     walls: &'a [MilledWall],
     search: FixedAxisSearch<'a>,
     /// The finished surfaces, which must not be cut.
-    finished: &'a FinishedPart<'a>,
+    finished: &'a FinishedPart,
 }
 
 impl<'a> PassMaker<'a> {
-    /// A maker for `tool` in `channel`, cut from `blank`. `finished` holds the surfaces of the channel,
-    /// `walls` the axes fitted to them.
-    pub fn new(
-        finished: &'a FinishedPart<'a>,
-        channel: &'a Channel,
-        blank: &Blank,
-        setup: &'a Setup,
-        tool: &'a Tool,
-        walls: &'a [MilledWall],
-    ) -> Self {
+    /// A maker for `tool` in the channel of `workpiece`; `walls` holds the axes fitted to its walls.
+    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup, tool: &'a Tool, walls: &'a [MilledWall]) -> Self {
         let limits = FixedAxisLimits {
             hub_allowance: setup.allowances.hub_allowance,
             blade_allowance: setup.allowances.blade_allowance,
@@ -89,12 +80,12 @@ impl<'a> PassMaker<'a> {
             max_tilt_rad: MAX_TILT,
         };
         Self {
-            part: finished.part,
+            part: &workpiece.part,
             tool,
             setup,
             walls,
-            search: FixedAxisSearch::new(finished, channel, blank, tool, &limits),
-            finished,
+            search: FixedAxisSearch::new(workpiece, tool, &limits),
+            finished: &workpiece.finished,
         }
     }
 

@@ -11,11 +11,10 @@ use super::fault_removal::{CheckedProgram, MoveCheck, MoveFault, remove_faults};
 use super::passes::{PassMaker, PlannedLayer, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{MeridionalCurve, Vector};
 use crate::monitor::Monitor;
-use crate::part::{Channel, Impeller};
+use crate::part::Workpiece;
 use crate::setup::{FlankFeedRates, FlankStrategy, Setup, Tool};
 
 use super::chart::WallName;
@@ -142,15 +141,14 @@ fn wall_inputs(setup: &Setup, curves: &FlankLayout) -> WallInputs {
     (inputs, curves.layers.iter().map(|l| l.layer.height).collect())
 }
 
-/// Plans one channel of `part` with the chosen tool. The `stages` of an earlier plan of the same part are
-/// reused where their inputs have not changed. Moves that `check` rejects are removed from the program.
+/// Plans the channel of `workpiece` with the chosen tool. The `stages` of an earlier plan of the same part
+/// are reused where their inputs have not changed. Moves that `check` rejects are removed from the program.
 ///
 /// # Errors
 /// [`FlankError::Cancelled`] soon after `monitor` is cancelled; [`FlankError::Setup`] when the setup does not
 /// suit the part.
 pub fn plan(
-    part: &Impeller,
-    channel: &Channel,
+    workpiece: &Workpiece,
     setup: &Setup,
     chosen: &ChosenTool,
     stages: &mut FlankStages,
@@ -158,7 +156,7 @@ pub fn plan(
     monitor: &Monitor,
 ) -> Result<FlankPlan, FlankError> {
     let tool = &chosen.tool;
-    let source = LayoutInputs { part, channel, setup, tool };
+    let source = LayoutInputs { workpiece, setup, tool };
     let known_curves = stages.curves.take().filter(|(s, t, _)| *s == curve_inputs(setup) && t == tool);
     let curves = match known_curves {
         Some((_, _, curves)) => curves,
@@ -166,7 +164,6 @@ pub fn plan(
     };
     stages.curves = Some((curve_inputs(setup), tool.clone(), curves.clone()));
     monitor.report(0.2);
-    let finished = FinishedPart::new(part, &channel.sides);
     let grounds =
         curves.layers.par_iter().map(|l| l.layer.extended_meridian(ground_beyond(setup, tool), GROUND_STEP));
     let grounds: Vec<MeridionalCurve> = grounds.collect();
@@ -176,14 +173,13 @@ pub fn plan(
     let known_walls = stages.walls.take().filter(|(known, t, _)| *known == inputs && t == tool);
     let walls = match known_walls {
         Some((_, _, walls)) => walls,
-        None => Arc::new(fit_walls(&finished, channel, setup, tool, &surfaces, monitor)),
+        None => Arc::new(fit_walls(workpiece, setup, tool, &surfaces, monitor)),
     };
     monitor.check()?;
     stages.walls = Some((inputs, tool.clone(), walls.clone()));
     monitor.report(0.3);
 
-    let blank = setup.allowances.blank_of(part);
-    let maker = PassMaker::new(&finished, channel, &blank, setup, tool, &walls);
+    let maker = PassMaker::new(workpiece, setup, tool, &walls);
     let clear = tool.radius() + setup.allowances.blade_allowance;
     let beyond = setup.flank.lead_in_out_for(tool) + LINK_SPACING;
     let made: Vec<(LayerChart, PlannedLayer)> = curves
@@ -224,7 +220,7 @@ pub fn plan(
     let path = PathMaker {
         tool,
         feeds,
-        blank: &blank,
+        blank: &workpiece.blank,
         safety_distance: setup.allowances.safety_distance,
         layer_depth: setup.flank.layer_depth,
     };
@@ -267,8 +263,7 @@ fn ground_beyond(setup: &Setup, tool: &Tool) -> f64 {
 
 /// All walls of the channel with axes fitted to them.
 fn fit_walls(
-    finished: &FinishedPart,
-    channel: &Channel,
+    workpiece: &Workpiece,
     setup: &Setup,
     tool: &Tool,
     layers: &[DepthSurface],
@@ -282,6 +277,7 @@ fn fit_walls(
         step: WALL_STEP,
         chord_error: WALL_CHORD,
     };
+    let Workpiece { channel, finished, .. } = workpiece;
     let mut walls = vec![
         (WallName::Low, Region::Inlet, &channel.full, 0),
         (WallName::High, Region::Inlet, &channel.full, 1),

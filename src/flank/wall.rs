@@ -12,10 +12,9 @@ mod swept;
 
 use rayon::prelude::*;
 
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
-use crate::part::{Passage, SideProbe};
+use crate::part::{FinishedPart, Passage, SideProbe};
 use crate::setup::Tool;
 use fit::{AxisLine, FittedAxis, OffsetSide};
 use stations::{evenly, station_parameters};
@@ -110,7 +109,7 @@ const MAX_STATION_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 /// A wall with positions fitted to it, before the allowed overcut is chosen.
 pub struct WallFit<'a> {
-    finished: &'a FinishedPart<'a>,
+    finished: &'a FinishedPart,
     milling: &'a WallMilling<'a>,
     face: OffsetSide<'a>,
     /// u of the positions.
@@ -135,7 +134,7 @@ impl<'a> WallFit<'a> {
     /// `layers`, hub first, which are offset by the corner radius. `None` where the spacing of stations
     /// cannot be computed.
     pub fn new(
-        finished: &'a FinishedPart<'a>,
+        finished: &'a FinishedPart,
         passage: &'a Passage,
         wall: usize,
         milling: &'a WallMilling<'a>,
@@ -143,7 +142,7 @@ impl<'a> WallFit<'a> {
     ) -> Option<Self> {
         let side = passage.walls.get(wall)?.side();
         let (p, pu, pv) = side.derivatives(0.5, 0.5);
-        let inward = finished.part.pitch().signum() * if wall == 0 { 1.0 } else { -1.0 };
+        let inward = finished.pitch.signum() * if wall == 0 { 1.0 } else { -1.0 };
         let into_passage = Vector::new(-p.y, p.x, 0.0) * inward;
         let sign = if pu.cross(&pv).dot(&into_passage) < 0.0 { -1.0 } else { 1.0 };
         let face = OffsetSide { side, sign, reach: milling.tool.radius() + milling.blade_allowance };
@@ -282,14 +281,14 @@ impl<'a> WallFit<'a> {
     }
 
     fn stations(&self, layer: usize, swept: &SweptWall) -> Vec<WallStation> {
-        let hub = self.finished.part.hub.curve();
+        let hub = self.finished.hub.curve();
         let tool = self.milling.tool;
         let strip = layer.min(self.strips.len() - 1);
         let wanted = self.milling.blade_allowance - swept.tolerance;
         let station = |(k, line): (usize, &AxisLine)| {
             let axis = line.axis();
             let tip = self.layers[layer].tip(tool, &line.low, &axis);
-            let s = self.finished.part.hub.s_at(hub.project(Meridional::of(&line.low)).0);
+            let s = self.finished.hub.s_at(hub.project(Meridional::of(&line.low)).0);
             let blocked =
                 tip.and_then(|tip| obstacle(self.finished.blades(), &tool.placed(tip, axis), wanted));
             let (u, forced) = (self.places[k], self.strips[strip].fitted[k].level);

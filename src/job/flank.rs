@@ -9,7 +9,7 @@ use crate::flank::{FlankError, FlankMove, FlankPlan, FlankStages, plan};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::tool_library::flank_cutters;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, Impeller};
+use crate::part::{Impeller, Workpiece};
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
@@ -27,8 +27,8 @@ pub struct FlankRequest {
 /// Result of a [`FlankRequest`].
 #[derive(Clone, Debug)]
 pub struct FlankOutcome {
-    /// The part that was planned.
-    pub part: Arc<Impeller>,
+    /// The part that was planned, with its blank.
+    pub workpiece: Arc<Workpiece>,
     /// The setup with the cutter filled in.
     pub setup: Setup,
     /// The plan.
@@ -66,9 +66,9 @@ impl FlankJob {
         let started = std::time::Instant::now();
         let part = &request.part;
         check_part(&request.setup, part)?;
-        let channel = Channel::of(part);
-        let chosen = choose_tool(part, &channel, &request.setup, flank_cutters())?;
-        let mut verifier = FlankVerifier::new(part, &channel, &request.setup);
+        let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(part)));
+        let chosen = choose_tool(&workpiece, &request.setup, flank_cutters())?;
+        let mut verifier = FlankVerifier::new(&workpiece, &request.setup);
         let mut faults = Vec::new();
         let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
             faults_as_written(&mut verifier, &part.name, tool, moves, &mut faults, monitor)
@@ -76,7 +76,7 @@ impl FlankJob {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, stages)| stages);
         let mut stages = known.unwrap_or_default();
-        let planned = plan(part, &channel, &request.setup, &chosen, &mut stages, &mut check, monitor);
+        let planned = plan(&workpiece, &request.setup, &chosen, &mut stages, &mut check, monitor);
         *last = Some((part.clone(), stages));
         let plan = planned?;
         let verdict =
@@ -87,7 +87,7 @@ impl FlankJob {
         }
         setup.flank.tool = Some(chosen.tool.number);
         let elapsed = started.elapsed().as_secs_f64();
-        Ok(FlankOutcome { part: part.clone(), setup, plan, faults, verdict, elapsed })
+        Ok(FlankOutcome { workpiece, setup, plan, faults, verdict, elapsed })
     }
 }
 

@@ -2,7 +2,6 @@
 
 use super::{PlanOutcome, PolicyResult, measure_residual};
 use crate::monitor::Monitor;
-use crate::part::Channel;
 use crate::plunge::{PlanError, Planner, PlungePlan};
 use crate::setup::Setup;
 use crate::stock::FloorGrid;
@@ -28,7 +27,7 @@ pub(super) fn meet_goal(
     }
     let grid = &weighing_grid(grid);
     let max_mean_rise = max_mean_rise(setup.plunge.goal);
-    let input = ThinningInput { plan: whole, setup, blank: planner.blank(), grid, max_mean_rise };
+    let input = ThinningInput { plan: whole, setup, blank: &planner.workpiece().blank, grid, max_mean_rise };
     let thinning = Thinning::new(input, monitor)?;
     let count = choose_point(&thinning, setup.plunge.goal);
     if count == 0 {
@@ -61,11 +60,10 @@ impl PlanOutcome {
     /// # Errors
     /// [`PlanError::Cancelled`] when `monitor` is cancelled.
     pub fn time_stock_curve(&self, count: usize, monitor: &Monitor) -> Result<Vec<PolicyResult>, PlanError> {
-        let channel = Channel::of(&self.part);
-        let planner = Planner::new(&self.part, &channel, &self.setup);
+        let planner = Planner::new(&self.workpiece, &self.setup);
         let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
         let grid = &weighing_grid(&self.grid);
-        let (setup, blank) = (&self.setup, planner.blank());
+        let (setup, blank) = (&self.setup, &self.workpiece.blank);
         let input = ThinningInput { plan, setup, blank, grid, max_mean_rise: f64::INFINITY };
         let thinning = Thinning::new(input, monitor)?;
         let points = thinning.points(count);

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::error::{ErrorCode, UserError};
 use crate::io::tool_library::plunge_cutters;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Channel, Impeller};
+use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, sections};
@@ -59,8 +59,8 @@ pub struct PolicyResult {
 /// Result of a [`PlanRequest`].
 #[derive(Clone, Debug)]
 pub struct PlanOutcome {
-    /// The part that was planned.
-    pub part: Arc<Impeller>,
+    /// The part that was planned, with its blank.
+    pub workpiece: Arc<Workpiece>,
     /// The setup with the default choices (tools, sections) filled in.
     pub setup: Setup,
     /// Why each section was chosen; `None` for sections given by the setup.
@@ -91,9 +91,9 @@ impl PlanOutcome {
         channels: usize,
         monitor: &Monitor,
     ) -> Result<ClProgram, Cancelled> {
-        let (part, allowances) = (&self.part, &self.setup.allowances);
-        let blank = allowances.blank_of(part);
-        let plan = plan_channels(&result.plan, part, &blank, allowances.safety_distance, channels, monitor)?;
+        let Workpiece { part, blank, .. } = &*self.workpiece;
+        let safety_distance = self.setup.allowances.safety_distance;
+        let plan = plan_channels(&result.plan, part, blank, safety_distance, channels, monitor)?;
         Ok(ClProgram::of_plan(&part.name, &plan))
     }
 
@@ -137,8 +137,8 @@ impl From<PlanError> for JobError {
 ///
 /// # Errors
 /// [`SetupFault`] when part and setup are incompatible.
-pub fn resolve(setup: &Setup, part: &Impeller, channel: &Channel) -> Result<Resolved, SetupFault> {
-    sections::resolve(setup, plunge_cutters(), part, channel)
+pub fn resolve(setup: &Setup, workpiece: &Workpiece) -> Result<Resolved, SetupFault> {
+    sections::resolve(setup, plunge_cutters(), workpiece)
 }
 
 /// Plans one channel, without a cache of earlier plans.
@@ -214,11 +214,14 @@ fn plan(
     listener: Listener,
 ) -> Result<PlanOutcome, JobError> {
     let started = std::time::Instant::now();
-    let part = &request.part;
-    let channel = Channel::of(part);
-    let Resolved { setup, reasons } = resolve(&request.setup, part, &channel)?;
-    listener.notify(|| PlanStage::Resolved(setup.clone(), reasons.clone()));
-    let planner = Planner::new(part, &channel, &setup);
+    let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
+    let Resolved { setup, reasons } = resolve(&request.setup, &workpiece)?;
+    listener.notify(|| PlanStage::Resolved {
+        workpiece: Arc::clone(&workpiece),
+        setup: setup.clone(),
+        reasons: reasons.clone(),
+    });
+    let planner = Planner::new(&workpiece, &setup);
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.
     let closing = &monitor.ignoring_stop();
@@ -253,8 +256,7 @@ fn plan(
     let ready = OnceLock::new();
     let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
         let cutters = stretches_of_setup(&setup);
-        let (blank, stock) = (planner.blank(), &setup.allowances);
-        let source = FloorSource { part, channel: &channel, blank, stock, cutters: &cutters };
+        let source = FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &cutters };
         let grid = Arc::new(FloorGrid::new(&source, request.field_cells));
         let result = measured(before, &grid)?;
         // Cannot fail: this is the only place that sets it.
@@ -317,7 +319,7 @@ fn plan(
     }
     monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { part: part.clone(), grid, before, after, whole, others, elapsed, setup, reasons })
+    Ok(PlanOutcome { workpiece, grid, before, after, whole, others, elapsed, setup, reasons })
 }
 
 /// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::PolicyResult;
+use crate::part::Workpiece;
 use crate::plunge::PlungePlan;
 use crate::setup::Setup;
 use crate::stock::FloorGrid;
@@ -10,8 +11,15 @@ use crate::stock::FloorGrid;
 /// An intermediate result of a planning job.
 #[derive(Clone, Debug)]
 pub enum PlanStage {
-    /// Completed setup, with the reason for each section, see [`super::PlanOutcome::reasons`].
-    Resolved(Setup, Vec<Option<String>>),
+    /// The setup is complete.
+    Resolved {
+        /// See [`super::PlanOutcome::workpiece`].
+        workpiece: Arc<Workpiece>,
+        /// See [`super::PlanOutcome::setup`].
+        setup: Setup,
+        /// See [`super::PlanOutcome::reasons`].
+        reasons: Vec<Option<String>>,
+    },
     /// Plan of a policy with all positions placed; contact and retracts are not evaluated yet.
     Placed(PlungePlan),
     /// Preview of the requested policy, evaluated: the axes of the last plan fitted to the new setup (warm
@@ -27,7 +35,7 @@ impl PlanStage {
     /// The plan of the stage, if it has one.
     pub fn plan(&self) -> Option<&PlungePlan> {
         match self {
-            Self::Resolved(..) => None,
+            Self::Resolved { .. } => None,
             Self::Placed(plan) | Self::Preview(plan) | Self::Evaluated(plan) => Some(plan),
             Self::Measured(_, result) => Some(&result.plan),
         }

@@ -1,4 +1,4 @@
-//! The part: impeller, channel, blank, tools and setup.
+//! The part: impeller, channel, blank, and the workpiece that holds them with the finished surfaces.
 
 mod blade;
 pub mod blank;
@@ -9,6 +9,7 @@ mod camber;
 pub mod channel;
 pub mod description;
 pub mod envelope;
+mod finished;
 mod flowpath;
 pub mod impeller;
 pub mod meridional_outline;
@@ -17,6 +18,7 @@ pub mod probe;
 mod rotation;
 mod side;
 mod width;
+mod workpiece;
 
 pub use blade::Blade;
 pub use blank::Blank;
@@ -26,6 +28,7 @@ pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };
 pub use envelope::{BladeWall, WallEnvelope};
+pub use finished::FinishedPart;
 pub use flowpath::Flowpath;
 pub use impeller::Impeller;
 pub use meridional_outline::{MeridionalOutline, OutlineFault};
@@ -33,3 +36,4 @@ pub use probe::{NearestOnSide, SideProbe};
 pub use rotation::Rotation;
 pub use side::BladeSide;
 pub use width::PassageWidth;
+pub use workpiece::Workpiece;

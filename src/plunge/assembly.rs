@@ -3,9 +3,8 @@
 
 use super::plan::DropReason;
 use crate::cutting::assembly::AssemblySurroundings;
-use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{Point, Vector};
-use crate::part::Blank;
+use crate::part::{Blank, FinishedPart};
 use crate::setup::{AssemblySegment, Setup, Tool};
 
 /// Clearance missing by rounding that a planned position may have, mm: below what `verify` tolerates.
@@ -36,12 +35,7 @@ pub struct AssemblyRule<'a> {
 
 impl<'a> AssemblyRule<'a> {
     /// The rule for `tool`; `None` where neither shank nor holder is given.
-    pub fn new(
-        tool: &'a Tool,
-        finished: &'a FinishedPart<'a>,
-        blank: &'a Blank,
-        setup: &Setup,
-    ) -> Option<Self> {
+    pub fn new(tool: &'a Tool, finished: &'a FinishedPart, blank: &'a Blank, setup: &Setup) -> Option<Self> {
         let around = AssemblySurroundings::new(finished, setup).with_blank(blank);
         let segments = tool.assembly.segments(tool.overhang);
         (!segments.is_empty()).then_some(Self { around, tool, segments })

@@ -12,13 +12,12 @@ use super::row::Station;
 use super::section_cache::SectionCache;
 use super::section_layout::StretchLayout;
 use super::sections::{MAX_POSITIONS, too_many_positions};
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
 use crate::cutting::retract::RetractSurface;
 use crate::error::UserError;
 use crate::geometry::{CutterSolid, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::Workpiece;
 use crate::setup::{AxisPolicy, CutDirection, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
@@ -52,11 +51,8 @@ impl From<PlanError> for UserError {
 /// Planner for one part and one setup; holds what all policies share.
 #[derive(Debug)]
 pub struct Planner<'a> {
-    pub(super) part: &'a Impeller,
-    pub(super) channel: &'a Channel,
+    pub(super) workpiece: &'a Workpiece,
     pub(super) setup: &'a Setup,
-    pub(super) blank: Blank,
-    pub(super) finished: Arc<FinishedPart<'a>>,
     /// Layout of each section, independent of the policy; empty for rest-milling sections, which only
     /// `minimal` cuts.
     layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
@@ -230,16 +226,9 @@ impl SectionCut {
 }
 
 impl<'a> Planner<'a> {
-    /// Planner for `part` with its `channel` and a `setup` completed by [`super::sections::resolve`].
-    pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
-        let mut planner = Self {
-            part,
-            channel,
-            setup,
-            blank: setup.allowances.blank_of(part),
-            finished: Arc::new(FinishedPart::new(part, &channel.sides)),
-            layouts: Vec::new(),
-        };
+    /// Planner for `workpiece` with a `setup` completed by [`super::sections::resolve`].
+    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
+        let mut planner = Self { workpiece, setup, layouts: Vec::new() };
         let shared = |section: &SectionSetup| match section.rest {
             true => Ok(Vec::new()),
             false => planner.section_layout(section),
@@ -256,9 +245,9 @@ impl<'a> Planner<'a> {
         self.layouts[index].as_deref().map_err(PlanError::clone)
     }
 
-    /// The blank the plan starts from.
-    pub fn blank(&self) -> &Blank {
-        &self.blank
+    /// The workpiece that it plans for.
+    pub fn workpiece(&self) -> &Workpiece {
+        self.workpiece
     }
 
     /// Plans one channel by `policy`. When the monitor is stopped, the plan consists of what was found until
@@ -421,13 +410,13 @@ impl<'a> Planner<'a> {
         if let Some(cut) = last {
             self.measure(&mut plan, &cut.columns, monitor)?;
         }
-        raise_links(&mut plan, &self.blank, self.setup.allowances.safety_distance, monitor)?;
+        raise_links(&mut plan, &self.workpiece.blank, self.setup.allowances.safety_distance, monitor)?;
         Ok(plan)
     }
 
     /// The rule for shank and holder of `tool`; `None` where neither is given.
     pub(super) fn assembly_rule<'r>(&'r self, tool: &'r Tool) -> Option<AssemblyRule<'r>> {
-        AssemblyRule::new(tool, &self.finished, &self.blank, self.setup)
+        AssemblyRule::new(tool, &self.workpiece.finished, &self.workpiece.blank, self.setup)
     }
 
     /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
@@ -435,7 +424,7 @@ impl<'a> Planner<'a> {
     fn place_cutter(&self, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
         let stock = &self.setup.allowances;
         let mut cutter = tool.placed(station.tip, station.axis);
-        let mut hub_clearance = self.finished.hub_clearance(&cutter);
+        let mut hub_clearance = self.workpiece.finished.hub_clearance(&cutter);
         for doubling in 0..12 {
             let deep = stock.hub_allowance - hub_clearance;
             if deep <= 0.0 {
@@ -443,9 +432,9 @@ impl<'a> Planner<'a> {
             }
             // On an axis oblique to the hub a lift raises the clearance by only part of itself.
             cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
-            hub_clearance = self.finished.hub_clearance(&cutter);
+            hub_clearance = self.workpiece.finished.hub_clearance(&cutter);
         }
-        let blade_clearance = self.finished.blade_clearance(&cutter);
+        let blade_clearance = self.workpiece.finished.blade_clearance(&cutter);
         if blade_clearance < stock.blade_allowance - 1e-6 {
             return Err(DropReason::Blades);
         }
@@ -463,7 +452,7 @@ impl<'a> Planner<'a> {
         columns: &mut Columns,
         monitor: &Monitor,
     ) -> Result<CutRow, PlanError> {
-        let top = BlankTop::new(&self.blank);
+        let top = BlankTop::new(&self.workpiece.blank);
         let rule = self.assembly_rule(tool);
         let place = |station| {
             monitor.check()?;
@@ -502,7 +491,8 @@ impl<'a> Planner<'a> {
             .into_par_iter()
             .map(|k| {
                 let column = &columns.as_slice()[k];
-                monitor.is_cancelled() || planned_contact(column, columns.before(k), &self.blank) == 0.0
+                monitor.is_cancelled()
+                    || planned_contact(column, columns.before(k), &self.workpiece.blank) == 0.0
             })
             .collect();
         columns.truncate(first);
@@ -541,7 +531,7 @@ impl<'a> Planner<'a> {
         let depth = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
         for _ in 0..MAX_LIFTS {
             let column = PlungeColumn::new(placed.cutter, tool.core_radius(), top);
-            let contact = planned_contact(&column, earlier, &self.blank);
+            let contact = planned_contact(&column, earlier, &self.workpiece.blank);
             if contact == 0.0 {
                 break;
             }
@@ -553,8 +543,8 @@ impl<'a> Planner<'a> {
         }
         placed.lift = (placed.cutter.tip - unlifted).norm();
         if placed.lift > 0.0 {
-            placed.hub_clearance = self.finished.hub_clearance(&placed.cutter);
-            placed.blade_clearance = self.finished.blade_clearance(&placed.cutter);
+            placed.hub_clearance = self.workpiece.finished.hub_clearance(&placed.cutter);
+            placed.blade_clearance = self.workpiece.finished.blade_clearance(&placed.cutter);
         }
         Ok(placed)
     }
@@ -661,7 +651,7 @@ impl<'a> Planner<'a> {
         let tops: Vec<RetractSurface> = plan
             .sections
             .iter()
-            .map(|s| RetractSurface::new(&self.blank, stock.safety_distance + s.tool.corner_radius))
+            .map(|s| RetractSurface::new(&self.workpiece.blank, stock.safety_distance + s.tool.corner_radius))
             .collect();
         let sections = &plan.sections;
         let measured: Result<Vec<Position>, Cancelled> = plan
@@ -681,7 +671,7 @@ impl<'a> Planner<'a> {
                 let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
                 let mut position = position.clone();
                 position.retract = retract;
-                position.contact = core_contact(column, columns.before(k), &self.blank);
+                position.contact = core_contact(column, columns.before(k), &self.workpiece.blank);
                 Ok(position)
             })
             .collect();

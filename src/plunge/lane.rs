@@ -10,12 +10,9 @@
 //! angle is large or edges are swept, that extension may cross the channel and leave no fit. There the axis
 //! is placed beside the finished blades only, with the tilt angle closest to the ruling's that clears them.
 
-use std::sync::Arc;
-
 use super::fit_table::{FitNode, FitTable, Reading};
-use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{CutterSolid, Point, Vector, norm2, wrap_angle};
-use crate::part::{Impeller, NearestOnSide, Passage, SideProbe};
+use crate::part::{FinishedPart, Impeller, NearestOnSide, Passage, SideProbe, Workpiece};
 use crate::setup::{AllowanceSetup, Tool};
 
 /// A passage with the axes of one cutter along its walls.
@@ -23,7 +20,7 @@ use crate::setup::{AllowanceSetup, Tool};
 pub struct Lane<'a> {
     part: &'a Impeller,
     passage: &'a Passage,
-    finished: Arc<FinishedPart<'a>>,
+    finished: &'a FinishedPart,
     /// Flanks with the straight extensions along which rows run out.
     probes: [SideProbe; 2],
     /// The same sides without extensions, each with the sign that makes ∂u × ∂v point into the passage.
@@ -111,14 +108,9 @@ const FIT_TOLERANCE: f64 = 2e-7;
 const SEARCH_ERROR: f64 = 4e-6;
 
 impl<'a> Lane<'a> {
-    /// The lane of `tool` through `passage` of `part` between the `finished` blades.
-    pub fn new(
-        part: &'a Impeller,
-        passage: &'a Passage,
-        finished: Arc<FinishedPart<'a>>,
-        tool: &Tool,
-        stock: &AllowanceSetup,
-    ) -> Self {
+    /// The lane of `tool` through `passage`, one of `workpiece`, between its finished blades.
+    pub fn new(workpiece: &'a Workpiece, passage: &'a Passage, tool: &Tool, stock: &AllowanceSetup) -> Self {
+        let Workpiece { part, finished, .. } = workpiece;
         let (hub_allowance, blade_allowance) = (stock.hub_allowance, stock.blade_allowance);
         let probe = |i: usize| {
             // The flank is extended only as far as rows run beyond its ends: a longer extension would

@@ -118,7 +118,7 @@ impl Planner<'_> {
         earlier: &Columns,
         monitor: &Monitor,
     ) -> Result<PlannedRow, PlanError> {
-        let top = BlankTop::new(&self.blank);
+        let top = BlankTop::new(&self.workpiece.blank);
         let attempts = RowAttempts { maker, layout, end: ends.1, earlier, top: &top };
         // For each retreat: shift of W that the previous lead angle needed, in s.
         let mut moved = [0.0; START_RETREATS.len()];
@@ -180,7 +180,7 @@ impl Planner<'_> {
         let maker = attempts.maker;
         let mut conventional = attempts.conventional(start.s)?;
         let mut row = PlannedRow { converged: false, ..PlannedRow::empty(maker.lambda) };
-        let mut known = CutSoFar::new(attempts.earlier, &self.blank, attempts.top);
+        let mut known = CutSoFar::new(attempts.earlier, &self.workpiece.blank, attempts.top);
         while row.iterations < MAX_ITERATIONS && !row.converged {
             row.iterations += 1;
             known.clear_row();
@@ -222,7 +222,7 @@ impl Planner<'_> {
         moved: &mut [f64; START_RETREATS.len()],
     ) -> Option<RowStart> {
         let maker = attempts.maker;
-        let radius_s = maker.tool.radius() / self.part.hub.length();
+        let radius_s = maker.tool.radius() / self.workpiece.part.hub.length();
         let mut unmoved = None;
         for (radii, moved) in START_RETREATS.into_iter().zip(moved) {
             if maker.monitor.is_cancelled() {
@@ -235,7 +235,7 @@ impl Planner<'_> {
                 *moved = first.shroud_shift();
             }
             let column = PlungeColumn::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
-            if !core_interferes(&column, attempts.earlier.all().near(&column), &self.blank) {
+            if !core_interferes(&column, attempts.earlier.all().near(&column), &self.workpiece.blank) {
                 return Some(RowStart { s, first, free: true });
             }
             unmoved = unmoved.or(Some(RowStart { s, first, free: false }));
@@ -245,7 +245,7 @@ impl Planner<'_> {
 
     /// Number of interfering stations of a row.
     fn count_contacts(&self, attempts: &RowAttempts, stations: &[Station]) -> usize {
-        let mut known = CutSoFar::new(attempts.earlier, &self.blank, attempts.top);
+        let mut known = CutSoFar::new(attempts.earlier, &self.workpiece.blank, attempts.top);
         (1..=stations.len()).filter(|&k| known.interferes(attempts.maker, &stations[..k])).count()
     }
 }

@@ -1,7 +1,7 @@
 //! Layout of a section: its stretches of the passages, the wall axes of the cutter in them and the λ of its
 //! rows. It does not depend on the policy, so all policies share it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -93,12 +93,12 @@ impl<'a> Planner<'a> {
     /// The stretches of a section, outlet end first.
     fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<PassageStretch<'a>> {
         let whole = PassageStretch {
-            passage: &self.channel.full,
+            passage: &self.workpiece.channel.full,
             lambdas: (0.0, 1.0),
             from: section.from,
             to: section.to,
         };
-        self.divided(whole, self.channel.division.as_deref(), tool)
+        self.divided(whole, self.workpiece.channel.division.as_deref(), tool)
     }
 
     /// The stretches into which `division` divides the stretch `whole` of a passage.
@@ -112,7 +112,8 @@ impl<'a> Planner<'a> {
         let [hub, shroud] = division.s;
         let PassageStretch { from, to, .. } = whole;
         // The passages join upstream of the splitter's nose by the radius and allowance of the cutter.
-        let reach = (tool.radius() + self.setup.allowances.blade_allowance) / self.part.hub.length();
+        let reach =
+            (tool.radius() + self.setup.allowances.blade_allowance) / self.workpiece.part.hub.length();
         let nose = (hub.min(shroud) - reach).max(0.0);
         let mut stretches = Vec::new();
         let mut joined = nose;
@@ -120,7 +121,7 @@ impl<'a> Planner<'a> {
             let s = 0.5 * (from.min(1.0) + to).max(hub.max(shroud));
             let lambdas = self.lambdas_beside(division, whole.lambdas, s);
             for ((&passage, lambdas), inner) in division.passages.iter().zip(lambdas).zip(&division.inner) {
-                let passage = &self.channel.passages[passage];
+                let passage = &self.workpiece.channel.passages[passage];
                 // Upstream of the nose the extended flanks may converge; the rows end where the cutter no
                 // longer fits.
                 let to = self.fits_until(passage, tool, to.max(nose), hub.min(shroud));
@@ -139,7 +140,7 @@ impl<'a> Planner<'a> {
     }
 
     fn lane(&self, passage: &'a Passage, tool: &Tool) -> Lane<'a> {
-        Lane::new(self.part, passage, Arc::clone(&self.finished), tool, &self.setup.allowances)
+        Lane::new(self.workpiece, passage, tool, &self.setup.allowances)
     }
 
     /// The s down to which the cutter fits in `passage` when going inwards from `from`, at most to `to`.
@@ -160,9 +161,9 @@ impl<'a> Planner<'a> {
     /// λ across the whole channel of the passages beside a splitter, by the angles of their feet at `s`;
     /// those of the passage that it divides are `(low, high)`.
     fn lambdas_beside(&self, division: &Division, (low, high): (f64, f64), s: f64) -> [(f64, f64); 2] {
-        let angles = |p: &Passage| p.wall_angles(self.part, s, 0.0);
-        let [near, far] = division.passages.map(|passage| angles(&self.channel.passages[passage]));
-        let (near, far) = match (angles(&self.channel.full), near, far) {
+        let angles = |p: &Passage| p.wall_angles(&self.workpiece.part, s, 0.0);
+        let [near, far] = division.passages.map(|passage| angles(&self.workpiece.channel.passages[passage]));
+        let (near, far) = match (angles(&self.workpiece.channel.full), near, far) {
             (Some(full), Some(near), Some(far)) => {
                 let width = full[1] - full[0];
                 (
@@ -181,7 +182,7 @@ impl<'a> Planner<'a> {
         let layouts = self.stretches(section, tool).into_iter().map(|stretch| {
             let lane = self.lane(stretch.passage, tool);
             let floor = self.setup.allowances.hub_allowance + tool.corner_radius;
-            let hub = DepthSurface::new(self.part.hub.curve(), floor);
+            let hub = DepthSurface::new(self.workpiece.part.hub.curve(), floor);
             let rows = self.row_lambdas(&lane, &stretch, tool).into_iter().map(|lambda| RowLayout {
                 lambda,
                 firsts: Memo::new(),
@@ -222,7 +223,7 @@ impl<'a> Planner<'a> {
         let section = &sections[index];
         let Ok(tool) = tool_of(self.setup, section.tool) else { return (stretch.from, stretch.to) };
         let before = index.checked_sub(1).map(|i| &sections[i]);
-        let hub = &self.part.hub;
+        let hub = &self.workpiece.part.hub;
         let (mut start, end) =
             if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };
         let border = if inward > 0.0 { section.from } else { section.to };
@@ -255,7 +256,7 @@ impl<'a> Planner<'a> {
     ) -> RowMaker<'r> {
         let wall_row = is_wall(lambda) || rows == 1;
         RowMaker {
-            part: self.part,
+            part: &self.workpiece.part,
             lane: &layout.lane,
             hub: &layout.hub,
             tool,

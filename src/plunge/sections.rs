@@ -6,7 +6,7 @@ use super::choice::search::MIN_SECTION_S;
 use super::choice::{choose, choose_rest};
 use super::survey::Survey;
 use crate::error::ErrorCode;
-use crate::part::{Channel, Impeller};
+use crate::part::{Impeller, Workpiece};
 use crate::setup::{PlungeSetup, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of};
 
 /// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
@@ -26,15 +26,11 @@ pub struct Resolved {
 ///
 /// # Errors
 /// When part and setup do not match, a section uses a missing tool, or the plan would be too large.
-pub fn resolve(
-    setup: &Setup,
-    library: &[Tool],
-    part: &Impeller,
-    channel: &Channel,
-) -> Result<Resolved, SetupFault> {
+pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result<Resolved, SetupFault> {
+    let part = &workpiece.part;
     check_part(setup, part)?;
     check_hub_allowance(setup, part)?;
-    let mut survey = Survey::of(part, channel, MIN_SECTION_S);
+    let mut survey = Survey::of(workpiece, MIN_SECTION_S);
     let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
     if !given {
@@ -42,7 +38,7 @@ pub fn resolve(
     }
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {
-        survey.try_cylinders(part, channel, &setup.allowances, &cylinders(&resolved.tools));
+        survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&resolved.tools));
         let limit = (!given).then(|| largest_diameter(setup, part, &survey));
         let mut chosen = choose(&resolved.tools, limit, &survey, setup);
         if setup.plunge.rest {

@@ -38,11 +38,11 @@ impl Planner<'_> {
         for (section, rows) in thinned.sections.iter_mut().zip(rows) {
             section.rows = rows;
         }
-        let contacts = core_contacts(columns, &self.blank, monitor)?;
+        let contacts = core_contacts(columns, &self.workpiece.blank, monitor)?;
         for (position, contact) in thinned.positions.iter_mut().zip(contacts) {
             position.contact = contact;
         }
-        raise_links(&mut thinned, &self.blank, self.setup.allowances.safety_distance, monitor)?;
+        raise_links(&mut thinned, &self.workpiece.blank, self.setup.allowances.safety_distance, monitor)?;
         Ok(thinned)
     }
 }

@@ -1,14 +1,11 @@
 //! Survey of the channel along s: width and depth of its passages, and the length of their rows. Independent
 //! of any tool.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
 use super::lane::Lane;
-use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{Point, Vector};
-use crate::part::{Channel, Impeller, Passage, PassageWidth};
+use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
 use crate::setup::{AllowanceSetup, Tool};
 
 /// Number of equal steps of s at which the channel is measured.
@@ -60,9 +57,10 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Measures `channel` of `part`. Sections have to meet where a splitter begins, unless less than
+    /// Measures the channel of `workpiece`. Sections have to meet where a splitter begins, unless less than
     /// `shortest` (in s) would remain on one side of it.
-    pub fn of(part: &Impeller, channel: &Channel, shortest: f64) -> Self {
+    pub fn of(workpiece: &Workpiece, shortest: f64) -> Self {
+        let Workpiece { part, channel, .. } = workpiece;
         let mut s: Vec<f64> = (0..=STEPS).map(|i| i as f64 / STEPS as f64).collect();
         let mut joints = Vec::new();
         let mut before = 0.0;
@@ -83,19 +81,12 @@ impl Survey {
 
     /// Tries cylinders of `diameters` (mm, largest first) between the walls at every station, with the same
     /// fits as the planner: between twisted walls the width alone does not decide what fits.
-    pub fn try_cylinders(
-        &mut self,
-        part: &Impeller,
-        channel: &Channel,
-        stock: &AllowanceSetup,
-        diameters: &[f64],
-    ) {
-        let finished = Arc::new(FinishedPart::new(part, &channel.sides));
+    pub fn try_cylinders(&mut self, workpiece: &Workpiece, stock: &AllowanceSetup, diameters: &[f64]) {
         let free_width = |station: &SurveyStation| station.narrowest - 2.0 * stock.blade_allowance;
         let clears = |station: &SurveyStation, diameter: f64| {
             station.passages.iter().all(|across| {
-                let passage = &channel.passages[across.passage];
-                let lane = Lane::new(part, passage, Arc::clone(&finished), &cylinder(diameter), stock);
+                let passage = &workpiece.channel.passages[across.passage];
+                let lane = Lane::new(workpiece, passage, &cylinder(diameter), stock);
                 lane.wall_pair(station.s, station.s).is_some()
             })
         };

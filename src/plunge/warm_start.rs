@@ -65,7 +65,9 @@ impl Planner<'_> {
             let stations: Vec<Station> = stations
                 .into_par_iter()
                 .filter_map(|station| self.refit_station(station, lambda, layouts, tool, before, monitor))
-                .filter(|station| self.setup.machine.excess_tilt_rad(self.part, &station.axis) <= 0.0)
+                .filter(|station| {
+                    self.setup.machine.excess_tilt_rad(&self.workpiece.part, &station.axis) <= 0.0
+                })
                 .collect();
             let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
             let row = self.cut_row(row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;

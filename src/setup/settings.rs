@@ -1,10 +1,12 @@
 //! The setup: allowances, clearances, tools and planner parameters. Keys as in the TOML file.
 
+use std::sync::Arc;
+
 use super::fault::{SetupFault, SetupPlace};
 use super::{AssemblyPart, Tool};
 use crate::error::ErrorCode;
 use crate::geometry::Vector;
-use crate::part::{Blank, BlankShape, Channel, Impeller, PassageWidth};
+use crate::part::{Blank, BlankShape, Channel, Impeller, PassageWidth, Workpiece};
 
 /// Axis policy of the plunge planner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -85,6 +87,22 @@ impl AllowanceSetup {
     /// The blank of `part`.
     pub fn blank_of(&self, part: &Impeller) -> Blank {
         Blank::shaped(part, self.inlet_extension, &self.blank)
+    }
+
+    /// `part` with its blank, prepared for planners and checks.
+    ///
+    /// ```
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let setup = vanecut::setup::Setup::for_part(&part);
+    /// let workpiece = setup.allowances.workpiece_of(part);
+    /// assert_eq!(workpiece.channel.passages.len(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn workpiece_of(&self, part: impl Into<Arc<Impeller>>) -> Workpiece {
+        let part = part.into();
+        let blank = self.blank_of(&part);
+        Workpiece::new(part, blank)
     }
 
     /// Checks that the blank encloses `part`.

@@ -1,7 +1,7 @@
 //! Excess of stock: the distance of points to the finished surfaces of one channel.
 
 use crate::geometry::{Meridional, Point};
-use crate::part::{Channel, Impeller, SideProbe};
+use crate::part::{Impeller, SideProbe, Workpiece};
 
 /// A side of a blade.
 struct BladeFace {
@@ -19,9 +19,10 @@ pub struct Excess<'a> {
 }
 
 impl<'a> Excess<'a> {
-    /// The surfaces of `part`.
-    pub fn new(part: &'a Impeller) -> Self {
-        let sides = Channel::of(part).sides;
+    /// The surfaces of `workpiece`.
+    pub fn new(workpiece: &'a Workpiece) -> Self {
+        let Workpiece { part, channel, .. } = workpiece;
+        let sides = &channel.sides;
         // Both sides of each blade follow each other, so either tells where the inside of the other is.
         let face = |k: usize| {
             let (side, back) = (&sides[k], sides.get(k ^ 1));

@@ -5,18 +5,14 @@ use rayon::prelude::*;
 use super::overhang::WallTables;
 use super::reach::{CutterStretch, InaccessibleTables};
 use crate::geometry::{Meridional, search};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Blank, Workpiece};
 use crate::setup::AllowanceSetup;
 
 /// Inputs of a floor grid.
 #[derive(Clone, Copy, Debug)]
 pub struct FloorSource<'a> {
-    /// The part.
-    pub part: &'a Impeller,
-    /// Its channel.
-    pub channel: &'a Channel,
-    /// The blank before the first cut.
-    pub blank: &'a Blank,
+    /// The part, its channel, and the blank before the first cut.
+    pub workpiece: &'a Workpiece,
     /// Allowances.
     pub stock: &'a AllowanceSetup,
     /// Ranges of s and the cutters used there. Without any, the whole floor counts as reachable.
@@ -106,7 +102,8 @@ impl FloorGrid {
             floor: vec![false; count],
             reachable: vec![true; count],
         };
-        let walls = WallTables::new(source.part, source.channel, source.stock.blade_allowance);
+        let walls =
+            WallTables::new(&source.workpiece.part, &source.workpiece.channel, source.stock.blade_allowance);
         let reach = InaccessibleTables::new(source, &walls);
         (
             grid.points.par_chunks_mut(cells),
@@ -144,12 +141,12 @@ struct GridRow<'a> {
 
 impl GridRow<'_> {
     fn fill(self, source: &FloorSource, walls: &WallTables, reach: &InaccessibleTables, s: f64) {
-        let part = source.part;
+        let Workpiece { part, blank, .. } = source.workpiece;
         let hub = part.hub.at(s);
         let columns = self.points.len() as f64;
         let outline = {
             let (foot, normal) = (hub.point.at_angle(0.0), hub.normal.direction_at_angle(0.0));
-            first_exit(source.blank, |h| Meridional::of(&(foot + normal * h)), 2.0 * part.rim_radius())
+            first_exit(blank, |h| Meridional::of(&(foot + normal * h)), 2.0 * part.rim_radius())
         };
         let over = walls.blades_over(s);
         let covered = reach.inaccessible_ranges(s, &over);

@@ -83,7 +83,7 @@ impl InaccessibleTables {
                     return vec![0.0; walls.faces.len()];
                 }
                 let angle = |face| {
-                    WallCorner::new(source.part, walls, face, row)
+                    WallCorner::new(&source.workpiece.part, walls, face, row)
                         .map_or(0.0, |c| c.inaccessible_angle(&cutter))
                 };
                 (0..walls.faces.len()).map(angle).collect()

@@ -10,7 +10,6 @@ use crate::error::{ErrorCode, UserError};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::job::{self, FIELD_CELLS, JobError, PlanOutcome, PlanRequest};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::Channel;
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
 use crate::verify::{count_by_kind, report_plunges};
@@ -77,11 +76,10 @@ fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Re
 
 /// Takes the figures from the program as it would be written, as `vanecut plan` does.
 fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError> {
-    let (part, plan) = (&outcome.part, &outcome.after.plan);
+    let (part, plan) = (&outcome.workpiece.part, &outcome.after.plan);
     let text = write_apt(&ClProgram::of_plan(&part.name, plan));
     let program = read_apt_bytes("", text.as_bytes())?;
-    let channel = Channel::of(part);
-    let report = report_plunges(part, &channel, &outcome.setup, &program, FIELD_CELLS)?;
+    let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, FIELD_CELLS)?;
     let (summary, faults) = (&report.summary, &report.verdict.faults);
     let sections = || report.verdict.plan.sections.iter().filter(|section| section.is_cut());
     let figures: [f64; FIGURES.len()] = [

@@ -23,10 +23,9 @@ use super::fault::{
 };
 use super::too_deep;
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings};
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::retract::bottom_clearance;
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Blank, Workpiece};
 use crate::setup::{Setup, Tool};
 use crate::stock::ResidualStatistics;
 use crate::stock::solid::Contact;
@@ -98,26 +97,22 @@ const MAX_DIAMETERS: f64 = 4.0;
 /// manner than intended.
 const MAX_TURN_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
-/// Checks `program` against `part` with the allowances of `setup`.
+/// Checks `program` against `workpiece` with the allowances of `setup`.
 ///
 /// # Errors
 /// When a cut cannot be checked because no tool with a diameter comes before it; the fault names the line.
 pub fn verify_flank(
-    part: &Impeller,
-    channel: &Channel,
+    workpiece: &Workpiece,
     setup: &Setup,
     program: &ClProgram,
 ) -> Result<FlankVerdict, Fault> {
-    FlankVerifier::new(part, channel, setup).verdict(program)
+    FlankVerifier::new(workpiece, setup).verdict(program)
 }
 
 /// Checks programs against one part, one after another; the result of each step is cached.
 pub struct FlankVerifier<'a> {
-    part: &'a Impeller,
-    channel: &'a Channel,
+    workpiece: &'a Workpiece,
     setup: &'a Setup,
-    blank: Blank,
-    finished: FinishedPart<'a>,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
@@ -152,18 +147,9 @@ fn step_key(step: &CutterStep) -> StepKey {
 }
 
 impl<'a> FlankVerifier<'a> {
-    /// A verifier of programs that cut `part` with the allowances of `setup`.
-    pub fn new(part: &'a Impeller, channel: &'a Channel, setup: &'a Setup) -> Self {
-        Self {
-            part,
-            channel,
-            setup,
-            blank: setup.allowances.blank_of(part),
-            finished: FinishedPart::new(part, &channel.sides),
-            tools: Vec::new(),
-            cache: HashMap::new(),
-            last: None,
-        }
+    /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
+    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
+        Self { workpiece, setup, tools: Vec::new(), cache: HashMap::new(), last: None }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing stock are
@@ -203,7 +189,7 @@ impl<'a> FlankVerifier<'a> {
             }
         }
         faults.sort_by_key(|fault| fault.line);
-        let Self { part, channel, setup, blank, finished, tools, .. } = self;
+        let Self { workpiece, setup, tools, .. } = self;
         let mut verdict = FlankVerdict {
             channels: channels.len(),
             positions: steps.iter().filter(|s| s.feed.is_some()).count(),
@@ -221,7 +207,7 @@ impl<'a> FlankVerifier<'a> {
             verdict.add(step, look);
         }
         for (index, (number, floor)) in channels.iter().enumerate() {
-            let (uncovered, layer) = floor.figures(finished, channel, blank, setup);
+            let (uncovered, layer) = floor.figures(workpiece, setup);
             if index == 0 || uncovered.share() > verdict.uncovered.share() {
                 (verdict.uncovered, verdict.layer) = (uncovered, layer);
             }
@@ -230,7 +216,14 @@ impl<'a> FlankVerifier<'a> {
             let corner = cuts.iter().map(|s| tools[s.tool].corner_radius).fold(0.0, f64::max);
             // With a tilted axis the flank begins above the corner radius.
             let uncut = setup.allowances.hub_allowance + TILTED_CORNER_RADII * corner;
-            let walls = wall_deviation(part, channel, tools, &cuts, setup.allowances.blade_allowance, uncut);
+            let walls = wall_deviation(
+                &workpiece.part,
+                &workpiece.channel,
+                tools,
+                &cuts,
+                setup.allowances.blade_allowance,
+                uncut,
+            );
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
             verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
             verdict.unmilled_wall_share = verdict.unmilled_wall_share.max(walls.unmilled_share);
@@ -250,7 +243,10 @@ impl<'a> FlankVerifier<'a> {
         let known = self.last.as_mut().and_then(|last| last.contacts.take());
         let contacts = match known {
             Some(known) => known,
-            None => standing::collisions(self.part, &self.blank, &self.tools, steps, monitor)?,
+            None => {
+                let Workpiece { part, blank, .. } = self.workpiece;
+                standing::collisions(part, blank, &self.tools, steps, monitor)?
+            }
         };
         let fault = |contact: &Contact| {
             let step = &steps[contact.number as usize];
@@ -268,7 +264,7 @@ impl<'a> FlankVerifier<'a> {
         program: &ClProgram,
         monitor: &Monitor,
     ) -> Result<Result<ExaminedProgram, Cancelled>, Fault> {
-        let (steps, tools) = steps_of(self.part, self.channel, program, self.setup)?;
+        let (steps, tools) = steps_of(&self.workpiece.part, &self.workpiece.channel, program, self.setup)?;
         if tools != self.tools {
             self.cache.clear();
             self.last = None;
@@ -304,14 +300,14 @@ impl<'a> FlankVerifier<'a> {
     ) -> Result<Vec<StepResult>, Cancelled> {
         let segments: Vec<_> = self.tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
         let around = StepSurroundings {
-            finished: &self.finished,
+            finished: &self.workpiece.finished,
             tools: &self.tools,
-            assembly: AssemblySurroundings::new(&self.finished, self.setup),
+            assembly: AssemblySurroundings::new(&self.workpiece.finished, self.setup),
             segments: &segments,
             hub_allowance: self.setup.allowances.hub_allowance,
             blade_allowance: self.setup.allowances.blade_allowance,
         };
-        let (seen, blank) = (&self.cache, &self.blank);
+        let (seen, blank) = (&self.cache, &self.workpiece.blank);
         let known: Vec<Option<&StepResult>> =
             steps.par_iter().map(|step| seen.get(&step_key(step))).collect();
         // Each end is evaluated once: the next step begins there.
@@ -374,7 +370,7 @@ impl<'a> FlankVerifier<'a> {
             rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
         };
         let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
-        evaluate_floor(&self.finished, self.channel, self.setup, &self.blank, &self.tools, &ours, &places)
+        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places)
     }
 
     /// The faults of a step.
@@ -390,7 +386,7 @@ impl<'a> FlankVerifier<'a> {
                 Finding::new(FaultKind::HolderCollision, None, what)
             }),
             rapid_near_blank(look.retract, stock),
-            beyond_machine(self.part, self.setup, &step.to.1),
+            beyond_machine(&self.workpiece.part, self.setup, &step.to.1),
             turns.then(|| {
                 let turn = step.turn().to_degrees();
                 let what = format!(
@@ -399,7 +395,7 @@ impl<'a> FlankVerifier<'a> {
                 Finding::new(FaultKind::AxisTurn, turn, what)
             }),
         ];
-        let around = AssemblySurroundings::new(&self.finished, self.setup);
+        let around = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
         let assembly = assembly_findings(&self.tools[step.tool], &look.assembly, &around);
         let line = step.line;
         found.into_iter().flatten().chain(assembly).map(move |finding| finding.at(line))

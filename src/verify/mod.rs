@@ -30,12 +30,11 @@ pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
 use crate::cutting::assembly::AssemblySurroundings;
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn, core_contact};
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
-use crate::part::{Blank, Channel, Impeller};
+use crate::part::{Blank, Impeller, Workpiece};
 use crate::plunge::{PlungePlan, Position, SectionPlan};
 use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, Setup, Tool};
 use crate::toolpath::ClProgram;
@@ -81,18 +80,19 @@ struct Measured {
     rapids: Vec<Fault>,
 }
 
-/// Checks `program` against `part` with the allowances of `setup`. Where the program gives no insert width,
-/// that of the setup's tool is used.
+/// Checks `program` against `workpiece` with the allowances of `setup`. Where the program gives no insert
+/// width, that of the setup's tool is used.
 ///
 /// ```
-/// use vanecut::{io, part::Channel, setup::Setup, verify};
+/// use vanecut::{io, setup::Setup, verify};
 /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
 /// # let part = vanecut::part::Impeller::build(&part)?;
 /// // A plunge of D 20 to the axis of rotation, straight through the hub.
 /// let text = b"LOADTL/1\nCUTTER/20\nRAPID\nGOTO/0,0,500,0,0,1\nFEDRAT/300,MMPM\nGOTO/0,0,0,0,0,1\nFINI";
 /// let program = io::apt::read_apt_bytes("through.apt", text)?;
-/// let verdict = verify::verify(&part, &Channel::of(&part), &Setup::for_part(&part), &program)
-///     .map_err(|fault| fault.message)?;
+/// let setup = Setup::for_part(&part);
+/// let workpiece = setup.allowances.workpiece_of(part);
+/// let verdict = verify::verify(&workpiece, &setup, &program).map_err(|fault| fault.message)?;
 /// assert!(!verdict.faults.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -100,12 +100,8 @@ struct Measured {
 /// # Errors
 /// When the program has no cuts, or a cut cannot be checked because no tool with a diameter comes before it;
 /// the fault names the line.
-pub fn verify(
-    part: &Impeller,
-    channel: &Channel,
-    setup: &Setup,
-    program: &ClProgram,
-) -> Result<PlungeVerdict, Fault> {
+pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Result<PlungeVerdict, Fault> {
+    let Workpiece { part, channel, blank, finished } = workpiece;
     let mut cuts = cuts_of(program, setup)?;
     let Some(first_line) = cuts.first().map(|cut| cut.line) else {
         let what =
@@ -116,9 +112,7 @@ pub fn verify(
         Some(sections) => sections,
         None => sections_of(part, &cuts),
     };
-    let blank = setup.allowances.blank_of(part);
-    let top = BlankTop::new(&blank);
-    let finished = FinishedPart::new(part, &channel.sides);
+    let top = BlankTop::new(blank);
     let columns: Columns =
         cuts.iter().map(|c| PlungeColumn::new(c.cutter, c.tool.core_radius(), &top)).collect();
     let found = |cut: &ProgramCut| (nearest_channel(part, channel, &cut.cutter.tip), 1.0);
@@ -135,16 +129,16 @@ pub fn verify(
             let earlier = columns.before(k);
             let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
             let deep = whole.top > cut.tool.overhang;
-            let (retract, rapids) = check_rapids(cut, &blank, &setup.allowances);
+            let (retract, rapids) = check_rapids(cut, blank, &setup.allowances);
             Measured {
-                contact: core_contact(&columns.as_slice()[k], earlier, &blank),
+                contact: core_contact(&columns.as_slice()[k], earlier, blank),
                 hub: worst(&|c| finished.hub_clearance(c)),
                 blade: worst(&|c| finished.blade_clearance(c)),
                 retract,
-                in_blank: bottom_in_blank(&cut.cutter, &blank),
+                in_blank: bottom_in_blank(&cut.cutter, blank),
                 top: whole.top,
-                engaged: if deep { core_contact(&whole, earlier, &blank).depth } else { 0.0 },
-                holder_in_stock: holder_in_stock(cut, k, &columns, &top, &blank)
+                engaged: if deep { core_contact(&whole, earlier, blank).depth } else { 0.0 },
+                holder_in_stock: holder_in_stock(cut, k, &columns, &top, blank)
                     .map(|finding| finding.at(cut.line)),
                 rapids,
             }
@@ -205,7 +199,7 @@ pub fn verify(
         let first = cuts.iter().find(|cut| cut.tool_index == index);
         faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));
     }
-    let around = AssemblySurroundings::new(&finished, setup);
+    let around = AssemblySurroundings::new(finished, setup);
     let (assembly, found) = judge_moves(program, setup, &around);
     faults.extend(found);
     faults.sort_by_key(|fault| fault.line);

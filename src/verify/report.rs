@@ -6,7 +6,7 @@ use super::assembly::unknown_assemblies;
 use super::summary::{Floors, Summary};
 use super::{Fault, PlungeVerdict, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
-use crate::part::{Channel, Impeller};
+use crate::part::{Impeller, Workpiece};
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::Setup;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
@@ -31,23 +31,22 @@ pub struct PlungeReport {
     pub notes: Vec<String>,
 }
 
-/// Checks `program` against `part` with the allowances of `setup`; the floor has `cells` × `cells` cells.
+/// Checks `program` against `workpiece` with the allowances of `setup`; the floor has `cells` × `cells`
+/// cells.
 ///
 /// # Errors
 /// As [`verify`].
 pub fn report_plunges(
-    part: &Impeller,
-    channel: &Channel,
+    workpiece: &Workpiece,
     setup: &Setup,
     program: &ClProgram,
     cells: usize,
 ) -> Result<PlungeReport, Fault> {
-    let verdict = verify(part, channel, setup, program)?;
-    let blank = setup.allowances.blank_of(part);
+    let verdict = verify(workpiece, setup, program)?;
     let stretches = stretches_of_plan(&verdict.plan);
-    let source = FloorSource { part, channel, blank: &blank, stock: &setup.allowances, cutters: &stretches };
+    let source = FloorSource { workpiece, stock: &setup.allowances, cutters: &stretches };
     let grid = FloorGrid::new(&source, cells);
-    let fields = fields_of(part, &verdict, &grid);
+    let fields = fields_of(&workpiece.part, &verdict, &grid);
     let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();
     let floors = Floors { grid: &grid, heights: &heights };
     let plan = &verdict.plan;

@@ -1,13 +1,12 @@
 //! Fixed axes of inner passes, compared with brute force on real parts.
 
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::fixed_axis::{
     AxisObstacle, Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Unreachable,
 };
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
-use vanecut::part::{Blank, Channel, Impeller, Passage, SideProbe};
-use vanecut::setup::Tool;
+use vanecut::part::{Channel, Impeller, Passage, SideProbe, Workpiece};
+use vanecut::setup::{Setup, Tool};
 
 use super::parts::part_at;
 
@@ -66,14 +65,8 @@ fn stations(
 }
 
 /// Whether a cutter and a holder of twice its diameter clear blades, hub and stock, by exact distances.
-fn is_free(
-    part: &Impeller,
-    blank: &Blank,
-    finished: &FinishedPart,
-    tool: &Tool,
-    contact: &Contact,
-    cutter: &CutterSolid,
-) -> bool {
+fn is_free(workpiece: &Workpiece, tool: &Tool, contact: &Contact, cutter: &CutterSolid) -> bool {
+    let Workpiece { part, blank, finished, .. } = workpiece;
     let hub = part.hub.curve();
     let off_hub = |up: f64, radius: f64| {
         let (t, d) = hub.project(Meridional::of(&(cutter.tip + cutter.axis * up)));
@@ -104,15 +97,7 @@ fn is_free(
 }
 
 /// The minimum number of runs with axes of a grid of directions `step`, rad, apart, by brute force.
-fn fewest_runs(
-    part: &Impeller,
-    channel: &Channel,
-    tool: &Tool,
-    stations: &[Vec<Contact>],
-    step: f64,
-) -> usize {
-    let finished = FinishedPart::new(part, &channel.sides);
-    let blank = Blank::of(part, 0.0);
+fn fewest_runs(workpiece: &Workpiece, tool: &Tool, stations: &[Vec<Contact>], step: f64) -> usize {
     let mut axes = Vec::new();
     let rings = (std::f64::consts::PI / step) as usize;
     for i in 0..=rings {
@@ -126,7 +111,7 @@ fn fewest_runs(
     let free = |contact: &Contact, axis: &Vector| {
         let tip = tool.tip_at_contact(&contact.point, &contact.normal, axis);
         axis.angle(&contact.normal) <= LIMITS.max_tilt_rad
-            && is_free(part, &blank, &finished, tool, contact, &tool.placed(tip, *axis))
+            && is_free(workpiece, tool, contact, &tool.placed(tip, *axis))
     };
     let mut runs = 1;
     let mut left = axes.clone();
@@ -145,16 +130,8 @@ fn fewest_runs(
 }
 
 /// Checks that every contact is in exactly one run or reported, and that every cutter of every run is free.
-fn check(
-    part: &Impeller,
-    channel: &Channel,
-    tool: &Tool,
-    layer: &DepthSurface,
-    stations: &[Vec<Contact>],
-) -> FixedAxes {
-    let finished = FinishedPart::new(part, &channel.sides);
-    let blank = Blank::of(part, 0.0);
-    let search = FixedAxisSearch::new(&finished, channel, &blank, tool, &LIMITS);
+fn check(workpiece: &Workpiece, tool: &Tool, layer: &DepthSurface, stations: &[Vec<Contact>]) -> FixedAxes {
+    let search = FixedAxisSearch::new(workpiece, tool, &LIMITS);
     let found = search.runs(stations, layer);
     for (k, station) in stations.iter().enumerate() {
         let named: Vec<usize> =
@@ -169,10 +146,13 @@ fn check(
             assert!(run.axis.angle(&contact.normal) <= LIMITS.max_tilt_rad + 1e-9);
             let cutter = tool.placed(search.tip(contact, &run.axis, layer), run.axis);
             assert!(
-                is_free(part, &blank, &finished, tool, contact, &cutter),
+                is_free(workpiece, tool, contact, &cutter),
                 "station {k}, contact {j}: {cutter:?} meets something"
             );
-            assert!(finished.blade_clearance(&cutter) >= run.clearance - 1e-6, "run {run:?}, station {k}");
+            assert!(
+                workpiece.finished.blade_clearance(&cutter) >= run.clearance - 1e-6,
+                "run {run:?}, station {k}"
+            );
         }
     }
     found
@@ -185,15 +165,15 @@ fn no_finer_grid_does_with_fewer_runs() {
         ("assets/parts/impeller9x9.toml", 4.0, (0.0, 0.3, 8), 3.0, 1),
     ];
     for (name, diameter, along, height, least) in cases {
-        let part = part_at(name);
-        let channel = Channel::of(&part);
+        let workpiece = Setup::default().allowances.workpiece_of(part_at(name));
+        let Workpiece { part, channel, .. } = &workpiece;
         let tool = tool(diameter, 0.5 * diameter, 6.0 * diameter);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + height + tool.corner_radius);
-        let stations = stations(&part, &channel, &channel.full, &tool, height, along, 3);
+        let stations = stations(part, channel, &channel.full, &tool, height, along, 3);
         assert!(stations.iter().all(|s| !s.is_empty()), "contacts at every station");
-        let found = check(&part, &channel, &tool, &layer, &stations);
+        let found = check(&workpiece, &tool, &layer, &stations);
         assert!(found.unreachable.is_empty(), "{name}: {:?}", found.unreachable);
-        let fewest = fewest_runs(&part, &channel, &tool, &stations, 3f64.to_radians());
+        let fewest = fewest_runs(&workpiece, &tool, &stations, 3f64.to_radians());
         assert!(found.runs.len() <= fewest, "{name}: {} runs, a fine grid needs {fewest}", found.runs.len());
         assert!(found.runs.len() >= least, "{name}: a case with {} runs tells nothing", found.runs.len());
     }
@@ -201,14 +181,14 @@ fn no_finer_grid_does_with_fewer_runs() {
 
 #[test]
 fn runs_beside_a_splitter_are_free_with_cutters_of_all_shapes() {
-    let part = part_at("assets/parts/impeller9x9.toml");
-    let channel = Channel::of(&part);
+    let workpiece = Setup::default().allowances.workpiece_of(part_at("assets/parts/impeller9x9.toml"));
+    let Workpiece { part, channel, .. } = &workpiece;
     for (corner, height) in [(3.0, 0.0), (3.0, 6.0), (1.0, 3.0), (0.0, 3.0)] {
         let tool = tool(6.0, corner, 40.0);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + height + corner);
         for passage in &channel.beside_splitter {
-            let stations = stations(&part, &channel, passage, &tool, height, (0.4, 1.0, 30), 6);
-            let found = check(&part, &channel, &tool, &layer, &stations);
+            let stations = stations(part, channel, passage, &tool, height, (0.4, 1.0, 30), 6);
+            let found = check(&workpiece, &tool, &layer, &stations);
             assert!(!found.runs.is_empty() && found.runs.len() < 6, "{:?}", found.runs);
             let lost: usize = found.unreachable.iter().map(|u| u.contacts.len()).sum();
             let all: usize = stations.iter().map(Vec::len).sum();
@@ -223,20 +203,18 @@ fn runs_beside_a_splitter_are_free_with_cutters_of_all_shapes() {
 
 #[test]
 fn lifted_bottoms_stay_above_the_layer() {
-    let part = part_at("assets/parts/impeller9x9.toml");
-    let channel = Channel::of(&part);
-    let finished = FinishedPart::new(&part, &channel.sides);
-    let blank = Blank::of(&part, 0.0);
+    let workpiece = Setup::default().allowances.workpiece_of(part_at("assets/parts/impeller9x9.toml"));
+    let Workpiece { part, channel, .. } = &workpiece;
     for corner in [0.0, 1.0, 3.0] {
         let tool = tool(6.0, corner, 40.0);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + 3.0 + corner);
-        let search = FixedAxisSearch::new(&finished, &channel, &blank, &tool, &LIMITS);
-        for station in stations(&part, &channel, &channel.full, &tool, 3.0, (0.1, 0.9, 9), 3) {
+        let search = FixedAxisSearch::new(&workpiece, &tool, &LIMITS);
+        for station in stations(part, channel, &channel.full, &tool, 3.0, (0.1, 0.9, 9), 3) {
             for contact in station {
                 for tilt in [0.0, 0.2, 0.5] {
                     let axis = (contact.normal + Vector::new(tilt, 0.0, 0.5 * tilt)).normalize();
                     let tip = search.tip(&contact, &axis, &layer);
-                    let clearance = finished.hub_clearance(&tool.placed(tip, axis));
+                    let clearance = workpiece.finished.hub_clearance(&tool.placed(tip, axis));
                     assert!(clearance > LIMITS.hub_allowance + 3.0 - 1e-4, "corner {corner}: {clearance}");
                     let touching = tool.placed(tip, axis).distance(&contact.point);
                     assert!(
@@ -251,14 +229,14 @@ fn lifted_bottoms_stay_above_the_layer() {
 
 #[test]
 fn what_has_no_axis_is_named_with_its_reason() {
-    let part = part_at("assets/parts/impeller9x9.toml");
-    let channel = Channel::of(&part);
+    let workpiece = Setup::default().allowances.workpiece_of(part_at("assets/parts/impeller9x9.toml"));
+    let Workpiece { part, channel, .. } = &workpiece;
     // The holder is wider than the passage and begins far below the blade tips.
     let tool = Tool { overhang: 9.0, ..tool(8.0, 4.0, 0.0) };
     let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + tool.corner_radius);
     let passage = &channel.beside_splitter[0];
-    let stations = stations(&part, &channel, passage, &tool, 0.0, (0.4, 0.6, 6), 6);
-    let found = check(&part, &channel, &tool, &layer, &stations);
+    let stations = stations(part, channel, passage, &tool, 0.0, (0.4, 0.6, 6), 6);
+    let found = check(&workpiece, &tool, &layer, &stations);
     assert!(!found.unreachable.is_empty(), "a holder in the passage");
     let holder = |u: &Unreachable| matches!(u.why, AxisObstacle::Holder | AxisObstacle::Stock);
     assert!(found.unreachable.iter().any(holder), "{:?}", found.unreachable);

@@ -5,7 +5,6 @@ use std::sync::LazyLock;
 use vanecut::geometry::frame_about;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::Channel;
 use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, verify_flank};
@@ -53,8 +52,7 @@ fn cores_in_stock(program: &mut ClProgram) -> Vec<usize> {
         step.line = line;
     }
     assert!(program.mills_along_curves());
-    let part = &PLAN.part;
-    let verdict = verify_flank(part, &Channel::of(part), &PLAN.setup, program).expect("it can be checked");
+    let verdict = verify_flank(&PLAN.workpiece, &PLAN.setup, program).expect("it can be checked");
     let cores = verdict.faults.iter().filter(|fault| fault.kind == FaultKind::CoreContact);
     cores.map(|fault| fault.line).collect()
 }

@@ -33,9 +33,9 @@ fn parts() -> Vec<Impeller> {
 }
 
 fn planned(part: &Impeller, setup: &Setup) -> Result<(FlankLayout, Tool), FlankError> {
-    let channel = Channel::of(part);
-    let chosen = choose_tool(part, &channel, setup, flank_cutters()).map_err(FlankError::Setup)?;
-    let source = LayoutInputs { part, channel: &channel, setup, tool: &chosen.tool };
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let chosen = choose_tool(&workpiece, setup, flank_cutters()).map_err(FlankError::Setup)?;
+    let source = LayoutInputs { workpiece: &workpiece, setup, tool: &chosen.tool };
     Ok((source.plan(&Monitor::default())?, chosen.tool))
 }
 
@@ -279,12 +279,11 @@ fn what_cannot_be_planned_has_its_code() {
 
 #[test]
 fn a_cancelled_plan_says_so() {
-    let part = sample("impeller9x9.toml");
-    let channel = Channel::of(&part);
     let setup = Setup::default();
+    let workpiece = setup.allowances.workpiece_of(sample("impeller9x9.toml"));
     let tool = &flank_cutters()[24];
     let monitor = Monitor::default();
     monitor.cancel();
-    let source = LayoutInputs { part: &part, channel: &channel, setup: &setup, tool };
+    let source = LayoutInputs { workpiece: &workpiece, setup: &setup, tool };
     assert!(matches!(source.plan(&monitor), Err(FlankError::Cancelled(_))));
 }

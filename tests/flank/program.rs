@@ -10,7 +10,7 @@ use vanecut::io::flank_file::{is_flank, read_flank_bytes, write_flank};
 use vanecut::io::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::Impeller;
 use vanecut::setup::{FlankStrategy, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify_flank;
@@ -39,10 +39,9 @@ fn verify_finds_no_fault_in_the_programs() {
             setup.flank.layer_depth = depth;
         }));
         let plan = &outcome.plan;
-        let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &plan.tool, &plan.moves));
+        let text = write_apt(&ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves));
         let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("it reads its own program");
-        let channel = Channel::of(&outcome.part);
-        let verdict = verify_flank(&outcome.part, &channel, &outcome.setup, &program).expect("judged");
+        let verdict = verify_flank(&outcome.workpiece, &outcome.setup, &program).expect("judged");
         assert!(verdict.faults.is_empty(), "{name} {scheme:?}: {:?}", verdict.faults.first());
         if scheme == FlankStrategy::Balanced {
             // Only the ball's fillet beside the walls remains, no gap between passes or beside a nose.
@@ -107,7 +106,7 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
         "it ramps somewhere"
     );
     // The program and its time use the same feed rates.
-    let text = write_apt(&ClProgram::of_flank(&outcome.part.name, &outcome.plan.tool, moves));
+    let text = write_apt(&ClProgram::of_flank(&outcome.workpiece.part.name, &outcome.plan.tool, moves));
     for feed in ["FEDRAT/1000", "FEDRAT/500", "FEDRAT/700", "FEDRAT/200"] {
         assert!(text.contains(feed), "{feed}");
     }

@@ -3,13 +3,12 @@
 
 use std::path::Path;
 
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
 use vanecut::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::{Impeller, Workpiece};
 use vanecut::setup::{Setup, Tool};
 use vanecut::toolpath::{ClProgram, ClTool, Motion, Move};
 use vanecut::verify::{FaultKind, FlankVerdict, verify_flank};
@@ -20,8 +19,7 @@ const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
 type Place = (Point, Vector);
 
 struct Made {
-    part: Impeller,
-    channel: Channel,
+    workpiece: Workpiece,
     tool: Tool,
     setup: Setup,
     /// Passes along the walls, on the lowest layer.
@@ -35,7 +33,6 @@ struct Made {
 fn made(inner: usize) -> Made {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
     let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
-    let channel = Channel::of(&part);
     let tool = Tool {
         number: 1,
         diameter: 8.0,
@@ -47,6 +44,8 @@ fn made(inner: usize) -> Made {
         assembly: Default::default(),
     };
     let setup = Setup::default();
+    let workpiece = setup.allowances.workpiece_of(part);
+    let Workpiece { part, channel, finished, .. } = &workpiece;
     let stock = &setup.allowances;
     let milling = WallMilling {
         tool: &tool,
@@ -57,9 +56,8 @@ fn made(inner: usize) -> Made {
         chord_error: 0.002,
     };
     let layer = DepthSurface::new(part.hub.curve(), stock.hub_allowance + tool.corner_radius);
-    let finished = FinishedPart::new(&part, &channel.sides);
     let axes = [0, 1].map(|wall| {
-        let fit = WallFit::new(&finished, &channel.full, wall, &milling, std::slice::from_ref(&layer))
+        let fit = WallFit::new(finished, &channel.full, wall, &milling, std::slice::from_ref(&layer))
             .expect("a wall");
         fit.axes(fit.sweep(0.0))
     });
@@ -87,7 +85,7 @@ fn made(inner: usize) -> Made {
             (0..=200).filter_map(place).collect()
         })
         .collect();
-    Made { part, channel, tool, setup, walls, inner }
+    Made { workpiece, tool, setup, walls, inner }
 }
 
 impl Made {
@@ -120,14 +118,14 @@ impl Made {
             feed_mm_per_min: Some(t.plunge_feed),
             spindle_rpm: Some(t.spindle),
         };
-        ClProgram { part: self.part.name.clone(), tools: vec![tool], moves, ..ClProgram::default() }
+        ClProgram { part: self.workpiece.part.name.clone(), tools: vec![tool], moves, ..ClProgram::default() }
     }
 
     /// The verdict of `verify` on the written program.
     fn verdict(&self, program: &ClProgram) -> FlankVerdict {
         let read = read_apt_bytes("flank.apt", write_apt(program).as_bytes()).expect("readable");
         assert!(read.mills_along_curves(), "a flank program");
-        let verdict = verify_flank(&self.part, &self.channel, &self.setup, &read).expect("can be judged");
+        let verdict = verify_flank(&self.workpiece, &self.setup, &read).expect("can be judged");
         // These programs mill the full depth at once, which is a separate fault.
         let others = verdict.faults.iter().filter(|fault| fault.kind != FaultKind::TooDeep);
         FlankVerdict { faults: others.cloned().collect(), ..verdict }
@@ -189,7 +187,7 @@ fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
 #[test]
 fn stock_of_a_channel_that_is_not_cut_stands_in_the_way() {
     let made = made(3);
-    let pitch = made.part.pitch();
+    let pitch = made.workpiece.part.pitch();
     let dip = |turn: f64| {
         made.program(&made.inner, |moves| {
             let (tip, axis) = made.inner[1][100];
@@ -222,7 +220,7 @@ fn gouges_are_found_also_between_positions() {
         let k = moves.len() / 2;
         let along = (moves[k + 1].tip - moves[k - 1].tip).normalize();
         let across = along.cross(&moves[k].axis).normalize();
-        let wall = made.channel.full.walls[0].side().point(0.5, 0.1);
+        let wall = made.workpiece.channel.full.walls[0].side().point(0.5, 0.1);
         let towards = if across.dot(&(wall - moves[k].tip)) > 0.0 { across } else { -across };
         moves[k].tip += towards * 0.1;
     });

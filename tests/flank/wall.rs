@@ -1,11 +1,10 @@
 //! Flank milling of walls, compared with brute force on real parts.
 
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::layer::LayerSurface;
 use vanecut::flank::wall::{WallAxes, WallFit, WallMilling, WallStation};
 use vanecut::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, frame_about};
-use vanecut::part::{BladeSide, BladeWall, Channel, Impeller, Passage, WallEnvelope};
+use vanecut::part::{BladeSide, BladeWall, Channel, FinishedPart, Impeller, Passage, WallEnvelope};
 use vanecut::setup::Tool;
 
 use super::parts::part_at;

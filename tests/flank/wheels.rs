@@ -11,7 +11,7 @@ use vanecut::io::part_file::{read_part, read_part_bytes};
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::Impeller;
 use vanecut::setup::{FlankStrategy, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FlankVerdict, verify_flank};
@@ -56,10 +56,11 @@ fn planned(part: &Impeller, setup: Setup) -> FlankOutcome {
 
 /// The verdict of `verify` on the written program.
 fn verdict(outcome: &FlankOutcome) -> FlankVerdict {
-    let (part, plan) = (&outcome.part, &outcome.plan);
+    let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let text = write_apt(&ClProgram::of_flank(&part.name, &plan.tool, &plan.moves));
     let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("readable");
-    verify_flank(part, &Channel::of(part), &outcome.setup, &program).expect("can be judged")
+    verify_flank(&outcome.setup.allowances.workpiece_of(part.clone()), &outcome.setup, &program)
+        .expect("can be judged")
 }
 
 /// The plan of [`overlapping`], computed once.
@@ -71,7 +72,7 @@ fn no_program_is_written_that_verify_faults() {
     let mut few_layers = Setup::default();
     few_layers.flank.layer_depth = 6.0;
     for outcome in [&planned(&kj66(), few_layers), &*OVERLAPPING_PLAN] {
-        let (part, plan) = (&outcome.part, &outcome.plan);
+        let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
         assert!(plan.faults.is_empty(), "{}: {:?}", part.name, plan.faults);
         assert!(plan.times.cut_length > 1000.0, "{}: {:?}", part.name, plan.times);
         let left: f64 = plan.uncut.iter().map(|l| l.length).sum();
@@ -103,11 +104,13 @@ fn a_channel_without_room_is_refused_with_values_that_work() {
     let part = overlapping();
     let mut setup = Setup::default();
     setup.allowances.blade_allowance = 40.0;
-    let error = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect_err("no room");
+    let error = choose_tool(&setup.allowances.workpiece_of(part.clone()), &setup, flank_cutters())
+        .expect_err("no room");
     assert_eq!(error.code, ErrorCode::CutterTooWide, "{error}");
     assert!(!error.help.contains("D -"), "a diameter that there is: {error}");
     setup.allowances.blade_allowance = 5.0;
-    let chosen = choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter");
+    let chosen =
+        choose_tool(&setup.allowances.workpiece_of(part.clone()), &setup, flank_cutters()).expect("a cutter");
     assert!(chosen.tool.diameter < 4.0, "{:?}", chosen);
 }
 
@@ -126,7 +129,10 @@ fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
     };
     let chosen = |tools: Vec<Tool>| {
         let setup = Setup { tools, ..Setup::for_part(&part) };
-        choose_tool(&part, &Channel::of(&part), &setup, flank_cutters()).expect("a cutter").tool.number
+        choose_tool(&setup.allowances.workpiece_of(part.clone()), &setup, flank_cutters())
+            .expect("a cutter")
+            .tool
+            .number
     };
     // The passage is 4.9 mm wide and 28.3 mm deep.
     let [short, long, thick] = [cutter(1, 2.0, 24.0), cutter(2, 2.0, 40.0), cutter(3, 3.0, 36.0)];

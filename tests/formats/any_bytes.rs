@@ -12,9 +12,7 @@ use vanecut::io::plan_file::{read_plan_bytes, write_plan};
 use vanecut::io::{read_part, read_part_bytes, read_setup_bytes, write_native};
 use vanecut::job::{PlanRequest, resolve, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{
-    BladeDescription, BladeSide, Channel, CurveDescription, Impeller, Meridional, PartDescription,
-};
+use vanecut::part::{BladeDescription, BladeSide, CurveDescription, Impeller, Meridional, PartDescription};
 use vanecut::setup::{AxisPolicy, CutDirection, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
@@ -297,8 +295,7 @@ fn changed(text: &str, changes: &[Change]) -> Vec<u8> {
 /// Runs everything that is done with a part before planning.
 fn prepare(description: &PartDescription) {
     if let Ok(part) = Impeller::build(description) {
-        let channel = Channel::of(&part);
-        let _ = resolve(&Setup::default(), &part, &channel);
+        let _ = resolve(&Setup::default(), &Setup::default().allowances.workpiece_of(part));
     }
 }
 
@@ -322,13 +319,14 @@ fn planned(part: &[u8], setup: &[u8]) {
 
 fn setup(bytes: &[u8]) {
     if let Ok(setup) = read_setup_bytes("a", bytes) {
-        let _ = resolve(&setup, &SAMPLES.part, &Channel::of(&SAMPLES.part));
+        let _ = resolve(&setup, &setup.allowances.workpiece_of(SAMPLES.part.clone()));
     }
 }
 
 fn program(bytes: &[u8]) {
     if let Ok(program) = read_apt_bytes("a", bytes) {
-        let _ = verify(&SAMPLES.part, &Channel::of(&SAMPLES.part), &SAMPLES.setup, &program);
+        let _ =
+            verify(&SAMPLES.setup.allowances.workpiece_of(SAMPLES.part.clone()), &SAMPLES.setup, &program);
     }
 }
 
@@ -352,13 +350,13 @@ fn the_samples_are_valid() {
         let description = read_part_bytes("a", text.as_bytes(), extension).unwrap();
         assert!(matches!(description.main, BladeDescription::Sections { .. }));
         let part = Impeller::build(&description).unwrap();
-        resolve(&Setup::default(), &part, &Channel::of(&part)).unwrap();
+        resolve(&Setup::default(), &Setup::default().allowances.workpiece_of(part.clone())).unwrap();
     }
     let description = read_turbogrid(&s.turbogrid, 0, s.turbogrid[0].as_bytes()).expect("a valid set");
     assert!(matches!(description.hub, CurveDescription::Points(_)));
     Impeller::build(&description).unwrap();
     let program = read_apt_bytes("a", s.program.as_bytes()).unwrap();
-    verify(&s.part, &Channel::of(&s.part), &s.setup, &program).unwrap();
+    verify(&s.setup.allowances.workpiece_of(s.part.clone()), &s.setup, &program).unwrap();
     assert_eq!(read_plan_bytes("a", s.plan.as_bytes()).unwrap().plan.positions.len(), 12);
 }
 

@@ -9,7 +9,7 @@ use vanecut::io::read_part;
 use vanecut::part::{
     BladeDescription, Channel, CurveDescription, Impeller, Meridional, PartDescription, SideProbe,
 };
-use vanecut::setup::Tool;
+use vanecut::setup::{Setup, Tool};
 
 use super::samples::sample;
 
@@ -26,7 +26,7 @@ fn compressor() -> Impeller {
 }
 
 fn assessed(part: &Impeller) -> Assessment {
-    Assessment::of(part, &Channel::of(part), &[], &LIMITS)
+    Assessment::of(&Setup::default().allowances.workpiece_of(part.clone()), &[], &LIMITS)
 }
 
 #[track_caller]
@@ -192,7 +192,8 @@ fn tool(diameter: f64, overhang: f64) -> Tool {
 }
 
 fn reach(part: &Impeller, tool: &Tool) -> ReachMap {
-    ReachMap::new(part, &Channel::of(part), &[ReachSection { from: 1.0, to: 0.0, tool }], &LIMITS)
+    let workpiece = Setup::default().allowances.workpiece_of(part.clone());
+    ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool }], &LIMITS)
 }
 
 #[test]

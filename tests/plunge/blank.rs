@@ -9,7 +9,7 @@ use vanecut::io::setup_file::{read_setup, read_setup_bytes, write_setup, write_s
 use vanecut::io::stl::write_stl;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, BlankShape, Channel, Impeller};
+use vanecut::part::{Blank, BlankShape, Impeller};
 use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
 use vanecut::stock::solid::{SolidBlank, SolidStock, StockSurface};
 use vanecut::toolpath::{ClProgram, Motion};
@@ -47,7 +47,8 @@ fn written(outcome: &PlanOutcome) -> ClProgram {
 }
 
 fn kinds(setup: &Setup, program: &ClProgram) -> Vec<FaultKind> {
-    let verdict = verify(&PART, &Channel::of(&PART), setup, program).expect("it can be checked");
+    let verdict =
+        verify(&setup.allowances.workpiece_of(PART.clone()), setup, program).expect("it can be checked");
     verdict.faults.iter().map(|fault| fault.kind).collect()
 }
 

@@ -1,11 +1,10 @@
 //! The floor under inclined walls: ray lengths and inaccessible floor, compared with cutters placed in the
 //! corner and measured.
 
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z, search, wrap_angle};
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{BladeDescription, Blank, Channel, Impeller, SideProbe};
+use vanecut::part::{BladeDescription, Impeller, SideProbe, Workpiece};
 use vanecut::plunge::Planner;
 use vanecut::setup::{AllowanceSetup, AxisPolicy, Setup};
 use vanecut::stock::{
@@ -35,9 +34,8 @@ fn leaning_disc(lean: f64) -> Impeller {
     disc((50.0, 30.0), 10, blade, Vec::new())
 }
 
-fn floor(part: &Impeller, channel: &Channel, cutters: &[CutterStretch]) -> FloorGrid {
-    let (blank, stock) = (Blank::of(part, 0.0), stock());
-    FloorGrid::new(&FloorSource { part, channel, blank: &blank, stock: &stock, cutters }, CELLS)
+fn floor(workpiece: &Workpiece, cutters: &[CutterStretch]) -> FloorGrid {
+    FloorGrid::new(&FloorSource { workpiece, stock: &stock(), cutters }, CELLS)
 }
 
 fn everywhere(radius: f64) -> [CutterStretch; 1] {
@@ -46,18 +44,16 @@ fn everywhere(radius: f64) -> [CutterStretch; 1] {
 
 /// A corner of the floor: the cells of a row from one wall on.
 struct Bench<'a> {
-    part: &'a Impeller,
-    channel: &'a Channel,
-    finished: FinishedPart<'a>,
+    workpiece: &'a Workpiece,
     sides: Vec<SideProbe>,
     grid: &'a FloorGrid,
     radius: f64,
 }
 
 impl<'a> Bench<'a> {
-    fn new(part: &'a Impeller, channel: &'a Channel, grid: &'a FloorGrid, radius: f64) -> Self {
-        let sides = channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
-        Self { part, channel, finished: FinishedPart::new(part, &channel.sides), sides, grid, radius }
+    fn new(workpiece: &'a Workpiece, grid: &'a FloorGrid, radius: f64) -> Self {
+        let sides = workpiece.channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
+        Self { workpiece, sides, grid, radius }
     }
 
     /// Cells of a row, counted from `wall`.
@@ -100,8 +96,11 @@ impl<'a> Bench<'a> {
     ) -> Option<f64> {
         let s = self.grid.s_of_row(row);
         let at = |s: f64| {
-            let theta = self.channel.full.walls[wall].at(self.part, s, 0.0).expect("a wall").theta;
-            self.part.hub.point(s).at_angle(theta)
+            let theta = self.workpiece.channel.full.walls[wall]
+                .at(&self.workpiece.part, s, 0.0)
+                .expect("a wall")
+                .theta;
+            self.workpiece.part.hub.point(s).at_angle(theta)
         };
         let (foot, normal) = (at(s), self.ray(self.cell(row, wall, 0)).1);
         let along = (at(s + 0.01) - at(s - 0.01)).normalize();
@@ -113,11 +112,11 @@ impl<'a> Bench<'a> {
             let tip = foot + along * shift + across * d;
             let mut cutter = CutterSolid { tip, axis, radius: self.radius, corner_radius: 0.0 };
             for _ in 0..12 {
-                cutter.tip += axis * (stock().hub_allowance - self.finished.hub_clearance(&cutter));
+                cutter.tip += axis * (stock().hub_allowance - self.workpiece.finished.hub_clearance(&cutter));
             }
             cutter
         };
-        let clears = |d: f64| self.finished.clears(&put(d), stock().blade_allowance);
+        let clears = |d: f64| self.workpiece.finished.clears(&put(d), stock().blade_allowance);
         let step = 0.1 * self.radius;
         let mut free = (3..40).map(|k| step * f64::from(k)).find(|&d| clears(d))?;
         let mut blocked = free - step;
@@ -211,15 +210,14 @@ impl<'a> Bench<'a> {
 #[test]
 fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
     let (lean, radius) = (20f64.to_radians(), 8.0);
-    let part = leaning_disc(lean);
-    let channel = Channel::of(&part);
-    let grid = floor(&part, &channel, &everywhere(radius));
+    let workpiece = stock().workpiece_of(leaning_disc(lean));
+    let grid = floor(&workpiece, &everywhere(radius));
     let AllowanceSetup { hub_allowance, blade_allowance, .. } = stock();
     let row = CELLS / 2;
     // Height of the point of the bottom edge nearest to the wall, with the cutter on the hub's allowance.
     let corner = hub_allowance + 2.0 * radius * lean.sin();
     let wanted = corner * lean.tan() + blade_allowance / lean.cos();
-    let bench = Bench::new(&part, &channel, &grid, radius);
+    let bench = Bench::new(&workpiece, &grid, radius);
     let [found, mask] = bench.check(row, 0);
     assert!((mask - wanted).abs() < 0.15, "{mask} mm inaccessible, {wanted} by geometry, {found} by search");
     assert!((found - wanted).abs() < 0.25, "{found} by search, {wanted} by geometry");
@@ -229,9 +227,8 @@ fn the_corner_beside_a_flat_wall_is_as_wide_as_geometry_says() {
 
 #[test]
 fn upright_walls_leave_all_floor_in_reach() {
-    let part = leaning_disc(0.0);
-    let channel = Channel::of(&part);
-    let grid = floor(&part, &channel, &everywhere(8.0));
+    let workpiece = stock().workpiece_of(leaning_disc(0.0));
+    let grid = floor(&workpiece, &everywhere(8.0));
     assert!(grid.reachable.iter().all(|&reachable| reachable));
     for row in 0..CELLS {
         let cells = row * CELLS..(row + 1) * CELLS;
@@ -242,10 +239,9 @@ fn upright_walls_leave_all_floor_in_reach() {
 
 #[test]
 fn larger_cutters_leave_more_and_none_excuse_nothing() {
-    let part = leaning_disc(0.3);
-    let channel = Channel::of(&part);
+    let workpiece = stock().workpiece_of(leaning_disc(0.3));
     let out = |cutters: &[CutterStretch]| {
-        floor(&part, &channel, cutters).reachable.iter().filter(|&&reachable| !reachable).count()
+        floor(&workpiece, cutters).reachable.iter().filter(|&&reachable| !reachable).count()
     };
     assert_eq!(out(&[]), 0);
     assert!(out(&everywhere(4.0)) > 0 && out(&everywhere(8.0)) > out(&everywhere(4.0)));
@@ -266,9 +262,9 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
         (&large, 15.0, 0, 0.5),
         (&large, 15.0, 1, 0.9),
     ] {
-        let channel = Channel::of(part);
-        let grid = floor(part, &channel, &everywhere(radius));
-        let bench = Bench::new(part, &channel, &grid, radius);
+        let workpiece = stock().workpiece_of(part.clone());
+        let grid = floor(&workpiece, &everywhere(radius));
+        let bench = Bench::new(&workpiece, &grid, radius);
         let [found, mask] = bench.check((s * CELLS as f64) as usize, wall);
         // At most two cells more. Less is on the safe side; the masks neglect terms beyond the second order.
         let what =
@@ -280,14 +276,13 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
 
 #[test]
 fn no_plan_cuts_what_is_out_of_reach() {
-    let part = sample("impeller9x9");
-    let channel = Channel::of(&part);
     // A smaller cutter for rest milling would cut floor that is inaccessible to the others.
     let mut asked = Setup::default();
     asked.plunge.rest = false;
-    let setup = resolve(&asked, &part, &channel).expect("a setup").setup;
-    let planner = Planner::new(&part, &channel, &setup);
-    let grid = floor(&part, &channel, &stretches_of_setup(&setup));
+    let workpiece = asked.allowances.workpiece_of(sample("impeller9x9"));
+    let setup = resolve(&asked, &workpiece).expect("a setup").setup;
+    let planner = Planner::new(&workpiece, &setup);
+    let grid = floor(&workpiece, &stretches_of_setup(&setup));
     let out = |k: &usize| grid.floor[*k] && !grid.reachable[*k];
     assert!((0..CELLS * CELLS).filter(out).count() > CELLS * CELLS / 50);
     for policy in [AxisPolicy::Conventional, AxisPolicy::Minimal] {

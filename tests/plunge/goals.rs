@@ -6,7 +6,6 @@ use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel};
 use vanecut::plunge::PlungePlan;
 use vanecut::setup::{AxisPolicy, Goal, Setup};
 use vanecut::stock::{field_cutters, residual_field};
@@ -40,10 +39,9 @@ pub static WHOLE: LazyLock<PlanOutcome> = LazyLock::new(|| planned(setup("")));
 
 /// Faults of the program of a plan.
 fn faults(outcome: &PlanOutcome, plan: &PlungePlan) -> Vec<String> {
-    let text = write_apt(&ClProgram::of_plan(&outcome.part.name, plan));
+    let text = write_apt(&ClProgram::of_plan(&outcome.workpiece.part.name, plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
-    let verdict =
-        verify(&outcome.part, &Channel::of(&outcome.part), &outcome.setup, &program).expect("judged");
+    let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("judged");
     verdict.faults.into_iter().map(|fault| fault.message).collect()
 }
 
@@ -78,10 +76,15 @@ fn every_point_of_the_curve_is_a_sound_plan() {
 
 #[test]
 fn stock_after_leaving_plunges_out_is_that_of_the_field() {
-    let blank = Blank::of(&WHOLE.part, WHOLE.setup.allowances.inlet_extension);
     let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
     let max_mean_rise = f64::INFINITY;
-    let input = ThinningInput { plan, setup: &WHOLE.setup, blank: &blank, grid: &WHOLE.grid, max_mean_rise };
+    let input = ThinningInput {
+        plan,
+        setup: &WHOLE.setup,
+        blank: &WHOLE.workpiece.blank,
+        grid: &WHOLE.grid,
+        max_mean_rise,
+    };
     let thinning = Thinning::new(input, &Monitor::default()).expect("not cancelled");
     let again = Thinning::new(input, &Monitor::default()).expect("not cancelled");
     assert!(!thinning.is_empty());

@@ -3,7 +3,7 @@
 use vanecut::geometry::{Meridional, Point};
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::Workpiece;
 use vanecut::plunge::inspect::{row_of, section_view, step_before};
 use vanecut::plunge::{Planner, PlungePlan};
 use vanecut::setup::{AxisPolicy, Setup};
@@ -11,26 +11,24 @@ use vanecut::setup::{AxisPolicy, Setup};
 use super::samples::sample;
 
 struct Case {
-    part: Impeller,
+    workpiece: Workpiece,
     setup: Setup,
-    blank: Blank,
     plan: PlungePlan,
 }
 
 fn case(name: &str, policy: AxisPolicy) -> Case {
-    let part = sample(name);
-    let channel = Channel::of(&part);
-    let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
-    let plan = Planner::new(&part, &channel, &setup).plan(policy, &Monitor::default()).expect("plans");
-    let blank = Blank::of(&part, setup.allowances.inlet_extension);
-    Case { part, setup, blank, plan }
+    let workpiece = Setup::default().allowances.workpiece_of(sample(name));
+    let setup = resolve(&Setup::default(), &workpiece).expect("fits").setup;
+    let plan = Planner::new(&workpiece, &setup).plan(policy, &Monitor::default()).expect("plans");
+    Case { workpiece, setup, plan }
 }
 
 #[test]
 fn lines_lie_where_they_say() {
-    let Case { part, setup, blank, plan } = case("impeller532", AxisPolicy::Conventional);
+    let Case { workpiece, setup, plan } = case("impeller532", AxisPolicy::Conventional);
+    let Workpiece { part, blank, .. } = &workpiece;
     for k in (0..plan.positions.len()).step_by(23) {
-        let view = section_view(&part, &blank, setup.allowances.hub_allowance, &plan, k).expect("exists");
+        let view = section_view(part, blank, setup.allowances.hub_allowance, &plan, k).expect("exists");
         let space = |[x, y]: [f64; 2]| -> Point { view.tip + view.feed * x + view.axis * y };
         assert!(view.axis.dot(&view.feed).abs() < 1e-9, "a right angle");
         // At the rim, part of the view is beyond the hub.
@@ -63,10 +61,11 @@ fn lines_lie_where_they_say() {
 #[test]
 fn the_contact_that_is_drawn_is_the_contact_that_counts() {
     for name in ["impeller532", "pump6"] {
-        let Case { part, blank, plan, .. } = case(name, AxisPolicy::Conventional);
+        let Case { workpiece, plan, .. } = case(name, AxisPolicy::Conventional);
+        let Workpiece { part, blank, .. } = &workpiece;
         let (mut faulty, mut sound) = (0, 0);
         for (k, position) in plan.positions.iter().enumerate().step_by(7) {
-            let view = section_view(&part, &blank, 0.5, &plan, k).expect("exists");
+            let view = section_view(part, blank, 0.5, &plan, k).expect("exists");
             let (seen, exact) = (view.contact_depth(), position.contact.depth);
             if position.contact.interferes() {
                 faulty += 1;

@@ -2,7 +2,7 @@
 
 use vanecut::geometry::{Meridional, Point, Vector};
 use vanecut::monitor::Monitor;
-use vanecut::part::Blank;
+use vanecut::part::{Blank, Workpiece};
 use vanecut::stock::solid::{SolidBlank, SolidProgram, SolidStock, ToolPart, TurnedOutline};
 use vanecut::toolpath::ClProgram;
 
@@ -16,7 +16,7 @@ fn next(state: &mut u64) -> f64 {
 
 #[test]
 fn chords_across_corners_of_the_blank_are_found() {
-    let blank = Blank::of(&WHOLE.part, 0.0);
+    let blank = Blank::of(&WHOLE.workpiece.part, 0.0);
     let shroud = &blank.shroud;
     let corners = [shroud.point(0.0), shroud.point(shroud.length())];
     let inside = blank.hub.point(0.5 * blank.hub.length()).lerp(shroud.point(0.5 * shroud.length()), 0.5);
@@ -51,8 +51,8 @@ fn chords_across_corners_of_the_blank_are_found() {
 
 #[test]
 fn the_solid_finds_no_core_in_stock_where_a_plan_is_free() {
-    let blank = Blank::of(&WHOLE.part, WHOLE.setup.allowances.inlet_extension);
-    let outline = SolidBlank::Turned(TurnedOutline::of_blank(&WHOLE.part, &blank));
+    let Workpiece { part, blank, .. } = &*WHOLE.workpiece;
+    let outline = SolidBlank::Turned(TurnedOutline::of_blank(part, blank));
     let spacing = outline.default_spacing();
     for plan in [&WHOLE.after.plan, WHOLE.whole.as_ref().unwrap_or(&WHOLE.after.plan)] {
         let program = SolidProgram::new(&ClProgram::of_plan("a", plan), &WHOLE.setup).expect("it has tools");

@@ -1,13 +1,12 @@
 //! The stages of the planner, compared with brute force on real parts.
 
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::geometry::{Meridional, Vector, frame_about};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::{Blank, Impeller, Workpiece};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::{Planner, PlungePlan, SectionCache};
@@ -18,9 +17,9 @@ use vanecut::verify::verify;
 use super::samples::{SAMPLES, sample};
 
 fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, PlungePlan) {
-    let channel = Channel::of(part);
-    let setup = resolve(setup, part, &channel).expect("the setup fits").setup;
-    let plan = Planner::new(part, &channel, &setup).plan(policy, &Monitor::default()).expect("a plan");
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let setup = resolve(setup, &workpiece).expect("the setup fits").setup;
+    let plan = Planner::new(&workpiece, &setup).plan(policy, &Monitor::default()).expect("a plan");
     (setup, plan)
 }
 
@@ -29,15 +28,15 @@ fn planned(part: &Impeller, setup: &Setup, policy: AxisPolicy) -> (Setup, Plunge
 #[test]
 fn monotone_finds_the_place_the_walk_finds() {
     let part = sample("impeller532");
-    let channel = Channel::of(&part);
-    let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
+    let workpiece = Setup::default().allowances.workpiece_of(part);
+    let Workpiece { part, channel, .. } = &workpiece;
+    let setup = resolve(&Setup::default(), &workpiece).expect("fits").setup;
     let tool = &setup.tools[0];
     let hub = DepthSurface::new(part.hub.curve(), 0.5 + tool.corner_radius);
-    let finished = std::sync::Arc::new(FinishedPart::new(&part, &channel.sides));
-    let lane = Lane::new(&part, &channel.full, finished, tool, &setup.allowances);
+    let lane = Lane::new(&workpiece, &channel.full, tool, &setup.allowances);
     for lambda in [0.0, 0.5, 1.0] {
         let maker = RowMaker {
-            part: &part,
+            part,
             lane: &lane,
             hub: &hub,
             tool,
@@ -185,8 +184,9 @@ fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
 #[test]
 fn rows_may_be_cut_outwards_and_corners_rounded() {
     let part = sample("impeller532");
-    let channel = Channel::of(&part);
-    let mut setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
+    let mut setup = resolve(&Setup::default(), &Setup::default().allowances.workpiece_of(part.clone()))
+        .expect("fits")
+        .setup;
     for tool in &mut setup.tools {
         tool.corner_radius = 0.8;
     }
@@ -217,12 +217,11 @@ fn the_same_input_gives_the_same_plan() {
 
 #[test]
 fn a_cancelled_plan_says_so() {
-    let part = sample("pump6");
-    let channel = Channel::of(&part);
-    let setup = resolve(&Setup::default(), &part, &channel).expect("fits").setup;
+    let workpiece = Setup::default().allowances.workpiece_of(sample("pump6"));
+    let setup = resolve(&Setup::default(), &workpiece).expect("fits").setup;
     let monitor = Monitor::default();
     monitor.cancel();
-    let result = Planner::new(&part, &channel, &setup).plan(AxisPolicy::Monotone, &monitor);
+    let result = Planner::new(&workpiece, &setup).plan(AxisPolicy::Monotone, &monitor);
     assert!(result.is_err_and(|e| e.to_string() == "cancelled"), "no plan after a cancel");
 }
 
@@ -242,7 +241,8 @@ fn axes_stay_within_what_the_machine_reaches() {
     let beyond = |plan: &PlungePlan, setup: &Setup| {
         let text = write_apt(&ClProgram::of_plan(&part.name, plan));
         let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("a program");
-        let verdict = verify(&part, &Channel::of(&part), setup, &program).expect("a verdict");
+        let verdict =
+            verify(&setup.allowances.workpiece_of(part.clone()), setup, &program).expect("a verdict");
         verdict.faults.iter().filter(|fault| fault.message.contains("tilts the axis")).count()
     };
     assert_eq!(beyond(&held, &setup), 0);
@@ -254,17 +254,16 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
     let monitor = Monitor::default();
     for name in ["impeller9x9"] {
         let part = sample(name);
-        let channel = Channel::of(&part);
         let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
         let mut known = SectionCache::default();
-        let nothing = Planner::new(&part, &channel, &setup).warm_start(AxisPolicy::Minimal, &known, &monitor);
+        let workpiece = setup.allowances.workpiece_of(part.clone());
+        let nothing = Planner::new(&workpiece, &setup).warm_start(AxisPolicy::Minimal, &known, &monitor);
         assert_eq!(nothing, Ok(None), "no plan was there before");
-        let found =
-            Planner::new(&part, &channel, &setup).plan_cached(AxisPolicy::Minimal, &mut known, &monitor);
+        let found = Planner::new(&workpiece, &setup).plan_cached(AxisPolicy::Minimal, &mut known, &monitor);
         let found = found.expect("a plan");
         setup.allowances.hub_allowance += 0.2;
         setup.allowances.blade_allowance += 0.1;
-        let planner = Planner::new(&part, &channel, &setup);
+        let planner = Planner::new(&workpiece, &setup);
         let carried =
             planner.warm_start(AxisPolicy::Minimal, &known, &monitor).expect("a plan").expect("known");
         // Beside walls, a larger allowance makes some plunges impossible.
@@ -286,7 +285,7 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
         assert_eq!(planner.warm_start(AxisPolicy::Minimal, &known, &monitor), Ok(Some(carried)), "{name}");
         // Axes of another cutter are not reused.
         setup.tools[0].diameter *= 0.9;
-        let planner = Planner::new(&part, &channel, &setup);
+        let planner = Planner::new(&workpiece, &setup);
         assert_eq!(planner.warm_start(AxisPolicy::Minimal, &known, &monitor), Ok(None), "{name}");
     }
 }
@@ -294,7 +293,6 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
 #[test]
 fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     let part = sample("impeller532");
-    let channel = Channel::of(&part);
     let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
     let sections = setup.plunge.sections.len();
     assert!(sections >= 2);
@@ -302,7 +300,8 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     let mut known = SectionCache::default();
     let mut held = |setup: &Setup| -> (usize, PlungePlan) {
         let holding = known.valid_prefix(setup).expect("tools");
-        let planner = Planner::new(&part, &channel, setup);
+        let workpiece = setup.allowances.workpiece_of(part.clone());
+        let planner = Planner::new(&workpiece, setup);
         let plan = planner.plan_cached(AxisPolicy::Monotone, &mut known, &monitor).expect("a plan");
         assert_eq!(plan, planner.plan(AxisPolicy::Monotone, &monitor).expect("a plan"), "as from scratch");
         (holding, plan)

@@ -11,7 +11,7 @@ use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part;
 use vanecut::job::{PlanOutcome, Summary};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::{Blank, Impeller};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
 
@@ -25,16 +25,16 @@ fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
 }
 
 fn reported(outcome: &PlanOutcome, program: &ClProgram) -> PlungeReport {
-    let (part, setup) = (&outcome.part, &outcome.setup);
-    report_plunges(part, &Channel::of(part), setup, program, 512).expect("can be judged")
+    report_plunges(&outcome.workpiece, &outcome.setup, program, 512).expect("can be judged")
 }
 
 #[test]
 fn programs_of_whole_wheels_have_no_fault() {
     for name in SAMPLES {
         let outcome = sample_plans(name);
-        let [one, all] = [1, outcome.part.blade_count].map(|n| reported(outcome, &written(outcome, n)));
-        for (report, channels) in [(&one, 1), (&all, outcome.part.blade_count)] {
+        let [one, all] =
+            [1, outcome.workpiece.part.blade_count].map(|n| reported(outcome, &written(outcome, n)));
+        for (report, channels) in [(&one, 1), (&all, outcome.workpiece.part.blade_count)] {
             let verdict = &report.verdict;
             assert!(verdict.faults.is_empty(), "{name}, {channels}: {:#?}", verdict.faults);
             assert_eq!(verdict.channels, channels, "{name}");
@@ -150,8 +150,7 @@ fn faults_after(mutate: impl FnOnce(&mut ClProgram)) -> Vec<(usize, FaultKind, O
     let (outcome, program) = &*SOUND;
     let mut program = program.clone();
     mutate(&mut program);
-    let (part, setup) = (&outcome.part, &outcome.setup);
-    let verdict = verify(part, &Channel::of(part), setup, &program).expect("can be judged");
+    let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("can be judged");
     verdict.faults.into_iter().map(|f| (f.line, f.kind, f.value)).collect()
 }
 

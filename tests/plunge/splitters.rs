@@ -3,7 +3,7 @@
 use vanecut::geometry::Point;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
-use vanecut::part::{BladeDescription, Blank, Channel, Impeller};
+use vanecut::part::{BladeDescription, Channel, Impeller};
 use vanecut::plunge::Planner;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, statistics, stretches_of_setup};
@@ -68,19 +68,16 @@ fn each_splitter_divides_the_passage_that_it_stands_in() {
 
 #[test]
 fn rows_run_beside_every_splitter_and_leave_no_floor_uncut() {
-    let part = split_disc();
-    let channel = Channel::of(&part);
     let mut asked = Setup { tools: vec![cutter(16.0, 5.0)], ..Setup::default() };
     asked.plunge.rest = false;
-    let setup = resolve(&asked, &part, &channel).expect("a setup").setup;
+    let workpiece = asked.allowances.workpiece_of(split_disc());
+    let setup = resolve(&asked, &workpiece).expect("a setup").setup;
     let plan =
-        Planner::new(&part, &channel, &setup).plan(AxisPolicy::Minimal, &Monitor::default()).expect("a plan");
-    let blank = Blank::of(&part, setup.allowances.inlet_extension);
+        Planner::new(&workpiece, &setup).plan(AxisPolicy::Minimal, &Monitor::default()).expect("a plan");
     let cutters = stretches_of_setup(&setup);
-    let stock = &setup.allowances;
-    let source = FloorSource { part: &part, channel: &channel, blank: &blank, stock, cutters: &cutters };
+    let source = FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &cutters };
     let grid = FloorGrid::new(&source, 200);
-    let pitch = part.pitch();
+    let pitch = workpiece.part.pitch();
     let in_splitter = |p: &[f32; 3]| {
         let [x, y] = [p[0], p[1]].map(f64::from);
         SPLITTERS.iter().any(|&(share, from)| {

@@ -19,7 +19,7 @@ fn part_of(text: &str) -> Impeller {
 }
 
 fn chosen(part: &Impeller, setup: &Setup) -> Resolved {
-    resolve(setup, part, &Channel::of(part)).expect("tools and sections")
+    resolve(setup, &setup.allowances.workpiece_of(part.clone())).expect("tools and sections")
 }
 
 /// Diameters in the order of cutting, mm.
@@ -122,11 +122,11 @@ fn sections_of_the_setup_stay_and_have_no_reason() {
 #[test]
 fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
     let part = sample("pump6");
-    let channel = Channel::of(&part);
-    let fault = sections::resolve(&Setup::default(), &[tool(1, 220.0)], &part, &channel).unwrap_err();
+    let workpiece = Setup::default().allowances.workpiece_of(part);
+    let fault = sections::resolve(&Setup::default(), &[tool(1, 220.0)], &workpiece).unwrap_err();
     assert!(matches!(fault.place, SetupPlace::Section { index: 0, tool: 1 }), "{fault}");
     let given = Setup { tools: vec![tool(1, 220.0)], ..Setup::default() };
-    let fault = resolve(&given, &part, &channel).unwrap_err();
+    let fault = resolve(&given, &workpiece).unwrap_err();
     assert_eq!(fault.code, ErrorCode::CutterTooWide, "{fault}");
     assert!(fault.help.starts_with("use a cutter of at most D "), "{fault}");
 }

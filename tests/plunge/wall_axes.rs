@@ -1,10 +1,7 @@
 //! Axes beside a wall that bulges over the channel.
 
-use std::sync::Arc;
-
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::geometry::{Point, wrap_angle};
-use vanecut::part::{BladeDescription, Channel, Impeller};
+use vanecut::part::{BladeDescription, Impeller, Workpiece};
 use vanecut::plunge::lane::Lane;
 use vanecut::setup::Setup;
 
@@ -31,16 +28,16 @@ fn bulging_disc() -> Impeller {
 #[test]
 fn an_axis_turned_off_a_bulging_wall_gets_nearer_to_its_foot() {
     let part = bulging_disc();
-    let channel = Channel::of(&part);
     let stock = Setup::default().allowances;
-    let finished = Arc::new(FinishedPart::new(&part, &channel.sides));
+    let workpiece = stock.workpiece_of(part);
+    let Workpiece { part, channel, finished, .. } = &workpiece;
     let tool = cutter(10.0, 3.0);
-    let lane = Lane::new(&part, &channel.full, Arc::clone(&finished), &tool, &stock);
+    let lane = Lane::new(&workpiece, &channel.full, &tool, &stock);
     for s in [0.4, 0.6, 0.8] {
         let own = lane.wall_axis(0, s, s, None).expect("an axis along the wall");
         let off = lane.distance_from_plain(0, &own);
         assert!(off > 0.3 * tool.radius(), "the bulge keeps the cutter off: {off} mm at s = {s}");
-        let [foot, _] = channel.full.wall_angles(&part, s, 0.0).expect("walls");
+        let [foot, _] = channel.full.wall_angles(part, s, 0.0).expect("walls");
         let radius = part.hub.point(s).r;
         let turn = lane.inward_sign(0) * 8.0 / part.shroud.point(s).r;
         let turned = lane.turned_wall_axis(0, (s, s), turn).expect("an axis turned off the wall");

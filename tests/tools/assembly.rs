@@ -1,10 +1,9 @@
 //! Shank and holder against a part: closed forms, `verify` and `plan`.
 
 use vanecut::cutting::assembly::{AssemblySurroundings, blade_distance, hub_distance};
-use vanecut::cutting::clearance::FinishedPart;
 use vanecut::geometry::{Frustum, Point, Vector};
 use vanecut::io::{read_part_bytes, read_setup_bytes, write_setup};
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::{Channel, FinishedPart, Impeller};
 use vanecut::setup::Setup;
 
 /// A hub that is a cylinder of radius 30, or a plane z = 0, over its range, with a few thin blades on it.

@@ -4,7 +4,7 @@ use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 use vanecut::toolpath::ClProgram;
@@ -90,8 +90,7 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
         Ok(program) => program,
         Err(error) => return wrong(format!("its program is not readable: {error}")),
     };
-    let channel = Channel::of(part);
-    let verdict = match verify(part, &channel, &outcome.setup, &program) {
+    let verdict = match verify(&outcome.workpiece, &outcome.setup, &program) {
         Ok(verdict) => verdict,
         Err(fault) => return wrong(format!("its program cannot be judged: {}", fault.message)),
     };
@@ -101,9 +100,8 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
     if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
         wrong(format!("{} faults, line {}: {}", verdict.faults.len(), fault.line, fault.message));
     }
-    let blank = Blank::of(part, stock.inlet_extension);
     let cutters = stretches_of_plan(&verdict.plan);
-    let source = FloorSource { part, channel: &channel, blank: &blank, stock, cutters: &cutters };
+    let source = FloorSource { workpiece: &outcome.workpiece, stock, cutters: &cutters };
     let grid = FloorGrid::new(&source, CELLS);
     let field = residual_field(&grid, &field_cutters(&verdict.plan));
     let found = Summary::of(&verdict.plan, &grid, &field);
@@ -145,7 +143,8 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
     let verdict = read_apt_bytes("flank.apt", text(&outcome).as_bytes())
         .map_err(|error| error.to_string())
         .and_then(|program| {
-            verify_flank(part, &Channel::of(part), &outcome.setup, &program).map_err(|fault| fault.message)
+            verify_flank(&outcome.setup.allowances.workpiece_of(part.clone()), &outcome.setup, &program)
+                .map_err(|fault| fault.message)
         });
     match verdict {
         Err(error) => faults.push(format!("flank: its program cannot be judged: {error}")),

@@ -12,7 +12,8 @@ use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::write_native;
-use vanecut::part::{Channel, Impeller};
+use vanecut::part::Impeller;
+use vanecut::setup::Setup;
 
 use make::Wheel;
 
@@ -49,8 +50,8 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
     for index in 0..20 {
         let wheel = make::wheel(1, index);
         let (name, part) = (&wheel.description.name, open(&wheel));
-        let channel = Channel::of(&part);
-        let found = Assessment::of(&part, &channel, &[], &limits);
+        let workpiece = Setup::for_part(&part).allowances.workpiece_of(part.clone());
+        let found = Assessment::of(&workpiece, &[], &limits);
         let largest = found.largest_cutter();
         assert!(largest > 0.0 && largest.is_finite(), "{name}: largest cutter {largest}");
         for passage in &found.passages {

@@ -9,8 +9,8 @@ use vanecut::error::ErrorCode;
 use vanecut::geometry::Vector;
 use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
-use vanecut::part::Impeller;
-use vanecut::part::channel::{Channel, Passage};
+use vanecut::part::channel::Passage;
+use vanecut::part::{Impeller, Workpiece};
 use vanecut::plunge::{Blocked, PlungePlan, Position, SectionPlan, StopReason};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionSetup, SetupFault, Tool};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
@@ -57,8 +57,9 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
         return Err(SetupFault::new(ErrorCode::HubAllowance, what, "make it smaller").into());
     }
-    let part = &request.part;
-    let passage = Channel::of(part).full;
+    let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
+    let Workpiece { part, channel, .. } = &*workpiece;
+    let passage = &channel.full;
     let tool = Tool {
         number: 1,
         // The larger the step, the smaller the tool: the program chooses anew.
@@ -70,9 +71,9 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         spindle: 1200.0,
         assembly: Default::default(),
     };
-    let grid = Arc::new(grid(part, &passage));
+    let grid = Arc::new(grid(part, passage));
     let result = |policy: AxisPolicy| {
-        let plan = plunges(request, &passage, &tool, policy);
+        let plan = plunges(request, passage, &tool, policy);
         let height = if policy == AxisPolicy::Conventional { 2.6 } else { 1.1 };
         let field = residual_field(&grid, &field_cutters(&plan));
         let summary = summary(&plan, height);
@@ -92,7 +93,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     }
     Ok(PlanOutcome {
         reasons: vec![None, None],
-        part: Arc::clone(part),
+        workpiece: Arc::clone(&workpiece),
         setup,
         grid: Arc::clone(&grid),
         before: result(AxisPolicy::Conventional),

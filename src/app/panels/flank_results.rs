@@ -47,7 +47,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     ui.separator();
     figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     ui.separator();
-    let times = format_times(outcome.plan.times.total(), outcome.part.blade_count);
+    let times = format_times(outcome.plan.times.total(), outcome.workpiece.part.blade_count);
     figure(ui, "Time", times, "From feed rates and rapids");
 }
 

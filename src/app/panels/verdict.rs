@@ -79,7 +79,7 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     figure(
         ui,
         "Time",
-        format_times(after.time_estimate, planned.outcome.part.blade_count),
+        format_times(after.time_estimate, planned.outcome.workpiece.part.blade_count),
         "From plunge feed rates and rapids; without tool changes",
     );
 }

@@ -10,6 +10,7 @@ use super::html::escaped;
 use super::{Failure, render, report};
 use crate::io::write_atomically;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
+use crate::part::Workpiece;
 use crate::plunge::DropReason;
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
@@ -50,7 +51,7 @@ pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
             )
         })
         .collect();
-    let name = escaped(&input.outcome.part.name);
+    let name = escaped(&input.outcome.workpiece.part.name);
     let html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{name}: setup sheet</title>\n\
          <style>{STYLE}</style></head><body>\n<h1>{name}: setup sheet</h1>\n{}{}{}{}{}{}\
@@ -68,8 +69,8 @@ pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
 
 /// Part, blank and zero point.
 fn part_text(input: &SheetInput) -> String {
-    let (part, setup) = (&input.outcome.part, &input.outcome.setup);
-    let blank = setup.allowances.blank_of(part);
+    let Workpiece { part, blank, .. } = &*input.outcome.workpiece;
+    let setup = &input.outcome.setup;
     let stock = &setup.allowances;
     let machine = match &setup.machine.file {
         Some(file) => {
@@ -85,7 +86,7 @@ fn part_text(input: &SheetInput) -> String {
         2.0 * part.rim_radius(),
         part.blade_count,
         if part.splitters.is_empty() { "" } else { " and splitters" },
-        drawing::part_svg(part, &blank),
+        drawing::part_svg(part, blank),
         stock.hub_allowance,
         stock.blade_allowance,
     )
@@ -213,7 +214,7 @@ fn sections_text(input: &SheetInput) -> String {
             minutes(&summary),
         );
     }
-    let blades = outcome.part.blade_count;
+    let blades = outcome.workpiece.part.blade_count;
     let change = TOOL_CHANGE_S / 60.0 * tool_changes as f64;
     let one = minutes(&after.summary);
     format!(

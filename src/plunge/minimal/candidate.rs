@@ -7,9 +7,9 @@
 use std::sync::OnceLock;
 
 use super::axes::{AxisFrame, LEAD_STEP_DEG, LEAD_STEPS, LeadGrid, RowFrame};
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::contact::{BlankTop, PlungeColumn};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
+use crate::part::FinishedPart;
 use crate::plunge::assembly::{AssemblyRule, DropCause};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::plan::DropReason;
@@ -172,7 +172,7 @@ impl CandidateStage {
 #[derive(Clone)]
 pub struct CandidateMaker<'a> {
     pub maker: &'a RowMaker<'a>,
-    pub finished: &'a FinishedPart<'a>,
+    pub finished: &'a FinishedPart,
     pub top: &'a BlankTop<'a>,
     pub hub_allowance: f64,
     pub blade_allowance: f64,

@@ -260,7 +260,7 @@ impl Planner<'_> {
     ) -> Result<T, PlanError> {
         let StretchLayout { stretch, lane, .. } = layout;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.blank);
+        let top = BlankTop::new(&self.workpiece.blank);
         let inward = feed.sign_along_s();
         let (start, end) = self.row_ends(index, stretch, inward);
         let maker = self.row_maker(layout, tool, (lambdas[row], lambdas.len()), feed, monitor);
@@ -270,11 +270,11 @@ impl Planner<'_> {
                 max_side_shift: self.max_side_shifts(lane, stretch, tool, lambdas)[row],
                 ..self.candidate_maker(&maker, &top)
             },
-            blank: &self.blank,
+            blank: &self.workpiece.blank,
             max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
             is_strict: false,
         };
-        let run_up = RUN_UP_DIAMETERS * tool.diameter / self.part.hub.length() * inward;
+        let run_up = RUN_UP_DIAMETERS * tool.diameter / self.workpiece.part.hub.length() * inward;
         let s = stage_positions(&maker, start + run_up, start, end);
         Ok(plan(&search, &RowPlaces { s, start }))
     }
@@ -312,7 +312,7 @@ impl Planner<'_> {
         let stock = &self.setup.allowances;
         CandidateMaker {
             maker,
-            finished: &self.finished,
+            finished: &self.workpiece.finished,
             top,
             hub_allowance: stock.hub_allowance,
             blade_allowance: stock.blade_allowance,
@@ -354,9 +354,9 @@ impl Planner<'_> {
     ) -> Option<[f64; 2]> {
         let at = |lambda: f64| Some(lane.reference_axis(lambda, s)?.theta_hub);
         let here = at(rows[row])?;
-        let walls = stretch.passage.wall_angles(self.part, s.clamp(0.0, 1.0), 0.0);
-        let margin =
-            self.setup.allowances.blade_allowance / self.part.hub.point(s).r * self.part.pitch().signum();
+        let walls = stretch.passage.wall_angles(&self.workpiece.part, s.clamp(0.0, 1.0), 0.0);
+        let margin = self.setup.allowances.blade_allowance / self.workpiece.part.hub.point(s).r
+            * self.workpiece.part.pitch().signum();
         let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
         let foot = |wall: usize| {
             // Beyond the ends of a blade its end is used.

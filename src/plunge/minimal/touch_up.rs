@@ -120,15 +120,16 @@ impl Planner<'_> {
         let closing = &monitor.ignoring_stop();
         let stock = &self.setup.allowances;
         let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.blank);
+        let top = BlankTop::new(&self.workpiece.blank);
         let scale = SCALE_RADII * tool.radius();
         let allowances = (stock.hub_allowance, stock.blade_allowance);
         let most = wanted.left_in_plan.min(wanted.max_count);
         let (mut added_in_all, mut stopped) = (0, StopReason::NothingWorthwhile);
         for layout in layouts.iter().take_while(|_| !monitor.is_stopped()) {
-            let mut floor = FloorHeightMap::new(self.part, &layout.stretch, tool, allowances, scale);
+            let mut floor =
+                FloorHeightMap::new(&self.workpiece.part, &layout.stretch, tool, allowances, scale);
             for column in cut.columns.as_slice().iter().take_while(|_| !monitor.is_cancelled()) {
-                floor.cut(self.part, &column.cutter);
+                floor.cut(&self.workpiece.part, &column.cutter);
             }
             if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
                 continue;
@@ -144,7 +145,8 @@ impl Planner<'_> {
             let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
             let Some(first) = makers.first() else { continue };
             let (start, end) = self.row_ends(index, &layout.stretch, cut.feed.sign_along_s());
-            let step = (wanted.manner.step_share * first.step_limit).max(nearest) / self.part.hub.length();
+            let step =
+                (wanted.manner.step_share * first.step_limit).max(nearest) / self.workpiece.part.hub.length();
             let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
             let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
             let is_wanted = |&(row, s): &(usize, f64)| match wanted.above {
@@ -153,7 +155,7 @@ impl Planner<'_> {
                     .isoparametric(makers[row].lambda, s)
                     .map(|ends| makers[row].lane.line(&ends))
                     .is_some_and(|(foot, axis)| {
-                        floor.is_thick_under(self.part, &tool.placed(foot, axis), above)
+                        floor.is_thick_under(&self.workpiece.part, &tool.placed(foot, axis), above)
                     }),
                 None => true,
             };
@@ -164,7 +166,7 @@ impl Planner<'_> {
                 .collect();
             let candidates: Vec<CandidateMaker> =
                 makers.iter().map(|maker| self.candidate_maker(maker, &top)).collect();
-            let mut search = ExtraSearch::new(&candidates, &feet, floor, &self.blank);
+            let mut search = ExtraSearch::new(&candidates, &feet, floor, &self.workpiece.blank);
             let mut budget = most / layouts.len();
             for (round, &times) in wanted.manner.rounds.iter().enumerate() {
                 if round > 0

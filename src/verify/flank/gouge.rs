@@ -2,13 +2,13 @@
 
 use super::steps::CutterStep;
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings};
-use crate::cutting::clearance::FinishedPart;
 use crate::geometry::{CutterSolid, Meridional};
+use crate::part::FinishedPart;
 use crate::setup::{AssemblySegment, Tool};
 
 /// The finished part, prepared for the clearances of many steps.
 pub(super) struct StepSurroundings<'a> {
-    pub(super) finished: &'a FinishedPart<'a>,
+    pub(super) finished: &'a FinishedPart,
     pub(super) tools: &'a [Tool],
     pub(super) hub_allowance: f64,
     pub(super) blade_allowance: f64,
@@ -56,7 +56,7 @@ impl StepSurroundings<'_> {
     fn hub(&self, cutter: &CutterSolid) -> f64 {
         let cap = self.hub_allowance + CLEARANCE_CAP;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-        let (_, distance) = self.finished.part.hub.curve().project(Meridional::of(&centre));
+        let (_, distance) = self.finished.hub.curve().project(Meridional::of(&centre));
         if distance.abs() > 2.5 * cutter.radius + cap {
             cap
         } else {
@@ -79,7 +79,7 @@ impl StepSurroundings<'_> {
             return false;
         }
         let holder = tool.holder(cutter.tip, cutter.axis);
-        let (_, distance) = self.finished.part.hub.curve().project(Meridional::of(&holder.tip));
+        let (_, distance) = self.finished.hub.curve().project(Meridional::of(&holder.tip));
         !self.finished.clears(&holder, self.blade_allowance - HOLDER_TOLERANCE)
             || (distance < holder.radius && self.finished.hub_clearance(&holder) < 0.0)
     }

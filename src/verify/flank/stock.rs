@@ -3,9 +3,8 @@
 
 use super::steps::CutterStep;
 use super::uncovered::Uncovered;
-use crate::cutting::clearance::FinishedPart;
 use crate::geometry::CutterSolid;
-use crate::part::{Blank, Channel};
+use crate::part::Workpiece;
 use crate::setup::{Setup, Tool};
 use crate::stock::{
     CutterStretch, FieldCutter, FloorGrid, FloorSource, ResidualStatistics, residual_field, statistics,
@@ -67,18 +66,11 @@ struct ResidualFloor {
 
 impl FloorResult {
     /// The floor with too much stock, and statistics of the residual stock.
-    pub(super) fn figures(
-        &self,
-        finished: &FinishedPart,
-        channel: &Channel,
-        blank: &Blank,
-        setup: &Setup,
-    ) -> (Uncovered, ResidualStatistics) {
+    pub(super) fn figures(&self, workpiece: &Workpiece, setup: &Setup) -> (Uncovered, ResidualStatistics) {
         match &self.left {
-            Some(ResidualFloor { grid, heights, finest }) => (
-                Uncovered::of(finished, channel, blank, setup, finest, grid, heights),
-                statistics(grid, heights, |_| true),
-            ),
+            Some(ResidualFloor { grid, heights, finest }) => {
+                (Uncovered::of(workpiece, setup, finest, grid, heights), statistics(grid, heights, |_| true))
+            }
             None => (Uncovered { gap: 1.0, ..Uncovered::default() }, ResidualStatistics::default()),
         }
     }
@@ -86,10 +78,8 @@ impl FloorResult {
 
 /// Applies `steps` (of one channel) in order.
 pub(super) fn evaluate_floor(
-    finished: &FinishedPart,
-    channel: &Channel,
+    workpiece: &Workpiece,
     setup: &Setup,
-    blank: &Blank,
     tools: &[Tool],
     steps: &[&CutterStep],
     places: &[ProbeSample],
@@ -99,9 +89,7 @@ pub(super) fn evaluate_floor(
         return FloorResult { collisions: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
     };
     let source = FloorSource {
-        part: finished.part,
-        channel,
-        blank,
+        workpiece,
         stock: &setup.allowances,
         cutters: &[CutterStretch { from: 1.0, to: 0.0, radius: finest.radius() }],
     };

@@ -5,11 +5,10 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::stock::SAMPLE_SCALLOP;
-use crate::cutting::clearance::FinishedPart;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::flank::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
 use crate::geometry::{Meridional, Point, Vector};
-use crate::part::{Blank, Channel};
+use crate::part::{FinishedPart, Workpiece};
 use crate::setup::{Setup, Tool};
 use crate::stock::FloorGrid;
 
@@ -43,9 +42,7 @@ impl Uncovered {
     /// Evaluates the cells of `grid` with residual heights `heights`, mm; `tool` is the one with the smallest
     /// corner.
     pub(super) fn of(
-        finished: &FinishedPart,
-        channel: &Channel,
-        blank: &Blank,
+        workpiece: &Workpiece,
         setup: &Setup,
         tool: &Tool,
         grid: &FloorGrid,
@@ -58,10 +55,10 @@ impl Uncovered {
             stock_height: setup.flank.layer_depth,
             max_tilt_rad: MAX_TILT,
         };
-        let search = FixedAxisSearch::new(finished, channel, blank, tool, &limits);
-        let layer = DepthSurface::new(finished.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
+        let search = FixedAxisSearch::new(workpiece, tool, &limits);
+        let layer = DepthSurface::new(workpiece.part.hub.curve(), stock.hub_allowance + tool.corner_radius);
         let corner = CornerBall {
-            finished,
+            finished: &workpiece.finished,
             radius: tool.corner_radius,
             hub_allowance: stock.hub_allowance,
             blade_allowance: stock.blade_allowance,
@@ -108,7 +105,7 @@ impl Uncovered {
 
 /// The round corner of a cutter, as a ball on the floor.
 struct CornerBall<'a> {
-    finished: &'a FinishedPart<'a>,
+    finished: &'a FinishedPart,
     radius: f64,
     hub_allowance: f64,
     blade_allowance: f64,
@@ -119,7 +116,7 @@ impl CornerBall<'_> {
     /// the stock it leaves there above the allowance, mm: infinite where it misses the ray. `None` where it
     /// does not fit between the blades.
     fn contact_over(&self, foot: &Point, up: &Vector) -> Option<(Contact, f64)> {
-        let hub = self.finished.part.hub.curve();
+        let hub = self.finished.hub.curve();
         let height = self.hub_allowance + self.radius;
         let (mut centre, mut normal) = (foot + up * height, *up);
         for slide in 0.. {

@@ -6,7 +6,7 @@ use vanecut::geometry::{Point, Vector};
 use vanecut::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use vanecut::mesh::tessellate::Tessellation;
 use vanecut::palette::{ColourMap, colour_of_value};
-use vanecut::part::{Blank, Channel, Impeller};
+use vanecut::part::Impeller;
 use vanecut::plunge::PlungePlan;
 use vanecut::plunge::plan::{Blocked, Position, SectionPlan};
 use vanecut::setup::{AxisPolicy, CutDirection, Setup, Tool};
@@ -84,9 +84,8 @@ fn planned() -> Planned {
     let part = sample("pump6.toml");
     let (shape, _) = written(&part, 0.2);
     let setup = Setup::default();
-    let (channel, blank) = (Channel::of(&part), Blank::of(&part, 0.0));
-    let source =
-        FloorSource { part: &part, channel: &channel, blank: &blank, stock: &setup.allowances, cutters: &[] };
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let source = FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &[] };
     let grid = FloorGrid::new(&source, CELLS);
     // A ramp, and a range of uncut cells.
     let heights = (0..CELLS * CELLS)

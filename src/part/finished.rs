@@ -1,26 +1,33 @@
 //! Distance of a cutter to the finished part, measured independently of how the cutter was placed.
 
+use super::flowpath::Flowpath;
+use super::impeller::Impeller;
+use super::probe::{NearestOnSide, SideProbe};
+use super::side::BladeSide;
 use crate::geometry::{
     Circle, CutterSolid, Meridional, Point, distance_rate, rotate_vector_z, rotate_z, search,
 };
-use crate::part::{Impeller, NearestOnSide, SideProbe};
 
 /// The finished surfaces around a channel, prepared for many distance queries.
 #[derive(Debug)]
-pub struct FinishedPart<'a> {
-    /// The part itself.
-    pub part: &'a Impeller,
+pub struct FinishedPart {
+    /// The hub.
+    pub hub: Flowpath,
+    /// Number of main blades.
+    pub blade_count: usize,
+    /// Angle from one main blade to the next, rad; see [`Impeller::pitch`].
+    pub pitch: f64,
     blades: Vec<SideProbe>,
     /// A ball around each side of a blade.
     balls: Vec<(Point, f64)>,
 }
 
-impl<'a> FinishedPart<'a> {
+impl FinishedPart {
     /// The surfaces around channel 1 of `part`, whose blade sides are `sides`.
-    pub fn new(part: &'a Impeller, sides: &[crate::part::BladeSide]) -> Self {
+    pub fn new(part: &Impeller, sides: &[BladeSide]) -> Self {
         let blades: Vec<SideProbe> = sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect();
         let balls = blades.iter().map(SideProbe::bounding_ball).collect();
-        Self { part, blades, balls }
+        Self { hub: part.hub.clone(), blade_count: part.blade_count, pitch: part.pitch(), blades, balls }
     }
 
     /// The sides of the blades with a ball around each: centre and radius, mm.
@@ -37,7 +44,7 @@ impl<'a> FinishedPart<'a> {
     /// and those one pitch further on either side, over which the column may tilt where the wrap angle is
     /// large.
     pub fn blade_clearance(&self, cutter: &CutterSolid) -> f64 {
-        let pitch = self.part.pitch();
+        let pitch = self.pitch;
         let turned = |angle: f64| CutterSolid {
             tip: rotate_z(&cutter.tip, angle),
             axis: rotate_vector_z(&cutter.axis, angle),
@@ -74,7 +81,7 @@ impl<'a> FinishedPart<'a> {
 
     /// Minimum signed distance of the cutter's bottom and flank to the hub, mm.
     pub fn hub_clearance(&self, cutter: &CutterSolid) -> f64 {
-        let curve = self.part.hub.curve();
+        let curve = self.hub.curve();
         let flat = cutter.radius - cutter.corner_radius;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
         let (start, _) = curve.project(Meridional::of(&centre));
