@@ -155,10 +155,21 @@ const PASS_MOVES: usize = 8;
 impl Move {
     /// Whether the tool moves along its own axis from `before` to here, without turning.
     pub fn is_axial_from(&self, before: &Self) -> bool {
-        let travel = self.tip - before.tip;
-        let across = (travel - self.axis * travel.dot(&self.axis)).norm();
-        across < 1e-4 * (1.0 + travel.norm()) && before.axis.angle(&self.axis) < 1e-5
+        is_axial(&(self.tip - before.tip), &before.axis, &self.axis)
     }
+}
+
+/// Distance across the axis below which a move still counts as one along it, mm, and as a share of its
+/// length; programs have a few decimals.
+const AXIAL_TOLERANCE: f64 = 1e-4;
+/// Turn of the axis that such a move may have, rad.
+const AXIAL_TURN_RAD: f64 = 1e-5;
+
+/// Whether a tool whose tip moves by `travel` (mm) while its unit axis turns from one to the other moves
+/// along its axis, without turning.
+pub fn is_axial(travel: &Vector, from_axis: &Vector, to_axis: &Vector) -> bool {
+    let across = (travel - to_axis * travel.dot(to_axis)).norm();
+    across < AXIAL_TOLERANCE * (1.0 + travel.norm()) && from_axis.angle(to_axis) < AXIAL_TURN_RAD
 }
 
 impl ClProgram {

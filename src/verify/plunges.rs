@@ -4,7 +4,7 @@ use super::Fault;
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::plunge::SectionPlan;
 use crate::setup::{Setup, Tool};
-use crate::toolpath::{ClProgram, ClTool, Motion, Move};
+use crate::toolpath::{ClProgram, ClTool, Motion, Move, is_axial};
 
 /// One move under feed, with the rapids around it.
 #[derive(Clone, Debug)]
@@ -51,12 +51,6 @@ impl Rapid {
         let travel = self.to.0 - from;
         is_axial(&travel, &axis, &self.to.1) && travel.dot(&self.to.1) >= 0.0
     }
-}
-
-/// Whether a cutter that moves by `travel` while its axis turns from one to the other moves along its axis.
-fn is_axial(travel: &Vector, from: &Vector, to: &Vector) -> bool {
-    let across = (travel - to * travel.dot(to)).norm();
-    across < 1e-4 * (1.0 + travel.norm()) && from.angle(to) < 1e-5
 }
 
 /// Spacing of the samples along a move, in cutter radii.

@@ -6,7 +6,7 @@ use crate::cutting::link::AxisTurn;
 use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Channel, Impeller};
 use crate::setup::{Setup, Tool};
-use crate::toolpath::{ClProgram, Motion};
+use crate::toolpath::{ClProgram, Motion, is_axial};
 
 /// A linear move of a cutter. Under feed the axis is interpolated linearly and normalised, as by a
 /// controller; in rapid it turns at a constant rate, as links are planned.
@@ -53,9 +53,7 @@ impl CutterStep {
 
     /// Whether the cutter moves along its own axis.
     pub(super) fn is_axial(&self) -> bool {
-        let travel = self.to.0 - self.from.0;
-        let across = (travel - self.to.1 * travel.dot(&self.to.1)).norm();
-        across < 1e-4 * (1.0 + travel.norm()) && self.turn() < 1e-5
+        is_axial(&(self.to.0 - self.from.0), &self.from.1, &self.to.1)
     }
 
     /// Whether the cutter retracts along its own axis.
