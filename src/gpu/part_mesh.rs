@@ -12,7 +12,7 @@ use super::mesh::{
 };
 use super::view::{ViewTarget, ViewTargets};
 use crate::geometry::{Point, wrap_angle};
-use crate::mesh::tessellate::{body_outline, nose, up_sign};
+use crate::part::body::{body_outline, nose, up_sign};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 
 /// Tessellation density of a part.

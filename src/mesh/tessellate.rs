@@ -7,8 +7,6 @@
 mod blade;
 mod revolved;
 
-pub use crate::part::body::{body_outline, nose, up_sign};
-
 use super::solid::Solid;
 use crate::part::Impeller;
 

@@ -4,8 +4,8 @@ use super::flowpath::Flowpath;
 use super::impeller::Impeller;
 use crate::geometry::Meridional;
 
-/// s at which the displayed part of a flowpath begins: slightly ahead of the blades, where the curve extends
-/// there.
+/// s at which the body of the wheel begins on a flowpath: slightly ahead of the blades, where the curve
+/// extends there.
 pub fn nose(path: &Flowpath) -> f64 {
     path.s_range().0.max(-0.12)
 }
@@ -16,7 +16,8 @@ pub fn up_sign(part: &Impeller) -> f64 {
 }
 
 /// The outline of the wheel without the hub: rim, back, bore and nose ring, from the rim of the hub back to
-/// its nose, mm. It is for display only: part files do not contain the back side of the wheel.
+/// its nose, mm. Part files do not contain the back side of the wheel: it is assumed here, for solids, meshes
+/// and the blank alike.
 pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
     let (nose, rim) = (inside(part.hub.point(nose(&part.hub))), part.hub.point(1.0));
     let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);

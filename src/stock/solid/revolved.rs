@@ -4,7 +4,7 @@ use super::lattice::Lattice;
 use super::rays::RayField;
 use super::span::{Span, SpanEnd};
 use crate::geometry::{Meridional, Point, Vector};
-use crate::mesh::tessellate::{body_outline, nose};
+use crate::part::body::{body_outline, nose};
 use crate::part::{Blank, Impeller};
 
 /// Chords of each curve of an outline: those of a wheel of 500 mm are within 1 µm of it.

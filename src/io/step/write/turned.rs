@@ -3,8 +3,8 @@
 use super::instances::{Edge, EdgeUse, Instances, Knots};
 use super::spline::generatrix;
 use crate::geometry::{Meridional, MeridionalCurve};
-use crate::mesh::tessellate::{body_outline, nose};
 use crate::part::Impeller;
+use crate::part::body::{body_outline, nose};
 
 /// Smallest radius of a circle, mm: below it the surface ends on the axis.
 const ON_AXIS: f64 = 1e-6;
