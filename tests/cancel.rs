@@ -12,7 +12,7 @@ use vanecut::io::plan_file::{read_plan_bytes, write_plan};
 use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Impeller, PartDescription};
-use vanecut::plunge::{PlungePlan, StopReason};
+use vanecut::plunge::PlungePlan;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify;
@@ -47,7 +47,7 @@ fn stopped_at(
 
 /// Number of positions of the finished sections.
 fn finished_part(plan: &PlungePlan) -> usize {
-    let whole = |s: &usize| !matches!(plan.sections[*s].added, Some((_, StopReason::Cancelled)));
+    let whole = |s: &usize| !plan.sections[*s].is_unfinished();
     plan.positions.iter().filter(|p| whole(&p.section)).count()
 }
 

@@ -179,8 +179,8 @@ fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
             "held".into(),
             figures.if_planned(|| limited_object(&limited_counts(figures.plan, Some(index)))),
         );
-        map.insert("added".into(), json!(section.added.map(|(count, _)| count)));
-        map.insert("stopped".into(), json!(section.added.map(|(_, stopped)| stopped.name())));
+        map.insert("added".into(), json!(section.added.map(|added| added.count)));
+        map.insert("stopped".into(), json!(section.added.map(|added| added.stopped.name())));
         map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
         Value::Object(map)
     };

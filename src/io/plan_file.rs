@@ -12,7 +12,9 @@ use crate::error::ErrorCode;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, PartDescription};
 use crate::plunge::channels::plan_channels;
-use crate::plunge::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+use crate::plunge::{
+    AddedPlunges, Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
+};
 use crate::setup::{AxisPolicy, CutDirection, Setup, tool_of};
 use crate::toolpath::ClProgram;
 
@@ -120,7 +122,7 @@ pub fn write_plan(
         settled: plan.converged,
         rows: plan.sections.iter().map(|s| s.rows).collect(),
         directions: plan.sections.iter().map(|s| s.feed).collect(),
-        added: plan.sections.iter().map(|s| s.added).collect(),
+        added: plan.sections.iter().map(|s| s.added.map(|added| (added.count, added.stopped))).collect(),
         positions: plan
             .positions
             .iter()
@@ -188,7 +190,12 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
                 .unwrap_or(CutDirection::OutletToInlet),
             rows: file.rows.get(index).copied().unwrap_or(0),
             rest: section.rest,
-            added: file.added.get(index).copied().flatten(),
+            added: file
+                .added
+                .get(index)
+                .copied()
+                .flatten()
+                .map(|(count, stopped)| AddedPlunges { count, stopped }),
         });
     }
     let mut positions = Vec::with_capacity(file.positions.len());

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::assembly::{AssemblyRule, DropCause};
 use super::links::raise_links;
-use super::plan::{DropReason, Dropped, PlungePlan, Position, SectionPlan, StopReason};
+use super::plan::{AddedPlunges, DropReason, Dropped, PlungePlan, Position, SectionPlan};
 use super::row::Station;
 use super::section_cache::SectionCache;
 use super::section_layout::StretchLayout;
@@ -196,7 +196,7 @@ pub(super) struct SectionCut {
     /// All plunges so far, those of earlier sections first.
     pub columns: Columns,
     /// See [`SectionPlan::added`].
-    pub added: Option<(usize, StopReason)>,
+    pub added: Option<AddedPlunges>,
 }
 
 impl SectionCut {
@@ -208,7 +208,7 @@ impl SectionCut {
     /// As [`Self::empty`], for a section that planning did not reach before it was stopped.
     fn not_started(section: &SectionSetup, columns: Columns) -> Self {
         let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
-        Self { added: Some((0, StopReason::Cancelled)), ..Self::empty(feed, columns) }
+        Self { added: Some(AddedPlunges::UNFINISHED), ..Self::empty(feed, columns) }
     }
 
     /// Records that the row at `lambda` has no position at the s in `missing`.
@@ -221,7 +221,7 @@ impl SectionCut {
 
     /// Whether planning was stopped before the section was finished.
     pub fn is_unfinished(&self) -> bool {
-        matches!(self.added, Some((_, StopReason::Cancelled)))
+        self.added.is_some_and(AddedPlunges::is_unfinished)
     }
 }
 

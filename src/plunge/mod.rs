@@ -36,6 +36,8 @@ pub mod survey;
 mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
-pub use plan::{Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+pub use plan::{
+    AddedPlunges, Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
+};
 pub use program::MOVES_PER_PLUNGE;
 pub use section_cache::SectionCache;

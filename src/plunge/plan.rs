@@ -69,6 +69,25 @@ impl StopReason {
     }
 }
 
+/// Plunges that were added to those of the rows of a section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AddedPlunges {
+    /// Their number.
+    pub count: usize,
+    /// Why no more.
+    pub stopped: StopReason,
+}
+
+impl AddedPlunges {
+    /// None before planning was stopped.
+    pub const UNFINISHED: Self = Self { count: 0, stopped: StopReason::Cancelled };
+
+    /// Whether planning was stopped before the section was finished.
+    pub fn is_unfinished(self) -> bool {
+        self.stopped == StopReason::Cancelled
+    }
+}
+
 /// Why a position lacks the axis its policy prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -241,9 +260,8 @@ pub struct SectionPlan {
     pub rows: usize,
     /// Whether it is a rest-milling section, which cuts only where earlier sections left thick stock.
     pub rest: bool,
-    /// Number of plunges added to those of the rows, and why no more; `None` for policies that add none,
-    /// unless they were stopped.
-    pub added: Option<(usize, StopReason)>,
+    /// Plunges added to those of the rows; `None` for policies that add none, unless they were stopped.
+    pub added: Option<AddedPlunges>,
 }
 
 impl SectionPlan {
@@ -252,12 +270,18 @@ impl SectionPlan {
         !self.rest || self.rows > 0
     }
 
+    /// Whether planning was stopped before the section was finished: it holds the best result so far.
+    pub fn is_unfinished(&self) -> bool {
+        self.added.is_some_and(AddedPlunges::is_unfinished)
+    }
+
     /// What was added to the rows, and why no more; `None` for policies that add none.
     pub fn added_words(&self) -> Option<String> {
-        let (count, stopped) = self.added?;
+        let added = self.added?;
+        let AddedPlunges { count, stopped } = added;
         let why = stopped.words();
         Some(match (self.rest, count) {
-            _ if stopped == StopReason::Cancelled => format!("{count} plunges added; {why}"),
+            _ if added.is_unfinished() => format!("{count} plunges added; {why}"),
             (false, _) => format!("{count} plunges added to the rows; {why}"),
             (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
             (true, _) => format!("{count} plunges for the rest; {why}"),
@@ -316,6 +340,6 @@ impl PlungePlan {
     /// Whether planning was stopped before the plan was finished: it is valid, but leaves more stock than a
     /// finished one.
     pub fn is_unfinished(&self) -> bool {
-        self.sections.iter().any(|s| matches!(s.added, Some((_, StopReason::Cancelled))))
+        self.sections.iter().any(SectionPlan::is_unfinished)
     }
 }

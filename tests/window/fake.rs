@@ -11,7 +11,7 @@ use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, S
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
-use vanecut::plunge::{Blocked, PlungePlan, Position, SectionPlan, StopReason};
+use vanecut::plunge::{AddedPlunges, Blocked, PlungePlan, Position, SectionPlan, StopReason};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionSetup, SetupFault, Tool};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
@@ -44,7 +44,7 @@ fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
     let plan = &mut outcome.after.plan;
     plan.positions.retain(|position| position.row == 0);
     plan.sections[0].rows = 1;
-    plan.sections[0].added = Some((0, StopReason::Cancelled));
+    plan.sections[0].added = Some(AddedPlunges::UNFINISHED);
     outcome
 }
 
@@ -158,7 +158,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         tool: rest_tool(tool),
         rows: 0,
         rest: true,
-        added: Some((0, StopReason::NothingWorthwhile)),
+        added: Some(AddedPlunges { count: 0, stopped: StopReason::NothingWorthwhile }),
         ..section.clone()
     };
     PlungePlan {

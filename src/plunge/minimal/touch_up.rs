@@ -9,7 +9,7 @@ use crate::cutting::contact::{BlankTop, Columns};
 use crate::monitor::Monitor;
 use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
 use crate::plunge::cycle::{CutRow, PlanError, Planner, SectionCut};
-use crate::plunge::plan::StopReason;
+use crate::plunge::plan::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
 use crate::plunge::section_layout::StretchLayout;
 use crate::plunge::sections::MAX_POSITIONS;
@@ -113,7 +113,7 @@ impl Planner<'_> {
         monitor: &Monitor,
     ) -> Result<(), PlanError> {
         if monitor.is_stopped() {
-            cut.added = Some((0, StopReason::Cancelled));
+            cut.added = Some(AddedPlunges::UNFINISHED);
             return Ok(());
         }
         // Found plunges are cut even after a stop.
@@ -201,7 +201,7 @@ impl Planner<'_> {
         if monitor.is_stopped() {
             stopped = StopReason::Cancelled;
         }
-        cut.added = Some((added_in_all, stopped));
+        cut.added = Some(AddedPlunges { count: added_in_all, stopped });
         Ok(())
     }
 }
