@@ -1,8 +1,9 @@
 //! The flank planning job that window and command line share.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use super::JobError;
+use super::part_cache::PartCache;
 use crate::flank::choice::choose_tool;
 use crate::flank::fault_removal::MoveFault;
 use crate::flank::{FlankError, FlankMove, FlankPlan, FlankStages, plan};
@@ -53,7 +54,7 @@ impl From<FlankError> for JobError {
 /// Flank planner with a cache of the last plan's stages, so that only stale stages are computed again.
 #[derive(Debug, Default)]
 pub struct FlankJob {
-    last: Mutex<Option<(Arc<Impeller>, FlankStages)>>,
+    last: PartCache<FlankStages>,
 }
 
 impl FlankJob {
@@ -73,12 +74,9 @@ impl FlankJob {
         let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
             faults_as_written(&mut verifier, &part.name, tool, moves, &mut faults, monitor)
         };
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, stages)| stages);
-        let mut stages = known.unwrap_or_default();
-        let planned = plan(&workpiece, &request.setup, &chosen, &mut stages, &mut check, monitor);
-        *last = Some((part.clone(), stages));
-        let plan = planned?;
+        let plan = self
+            .last
+            .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor))?;
         let verdict =
             program_as_written(&part.name, &plan.tool, &plan.moves).and_then(|p| verifier.verdict(&p).ok());
         let mut setup = request.setup.clone();

@@ -3,13 +3,15 @@
 
 pub mod flank;
 mod goal;
+mod part_cache;
 pub mod stage;
 pub mod worker;
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 
 pub use crate::verify::Summary;
+use part_cache::PartCache;
 pub use stage::{Listener, PlanStage};
 
 use rayon::prelude::*;
@@ -171,7 +173,7 @@ type PolicyCache = HashMap<AxisPolicy, SectionCache>;
 /// Plunge planner with a cache of the last plan's sections, so that only stale sections are planned again.
 #[derive(Debug, Default)]
 pub struct PlanJob {
-    last: Mutex<Option<(Arc<Impeller>, PolicyCache)>>,
+    last: PartCache<PolicyCache>,
 }
 
 impl PlanJob {
@@ -196,14 +198,16 @@ impl PlanJob {
         monitor: &Monitor,
         listener: Listener,
     ) -> Result<PlanOutcome, JobError> {
-        let part = &request.part;
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = last.take().filter(|(known, _)| Arc::ptr_eq(known, part)).map(|(_, known)| known);
-        let mut known = known.unwrap_or_default();
-        let outcome = plan(request, &mut known, monitor, listener);
-        *last = Some((part.clone(), known));
-        outcome
+        self.last.with(&request.part, |known| plan(request, known, monitor, listener))
     }
+}
+
+/// A plan on its way through the job.
+enum JudgedPlan {
+    /// Its residual stock is computed.
+    Measured(Box<PolicyResult>),
+    /// It was ready before the floor grid; its residual stock is computed at the end.
+    Evaluated(PlungePlan),
 }
 
 /// Like [`PlanJob::run_with_listener`], with the cache `known`.
@@ -271,8 +275,7 @@ fn plan(
         .filter(wanted)
         .map(|&policy| (policy, known.remove(&policy).unwrap_or_default()))
         .collect();
-    // A plan that is ready before the grid is measured at the end.
-    let asked = || -> Result<Vec<Result<PolicyResult, PlungePlan>>, PlanError> {
+    let asked = || -> Result<Vec<JudgedPlan>, PlanError> {
         let asked = policies.par_iter_mut().map(|(policy, known)| {
             let plan = match *policy == request.policy {
                 true => judged(*policy, known, monitor),
@@ -290,8 +293,8 @@ fn plan(
             }
             let plan = plan?;
             Ok(Some(match ready.get() {
-                Some(grid) => Ok(measured(plan, grid)?),
-                None => Err(plan),
+                Some(grid) => JudgedPlan::Measured(Box::new(measured(plan, grid)?)),
+                None => JudgedPlan::Evaluated(plan),
             }))
         });
         asked.filter_map(Result::transpose).collect()
@@ -301,7 +304,10 @@ fn plan(
     let ((before, grid), asked) = (before?, asked?);
     let mut others = asked
         .into_iter()
-        .map(|plan| plan.or_else(|plan| measured(plan, &grid)))
+        .map(|judged| match judged {
+            JudgedPlan::Measured(result) => Ok(*result),
+            JudgedPlan::Evaluated(plan) => measured(plan, &grid),
+        })
         .collect::<Result<Vec<PolicyResult>, _>>()?;
     // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
     let mut whole = None;
