@@ -12,7 +12,7 @@ use super::look::{Arrangement, Layers, Look, PlaneOrientation};
 use super::mouse::MousePreset;
 use super::panels::setup::policy_label;
 use super::planned::Side;
-use super::preview::PreviewCutters;
+use super::preview::{PreviewCutters, PreviewStage};
 use super::solid::SolidColours;
 use super::state::AppState;
 use super::theme::{self, Condition};
@@ -103,7 +103,8 @@ pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Previ
             ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
         }
         let Some(coming) = coming else { return };
-        let axes = if coming.is_warm_start { ", axes as before" } else { "" };
+        let is_warm_start = coming.stage == PreviewStage::WarmStart;
+        let axes = if is_warm_start { ", axes as before" } else { "" };
         let policy = format!("{}{axes}", policy_label(coming.plan.policy).to_lowercase());
         let count = coming.plan.positions.len();
         let (words, colour) = match coming.interfering_count() {
@@ -116,7 +117,7 @@ pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Previ
                 Condition::Interfering.text(ui.visuals()),
             ),
         };
-        ui.label(RichText::new(words).color(colour)).on_hover_text(if coming.is_warm_start {
+        ui.label(RichText::new(words).color(colour)).on_hover_text(if is_warm_start {
             "The axes of the last plan, lifted until their cores are free; better ones follow"
         } else {
             "Cutters of the current setup; their residual stock follows"

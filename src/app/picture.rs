@@ -425,12 +425,12 @@ impl SidePicture {
     /// Shows the preview cutters of a running plan instead of the plan's; `None`: no preview.
     pub fn load_preview(&mut self, coming: Option<&PreviewCutters>) {
         let same = match (&self.coming, coming) {
-            (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.is_checked == b.is_checked,
+            (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.is_checked() == b.is_checked(),
             (None, None) => true,
             _ => false,
         };
         if !same {
-            self.scene.set_preview(coming.map(|c| &*c.plan), coming.is_some_and(|c| c.is_checked));
+            self.scene.set_preview(coming.map(|c| &*c.plan), coming.is_some_and(PreviewCutters::is_checked));
             self.coming = coming.cloned();
             self.generation += 1;
         }

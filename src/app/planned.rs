@@ -36,6 +36,18 @@ impl Side {
     }
 }
 
+/// What the panels show of the plan of one policy.
+#[derive(Clone, Debug)]
+struct PolicyDisplay {
+    policy: AxisPolicy,
+    /// Mean residual stock on the hub under each position's cutter, mm; NaN without floor under it.
+    stock: Vec<f32>,
+    /// Its plunges over the floor.
+    program: Arc<FieldProgram>,
+    /// Time from the start to the end of each plunge, s.
+    clock: Vec<f64>,
+}
+
 /// A finished plan with display data.
 #[derive(Clone, Debug)]
 pub struct DisplayPlan {
@@ -43,17 +55,11 @@ pub struct DisplayPlan {
     pub setup: Setup,
     /// The plan.
     pub outcome: Arc<PlanOutcome>,
-    /// Mean residual stock on the hub under each position's cutter, mm, by policy; NaN without floor under
-    /// it.
-    stock: Vec<(AxisPolicy, Vec<f32>)>,
+    policies: Vec<PolicyDisplay>,
     /// Range of the colour scale, mm; the same for all policies.
     pub range: (f32, f32),
     /// The floor at the resolutions in which the device draws it.
     pub floor: Arc<FloorLevels>,
-    /// The plunges of each policy over that floor.
-    programs: Vec<(AxisPolicy, Arc<FieldProgram>)>,
-    /// Time from the start to the end of each plunge, s, by policy.
-    clocks: Vec<(AxisPolicy, Vec<f64>)>,
 }
 
 impl DisplayPlan {
@@ -65,18 +71,15 @@ impl DisplayPlan {
         floor: &Arc<FloorLevels>,
         known: &[Arc<FieldProgram>],
     ) -> Self {
-        let program = |result: &PolicyResult| (result.plan.policy, program_of(&result.plan, floor, known));
-        let programs = outcome.policies().into_iter().map(program).collect();
-        let floor = Arc::clone(floor);
-        let under = |result: &PolicyResult| {
-            let positions = result.plan.positions.iter();
-            (result.plan.policy, positions.map(|p| stock_under(&outcome, result, p)).collect())
+        let display = |result: &PolicyResult| PolicyDisplay {
+            policy: result.plan.policy,
+            stock: result.plan.positions.iter().map(|p| stock_under(&outcome, result, p)).collect(),
+            program: program_of(&result.plan, floor, known),
+            clock: clock_of(&result.plan),
         };
-        let stock = outcome.policies().into_iter().map(under).collect();
+        let policies = outcome.policies().into_iter().map(display).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
-        let clock = |result: &PolicyResult| (result.plan.policy, clock_of(&result.plan));
-        let clocks = outcome.policies().into_iter().map(clock).collect();
-        Self { setup, outcome: Arc::new(outcome), stock, range, floor, programs, clocks }
+        Self { setup, outcome: Arc::new(outcome), policies, range, floor: Arc::clone(floor) }
     }
 
     /// The floor over which a plan with `grid` and `allowances` of the same part is drawn: that of this plan,
@@ -90,12 +93,12 @@ impl DisplayPlan {
 
     /// The plunges of all policies, sorted into the tiles of [`Self::floor`].
     pub fn programs(&self) -> Vec<Arc<FieldProgram>> {
-        self.programs.iter().map(|(_, program)| Arc::clone(program)).collect()
+        self.policies.iter().map(|display| Arc::clone(&display.program)).collect()
     }
 
     /// The plunges of a policy, sorted into the tiles of [`Self::floor`].
     pub fn program(&self, policy: AxisPolicy) -> Option<&Arc<FieldProgram>> {
-        self.programs.iter().find(|(known, _)| *known == policy).map(|(_, program)| program)
+        self.display(policy).map(|display| &display.program)
     }
 
     /// Whether planning was stopped before the plan was finished.
@@ -105,7 +108,11 @@ impl DisplayPlan {
 
     /// Whether a policy was planned.
     pub fn has(&self, policy: AxisPolicy) -> bool {
-        self.stock.iter().any(|(known, _)| *known == policy)
+        self.display(policy).is_some()
+    }
+
+    fn display(&self, policy: AxisPolicy) -> Option<&PolicyDisplay> {
+        self.policies.iter().find(|display| display.policy == policy)
     }
 
     /// Policy that a side shows unless the user chose another.
@@ -130,7 +137,7 @@ impl DisplayPlan {
     /// Time of the program from its start to the end of its first `count` plunges, s; `None` where it is not
     /// known.
     pub fn time_after(&self, policy: AxisPolicy, count: usize) -> Option<f64> {
-        let (_, clock) = self.clocks.iter().find(|(known, _)| *known == policy)?;
+        let clock = &self.display(policy)?.clock;
         if count == 0 { Some(0.0) } else { clock.get(count - 1).copied() }
     }
 
@@ -143,8 +150,7 @@ impl DisplayPlan {
 
     /// Mean residual stock on the hub under the cutter of position `index`, mm; NaN without floor under it.
     pub fn stock(&self, policy: AxisPolicy, index: usize) -> f32 {
-        let of = self.stock.iter().find(|(known, _)| *known == policy);
-        of.and_then(|(_, stock)| stock.get(index)).copied().unwrap_or(f32::NAN)
+        self.display(policy).and_then(|display| display.stock.get(index)).copied().unwrap_or(f32::NAN)
     }
 }
 

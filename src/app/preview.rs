@@ -11,23 +11,37 @@ use crate::stock::{FieldProgram, FloorGrid, FloorLevels};
 
 use super::planned::DisplayPlan;
 
+/// How far a plan has come before its residual stock is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PreviewStage {
+    /// The axes of the last plan, fitted to the new setup; core contact is checked.
+    WarmStart,
+    /// Core contact is not checked yet: no plunge may be shown as sound.
+    Placed,
+    /// Core contact is checked.
+    Evaluated,
+}
+
 /// Cutters of a policy's plan before its residual stock is computed.
 #[derive(Clone, Debug)]
 pub struct PreviewCutters {
     /// The plan so far.
     pub plan: Arc<PlungePlan>,
-    /// Whether core contact is checked; before that no plunge may be shown as sound.
-    pub is_checked: bool,
-    /// Whether the axes are those of the last plan (warm start).
-    pub is_warm_start: bool,
+    /// How far it has come.
+    pub stage: PreviewStage,
     /// The cutters over the floor of the last plan, for a preview of their stock on the device.
     pub program: Option<Arc<FieldProgram>>,
 }
 
 impl PreviewCutters {
+    /// Whether core contact is checked.
+    pub fn is_checked(&self) -> bool {
+        self.stage != PreviewStage::Placed
+    }
+
     /// Number of interfering plunges; `None` while contact is not checked.
     pub fn interfering_count(&self) -> Option<usize> {
-        self.is_checked.then(|| self.plan.positions.iter().filter(|p| p.contact.interferes()).count())
+        self.is_checked().then(|| self.plan.positions.iter().filter(|p| p.contact.interferes()).count())
     }
 }
 
@@ -106,17 +120,11 @@ impl PlanPreview {
             PlanStage::Resolved { workpiece, setup, reasons } => {
                 self.resolved = Some(ResolvedRequest { workpiece, setup, reasons });
             }
-            PlanStage::Preview(plan) => {
-                self.take_cutters(plan, true, true, program);
-            }
+            PlanStage::Preview(plan) => self.take_cutters(plan, PreviewStage::WarmStart, program),
             // The warm-start plan is shown already, and its contact is checked.
             PlanStage::Placed(plan) if self.has_warm_start(plan.policy) => {}
-            PlanStage::Placed(plan) => {
-                self.take_cutters(plan, false, false, program);
-            }
-            PlanStage::Evaluated(plan) => {
-                self.take_cutters(plan, true, false, program);
-            }
+            PlanStage::Placed(plan) => self.take_cutters(plan, PreviewStage::Placed, program),
+            PlanStage::Evaluated(plan) => self.take_cutters(plan, PreviewStage::Evaluated, program),
             // The conventional result arrives first. The requested policy is skipped: the finished plan
             // follows at once.
             PlanStage::Measured(_, result)
@@ -125,25 +133,20 @@ impl PlanPreview {
         }
     }
 
-    fn take_cutters(
-        &mut self,
-        plan: PlungePlan,
-        is_checked: bool,
-        is_warm_start: bool,
-        program: Option<Arc<FieldProgram>>,
-    ) {
-        let cutters = PreviewCutters { plan: plan.into(), is_checked, is_warm_start, program };
+    fn take_cutters(&mut self, plan: PlungePlan, stage: PreviewStage, program: Option<Arc<FieldProgram>>) {
+        let cutters = PreviewCutters { plan: plan.into(), stage, program };
         self.cutters.retain(|known| known.plan.policy != cutters.plan.policy);
         self.cutters.push(cutters);
     }
 
+    /// Whether the cutters of a policy are those of its warm start.
     fn has_warm_start(&self, policy: AxisPolicy) -> bool {
-        self.cutters.iter().any(|known| known.is_warm_start && known.plan.policy == policy)
+        self.cutters.iter().any(|known| known.stage == PreviewStage::WarmStart && known.plan.policy == policy)
     }
 
     /// Whether core contact is checked for any policy.
     pub(super) fn has_checked_stage(&self) -> bool {
-        self.cutters.iter().any(|known| known.is_checked)
+        self.cutters.iter().any(PreviewCutters::is_checked)
     }
 
     fn take_result(&mut self, grid: Arc<FloorGrid>, result: PolicyResult) {
@@ -173,7 +176,7 @@ impl PlanPreview {
     /// The cutters to show where `policy` is awaited: its own as soon as there are any, else the latest.
     pub fn cutters(&self, policy: AxisPolicy) -> Option<&PreviewCutters> {
         let own = self.cutters.iter().find(|known| known.plan.policy == policy);
-        own.or_else(|| self.cutters.iter().rfind(|known| !known.is_warm_start))
+        own.or_else(|| self.cutters.iter().rfind(|known| known.stage != PreviewStage::WarmStart))
     }
 }
 

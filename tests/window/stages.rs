@@ -44,7 +44,7 @@ fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
 
 fn coming(window: &Window) -> Option<(AxisPolicy, bool, usize)> {
     let cutters = window.state().state().preview_on(Side::After)?;
-    Some((cutters.plan.policy, cutters.is_checked, cutters.plan.positions.len()))
+    Some((cutters.plan.policy, cutters.is_checked(), cutters.plan.positions.len()))
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     window.step();
     let cutters = |window: &Window| {
         let cutters = window.state().state().preview_on(Side::Before)?;
-        Some((cutters.plan.policy, cutters.is_checked, cutters.plan.positions.len()))
+        Some((cutters.plan.policy, cutters.is_checked(), cutters.plan.positions.len()))
     };
     let (policy, judged, positions) = cutters(&window).expect("cutters");
     assert_eq!((policy, judged), (AxisPolicy::Conventional, false));
