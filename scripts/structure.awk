@@ -188,7 +188,7 @@ function draw(   i, k, node, first, fill, lines) {
     printf "<path fill=\"#59636e\" d=\"%s\"/>\n", tips
     for (i = 1; i <= count; i++) {
         lines = words(purpose[i], x[i])
-        fill = name[i] ~ /^(app|cli)$/ ? "#fdf0d5" : name[i] == "gpu" ? "#e8e4f7" : "#e3eef8"
+        fill = name[i] ~ /^(app|cli)$/ ? "#fdf0d5" : name[i] ~ /^(gpu|drawing)$/ ? "#e8e4f7" : "#e3eef8"
         printf "<rect x=\"%.1f\" y=\"%.1f\" width=\"%d\" height=\"%d\" rx=\"6\" fill=\"%s\" stroke=\"#59636e\"/>\n", \
             x[i] - WIDTH / 2, y[i], WIDTH, HEIGHT, fill
         printf "<text id=\"%s\" x=\"%.1f\" y=\"%.1f\"><tspan font-size=\"14\" font-weight=\"bold\">%s</tspan>%s</text>\n", \

@@ -23,7 +23,8 @@
 //! | [`io`] | readers and writers of part, setup, program and plan files |
 //! | [`job`] | planning jobs: request, progress, cancel, latest result |
 //! | [`study`] | many plans: axes of variation, shards, results, merge, Pareto set |
-//! | `gpu` | graphics device, compute kernel, renderer; independent of the window |
+//! | `gpu` | graphics device, compute kernel, renderer of meshes, lines and instances |
+//! | `drawing` | parts, plans and stock as meshes, lines and instances |
 //! | `app` | the window (egui) |
 //! | `cli` | the command line (clap) |
 //!
@@ -36,6 +37,8 @@ pub mod assess;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod cutting;
+#[cfg(feature = "gpu")]
+pub mod drawing;
 pub mod error;
 pub mod flank;
 pub mod geometry;

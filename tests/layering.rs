@@ -7,15 +7,20 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules, innermost first, as in the table of `src/lib.rs`.
-const MODULES: [&str; 22] = [
+const MODULES: [&str; 23] = [
     "error", "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "machine",
-    "cutting", "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "app", "cli",
+    "cutting", "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "drawing",
+    "app", "cli",
 ];
 /// Modules of the core are those before this one.
 const FIRST_OUTSIDE: &str = "gpu";
 /// Crates that the core must not use.
 const OUTSIDE: [&str; 11] =
     ["egui", "eframe", "wgpu", "winit", "glam", "rfd", "bytemuck", "pollster", "naga", "clap", "ctrlc"];
+
+/// What `gpu` uses: it draws meshes, lines and instances, and its kernel is the twin of the heightfield in
+/// `stock`. `drawing` turns parts, setups and plans into these.
+const USED_BY_GPU: [&str; 6] = ["error", "palette", "geometry", "mesh", "stock", "gpu"];
 
 /// The source files of a module of the library.
 fn sources(module: &str) -> Vec<PathBuf> {
@@ -88,6 +93,19 @@ fn modules_use_only_those_above_them() {
                 if rank(&other).is_some_and(|other| other > own) {
                     faults.push(format!("{}:{line}: {module} uses {other}", path.display()));
                 }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+fn gpu_knows_no_parts_and_no_plans() {
+    let mut faults = Vec::new();
+    for path in sources("gpu") {
+        for (line, other) in modules_named(&code(&path)) {
+            if MODULES.contains(&other.as_str()) && !USED_BY_GPU.contains(&other.as_str()) {
+                faults.push(format!("{}:{line}: gpu uses {other}", path.display()));
             }
         }
     }

@@ -7,6 +7,9 @@ use std::path::Path;
 
 use glam::{UVec2, Vec2, Vec3};
 use vanecut::cutting::contact::CoreContact;
+use vanecut::drawing::cutters::{cutter_set, preview_cutters};
+use vanecut::drawing::floor::floor_meshes;
+use vanecut::drawing::scene_of_part;
 use vanecut::geometry::{Point, Vector};
 use vanecut::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, SectionPlane, View,
@@ -143,7 +146,7 @@ impl Studio {
 #[test]
 fn a_wheel_fills_the_picture_the_same_every_time() {
     let mut studio = Studio::new();
-    let scene = Scene::new(&studio.gpu, &part());
+    let scene = scene_of_part(&studio.gpu, &part());
     assert!(scene.triangles() < 150_000, "{} triangles", scene.triangles());
     let options = SceneOptions::default();
     let picture = studio.shot(&scene, View::Iso, &options, 4);
@@ -162,8 +165,8 @@ fn a_wheel_fills_the_picture_the_same_every_time() {
 fn cutters_show_in_the_colour_of_their_state() {
     let mut studio = Studio::new();
     let part = part();
-    let mut scene = Scene::new(&studio.gpu, &part);
-    scene.set_plan(Some(&plan(&part)));
+    let mut scene = scene_of_part(&studio.gpu, &part);
+    scene.set_cutters(cutter_set(&plan(&part)));
     let hidden = SceneOptions { show_cutters: CutterFilter::Hidden, ..Default::default() };
     let all = SceneOptions { show_cutters: CutterFilter::All, ..hidden };
     let mut red =
@@ -180,16 +183,16 @@ fn cutters_show_in_the_colour_of_their_state() {
 fn the_floor_shows_the_legends_colour() {
     let mut studio = Studio::new();
     let part = part();
-    let mut scene = Scene::new(&studio.gpu, &part);
+    let mut scene = scene_of_part(&studio.gpu, &part);
     let grid = floor(&part);
     let count = grid.points.len();
-    scene.set_floor(&studio.gpu, Some((&grid, &vec![0.0; count])), None);
+    scene.set_floor(&studio.gpu, floor_meshes(&grid, &vec![0.0; count]));
     let options = SceneOptions { range_mm: (0.0, 4.0), ..Default::default() };
     let table = options.map.table();
     let lowest = table[0].map(f32::from);
     let highest = table[255].map(f32::from);
     let low = studio.shot(&scene, View::Channel, &options, 4);
-    scene.set_heights(&studio.gpu, &grid, &vec![4.0; count]);
+    scene.set_heights(&studio.gpu, floor_meshes(&grid, &vec![4.0; count]).expect("it fits"));
     let high = studio.shot(&scene, View::Channel, &options, 4);
     let plain = SceneOptions { show_floor_colours: FloorColours::Plain, ..options };
     let plain = studio.shot(&scene, View::Channel, &plain, 4);
@@ -204,9 +207,9 @@ fn the_floor_shows_the_legends_colour() {
 fn the_pointer_finds_the_cutter_that_is_seen() {
     let studio = Studio::new();
     let part = part();
-    let mut scene = Scene::new(&studio.gpu, &part);
+    let mut scene = scene_of_part(&studio.gpu, &part);
     let plan = plan(&part);
-    scene.set_plan(Some(&plan));
+    scene.set_cutters(cutter_set(&plan));
     let size = SIZE.as_vec2();
     let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
     let options = SceneOptions { show_cutters: CutterFilter::All, ..Default::default() };
@@ -225,8 +228,8 @@ fn the_pointer_finds_the_cutter_that_is_seen() {
 fn where_the_section_plane_cuts_material_it_hides_cutters_and_is_a_place_to_measure() {
     let mut studio = Studio::new();
     let part = part();
-    let mut scene = Scene::new(&studio.gpu, &part);
-    scene.set_plan(Some(&plan(&part)));
+    let mut scene = scene_of_part(&studio.gpu, &part);
+    scene.set_cutters(cutter_set(&plan(&part)));
     let size = SIZE.as_vec2();
     let (wheel, channel) = (scene.framing().wheel.center, scene.framing().channel.center);
     let (mut cut, mut agree, mut total, mut behind) = (0, 0, 0, 0);
@@ -270,14 +273,14 @@ fn where_the_section_plane_cuts_material_it_hides_cutters_and_is_a_place_to_meas
 fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positions() {
     let mut studio = Studio::new();
     let part = part();
-    let mut scene = Scene::new(&studio.gpu, &part);
+    let mut scene = scene_of_part(&studio.gpu, &part);
     let plan = plan(&part);
-    scene.set_plan(Some(&plan));
+    scene.set_cutters(cutter_set(&plan));
     let options = SceneOptions { show_cutters: CutterFilter::All, ..Default::default() };
     let mut red =
         |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERING);
     assert!(red(&scene) > 100, "the plan before the preview");
-    scene.set_preview(Some(&plan), false);
+    scene.set_preview(Some(preview_cutters(&plan, false)));
     assert_eq!(red(&scene), 0, "not evaluated");
     let size = SIZE.as_vec2();
     let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
@@ -286,8 +289,8 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let pixel = pixel.expect("in front");
     let pick = |scene: &Scene| scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
     assert_eq!(pick(&scene), None);
-    scene.set_preview(Some(&plan), true);
+    scene.set_preview(Some(preview_cutters(&plan, true)));
     assert!(red(&scene) > 100, "judged");
-    scene.set_preview(None, false);
+    scene.set_preview(None);
     assert_eq!(pick(&scene), Some(1), "the plan before can be picked again");
 }

@@ -1,7 +1,7 @@
 //! How part and plan are displayed: selection, table rows, layers, arrangement of the two plans, timeline.
 //! Nothing here changes the plan.
 
-use crate::gpu::flank::FlankColours;
+use crate::drawing::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::setup::AxisPolicy;
 

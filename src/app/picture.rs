@@ -8,10 +8,12 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
+use crate::drawing::cutters::{cutter_set, preview_cutters};
+use crate::drawing::flank::{self, FlankColours};
+use crate::drawing::floor::{contact_mesh, floor_meshes, value_mesh};
+use crate::drawing::part::{draft_part_mesh, part_mesh};
 use crate::gpu::camera::Camera;
 use crate::gpu::device::{Gpu, GpuError};
-use crate::gpu::flank::{self, FlankColours};
-use crate::gpu::floor::value_mesh;
 use crate::gpu::mesh::{Mesh, Segment};
 use crate::gpu::part_mesh::PartMesh;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
@@ -115,7 +117,7 @@ pub struct PartMeshes {
 impl PartMeshes {
     /// Tessellates a part.
     pub fn new(part: &Impeller) -> Self {
-        Self { fine: Arc::new(PartMesh::new(part)), draft: Arc::new(PartMesh::draft(part)) }
+        Self { fine: Arc::new(part_mesh(part)), draft: Arc::new(draft_part_mesh(part)) }
     }
 }
 
@@ -265,7 +267,7 @@ impl SidePicture {
             egui: egui.clone(),
             gpu: gpu.clone(),
             renderer: None,
-            scene: Scene::from_mesh(gpu, Arc::clone(&mesh.fine)).with_draft(gpu, &mesh.draft),
+            scene: Scene::new(gpu, Arc::clone(&mesh.fine)).with_draft(gpu, &mesh.draft),
             content: None,
             coming: None,
             flank: None,
@@ -314,17 +316,18 @@ impl SidePicture {
         let content = self.content.as_ref();
         let plan = content.map(|content| content.planned.plan(content.policy));
         if !same_plan {
-            self.scene.set_plan(plan);
+            self.scene.set_cutters(plan.map(cutter_set).unwrap_or_default());
         }
         // Walls replace the floor; `load_flank` loads the floor again afterwards.
         if self.shows_walls() {
             return;
         }
         let grid = content.map(|content| &*content.planned.outcome.grid);
+        let contact = || grid.zip(plan).map(|(grid, plan)| contact_mesh(grid, plan));
         if self.stock_floor.is_some() {
             // The stock itself is computed when it is drawn, at the resolution of the picture.
-            self.scene.set_floor(&self.gpu, None, None);
-            self.scene.set_contact(&self.gpu, grid, plan);
+            self.scene.set_floor(&self.gpu, None);
+            self.scene.set_contact(&self.gpu, contact().as_ref());
             return;
         }
         let values = content.map(|content| {
@@ -340,9 +343,15 @@ impl SidePicture {
                 }
             }
             (Some((grid, heights)), false) if same_plan && !was_difference => {
-                self.scene.set_heights(&self.gpu, grid, heights);
+                if let Some(meshes) = floor_meshes(grid, heights) {
+                    self.scene.set_heights(&self.gpu, meshes);
+                }
             }
-            (floor, _) => self.scene.set_floor(&self.gpu, floor, plan),
+            (floor, _) => {
+                let meshes = floor.and_then(|(grid, heights)| floor_meshes(grid, heights));
+                self.scene.set_floor(&self.gpu, meshes);
+                self.scene.set_contact(&self.gpu, contact().as_ref());
+            }
         }
     }
 
@@ -397,7 +406,7 @@ impl SidePicture {
         self.scene.set_paths(&self.gpu, &lines.unwrap_or_default());
         if self.shows_walls() {
             // Forces the floor to be loaded again.
-            self.scene.set_floor(&self.gpu, None, None);
+            self.clear_floor();
             self.content = None;
         }
         self.flank = shown;
@@ -408,11 +417,16 @@ impl SidePicture {
         self.generation += 1;
     }
 
+    fn clear_floor(&mut self) {
+        self.scene.set_floor(&self.gpu, None);
+        self.scene.set_contact(&self.gpu, None);
+    }
+
     /// Draws a mesh over the scene, coloured by its values; `None` removes it.
     pub fn highlight(&mut self, mesh: Option<Mesh>) {
         match mesh {
             Some(mesh) => self.scene.set_values(&self.gpu, mesh),
-            None => self.scene.set_floor(&self.gpu, None, None),
+            None => self.clear_floor(),
         }
         self.generation += 1;
     }
@@ -430,7 +444,7 @@ impl SidePicture {
             _ => false,
         };
         if !same {
-            self.scene.set_preview(coming.map(|c| &*c.plan), coming.is_some_and(PreviewCutters::is_checked));
+            self.scene.set_preview(coming.map(|coming| preview_cutters(&coming.plan, coming.is_checked())));
             self.coming = coming.cloned();
             self.generation += 1;
         }

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::drawing::solid::solid_mesh;
 use crate::gpu::mesh::{Mesh, Paint};
-use crate::gpu::solid_mesh::solid_mesh;
 use crate::io::gltf::GltfScene;
 use crate::io::stl::write_stl;
 use crate::job::flank::FlankOutcome;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::gpu::flank::FlankColours;
+use crate::drawing::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;

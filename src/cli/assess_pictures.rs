@@ -12,10 +12,11 @@ use crate::assess::Assessment;
 use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
-use crate::gpu::floor::floor_mesh;
+use crate::drawing::floor::floor_mesh;
+use crate::drawing::scene_of_part;
+use crate::drawing::walls::wall_mesh;
 use crate::gpu::mesh::{Mesh, even_steps};
-use crate::gpu::walls::wall_mesh;
-use crate::gpu::{FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
+use crate::gpu::{FloorColours, Gpu, Renderer, SceneOptions, View};
 use crate::io::write::write_all_atomically;
 use crate::part::{Blade, BladeSide, Impeller, Workpiece};
 use crate::setup::Setup;
@@ -50,7 +51,7 @@ pub fn write(
     let part = &workpiece.part;
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
-    let mut scene = Scene::new(&gpu, part);
+    let mut scene = scene_of_part(&gpu, part);
     let mut picture = |mesh: Mesh, range: (f32, f32)| {
         scene.set_values(&gpu, mesh);
         let options = SceneOptions { range_mm: range, ..SceneOptions::for_colours(FloorColours::Values) };

@@ -7,9 +7,10 @@ use glam::UVec2;
 
 use super::Failure;
 use super::bench::{median, print_row};
-use crate::gpu::part_mesh::PartMesh;
+use crate::drawing::part::draft_part_mesh;
+use crate::drawing::{scene_of_part, show_plan};
 use crate::gpu::{
-    Camera, CutterFilter, Gpu, Renderer, ResidualKernel, Scene, SceneOptions, StockFloor, StockState, View,
+    Camera, CutterFilter, Gpu, Renderer, ResidualKernel, SceneOptions, StockFloor, StockState, View,
     draft_size,
 };
 use crate::job::PlanOutcome;
@@ -24,11 +25,10 @@ const PICTURES: u32 = 12;
 /// [`Failure::work`] when standard output cannot be written.
 pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = UVec2::new(1280, 800);
-    let mut scene =
-        Scene::new(gpu, &outcome.workpiece.part).with_draft(gpu, &PartMesh::draft(&outcome.workpiece.part));
+    let mut scene = scene_of_part(gpu, &outcome.workpiece.part)
+        .with_draft(gpu, &draft_part_mesh(&outcome.workpiece.part));
     let plan = &outcome.after.plan;
-    scene.set_plan(Some(plan));
-    scene.set_floor(gpu, Some((&outcome.grid, &outcome.after.field.heights)), Some(plan));
+    show_plan(&mut scene, gpu, plan, &outcome.grid, &outcome.after.field.heights);
     let mut renderer = Renderer::new(gpu);
     for (what, draft) in [("still", false), ("dragged", true)] {
         for view in [View::Iso, View::Channel] {
@@ -59,8 +59,8 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
 /// buffer, as the window does while the timeline plays; prints the medians at every resolution.
 fn preview(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
     let size = draft_size(gpu, UVec2::new(1280, 800));
-    let mut scene =
-        Scene::new(gpu, &outcome.workpiece.part).with_draft(gpu, &PartMesh::draft(&outcome.workpiece.part));
+    let mut scene = scene_of_part(gpu, &outcome.workpiece.part)
+        .with_draft(gpu, &draft_part_mesh(&outcome.workpiece.part));
     let mut renderer = Renderer::new(gpu);
     let mut floor = StockFloor::new(Arc::new(ResidualKernel::new(gpu)?));
     let levels = Arc::new(FloorLevels::new(&outcome.grid));

@@ -7,6 +7,7 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::plan::FIELD_CELLS;
 use super::{Failure, open, plan, render_flank, render_solid};
+use crate::drawing::{scene_of_part, show_plan};
 use crate::error::{ErrorCode, UserError};
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
@@ -132,12 +133,11 @@ fn picture(
 ) -> Result<Vec<u8>, Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
-    let mut scene = Scene::new(&gpu, part);
+    let mut scene = scene_of_part(&gpu, part);
     let mut options = options;
     if let Some((plan, grid, field)) = planned {
         options.range_mm = range.unwrap_or_else(|| fitting_range(grid, &field.heights));
-        scene.set_plan(Some(plan));
-        scene.set_floor(&gpu, Some((grid, &field.heights)), Some(plan));
+        show_plan(&mut scene, &gpu, plan, grid, &field.heights);
     }
     draw(&gpu, &mut renderer, &scene, view, &options, size, legend)
 }
@@ -190,14 +190,13 @@ pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
 pub fn write_pictures(folder: &Path, outcome: &PlanOutcome) -> Result<Vec<(String, String)>, Failure> {
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
-    let mut scene = Scene::new(&gpu, &outcome.workpiece.part);
+    let mut scene = scene_of_part(&gpu, &outcome.workpiece.part);
     let size = UVec2::new(900, 640);
     let range = fitting_range(&outcome.grid, &outcome.before.field.heights);
     let stock = format!("stock on the hub, {:.2} mm (dark) to {:.2} mm (bright)", range.0, range.1);
     let mut pictures = Vec::new();
     for (name, result) in [("before", &outcome.before), ("after", &outcome.after)] {
-        scene.set_plan(Some(&result.plan));
-        scene.set_floor(&gpu, Some((&outcome.grid, &result.field.heights)), Some(&result.plan));
+        show_plan(&mut scene, &gpu, &result.plan, &outcome.grid, &result.field.heights);
         for (show, caption, colours) in [
             ("residual", stock.as_str(), FloorColours::Residual),
             ("interference", "interfering plunges", FloorColours::Interference),

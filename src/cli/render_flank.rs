@@ -5,9 +5,10 @@ use glam::UVec2;
 use super::args::RenderArgs;
 use super::render::{SOLID, draw};
 use super::{Failure, render_solid};
+use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations};
+use crate::drawing::scene_of_part;
 use crate::error::{ErrorCode, UserError};
-use crate::gpu::flank::{FlankColours, toolpath_lines, wall_deviations};
-use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
+use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, SceneOptions, Theme, View};
 use crate::io::flank_file::StoredFlank;
 
 /// PNG file of a flank plan: passes coloured by layer or region, moves by feed rate (`--show feed`), or walls
@@ -45,7 +46,7 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
     let shown = args.at.unwrap_or(plan.moves.len()).min(plan.moves.len());
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
-    let mut scene = Scene::new(&gpu, &plan.part);
+    let mut scene = scene_of_part(&gpu, &plan.part);
     if let Some((mesh, _)) = walls {
         scene.set_values(&gpu, mesh);
     }

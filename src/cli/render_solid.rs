@@ -8,9 +8,10 @@ use super::Failure;
 use super::args::RenderArgs;
 use super::render::{draw, parse_range};
 use super::watch::run_with_progress;
+use crate::drawing::scene_of_part;
+use crate::drawing::solid::solid_mesh;
 use crate::gpu::mesh::Paint;
-use crate::gpu::solid_mesh::solid_mesh;
-use crate::gpu::{CutterFilter, FloorColours, Gpu, Renderer, Scene, SceneOptions, Theme, View};
+use crate::gpu::{CutterFilter, FloorColours, Gpu, Renderer, SceneOptions, Theme, View};
 use crate::part::Impeller;
 use crate::setup::Setup;
 use crate::stock::excess::Excess;
@@ -62,7 +63,7 @@ pub fn picture(
     };
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
-    let mut scene = Scene::new(&gpu, part);
+    let mut scene = scene_of_part(&gpu, part);
     scene.set_solid(&gpu, Some(Arc::new(mesh)));
     draw(&gpu, &mut renderer, &scene, view, &options, size, args.legend)
 }

@@ -6,7 +6,6 @@ use glam::Vec3;
 use super::camera::ViewRay;
 use super::mesh::{LineColour, Segment, polyline};
 use crate::palette::Rgb;
-use crate::plunge::plan::{Condition, PlungePlan};
 
 /// State of a position, shown by its colour.
 #[repr(u32)]
@@ -101,6 +100,15 @@ pub struct DrawnCutter {
     pub holder_radius: f32,
 }
 
+/// The cutters of a plan, in cutting order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CutterSet {
+    /// The cutters.
+    pub cutters: Vec<DrawnCutter>,
+    /// Number of sections of the plan, also of those without cutters.
+    pub sections: usize,
+}
+
 /// Which cutters to draw, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CutterChoice {
@@ -112,40 +120,6 @@ pub struct CutterChoice {
     pub selected: Option<usize>,
     /// Drawn length of the other sound cutters, in diameters; faulty ones are longer.
     pub stub: f32,
-}
-
-/// Cutters of a plan, in cutting order. Positions whose section does not exist are skipped.
-pub fn drawn_cutters(plan: &PlungePlan) -> Vec<DrawnCutter> {
-    let to = |p: [f64; 3]| p.map(|x| x as f32);
-    let mut all = Vec::with_capacity(plan.positions.len());
-    for (id, position) in plan.positions.iter().enumerate() {
-        let Some(section) = plan.sections.get(position.section) else { continue };
-        let tool = &section.tool;
-        let state = match position.condition() {
-            Condition::Sound => CutterState::Sound,
-            Condition::Blocked => CutterState::Blocked,
-            Condition::Interfering => CutterState::Interfering,
-        };
-        let tip = to(position.tip.into());
-        let retract = Vec3::from_array(to(position.retract.into()));
-        all.push(DrawnCutter {
-            instance: CutterInstance {
-                tip,
-                radius: tool.radius() as f32,
-                axis: to(position.axis.into()),
-                height: retract.distance(Vec3::from_array(tip)).max(tool.radius() as f32),
-                core_radius: tool.core_radius().clamp(0.0, tool.radius()) as f32,
-                corner_radius: tool.corner_radius.clamp(0.0, tool.radius()) as f32,
-                state: state as u32,
-                id: id as u32,
-            },
-            retract,
-            section: position.section,
-            overhang: tool.overhang as f32,
-            holder_radius: (0.5 * tool.holder_diameter()) as f32,
-        });
-    }
-    all
 }
 
 impl CutterChoice {

@@ -1,10 +1,10 @@
-//! Graphics device, compute kernel and renderer; independent of the window.
+//! Graphics device, compute kernel and renderer; independent of the window. It draws meshes, lines and
+//! instances of cutters; `drawing` makes them of parts and plans. The kernel is the twin of the heightfield
+//! in [`crate::stock`].
 
 pub mod camera;
 pub mod cutters;
 pub mod device;
-pub mod flank;
-pub mod floor;
 pub mod image;
 pub mod legend;
 pub mod mesh;
@@ -14,27 +14,25 @@ mod pipelines;
 pub mod renderer;
 pub mod residual;
 pub mod scene;
-pub mod solid_mesh;
 pub mod stock_floor;
 mod target;
 mod uniform;
 pub mod view;
-pub mod walls;
 
 use crate::error::{ErrorCode, UserError};
 
 pub use crate::palette::{ColourMap, Theme};
 pub use camera::{Camera, Projection};
-pub use cutters::CutterFilter;
+pub use cutters::{CutterFilter, CutterSet};
 pub use device::{Gpu, GpuError, device_descriptor, pick_adapter};
 pub use image::encode_png;
 pub use renderer::{Picture, Renderer, draft_size};
 pub use residual::ResidualKernel;
-pub use scene::{FloorColours, Pick, Scene, SceneOptions, SectionPlane};
+pub use scene::{FloorColours, FloorMeshes, Pick, Scene, SceneOptions, SectionPlane};
 pub use stock_floor::{StockFloor, StockState};
 pub use view::View;
 
 /// The error of a word for colours that is none of those that `help` names.
-fn unknown_colours(word: &str, help: &str) -> UserError {
+pub(crate) fn unknown_colours(word: &str, help: &str) -> UserError {
     UserError::new(ErrorCode::UnknownName, format!("unknown colours \"{word}\""), help)
 }

@@ -7,19 +7,14 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 
 use super::camera::{Camera, ViewRay};
-use super::cutters::{self, CutterChoice, CutterFilter, CutterState, DrawnCutter};
+use super::cutters::{self, CutterChoice, CutterFilter, CutterSet, DrawnCutter};
 use super::device::Gpu;
-use super::floor;
 use super::mesh::{Mesh, MeshHit, Segment, rotate_about_z};
 use super::part_mesh::{BladeMesh, PartMesh};
 use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
 use crate::error::UserError;
 use crate::palette::{ColourMap, Rgb, Theme};
-use crate::part::Impeller;
-use crate::plunge::plan::PlungePlan;
-use crate::stock::FloorGrid;
-use crate::stock::surface::MAX_LINES;
 
 /// Quantity shown as colours on the floor of the active channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -281,6 +276,15 @@ impl WheelBuffers {
     }
 }
 
+/// The floor of the active channel with a value per corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloorMeshes {
+    /// For still pictures, and under the cursor.
+    pub fine: Mesh,
+    /// For pictures in motion, if it is coarser.
+    pub draft: Option<Mesh>,
+}
+
 /// Floor of the active channel with its values.
 #[derive(Debug)]
 pub(super) struct FloorBuffers {
@@ -341,13 +345,8 @@ pub struct Pick {
 }
 
 impl Scene {
-    /// Tessellates a part and uploads it; no plan yet.
-    pub fn new(gpu: &Gpu, part: &Impeller) -> Self {
-        Self::from_mesh(gpu, Arc::new(PartMesh::new(part)))
-    }
-
-    /// Uploads a part that is already tessellated.
-    pub fn from_mesh(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
+    /// Uploads the meshes of a part; no plan yet.
+    pub fn new(gpu: &Gpu, part: Arc<PartMesh>) -> Self {
         let framing = part.framing.clone();
         let fine = WheelBuffers::new(gpu, &part);
         Self {
@@ -377,12 +376,11 @@ impl Scene {
         self.draft.as_ref().filter(|_| options.draft).unwrap_or(&self.fine)
     }
 
-    /// Sets the plan whose cutters are shown, or none.
-    pub fn set_plan(&mut self, plan: Option<&PlungePlan>) {
-        self.cutters = plan.map(cutters::drawn_cutters).unwrap_or_default();
-        self.framing.sections = plan.map_or(0, |p| p.sections.len()).checked_sub(1).map_or(vec![], |last| {
-            (0..=last).map(|k| section_frame(&self.cutters, k, &self.framing)).collect()
-        });
+    /// Sets the cutters of a plan.
+    pub fn set_cutters(&mut self, set: CutterSet) {
+        self.cutters = set.cutters;
+        let frame = |section| section_frame(&self.cutters, section, &self.framing);
+        self.framing.sections = (0..set.sections).map(frame).collect();
     }
 
     /// Colours the cutters of the plan, by position, instead of by their state; `None`: by their state.
@@ -393,34 +391,24 @@ impl Scene {
         }
     }
 
-    /// Shows the cutters of a plan preview instead of the plan's, or removes it; `judged` says whether their
-    /// contact has been evaluated.
-    pub fn set_preview(&mut self, plan: Option<&PlungePlan>, judged: bool) {
-        self.preview = plan.map(|plan| {
-            let mut coming = cutters::drawn_cutters(plan);
-            for cutter in coming.iter_mut().filter(|_| !judged) {
-                cutter.instance.state = CutterState::Unevaluated as u32;
-            }
-            coming
+    /// Shows the cutters of a plan preview instead of the plan's, or removes it.
+    pub fn set_preview(&mut self, cutters: Option<Vec<DrawnCutter>>) {
+        self.preview = cutters;
+    }
+
+    /// Sets the floor with the height of stock at its corners, mm, or removes it.
+    pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<FloorMeshes>) {
+        self.floor = floor.map(|floor| FloorBuffers {
+            residual: MeshBuffers::new(gpu, &floor.fine),
+            draft: floor.draft.map(|draft| MeshBuffers::new(gpu, &draft)),
+            mesh: floor.fine,
         });
     }
 
-    /// Sets the stock on the floor: `heights` (mm) per cell of `grid`. With a plan, also the contact of all
-    /// its cores, independent of [`SceneOptions::up_to`]. No floor colours are shown if the sizes differ.
-    pub fn set_floor(&mut self, gpu: &Gpu, floor: Option<(&FloorGrid, &[f32])>, plan: Option<&PlungePlan>) {
-        self.floor = floor.and_then(|(grid, heights)| {
-            let mesh = floor::floor_mesh(grid, heights, MAX_LINES)?;
-            let draft =
-                floor::floor_mesh(grid, heights, floor::DRAFT_LINES).map(|mesh| MeshBuffers::new(gpu, &mesh));
-            Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft, mesh })
-        });
-        self.set_contact(gpu, floor.map(|(grid, _)| grid), plan);
-    }
-
-    /// Sets the contact of all cores of a plan with the floor, or none.
-    pub fn set_contact(&mut self, gpu: &Gpu, grid: Option<&FloorGrid>, plan: Option<&PlungePlan>) {
-        let mesh = grid.zip(plan).map(|(grid, plan)| floor::contact_mesh(grid, plan));
-        self.contact = mesh.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| MeshBuffers::new(gpu, &mesh));
+    /// Sets the floor with the contact depth of all cores of a plan at its corners, mm, independent of
+    /// [`SceneOptions::up_to`], or removes it.
+    pub fn set_contact(&mut self, gpu: &Gpu, mesh: Option<&Mesh>) {
+        self.contact = mesh.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| MeshBuffers::new(gpu, mesh));
     }
 
     /// Sets the stock as a solid, closed and with corners by [`super::mesh::Vertex::painted`], or removes it. See
@@ -446,24 +434,20 @@ impl Scene {
         self.floor = Some(FloorBuffers { residual: MeshBuffers::new(gpu, &mesh), draft: None, mesh });
     }
 
-    /// Replaces the heights on the floor, e.g. while scrubbing. `grid` is that of [`Self::set_floor`];
-    /// nothing happens before that call or when the sizes differ.
-    pub fn set_heights(&mut self, gpu: &Gpu, grid: &FloorGrid, heights: &[f32]) {
-        let (Some(floor), Some(mesh)) = (&mut self.floor, floor::floor_mesh(grid, heights, MAX_LINES)) else {
-            return;
-        };
-        if mesh.vertices.len() == floor.mesh.vertices.len() {
-            gpu.queue.write_buffer(&floor.residual.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
-            floor.mesh = mesh;
-            let draft = floor.draft.as_ref().zip(floor::floor_mesh(grid, heights, floor::DRAFT_LINES));
-            if let Some((draft, mesh)) = draft {
+    /// Replaces the corners of the floor, e.g. while scrubbing. `meshes` are of the same grid as those of
+    /// [`Self::set_floor`]; nothing happens before that call or when the sizes differ.
+    pub fn set_heights(&mut self, gpu: &Gpu, meshes: FloorMeshes) {
+        let Some(floor) = &mut self.floor else { return };
+        if meshes.fine.vertices.len() == floor.mesh.vertices.len() {
+            gpu.queue.write_buffer(&floor.residual.vertices, 0, bytemuck::cast_slice(&meshes.fine.vertices));
+            floor.mesh = meshes.fine;
+            if let Some((draft, mesh)) = floor.draft.as_ref().zip(meshes.draft) {
                 gpu.queue.write_buffer(&draft.vertices, 0, bytemuck::cast_slice(&mesh.vertices));
             }
         }
     }
 
-    /// Sets lines in the channel, such as those of [`super::flank::toolpath_lines`]; an empty slice removes
-    /// them.
+    /// Sets lines in the channel, such as passes; an empty slice removes them.
     pub fn set_paths(&mut self, gpu: &Gpu, lines: &[Segment]) {
         let buffer = || (vertex_buffer(gpu, "paths", lines), lines.len() as u32);
         self.paths = (!lines.is_empty()).then(buffer);

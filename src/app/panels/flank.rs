@@ -3,9 +3,9 @@
 
 use egui::Ui;
 
+use crate::drawing::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
 use crate::flank::FlankPlan;
 use crate::flank::chart::Region;
-use crate::gpu::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::setup::{FlankStrategy, Setup};

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::mesh::{Mesh, PointGrid};
+use crate::gpu::mesh::{Mesh, PointGrid};
 use crate::part::BladeSide;
 
 /// Mesh of `wall` over the parameter lines `u` and `v`, with `values[i · v.len() + j]` at `u[i]`, `v[j]`;

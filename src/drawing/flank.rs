@@ -2,12 +2,13 @@
 
 use std::str::FromStr;
 
-use super::mesh::{Mesh, Segment};
 use super::walls::wall_mesh;
 use crate::error::UserError;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
 use crate::geometry::Point;
+use crate::gpu::mesh::{Mesh, Segment};
+use crate::gpu::unknown_colours;
 use crate::io::flank_file::{ShownPass, ShownWall};
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use crate::part::Impeller;
@@ -37,7 +38,7 @@ impl FromStr for FlankColours {
             "walls" => Self::Walls,
             _ => {
                 let help = "use layer, region, feed, walls or solid";
-                return Err(super::unknown_colours(word, help));
+                return Err(unknown_colours(word, help));
             }
         })
     }

@@ -2,13 +2,21 @@
 
 use glam::Vec3;
 
-use super::mesh::{Mesh, Vertex};
+use crate::gpu::FloorMeshes;
+use crate::gpu::mesh::{Mesh, Vertex};
 use crate::plunge::plan::PlungePlan;
 use crate::stock::FloorGrid;
 use crate::stock::surface::{FloorSurface, MAX_LINES, is_uncut};
 
 /// Maximum number of grid lines along s and across, for pictures in motion.
-pub const DRAFT_LINES: (usize, usize) = (65, 25);
+const DRAFT_LINES: (usize, usize) = (65, 25);
+
+/// Meshes of the floor with a stock height (mm) per corner; see [`floor_mesh`]. Returns `None` when `heights`
+/// does not fit the grid.
+pub fn floor_meshes(grid: &FloorGrid, heights: &[f32]) -> Option<FloorMeshes> {
+    let fine = floor_mesh(grid, heights, MAX_LINES)?;
+    Some(FloorMeshes { fine, draft: floor_mesh(grid, heights, DRAFT_LINES) })
+}
 
 /// Mesh of the floor with a stock height (mm) per corner, thinned to at most `max_lines` along s and across.
 /// Cells that are not floor (under a splitter, within the allowance of a wall) are omitted.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::mesh::{Mesh, Paint, Vertex};
+use crate::gpu::mesh::{Mesh, Paint, Vertex};
 use crate::monitor::{Cancelled, Monitor};
 use crate::palette;
 use crate::stock::excess::Excess;

@@ -1,0 +1,53 @@
+//! The plunges of a plan as cutters.
+
+use glam::Vec3;
+
+use crate::gpu::cutters::{CutterInstance, CutterSet, CutterState, DrawnCutter};
+use crate::plunge::plan::{Condition, PlungePlan};
+
+/// The cutters of a plan. Positions whose section does not exist are skipped.
+pub fn cutter_set(plan: &PlungePlan) -> CutterSet {
+    CutterSet { cutters: drawn_cutters(plan), sections: plan.sections.len() }
+}
+
+/// The cutters of the preview of a plan; `is_checked` says whether their contact has been evaluated.
+pub fn preview_cutters(plan: &PlungePlan, is_checked: bool) -> Vec<DrawnCutter> {
+    let mut cutters = drawn_cutters(plan);
+    for cutter in cutters.iter_mut().filter(|_| !is_checked) {
+        cutter.instance.state = CutterState::Unevaluated as u32;
+    }
+    cutters
+}
+
+fn drawn_cutters(plan: &PlungePlan) -> Vec<DrawnCutter> {
+    let to = |p: [f64; 3]| p.map(|x| x as f32);
+    let mut all = Vec::with_capacity(plan.positions.len());
+    for (id, position) in plan.positions.iter().enumerate() {
+        let Some(section) = plan.sections.get(position.section) else { continue };
+        let tool = &section.tool;
+        let state = match position.condition() {
+            Condition::Sound => CutterState::Sound,
+            Condition::Blocked => CutterState::Blocked,
+            Condition::Interfering => CutterState::Interfering,
+        };
+        let tip = to(position.tip.into());
+        let retract = Vec3::from_array(to(position.retract.into()));
+        all.push(DrawnCutter {
+            instance: CutterInstance {
+                tip,
+                radius: tool.radius() as f32,
+                axis: to(position.axis.into()),
+                height: retract.distance(Vec3::from_array(tip)).max(tool.radius() as f32),
+                core_radius: tool.core_radius().clamp(0.0, tool.radius()) as f32,
+                corner_radius: tool.corner_radius.clamp(0.0, tool.radius()) as f32,
+                state: state as u32,
+                id: id as u32,
+            },
+            retract,
+            section: position.section,
+            overhang: tool.overhang as f32,
+            holder_radius: (0.5 * tool.holder_diameter()) as f32,
+        });
+    }
+    all
+}
