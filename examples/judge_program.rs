@@ -28,7 +28,7 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     };
     let faults = faults.unwrap_or_else(|fault| vec![fault]);
     for fault in &faults {
-        println!("{path}:{}: {}", fault.line, fault.message);
+        println!("{path}:{}: {fault}", fault.line);
     }
     println!("{} faults", faults.len());
     Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })

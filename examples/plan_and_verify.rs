@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     write_atomically(Path::new(&output), text.as_bytes())?;
     let program = read_apt_bytes(&output, text.as_bytes())?;
     let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, 256)
-        .map_err(|fault| format!("{output}:{}: {}", fault.line, fault.message))?;
+        .map_err(|fault| format!("{output}:{}: {fault}", fault.line))?;
     println!("{output}: {} faults", report.verdict.faults.len());
     Ok(())
 }

@@ -80,12 +80,8 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
 
 fn flank_concerns(state: &AppState) -> Vec<String> {
     let Some(outcome) = &state.results.flank else { return Vec::new() };
-    let mut found: Vec<String> = outcome
-        .faults
-        .iter()
-        .take(3)
-        .map(|fault| format!("Move {}: {}", fault.line, fault.message))
-        .collect();
+    let mut found: Vec<String> =
+        outcome.faults.iter().take(3).map(|fault| format!("Move {}: {fault}", fault.line)).collect();
     if outcome.faults.len() > found.len() {
         found.push(format!("{} more faults", outcome.faults.len() - found.len()));
     }

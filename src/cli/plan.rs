@@ -235,7 +235,7 @@ fn check_result(outcome: &PlanOutcome, report: &PlungeReport, name: &str) -> Res
     if let Some(first) = faults.first() {
         let counts = count_by_kind(faults);
         let help = format!("in all {counts}: plan with --axis minimal, or use smaller cutters or steps");
-        let failure = Failure::work(ErrorCode::ProgramFaults, &first.message, help);
+        let failure = Failure::work(ErrorCode::ProgramFaults, first.to_string(), help);
         return Err(failure.at(format!("{name}:{}", first.line)));
     }
     if !plan.converged {

@@ -191,7 +191,9 @@ fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
 pub fn fault_list(faults: &[Fault]) -> Value {
     let one = |f: &Fault| {
         let value = f.value.map_or(Value::Null, number);
-        json!({"line": f.line, "kind": f.kind, "value": value, "message": f.message, "what": f.message})
+        // The help is part of the message, as it has been from the first version on.
+        let message = f.to_string();
+        json!({"line": f.line, "kind": f.kind, "value": value, "message": message, "what": message})
     };
     Value::Array(faults.iter().map(one).collect())
 }

@@ -63,7 +63,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
             text += &format!("{name}:{}: {}\n", warning.line, warning.message);
         }
         for fault in faults.iter().take(MAX_SHOWN) {
-            text += &format!("{name}:{}: {}\n", fault.line, fault.message);
+            text += &format!("{name}:{}: {fault}\n", fault.line);
         }
         if faults.len() > MAX_SHOWN {
             text += &format!("… and {} more faults\n", faults.len() - MAX_SHOWN);
@@ -103,7 +103,7 @@ fn read_program(
 fn overrun_fault(overrun: &AxisOverrun) -> Fault {
     let AxisOverrun { line, letter, value, limits: (low, high) } = overrun;
     let message = format!("{letter}{value:.3} is beyond the limits {low:.1} … {high:.1} of the axis");
-    Fault { line: *line, kind: FaultKind::AxisLimit, value: Some(*value), message }
+    Fault { line: *line, kind: FaultKind::AxisLimit, value: Some(*value), message, help: String::new() }
 }
 
 /// The JSON object of a plunge program.

@@ -115,7 +115,7 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError>
         (true, true) => RunStatus::Done,
     };
     if let Some(first) = faults.first() {
-        result.error = Some(format!("{}; in all {}", first.message, count_by_kind(faults)));
+        result.error = Some(format!("{first}; in all {}", count_by_kind(faults)));
     }
     Ok(())
 }

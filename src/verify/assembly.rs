@@ -45,11 +45,12 @@ pub(super) fn assembly_findings(
     let mut findings = Vec::new();
     if clearance.shank.collides() {
         let what = format!(
-            "the shank of tool {} comes within {:.3} mm of the part: {:.3} mm short of allowance and clearance; \
-             give a thinner shank, or a smaller clearance",
+            "the shank of tool {} comes within {:.3} mm of the part: {:.3} mm short of allowance and \
+             clearance",
             tool.number, clearance.shank.distance, clearance.shank.missing
         );
-        findings.push(Finding::new(FaultKind::ShankCollision, clearance.shank.missing, what));
+        let finding = Finding::new(FaultKind::ShankCollision, clearance.shank.missing, what);
+        findings.push(finding.with_help("give a thinner shank, or a smaller clearance"));
     }
     if clearance.holder.collides() {
         let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
@@ -59,10 +60,11 @@ pub(super) fn assembly_findings(
         };
         let what = format!(
             "the holder of tool {} comes within {:.3} mm of the part: {:.3} mm short of allowance and \
-             clearance; {help}",
+             clearance",
             tool.number, clearance.holder.distance, clearance.holder.missing
         );
-        findings.push(Finding::new(FaultKind::HolderCollision, clearance.holder.missing, what));
+        let finding = Finding::new(FaultKind::HolderCollision, clearance.holder.missing, what);
+        findings.push(finding.with_help(help));
     }
     findings
 }
@@ -136,11 +138,10 @@ pub(super) fn holder_in_stock(
                 AssemblyPart::Holder => (FaultKind::HolderCollision, "holder"),
             };
             let what = format!(
-                "the {name} of tool {} runs {depth:.1} mm into stock that no plunge before it removed: cut in \
-                 steps, or give more overhang",
+                "the {name} of tool {} runs {depth:.1} mm into stock that no plunge before it removed",
                 tool.number
             );
-            return Some(Finding::new(kind, depth, what));
+            return Some(Finding::new(kind, depth, what).with_help("cut in steps, or give more overhang"));
         }
     }
     None

@@ -1,5 +1,7 @@
 //! Faults of a program and their messages, common to plunge and flank programs.
 
+use std::fmt::{Display, Formatter};
+
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Vector;
 use crate::part::Impeller;
@@ -89,14 +91,25 @@ pub struct Fault {
     pub kind: FaultKind,
     /// Measured value: see [`FaultKind`].
     pub value: Option<f64>,
-    /// Message: what is wrong, and what to do about it.
+    /// What is wrong.
     pub message: String,
+    /// What to do about it; empty where the message says all.
+    pub help: String,
+}
+
+impl Display for Fault {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self.help.as_str() {
+            "" => f.write_str(&self.message),
+            help => write!(f, "{}; {help}", self.message),
+        }
+    }
 }
 
 /// A program that cannot be judged for this fault: it lacks a tool.
 impl From<Fault> for UserError {
     fn from(fault: Fault) -> Self {
-        Self::new(ErrorCode::ProgramTool, fault.message, "")
+        Self::new(ErrorCode::ProgramTool, fault.message, fault.help)
     }
 }
 
@@ -105,29 +118,37 @@ pub(super) struct Finding {
     kind: FaultKind,
     value: Option<f64>,
     message: String,
+    help: String,
 }
 
 impl Finding {
+    /// A finding that says what is wrong; see [`Self::with_help`].
     pub(super) fn new(kind: FaultKind, value: impl Into<Option<f64>>, what: impl Into<String>) -> Self {
-        Self { kind, value: value.into(), message: what.into() }
+        Self { kind, value: value.into(), message: what.into(), help: String::new() }
+    }
+
+    /// Adds what to do about it.
+    pub(super) fn with_help(self, help: impl Into<String>) -> Self {
+        Self { help: help.into(), ..self }
     }
 
     /// The fault in line `line` of the program.
     pub(super) fn at(self, line: usize) -> Fault {
-        Fault { line, kind: self.kind, value: self.value, message: self.message }
+        Fault { line, kind: self.kind, value: self.value, message: self.message, help: self.help }
     }
 }
 
 impl Fault {
     pub(super) fn before_tool(line: usize) -> Self {
-        let what = "cuts before any tool is loaded; add LOADTL and CUTTER before it";
-        Finding::new(FaultKind::NotJudged, None, what).at(line)
+        let what = "cuts before any tool is loaded";
+        Finding::new(FaultKind::NotJudged, None, what).with_help("add LOADTL and CUTTER before it").at(line)
     }
 
     pub(super) fn without_diameter(line: usize, tool: &Tool) -> Self {
-        let what =
-            format!("tool {} has the diameter {}; give CUTTER/ its diameter", tool.number, tool.diameter);
-        Finding::new(FaultKind::NotJudged, tool.diameter, what).at(line)
+        let what = format!("tool {} has the diameter {}", tool.number, tool.diameter);
+        Finding::new(FaultKind::NotJudged, tool.diameter, what)
+            .with_help("give CUTTER/ its diameter")
+            .at(line)
     }
 }
 
@@ -206,11 +227,11 @@ pub(super) fn stopped_spindle(cuts: impl Iterator<Item = usize>, stopped: &[usiz
 fn cuts_in_error(kind: FaultKind, lines: &[usize], state: &str, remedy: &str) -> Option<Fault> {
     let first = *lines.first()?;
     let count = lines.len();
-    let what = match count {
-        1 => format!("cuts {state}; {remedy} before it"),
-        _ => format!("cuts {state}, as {} others do; {remedy} before them", count - 1),
+    let (what, cuts) = match count {
+        1 => (format!("cuts {state}"), "it"),
+        _ => (format!("cuts {state}, as {} others do", count - 1), "them"),
     };
-    Some(Finding::new(kind, count as f64, what).at(first))
+    Some(Finding::new(kind, count as f64, what).with_help(format!("{remedy} before {cuts}")).at(first))
 }
 
 /// The fault of a tool of the program, first used in `line`, that differs from the setup's tool of the same
@@ -221,9 +242,9 @@ pub(super) fn tool_mismatch(line: usize, tool: &Tool, setup: &Setup) -> Option<F
         || (known.corner_radius - tool.corner_radius).abs() > 1e-3;
     differs.then(|| {
         let what = format!(
-            "tool {} is D {} R {} here and D {} R {} in the setup; correct one of them",
+            "tool {} is D {} R {} here and D {} R {} in the setup",
             tool.number, tool.diameter, tool.corner_radius, known.diameter, known.corner_radius
         );
-        Finding::new(FaultKind::ToolDiffers, tool.diameter, what).at(line)
+        Finding::new(FaultKind::ToolDiffers, tool.diameter, what).with_help("correct one of them").at(line)
     })
 }

@@ -389,10 +389,8 @@ impl<'a> FlankVerifier<'a> {
             beyond_machine(&self.workpiece.part, self.setup, &step.to.1),
             turns.then(|| {
                 let turn = step.turn().to_degrees();
-                let what = format!(
-                    "turns the axis by {turn:.0}° in one move under feed; add intermediate positions"
-                );
-                Finding::new(FaultKind::AxisTurn, turn, what)
+                let what = format!("turns the axis by {turn:.0}° in one move under feed");
+                Finding::new(FaultKind::AxisTurn, turn, what).with_help("add intermediate positions")
             }),
         ];
         let around = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
@@ -422,9 +420,9 @@ impl<'a> FlankVerifier<'a> {
         let mut faults = Vec::new();
         if channels.iter().map(|(_, floor)| floor.removed).sum::<f64>() <= 0.0 {
             let first = steps.iter().find(|step| step.feed.is_some()).map_or(0, |step| step.line);
-            let what = "the program cuts nothing of the part: no cut reaches stock over the floor; check its \
-                        units and its origin";
-            faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first));
+            let what = "the program cuts nothing of the part: no cut reaches stock over the floor";
+            let finding = Finding::new(FaultKind::CutsNothing, None, what);
+            faults.push(finding.with_help("check its units and its origin").at(first));
         }
         let no_feed = |step: &&Move| step.tool.is_some() && step.motion == Motion::Feed(None);
         let without: Vec<usize> = program.moves.iter().filter(no_feed).map(|step| step.line).collect();
@@ -446,34 +444,29 @@ fn max_plausible_depth(tool: &Tool, setup: &Setup) -> f64 {
 
 fn too_thick(depth: f64, tool: &Tool, setup: &Setup) -> Finding {
     let what = format!(
-        "cuts {depth:.1} mm deep at once with a cutter of D {}; the layers of the setup are {} mm deep: cut \
-         the layers above first",
+        "cuts {depth:.1} mm deep at once with a cutter of D {}, but the layers of the setup are {} mm deep",
         tool.diameter, setup.flank.layer_depth
     );
-    Finding::new(FaultKind::TooDeep, depth, what)
+    Finding::new(FaultKind::TooDeep, depth, what).with_help("cut the layers above first")
 }
 
 impl StockCollision {
     /// The fault of the step at `line`.
     fn fault(&self, line: usize) -> Fault {
         let volume = self.volume;
-        let (kind, what) = match self.what {
+        let (kind, what, help) = match self.what {
             StockProbe::Rapid => (
                 FaultKind::RapidInStock,
-                format!(
-                    "moves in rapid through stock, about {volume:.0} mm³; remove it first, or move under \
-                     feed"
-                ),
+                format!("moves in rapid through stock, about {volume:.0} mm³"),
+                "remove it first, or move under feed",
             ),
             StockProbe::Holder => (
                 FaultKind::HolderInStock,
-                format!(
-                    "the holder runs into remaining stock, about {volume:.0} mm³; remove it first, or give \
-                     the tool more overhang"
-                ),
+                format!("the holder runs into remaining stock, about {volume:.0} mm³"),
+                "remove it first, or give the tool more overhang",
             ),
         };
-        Finding::new(kind, None, what).at(line)
+        Finding::new(kind, None, what).with_help(help).at(line)
     }
 }
 

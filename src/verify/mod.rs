@@ -92,7 +92,7 @@ struct Measured {
 /// let program = io::apt::read_apt_bytes("through.apt", text)?;
 /// let setup = Setup::for_part(&part);
 /// let workpiece = setup.allowances.workpiece_of(part);
-/// let verdict = verify::verify(&workpiece, &setup, &program).map_err(|fault| fault.message)?;
+/// let verdict = verify::verify(&workpiece, &setup, &program).map_err(|fault| fault.to_string())?;
 /// assert!(!verdict.faults.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -104,9 +104,9 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
     let Workpiece { part, channel, blank, finished } = workpiece;
     let mut cuts = cuts_of(program, setup)?;
     let Some(first_line) = cuts.first().map(|cut| cut.line) else {
-        let what =
-            "the program cuts nothing: it has no move under feed; give a program with FEDRAT before its cuts";
-        return Err(Finding::new(FaultKind::CutsNothing, None, what).at(0));
+        let what = "the program cuts nothing: it has no move under feed";
+        let help = "give a program with FEDRAT before its cuts";
+        return Err(Finding::new(FaultKind::CutsNothing, None, what).with_help(help).at(0));
     };
     let sections = match named_sections(program, setup, &mut cuts) {
         Some(sections) => sections,
@@ -188,9 +188,9 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
         });
     }
     if !measured.iter().any(|seen| seen.in_blank) {
-        let what =
-            "the program cuts nothing of the part: no cut reaches the blank; check its units and its origin";
-        faults.push(Finding::new(FaultKind::CutsNothing, None, what).at(first_line));
+        let what = "the program cuts nothing of the part: no cut reaches the blank";
+        let finding = Finding::new(FaultKind::CutsNothing, None, what);
+        faults.push(finding.with_help("check its units and its origin").at(first_line));
     }
     let without: Vec<usize> = cuts.iter().filter(|cut| !cut.has_feed).map(|cut| cut.line).collect();
     faults.extend(missing_feed(&without));
@@ -219,11 +219,10 @@ fn bottom_in_blank(cutter: &CutterSolid, blank: &Blank) -> bool {
 /// The fault of a cut that removes stock up to `depth` mm above the bottom of `tool`.
 fn too_deep(depth: f64, tool: &Tool) -> Finding {
     let what = format!(
-        "cuts {depth:.1} mm deep at once; tool {} is {:.1} mm long below its holder: cut in steps, or give \
-         more overhang",
+        "cuts {depth:.1} mm deep at once, but tool {} is {:.1} mm long below its holder",
         tool.number, tool.overhang
     );
-    Finding::new(FaultKind::TooDeep, depth, what)
+    Finding::new(FaultKind::TooDeep, depth, what).with_help("cut in steps, or give more overhang")
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, and the faults of these rapids.
@@ -242,18 +241,17 @@ fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (f64
             let found = [
                 (turn > MAX_RAPID_TURN_RAD).then(|| {
                     let what = format!(
-                        "turns the axis by {:.0}° in one rapid, in an ambiguous direction; add intermediate \
-                         positions",
+                        "turns the axis by {:.0}° in one rapid, in an ambiguous direction",
                         turn.to_degrees()
                     );
                     Finding::new(FaultKind::AxisTurn, turn.to_degrees(), what)
+                        .with_help("add intermediate positions")
                 }),
                 (depth > TOOL_TOLERANCE && clearance >= 0.0).then(|| {
-                    let what = format!(
-                        "swings the tool through the blank in rapid, {depth:.1} mm above its bottom; retract \
-                         further before the axis turns"
-                    );
+                    let what =
+                        format!("swings the tool through the blank in rapid, {depth:.1} mm above its bottom");
                     Finding::new(FaultKind::ToolInBlank, depth, what)
+                        .with_help("retract further before the axis turns")
                 }),
             ];
             faults.extend(found.into_iter().flatten().map(|finding| finding.at(rapid.line)));

@@ -22,7 +22,7 @@ fn faults(part: &Impeller, setup: &Setup, result: &PolicyResult) -> Vec<String> 
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
     let verdict =
         verify(&setup.allowances.workpiece_of(part.clone()), setup, &program).expect("can be judged");
-    verdict.faults.into_iter().map(|fault| format!("line {}: {}", fault.line, fault.message)).collect()
+    verdict.faults.into_iter().map(|fault| format!("line {}: {fault}", fault.line)).collect()
 }
 
 /// Checks the invariants of plans that are free of contact.

@@ -42,7 +42,7 @@ fn faults(outcome: &PlanOutcome, plan: &PlungePlan) -> Vec<String> {
     let text = write_apt(&ClProgram::of_plan(&outcome.workpiece.part.name, plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
     let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("judged");
-    verdict.faults.into_iter().map(|fault| fault.message).collect()
+    verdict.faults.into_iter().map(|fault| fault.to_string()).collect()
 }
 
 #[test]

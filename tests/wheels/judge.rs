@@ -92,13 +92,13 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
     };
     let verdict = match verify(&outcome.workpiece, &outcome.setup, &program) {
         Ok(verdict) => verdict,
-        Err(fault) => return wrong(format!("its program cannot be judged: {}", fault.message)),
+        Err(fault) => return wrong(format!("its program cannot be judged: {fault}")),
     };
     if verdict.channels != 1 {
         wrong(format!("its program is found to work in {} channels", verdict.channels));
     }
     if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
-        wrong(format!("{} faults, line {}: {}", verdict.faults.len(), fault.line, fault.message));
+        wrong(format!("{} faults, line {}: {fault}", verdict.faults.len(), fault.line));
     }
     let cutters = stretches_of_plan(&verdict.plan);
     let source = FloorSource { workpiece: &outcome.workpiece, stock, cutters: &cutters };
@@ -144,18 +144,13 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
         .map_err(|error| error.to_string())
         .and_then(|program| {
             verify_flank(&outcome.setup.allowances.workpiece_of(part.clone()), &outcome.setup, &program)
-                .map_err(|fault| fault.message)
+                .map_err(|fault| fault.to_string())
         });
     match verdict {
         Err(error) => faults.push(format!("flank: its program cannot be judged: {error}")),
         Ok(verdict) => {
             if let Some(fault) = verdict.faults.first() {
-                faults.push(format!(
-                    "flank: {} faults, line {}: {}",
-                    verdict.faults.len(),
-                    fault.line,
-                    fault.message
-                ));
+                faults.push(format!("flank: {} faults, line {}: {fault}", verdict.faults.len(), fault.line));
             }
         }
     }

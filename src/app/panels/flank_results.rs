@@ -75,7 +75,7 @@ fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
     let colour = Condition::Interfering.text(ui.visuals());
     ui.label(RichText::new(format!("{} faults", outcome.faults.len())).color(colour));
     for fault in outcome.faults.iter().take(MAX_LISTED) {
-        ui.add(egui::Label::new(format!("Line {}: {}", fault.line, fault.message)).wrap());
+        ui.add(egui::Label::new(format!("Line {}: {fault}", fault.line)).wrap());
     }
 }
 

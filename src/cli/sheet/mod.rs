@@ -101,7 +101,7 @@ fn warnings_text(input: &SheetInput) -> String {
     }
     let faults = &input.report.verdict.faults;
     for fault in faults.iter().take(MAX_FAULTS) {
-        warnings.push(format!("Line {}: {}", fault.line, fault.message));
+        warnings.push(format!("Line {}: {fault}", fault.line));
     }
     if faults.len() > MAX_FAULTS {
         warnings.push(format!("{} more faults; `vanecut verify` lists them.", faults.len() - MAX_FAULTS));

@@ -139,28 +139,23 @@ fn plunges_of(steps: &[CutterStep]) -> Vec<usize> {
 /// The fault of a contact in a step with tool number `tool`.
 pub(super) fn finding(contact: &Contact, tool: u32) -> Finding {
     let depth = contact.depth;
-    let (kind, what) = match contact.part {
+    let (kind, what, help) = match contact.part {
         ToolPart::Cutter => (
             FaultKind::RapidInStock,
-            format!(
-                "the cutter meets stock in rapid, {depth:.2} mm deep; remove it first, or move under feed"
-            ),
+            format!("the cutter meets stock in rapid, {depth:.2} mm deep"),
+            "remove it first, or move under feed",
         ),
         ToolPart::Shank => (
             FaultKind::ShankCollision,
-            format!(
-                "the shank of tool {tool} runs {depth:.2} mm into remaining stock; remove it first, or give a \
-                 thinner shank"
-            ),
+            format!("the shank of tool {tool} runs {depth:.2} mm into remaining stock"),
+            "remove it first, or give a thinner shank",
         ),
         ToolPart::Core => return core_in_stock(depth, None),
         ToolPart::Holder => (
             FaultKind::HolderInStock,
-            format!(
-                "the holder of tool {tool} runs {depth:.2} mm into remaining stock; remove it first, tilt the \
-                 axis, or give the tool more overhang"
-            ),
+            format!("the holder of tool {tool} runs {depth:.2} mm into remaining stock"),
+            "remove it first, tilt the axis, or give the tool more overhang",
         ),
     };
-    Finding::new(kind, depth, what)
+    Finding::new(kind, depth, what).with_help(help)
 }
