@@ -120,22 +120,24 @@ fn changed_programs_are_caught() {
 fn faulty_programs_name_their_line() {
     let machine = machine("ac-trunnion");
     let text = posted(&machine, &plunges(), "fanuc", OutputKind::TcpAngles).text;
-    for (from, to, what) in [
-        ("G43.4 H4", "G43.4", "the length offset H is missing"),
-        ("G43.4 H4", "G43.4 H5", "H5 is not the length offset of tool 4"),
-        ("S1200 M3", "S1200", "the spindle stands"),
-        ("T4 M6", "M6", "no tool number"),
-        ("G21", "G20", "inches"),
-        ("G1 X", "G2 X", "arcs"),
-        ("M30", "M0", "no end"),
-        (" A", " A1 A", "stands twice"),
-        ("G54", "G54 G999", "G999 is not read"),
-        ("(AC", "AC", "is not a number"),
+    let line_of = |words: &str| 1 + text[..text.find(words).unwrap()].matches('\n').count();
+    for (from, to, code, line) in [
+        ("G43.4 H4", "G43.4", ErrorCode::NcBlock, line_of("G43.4 H4")),
+        ("G43.4 H4", "G43.4 H5", ErrorCode::NcBlock, line_of("G43.4 H4")),
+        // The spindle stands at the first cut; faster moves are links.
+        ("S1200 M3", "S1200", ErrorCode::NcBlock, line_of(" F240")),
+        ("T4 M6", "M6", ErrorCode::ProgramTool, line_of("T4 M6")),
+        ("G21", "G20", ErrorCode::NcBlock, line_of("G21")),
+        ("G1 X", "G2 X", ErrorCode::NcBlock, line_of("G1 X")),
+        ("M30", "M0", ErrorCode::FileCutOff, text.lines().count()),
+        (" A", " A1 A", ErrorCode::NcBlock, line_of(" A")),
+        ("G54", "G54 G999", ErrorCode::NcBlock, line_of("G54")),
+        ("(AC", "AC", ErrorCode::NcBlock, line_of("(AC")),
     ] {
         let changed = text.replacen(from, to, 1);
         assert_ne!(changed, text, "{from}");
         let error = read_back(&machine, "fanuc", &changed).unwrap_err();
-        assert!(error.starts_with("p.nc:") && error.contains(what), "{from} → {to}: {error}");
+        assert_eq!((error.code, error.place()), (code, format!("p.nc:{line}")), "{from} → {to}: {error}");
     }
 }
 

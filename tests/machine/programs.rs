@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use vanecut::geometry::{Point, Vector};
+use vanecut::io::InputError;
 use vanecut::io::machine_file::read_machine;
 use vanecut::io::nc::{Dialect, NcProgram, NcReading, Post, ReadContext, read_nc, read_post, write_nc};
 use vanecut::machine::{
@@ -119,10 +120,10 @@ pub fn posted(machine: &MachineTool, program: &ClProgram, control: &str, output:
     write_nc(program, machine, &motion, &post, output).unwrap()
 }
 
-pub fn read_back(machine: &MachineTool, control: &str, text: &str) -> Result<NcReading, String> {
+pub fn read_back(machine: &MachineTool, control: &str, text: &str) -> Result<NcReading, InputError> {
     let context = ReadContext { machine, placed: placed(machine), tools: &[] };
     let dialect = Dialect::ALL.into_iter().find(|dialect| dialect.name() == control).unwrap();
-    read_nc("p.nc", text.as_bytes(), dialect, &context).map_err(|error| error.to_string())
+    read_nc("p.nc", text.as_bytes(), dialect, &context)
 }
 
 /// Pairs each cut of `program` with the read move that ends it, and returns the largest distances of tip (mm)

@@ -122,15 +122,12 @@ pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError
             .with_code(ErrorCode::FileFormat));
     }
     parser.file().map_err(|fault| {
-        let Fault { at, id, what } = fault;
+        let Fault { at, id, what, is_schema } = fault;
         let place = id.map_or(String::new(), |id| format!("#{id}: "));
-        let cut_off = at >= bytes.len();
-        let (code, cure) = if what.starts_with("schema") {
-            (ErrorCode::StepFile, READABLE)
-        } else if cut_off {
-            (ErrorCode::FileCutOff, TRUNCATED)
-        } else {
-            (ErrorCode::StepFile, "export the file again")
+        let (code, cure) = match (is_schema, at >= bytes.len()) {
+            (true, _) => (ErrorCode::StepFile, READABLE),
+            (false, true) => (ErrorCode::FileCutOff, TRUNCATED),
+            (false, false) => (ErrorCode::StepFile, "export the file again"),
         };
         let line = line_at(bytes, at.min(bytes.len()));
         source.fault(line, format!("{place}{what}"), cure).with_code(code)
@@ -144,6 +141,14 @@ struct Fault {
     /// The instance it is in.
     id: Option<u32>,
     what: String,
+    /// Whether it is about the schema of the file.
+    is_schema: bool,
+}
+
+impl Fault {
+    fn new(at: usize, id: Option<u32>, what: impl Into<String>) -> Self {
+        Self { at, id, what: what.into(), is_schema: false }
+    }
 }
 
 struct Parser<'a> {
@@ -154,7 +159,7 @@ struct Parser<'a> {
 
 impl<'a> Parser<'a> {
     fn fault<T>(&self, what: impl Into<String>) -> Result<T, Fault> {
-        Err(Fault { at: self.at, id: None, what: what.into() })
+        Err(Fault::new(self.at, None, what))
     }
 
     /// Skips blanks and comments, and returns the next byte; 0 at the end.
@@ -246,7 +251,7 @@ impl<'a> Parser<'a> {
                         let id = self.number_of_instance()?;
                         let instance = self.instance(id).map_err(|fault| Fault { id: Some(id), ..fault })?;
                         if instances.last().is_some_and(|last| last.id == id) {
-                            return Err(Fault { at, id: Some(id), what: "is defined twice".to_owned() });
+                            return Err(Fault::new(at, Some(id), "is defined twice"));
                         }
                         instances.extend(instance);
                     }
@@ -272,7 +277,7 @@ impl<'a> Parser<'a> {
             instances.sort_by_key(|i| i.id);
         }
         if let Some(pair) = instances.windows(2).find(|pair| pair[0].id == pair[1].id) {
-            return Err(Fault { at: 0, id: Some(pair[0].id), what: "is defined twice".to_owned() });
+            return Err(Fault::new(0, Some(pair[0].id), "is defined twice"));
         }
         Ok(Exchange { instances })
     }
@@ -302,11 +307,15 @@ impl<'a> Parser<'a> {
                 known = names.iter().any(|name| SCHEMAS.iter().any(|s| name.trim_start().starts_with(s)));
                 if !known {
                     let what = format!("schema {} is not known", quote_for_message(&names.join(", ")));
-                    return Err(Fault { at, id: None, what });
+                    return Err(Fault { is_schema: true, ..Fault::new(at, None, what) });
                 }
             }
         }
-        if known { Ok(()) } else { self.fault("schema is not named in the header (FILE_SCHEMA)") }
+        if known {
+            return Ok(());
+        }
+        let what = "schema is not named in the header (FILE_SCHEMA)";
+        Err(Fault { is_schema: true, ..Fault::new(self.at, None, what) })
     }
 
     /// The records of an instance behind its number; `None` for a record that is empty.
@@ -478,23 +487,27 @@ mod tests {
     #[test]
     fn faults_name_line_and_instance() {
         let deep = format!("#7=A({}1{});", "(".repeat(5000), ")".repeat(5000));
-        for (data, expected) in [
-            ("#7=A(1,);", "a.step:6: #7: `)` instead of a value"),
-            ("#7=A(1;", "#7: `;` instead of `)`"),
-            ("#7=A(1e999);", "#7: `1e999` is not a finite number"),
-            ("#7=A(#99999999999);", "#7: `99999999999` is not the number"),
-            ("#7=A('x);", "#7: a string does not end"),
-            ("#7=A();\n#7=B();", "#7: is defined twice"),
-            (&*deep, "#7: is nested more than 32 deep"),
-            ("what", "instead of an instance"),
+        for (data, code, instance) in [
+            ("#7=A(1,);", ErrorCode::StepFile, "#7: "),
+            ("#7=A(1;", ErrorCode::StepFile, "#7: "),
+            ("#7=A(1e999);", ErrorCode::StepFile, "#7: "),
+            ("#7=A(#99999999999);", ErrorCode::StepFile, "#7: "),
+            ("#7=A('x);", ErrorCode::FileCutOff, "#7: "),
+            ("#7=A();\n#7=B();", ErrorCode::StepFile, "#7: "),
+            (&*deep, ErrorCode::StepFile, "#7: "),
+            ("what", ErrorCode::StepFile, ""),
         ] {
-            let error = parse("a.step", file(data).as_bytes()).expect_err(expected).to_string();
-            assert!(error.contains(expected), "{error}");
-            assert_eq!(error.lines().count(), 1);
+            let error = parse("a.step", file(data).as_bytes()).expect_err(data);
+            assert_eq!(error.code, code, "{error}");
+            assert!(error.message.starts_with(instance), "{error}");
+            assert_eq!(error.to_string().lines().count(), 1);
         }
+        let error = parse("a.step", file("#7=A(1,);").as_bytes()).expect_err("no value");
+        assert_eq!(error.place(), "a.step:6");
         let other = file("").replace("AUTOMOTIVE_DESIGN", "IFC4");
-        let error = parse("a.step", other.as_bytes()).expect_err("another schema").to_string();
-        assert!(error.starts_with("a.step:3: schema `IFC4") && error.contains("AP214"), "{error}");
+        let error = parse("a.step", other.as_bytes()).expect_err("another schema");
+        assert_eq!((error.code, error.place()), (ErrorCode::StepFile, "a.step:3".to_owned()));
+        assert_eq!(error.help, READABLE, "the schemas that are read");
         assert!(parse("a.step", b"\x7fELF\0\0").is_err());
     }
 
