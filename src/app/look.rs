@@ -7,7 +7,7 @@ use crate::setup::AxisPolicy;
 
 use super::cutter_colours::CutterColours;
 use super::mouse::MousePreset;
-use super::planned::Side;
+use super::planned::{PerSide, Side};
 use super::solid::SolidColours;
 
 /// Visibility of the layers of the 3D view.
@@ -210,8 +210,8 @@ pub struct Look {
     pub operation: Operation,
     /// Active side: shown alone, and described by table and sectional view.
     pub side: Side,
-    /// Policy of each side, indexed by [`Side`]; `None`: conventional before, the setup's after.
-    pub policies: [Option<AxisPolicy>; 2],
+    /// Policy of each side; `None`: conventional before, the setup's after.
+    pub policies: PerSide<Option<AxisPolicy>>,
     /// Arrangement of the sides.
     pub arrangement: Arrangement,
     /// Position of the wipe's divider, 0…1 of the width.
@@ -351,7 +351,7 @@ impl Default for Look {
         Self {
             operation: Operation::Roughing,
             side: Side::After,
-            policies: [None; 2],
+            policies: PerSide::default(),
             arrangement: Arrangement::One,
             wipe: 0.5,
             selected: None,

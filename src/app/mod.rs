@@ -81,7 +81,7 @@ use engine::{Engine, PartSource};
 use look::Operation;
 use panels::part::PartAction;
 use picture::Pictures;
-use planned::Side;
+use planned::{PerSide, Side};
 use problem::{Problem, Topic};
 use state::AppState;
 use view3d::View3d;
@@ -99,7 +99,7 @@ pub struct App {
     scrubbed: scrub::TimelineStock,
     inspected: scrub::InspectedSection,
     /// The solid stock of each side.
-    solids: [solid::SolidWork; 2],
+    solids: PerSide<solid::SolidWork>,
     hover: Option<viewport::Hover>,
     /// Target of the right click, while its context menu is open.
     context_hit: Option<(Side, view3d::ViewHit)>,
@@ -144,7 +144,7 @@ impl App {
             pictures,
             scrubbed: scrub::TimelineStock::new(&cc.egui_ctx),
             inspected: scrub::InspectedSection::new(&cc.egui_ctx),
-            solids: [(); 2].map(|()| solid::SolidWork::new(&cc.egui_ctx)),
+            solids: PerSide::new(|_| solid::SolidWork::new(&cc.egui_ctx)),
             hover: None,
             context_hit: None,
             is_dragging_border: false,
@@ -204,7 +204,7 @@ impl App {
 
     /// The solid stock that a side shows; `None` while the layer is hidden or nothing is computed yet.
     pub fn solid(&self, side: Side) -> Option<&solid::SolidPicture> {
-        self.solids[side as usize].shown().map(|picture| &**picture)
+        self.solids[side].shown().map(|picture| &**picture)
     }
 
     /// Camera of the 3D view; `None` before a part is open.
@@ -348,7 +348,7 @@ impl eframe::App for App {
         self.inspected.follow(&self.state);
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);
-            if let Some(fault) = self.solids[side as usize].follow(wanted) {
+            if let Some(fault) = self.solids[side].follow(wanted) {
                 let help = "recalculate, or hide the layer";
                 self.state.report_problem(Problem::of(
                     Topic::Stock,

@@ -85,7 +85,7 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
             });
         list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
         if choice != now {
-            state.look.policies[side as usize] = Some(choice);
+            state.look.policies[side] = Some(choice);
             state.show(state.look.side);
         }
     });

@@ -27,7 +27,7 @@ use crate::part::Impeller;
 use crate::setup::AxisPolicy;
 
 use super::cutter_colours::CutterColours;
-use super::planned::{DisplayPlan, Side};
+use super::planned::{DisplayPlan, PerSide, Side};
 use super::preview::PreviewCutters;
 use super::solid::{SolidColours, SolidPicture};
 use super::view3d::ViewHit;
@@ -126,7 +126,7 @@ pub struct Pictures {
     egui: RenderState,
     gpu: Gpu,
     mesh: Option<PartMeshes>,
-    sides: [Option<SidePicture>; 2],
+    sides: PerSide<Option<SidePicture>>,
     source: PreviewSource,
     /// The kernel, compiled when the first part is shown; `None` inside if the device rejected it.
     kernel: OnceCell<Option<Arc<ResidualKernel>>>,
@@ -138,7 +138,14 @@ impl Pictures {
         let gpu = Gpu::from_parts(egui.device.clone(), egui.queue.clone(), egui.adapter.get_info());
         let wants_core = std::env::var_os(PREVIEW_VARIABLE).is_some_and(|value| value == "cpu");
         let source = if wants_core { PreviewSource::Core } else { PreviewSource::Device };
-        Self { egui: egui.clone(), gpu, mesh: None, sides: [None, None], source, kernel: OnceCell::new() }
+        Self {
+            egui: egui.clone(),
+            gpu,
+            mesh: None,
+            sides: PerSide::default(),
+            source,
+            kernel: OnceCell::new(),
+        }
     }
 
     /// What computes the drawn stock, for the status bar.
@@ -162,7 +169,7 @@ impl Pictures {
     /// Sets what computes the drawn stock.
     pub fn set_preview_source(&mut self, source: PreviewSource) {
         self.source = source;
-        self.sides = [None, None];
+        self.sides = PerSide::default();
     }
 
     /// The kernel, if it is to draw.
@@ -176,7 +183,7 @@ impl Pictures {
     /// Loads a part.
     pub fn set_part(&mut self, mesh: PartMeshes) {
         self.mesh = Some(mesh);
-        self.sides = [None, None];
+        self.sides = PerSide::default();
     }
 
     /// The meshes of the loaded part.
@@ -200,11 +207,11 @@ impl Pictures {
 
     /// The picture of a side; `None` while no part is loaded.
     pub fn side(&mut self, side: Side) -> Option<&mut SidePicture> {
-        if self.sides[side as usize].is_none() {
+        if self.sides[side].is_none() {
             let mesh = self.mesh.as_ref()?;
-            self.sides[side as usize] = Some(SidePicture::new(&self.egui, &self.gpu, mesh, self.kernel()));
+            self.sides[side] = Some(SidePicture::new(&self.egui, &self.gpu, mesh, self.kernel()));
         }
-        self.sides[side as usize].as_mut()
+        self.sides[side].as_mut()
     }
 
     /// A picture of triangles that are not yet a part.

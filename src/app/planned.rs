@@ -1,5 +1,6 @@
 //! A plan with the data that the panels show, computed once, off the UI thread.
 
+use std::ops::{Index, IndexMut};
 use std::sync::Arc;
 
 use crate::job::{PlanOutcome, PolicyResult};
@@ -32,6 +33,45 @@ impl Side {
         match self {
             Self::Before => "Before",
             Self::After => "After",
+        }
+    }
+}
+
+/// A value for each side.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PerSide<T> {
+    before: T,
+    after: T,
+}
+
+impl<T> PerSide<T> {
+    /// The values that `make` gives.
+    pub fn new(mut make: impl FnMut(Side) -> T) -> Self {
+        Self { before: make(Side::Before), after: make(Side::After) }
+    }
+
+    /// The values, that of the conventional plan first.
+    pub fn iter(&self) -> impl Iterator<Item = &T> {
+        [&self.before, &self.after].into_iter()
+    }
+}
+
+impl<T> Index<Side> for PerSide<T> {
+    type Output = T;
+
+    fn index(&self, side: Side) -> &T {
+        match side {
+            Side::Before => &self.before,
+            Side::After => &self.after,
+        }
+    }
+}
+
+impl<T> IndexMut<Side> for PerSide<T> {
+    fn index_mut(&mut self, side: Side) -> &mut T {
+        match side {
+            Side::Before => &mut self.before,
+            Side::After => &mut self.after,
         }
     }
 }

@@ -229,7 +229,7 @@ impl AppState {
     /// The last whole plan on a side; it may be older than the setup.
     pub fn last_whole_plan(&self, side: Side) -> Option<ShownPlan<'_>> {
         let planned = self.results.planned.as_ref()?;
-        let wished = self.look.policies[side as usize].filter(|&policy| planned.has(policy));
+        let wished = self.look.policies[side].filter(|&policy| planned.has(policy));
         Some(ShownPlan { planned, policy: wished.unwrap_or_else(|| planned.default_policy(side)) })
     }
 
@@ -240,7 +240,7 @@ impl AppState {
             Side::Before => AxisPolicy::Conventional,
             Side::After => coming.setup.plunge.axis,
         };
-        Some(self.look.policies[side as usize].unwrap_or(default))
+        Some(self.look.policies[side].unwrap_or(default))
     }
 
     /// Preview cutters that a side shows instead of those of the last plan.

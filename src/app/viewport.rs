@@ -180,7 +180,7 @@ impl App {
         let flank = self.state.shown_flank().map(|(outcome, colours)| (Arc::clone(outcome), colours));
         let is_roughing = self.state.look.operation == Operation::Roughing;
         let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
-        let solid = self.solids[pane.side as usize].shown().cloned();
+        let solid = self.solids[pane.side].shown().cloned();
         let coming = self.state.preview_on(pane.side).filter(|_| is_roughing);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
@@ -251,7 +251,7 @@ impl App {
             self.section_borders(ui, panes, &camera);
         }
         if self.state.look.layers.stock && self.state.results.planned.is_some() {
-            let solid = self.solids[self.state.look.side as usize].shown();
+            let solid = self.solids[self.state.look.side].shown();
             legend::solid_legend(ui, whole, solid.map(|solid| &**solid), 10.0);
         }
         match roughing.then(|| overlay::side_switch(ui, whole, &self.state.look)).flatten() {
