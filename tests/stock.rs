@@ -30,8 +30,13 @@ fn planned() -> PlanOutcome {
         assembly: Default::default(),
     };
     let mut setup = Setup { tools: vec![tool], ..Setup::default() };
-    setup.plunge.sections =
-        vec![vanecut::setup::SectionSetup { tool: 1, from: 1.0, to: 0.5, cut_direction: None, rest: false }];
+    setup.plunge.sections = vec![vanecut::setup::SectionSetup {
+        tool: 1,
+        from: 1.0,
+        to: 0.5,
+        cut_direction: None,
+        kind: vanecut::setup::SectionKind::Rows,
+    }];
     let request = PlanRequest {
         part: Arc::new(part),
         setup,

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::gpu::camera::Camera;
 use crate::gpu::mesh::Segment;
-use crate::setup::SectionSetup;
+use crate::setup::{SectionKind, SectionSetup};
 
 use super::App;
 use super::panels::tools;
@@ -132,7 +132,7 @@ impl App {
 /// The borders between sections, as the indices of both. Rest milling has no handles: its sections lie over
 /// the others, and their handles would lie on those of the others.
 fn borders_of(sections: &[SectionSetup]) -> impl Iterator<Item = (usize, usize)> + '_ {
-    let cut = (0..sections.len()).filter(|&k| !sections[k].rest);
+    let cut = (0..sections.len()).filter(|&k| sections[k].kind == SectionKind::Rows);
     cut.filter_map(|k| Some((k, tools::adjoining(sections, k)?)))
 }
 

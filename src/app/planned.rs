@@ -198,7 +198,7 @@ impl DisplayPlan {
 fn tools_in_words(setup: &Setup) -> String {
     let section = |section: &SectionSetup| {
         let tool = setup.tools.iter().find(|tool| tool.number == section.tool)?;
-        let rest = if section.rest { ", rest" } else { "" };
+        let rest = section.kind.suffix();
         Some(format!("Ø{} ({:.2} to {:.2}{rest})", tool.diameter, section.from, section.to))
     };
     setup.plunge.sections.iter().filter_map(section).collect::<Vec<_>>().join(", ")

@@ -17,7 +17,7 @@ use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
 use crate::part::{Impeller, PartDescription};
 use crate::plunge::Planner;
-use crate::setup::{AxisPolicy, Setup, Tool};
+use crate::setup::{AxisPolicy, SectionKind, Setup, Tool};
 #[cfg(feature = "gpu")]
 use crate::stock::FieldCutter;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
@@ -89,7 +89,9 @@ fn bench_sliders(outcome: &PlanOutcome) -> Result<(), Failure> {
     };
     moved("safety distance", &|setup, turn| setup.allowances.safety_distance = 2.0 + 0.1 * turn)?;
     moved("inlet end of the last section", &|setup, turn| {
-        if let Some(section) = setup.plunge.sections.iter_mut().rfind(|section| !section.rest) {
+        if let Some(section) =
+            setup.plunge.sections.iter_mut().rfind(|section| section.kind == SectionKind::Rows)
+        {
             section.to = section.to.max(1e-3) + 1e-3 * turn;
         }
     })?;

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::job::{PolicyResult, Summary};
 use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
-use crate::setup::CutDirection;
+use crate::setup::{CutDirection, SectionKind};
 use crate::stock::FloorGrid;
 use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
@@ -171,7 +171,7 @@ fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
         map.insert("from".into(), number(section.from));
         map.insert("to".into(), number(section.to));
         map.insert("feed".into(), json!(feed_word(section.feed)));
-        map.insert("rest".into(), json!(section.rest));
+        map.insert("rest".into(), json!(section.kind == SectionKind::Rest));
         map.insert("positions".into(), json!(s.positions));
         map.append(&mut residual_keys(s));
         map.insert("blocked".into(), figures.if_planned(|| json!(s.blocked)));

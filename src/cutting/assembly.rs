@@ -5,6 +5,7 @@
 //! conservative advancement: a distance changes by no more than the fastest point of the tool travels, so
 //! that the slack at a sample says how far the next one may be.
 
+use super::contact::{BlankTop, Earlier, PlungeColumn, core_contact_by};
 use super::link::AxisTurn;
 use super::retract::bottom_clearance;
 use crate::geometry::{
@@ -84,8 +85,10 @@ impl AssemblyClearance {
 pub struct AssemblySurroundings<'a> {
     /// The finished part.
     pub finished: &'a FinishedPart,
-    /// The blank, where all of it counts as standing.
+    /// The blank.
     pub blank: Option<&'a Blank>,
+    /// The plunges before the pose; without them all of the blank counts as standing.
+    pub earlier: Option<Earlier<'a>>,
     /// Allowances on hub and blades, mm.
     pub allowances: [f64; 2],
     /// Clearances beyond them.
@@ -96,12 +99,20 @@ impl<'a> AssemblySurroundings<'a> {
     /// The finished part with the allowances and clearances of `setup`.
     pub fn new(finished: &'a FinishedPart, setup: &Setup) -> Self {
         let allowances = [setup.allowances.hub_allowance, setup.allowances.blade_allowance];
-        Self { finished, blank: None, allowances, clearances: setup.clearances }
+        Self { finished, blank: None, earlier: None, allowances, clearances: setup.clearances }
     }
 
     /// As these, with the whole blank standing.
     pub fn with_blank(self, blank: &'a Blank) -> Self {
         Self { blank: Some(blank), ..self }
+    }
+
+    /// As these, with what `earlier` plunges left of the blank.
+    pub fn after<'e>(&self, earlier: Earlier<'e>) -> AssemblySurroundings<'e>
+    where
+        'a: 'e,
+    {
+        AssemblySurroundings { earlier: Some(earlier), ..*self }
     }
 
     /// Clearance of one segment of `tool` in a pose; distances are measured up to `cap` mm.
@@ -121,7 +132,17 @@ impl<'a> AssemblySurroundings<'a> {
         let widest = frustum.radii[0].max(frustum.radii[1]);
         // A shank no wider than its cutter moves where the cutter has cut.
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
-            missing = missing.max(self.clearances.of(segment.part) - blank_distance(&frustum, blank));
+            let clearance = self.clearances.of(segment.part);
+            let short = clearance - blank_distance(&frustum, blank);
+            let was_removed = || {
+                let own = tool.placed(pose.0, pose.1);
+                self.earlier.is_some_and(|earlier| {
+                    depth_in_stock(&frustum.widened(clearance), earlier, Some(&own), blank) == 0.0
+                })
+            };
+            if short > missing && !was_removed() {
+                missing = short;
+            }
         }
         let distance = hub.min(blade);
         PartClearance { distance: if distance < cap { distance } else { f64::INFINITY }, missing }
@@ -261,6 +282,28 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
         least = least.min(search::minimum(side, from, to, 1e-3).1);
     }
     least
+}
+
+/// Cylinders by which a cone is represented against stock; each contains its slice.
+const SLICES: u32 = 4;
+
+/// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and that of
+/// the `own` cutter left of `blank`, mm; 0 where it is clear.
+pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSolid>, blank: &Blank) -> f64 {
+    let top = BlankTop::new(blank);
+    let own = own.map(|cutter| PlungeColumn { cutter: *cutter, core_radius: 0.0, top: 0.0 });
+    let slice = |i: u32| {
+        let [from, to] = [i, i + 1].map(|i| f64::from(i) / f64::from(SLICES));
+        let radius = frustum.radius_at(from).max(frustum.radius_at(to));
+        let tip = frustum.base + frustum.axis * (from * frustum.length);
+        let solid = CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 };
+        if bottom_clearance(&solid, blank) > 0.0 {
+            return 0.0;
+        }
+        let column = PlungeColumn::new(solid, radius, &top);
+        core_contact_by(&column, earlier.near(&column).chain(&own), blank).0
+    };
+    (0..SLICES).map(slice).fold(0.0, f64::max)
 }
 
 /// Signed distance to the top of the blank, mm, of the ends and the middle.

@@ -26,6 +26,16 @@ impl Frustum {
         (height, radial, flat / radial.max(1e-12))
     }
 
+    /// It with `distance` mm more all around; its lower end is lower by that.
+    pub fn widened(&self, distance: f64) -> Self {
+        Self {
+            base: self.base - self.axis * distance,
+            length: self.length + 2.0 * distance,
+            radii: self.radii.map(|radius| radius + distance),
+            ..*self
+        }
+    }
+
     /// Signed distance from `point` to the surface, mm; negative inside.
     pub fn distance(&self, point: &Point) -> f64 {
         let (height, radial, _) = self.cylindrical(point);

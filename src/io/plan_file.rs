@@ -189,7 +189,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
                 .or(section.cut_direction)
                 .unwrap_or(CutDirection::OutletToInlet),
             rows: file.rows.get(index).copied().unwrap_or(0),
-            rest: section.rest,
+            kind: section.kind,
             added: file
                 .added
                 .get(index)

@@ -42,7 +42,7 @@ use crate::error::{ErrorCode, UserError};
 use crate::part::{BlankFile, BlankShape, Meridional, MeridionalOutline};
 use crate::setup::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankSetup, FlankStrategy, Goal, Machine,
-    PlungeSetup, SectionSetup, Setup, SetupPlace, Tool,
+    PlungeSetup, SectionKind, SectionSetup, Setup, SetupPlace, Tool,
 };
 
 const MINUTES: NumberRange = NumberRange::Above(0.0, 100_000.0);
@@ -262,15 +262,29 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         table.tables("section")?.into_iter().map(|t| t.with_renamed_keys(RENAMED_IN_SECTION)).collect();
     check_count(&sections, MAX_SECTIONS, "sections")?;
     plunge.sections = sections.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
-    if let (Some(section), Some(table)) = (plunge.sections.first(), sections.first())
-        && section.rest
-    {
-        let what = format!("{} is rest milling, but no section comes before it", table.shown());
-        return Err(table
-            .fault(what, "put it after the sections whose residual stock it removes")
-            .with_code(ErrorCode::SectionOrder));
+    check_section_order(&plunge.sections, &sections)
+}
+
+/// Checks that sections above the shroud come first, and those for the rest after others.
+fn check_section_order(sections: &[SectionSetup], tables: &[TomlTable<'_>]) -> Result<(), InputError> {
+    let is_opening = |section: &SectionSetup| section.kind == SectionKind::Opening;
+    let first = sections.iter().position(|section| !is_opening(section)).unwrap_or(sections.len());
+    let wrong = |index: usize, what: &str, help: &str| {
+        let table = &tables[index];
+        Err(table.fault(format!("{} {what}", table.shown()), help).with_code(ErrorCode::SectionOrder))
+    };
+    if sections.get(first).is_some_and(|section| section.kind == SectionKind::Rest) {
+        let help = "put it after the sections whose residual stock it removes";
+        return wrong(first, "is rest milling, but no section comes before it", help);
     }
-    Ok(())
+    match sections.iter().skip(first).position(is_opening) {
+        Some(after) => wrong(
+            first + after,
+            "is above the shroud, but comes after one that is not",
+            "put it first: the tools of the others pass through what it removes",
+        ),
+        None => Ok(()),
+    }
 }
 
 /// Reads `[machine]`. A machine without `max_axis_tilt` beside it gives its own; with both the file is not read:
@@ -376,7 +390,7 @@ pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, UserError> {
 }
 
 fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
-    table.check_keys(&["tool", "from", "to", "cutting_direction", "rest"])?;
+    table.check_keys(&["tool", "from", "to", "cutting_direction", "rest", "opening"])?;
     let needed = |key: &str| {
         table
             .fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
@@ -414,7 +428,17 @@ fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputE
         }),
     };
     let rest = table.boolean("rest")?.is_some_and(|rest| rest.value);
-    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, cut_direction, rest })
+    let opening = table.boolean("opening")?.filter(|opening| opening.value);
+    let kind = match (rest, opening) {
+        (true, Some(opening)) => {
+            let what = "a section is either for the rest or above the shroud";
+            return Err(table.fault_at(opening.at, what, "remove `rest` or `opening`"));
+        }
+        (true, None) => SectionKind::Rest,
+        (false, Some(_)) => SectionKind::Opening,
+        (false, None) => SectionKind::Rows,
+    };
+    Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, cut_direction, kind })
 }
 
 fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
@@ -560,8 +584,10 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
             Some(CutDirection::InletToOutlet) => writeln!(out, "cutting_direction = \"inlet_to_outlet\"")?,
             None => {}
         }
-        if section.rest {
-            writeln!(out, "rest = true")?;
+        match section.kind {
+            SectionKind::Rows => {}
+            SectionKind::Rest => writeln!(out, "rest = true")?,
+            SectionKind::Opening => writeln!(out, "opening = true")?,
         }
     }
     writeln!(out, "\n[flank]")?;
@@ -663,8 +689,8 @@ tool = 4
         assert_eq!((setup.plunge.step, setup.plunge.stepover), (Some(8.0), None));
         assert_eq!(setup.plunge.max_tilt_rad, 30f64.to_radians());
         assert_eq!(setup.plunge.sections[0].cut_direction, Some(CutDirection::InletToOutlet));
-        assert_eq!((setup.plunge.rest, setup.plunge.sections[0].rest), (false, false));
-        assert!(setup.plunge.sections[1].rest);
+        assert_eq!((setup.plunge.rest, setup.plunge.sections[0].kind), (false, SectionKind::Rows));
+        assert_eq!(setup.plunge.sections[1].kind, SectionKind::Rest);
         assert_eq!((setup.flank.tool, setup.flank.layer_depth), (Some(4), 3.0));
     }
 

@@ -1,8 +1,9 @@
 //! Shank and holder while planning: a position is kept only where both are clear of the finished part and of
-//! the whole blank. Tools without a given shank or holder are not held to this.
+//! the whole blank, or, where the blank stands above the shroud, of what earlier plunges left of it. Tools without a given shank or holder are not held to this.
 
 use super::plan::DropReason;
 use crate::cutting::assembly::AssemblySurroundings;
+use crate::cutting::contact::Earlier;
 use crate::geometry::{Point, Vector};
 use crate::part::{Blank, FinishedPart};
 use crate::setup::{AssemblySegment, Setup, Tool};
@@ -39,6 +40,18 @@ impl<'a> AssemblyRule<'a> {
         let around = AssemblySurroundings::new(finished, setup).with_blank(blank);
         let segments = tool.assembly.segments(tool.overhang);
         (!segments.is_empty()).then_some(Self { around, tool, segments })
+    }
+
+    /// The rule after `earlier` plunges, where the blank stands above the shroud.
+    pub fn after<'e>(&self, earlier: Earlier<'e>) -> AssemblyRule<'e>
+    where
+        'a: 'e,
+    {
+        let around = match self.around.blank.is_some_and(|blank| blank.outline().is_some()) {
+            true => self.around.after(earlier),
+            false => self.around,
+        };
+        AssemblyRule { around, tool: self.tool, segments: self.segments.clone() }
     }
 
     /// What is in the way with the tip and axis at `pose`, the shank first.

@@ -1,15 +1,20 @@
 //! Extends the plan of one channel to several: order of the plunges, links between them, and contact over all
 //! plunges in cutting order.
 
+use std::collections::HashSet;
+
 use super::links::raise_links;
 use super::plan::{PlungePlan, Position};
 use crate::cutting::contact::core_contacts;
-use crate::geometry::{rotate_vector_z, rotate_z};
+use crate::geometry::{Point, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
+use crate::setup::SectionKind;
 
 /// Maximum number of lifts of the plunges; contact that remains is reported as interference.
 const MAX_ITERATIONS: usize = 8;
+/// Distance within which two plunges above the shroud are the same, mm.
+const SAME_PLACE: f64 = 1e-3;
 /// Gap left between a lifted core and the stock below it, mm.
 const LIFT_MARGIN: f64 = 1e-3;
 
@@ -43,10 +48,14 @@ fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> Pl
     let mut plan =
         PlungePlan { positions: Vec::with_capacity(channels * one.positions.len()), ..one.clone() };
     let tool = |p: &Position| &one.sections[p.section].tool;
-    for stretch in one.positions.chunk_by(|a, b| tool(a) == tool(b)) {
+    let opens = |p: &Position| one.sections[p.section].kind == SectionKind::Opening;
+    // Above the shroud neighbouring channels share plunges.
+    let mut opened = HashSet::new();
+    for stretch in one.positions.chunk_by(|a, b| tool(a) == tool(b) && opens(a) == opens(b)) {
         for channel in 0..channels {
             let angle = part.pitch() * channel as f64;
-            plan.positions.extend(stretch.iter().map(|p| Position {
+            let is_new = |p: &&Position| !opens(p) || opened.insert(place(&rotate_z(&p.tip, angle)));
+            plan.positions.extend(stretch.iter().filter(is_new).map(|p| Position {
                 tip: rotate_z(&p.tip, angle),
                 axis: rotate_vector_z(&p.axis, angle),
                 retract: rotate_z(&p.retract, angle),
@@ -60,6 +69,11 @@ fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> Pl
         section.rows *= channels;
     }
     plan
+}
+
+/// A point in steps that are far smaller than the distance of two plunges, and far larger than rounding.
+fn place(point: &Point) -> [i64; 3] {
+    [point.x, point.y, point.z].map(|x| (x / SAME_PLACE).round() as i64)
 }
 
 /// Measures contact in cutting order and lifts the plunges that interfere only in this order.

@@ -12,13 +12,17 @@ use super::row::Station;
 use super::section_cache::SectionCache;
 use super::section_layout::StretchLayout;
 use super::sections::{MAX_POSITIONS, too_many_positions};
-use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, core_contact, planned_contact};
+use crate::cutting::contact::{
+    BlankTop, Columns, Earlier, PlungeColumn, core_contact, cuts_deeper_than, planned_contact,
+};
 use crate::cutting::retract::RetractSurface;
 use crate::error::UserError;
-use crate::geometry::{CutterSolid, Vector};
+use crate::geometry::{CutterSolid, Vector, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
-use crate::setup::{AxisPolicy, CutDirection, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
+use crate::setup::{
+    AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of,
+};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;
@@ -53,8 +57,9 @@ impl From<PlanError> for UserError {
 pub struct Planner<'a> {
     pub(super) workpiece: &'a Workpiece,
     pub(super) setup: &'a Setup,
-    /// Layout of each section, independent of the policy; empty for rest-milling sections, which only
-    /// `minimal` cuts.
+    /// The plunges of the sections that open the blank.
+    pub(super) opening: Columns,
+    /// Layout of each section, independent of the policy; empty for sections that do not cut rows.
     layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
 }
 
@@ -72,7 +77,8 @@ struct PlacedCutter {
 #[derive(Debug)]
 pub struct PlacedPlan {
     plan: PlungePlan,
-    last: Option<Arc<SectionCut>>,
+    /// Its plunges.
+    columns: Columns,
 }
 
 impl PlacedPlan {
@@ -116,6 +122,29 @@ impl CutRow {
     /// λ of the row in the channel.
     pub fn lambda(&self) -> f64 {
         self.row.lambda
+    }
+
+    /// The cutters of the positions, without the dropped ones.
+    pub fn cutters(&self) -> impl Iterator<Item = &CutterSolid> {
+        self.placed.iter().flatten().map(|placed| &placed.cutter)
+    }
+
+    /// The row turned about Z by `angle`, rad.
+    pub fn turned(&self, angle: f64) -> Self {
+        let turned = |placed: &PlacedCutter| {
+            let CutterSolid { tip, axis, .. } = placed.cutter;
+            let (tip, axis) = (rotate_z(&tip, angle), rotate_vector_z(&axis, angle));
+            PlacedCutter { cutter: CutterSolid { tip, axis, ..placed.cutter }, ..*placed }
+        };
+        let placed = self.placed.iter().map(|placed| placed.as_ref().map(turned).map_err(|why| *why));
+        Self {
+            row: PlannedRow {
+                stations: self.row.stations.iter().map(|station| station.turned(angle)).collect(),
+                missing: self.row.missing.clone(),
+                ..self.row
+            },
+            placed: placed.collect(),
+        }
     }
 
     /// Lift of the plunge at an s of the hub, mm; `None` where there is none or it is dropped.
@@ -228,16 +257,18 @@ impl SectionCut {
 impl<'a> Planner<'a> {
     /// Planner for `workpiece` with a `setup` completed by [`super::sections::resolve`].
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        let mut planner = Self { workpiece, setup, layouts: Vec::new() };
-        let shared = |section: &SectionSetup| match section.rest {
-            true => Ok(Vec::new()),
-            false => planner.section_layout(section),
+        let mut planner = Self { workpiece, setup, opening: Columns::default(), layouts: Vec::new() };
+        let shared = |section: &SectionSetup| match section.kind {
+            SectionKind::Rows => planner.section_layout(section),
+            SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
         planner.layouts = setup.plunge.sections.par_iter().map(shared).collect();
+        // A section that cannot be planned is reported with its place when it is.
+        planner.opening = planner.opening_columns().unwrap_or_default();
         planner
     }
 
-    /// Layout of section `index`, the same for all policies; empty for a rest-milling section.
+    /// Layout of section `index`, the same for all policies; empty for one that does not cut rows.
     ///
     /// # Errors
     /// When the section's tool is missing.
@@ -355,7 +386,7 @@ impl<'a> Planner<'a> {
                 to: section.to,
                 feed: cut.feed,
                 rows: cut.rows.len(),
-                rest: section.rest,
+                kind: section.kind,
                 added: cut.added,
             });
             for (row_index, CutRow { row, placed }) in cut.rows.iter().enumerate() {
@@ -396,7 +427,9 @@ impl<'a> Planner<'a> {
         if plan.positions.is_empty() && plan.is_unfinished() {
             return Err(Cancelled.into());
         }
-        Ok(PlacedPlan { plan, last: cuts.last().cloned() })
+        let columns = cuts.last().map(|cut| cut.columns.clone()).unwrap_or_default();
+        let (plan, columns) = self.with_needed_opening(&plan, &columns).unwrap_or((plan, columns));
+        Ok(PlacedPlan { plan, columns })
     }
 
     /// The second half of planning: contact of the cores, retract points and links. A stopped monitor is
@@ -405,11 +438,9 @@ impl<'a> Planner<'a> {
     /// # Errors
     /// [`PlanError::Cancelled`] when the monitor is cancelled.
     pub fn evaluate(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
-        let PlacedPlan { mut plan, last } = placed;
+        let PlacedPlan { mut plan, columns } = placed;
         let monitor = &monitor.ignoring_stop();
-        if let Some(cut) = last {
-            self.measure(&mut plan, &cut.columns, monitor)?;
-        }
+        self.measure(&mut plan, &columns, monitor)?;
         raise_links(&mut plan, &self.workpiece.blank, self.setup.allowances.safety_distance, monitor)?;
         Ok(plan)
     }
@@ -417,6 +448,7 @@ impl<'a> Planner<'a> {
     /// The rule for shank and holder of `tool`; `None` where neither is given.
     pub(super) fn assembly_rule<'r>(&'r self, tool: &'r Tool) -> Option<AssemblyRule<'r>> {
         AssemblyRule::new(tool, &self.workpiece.finished, &self.workpiece.blank, self.setup)
+            .map(|rule| rule.after(self.opening.all()))
     }
 
     /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
@@ -456,12 +488,13 @@ impl<'a> Planner<'a> {
         let rule = self.assembly_rule(tool);
         let place = |station| {
             monitor.check()?;
-            let long_enough = |placed: &PlacedCutter| {
-                PlungeColumn::new(placed.cutter, tool.radius(), &top).top <= tool.overhang
-            };
             let placed = self.place_cutter(station, tool);
+            // In a blank above the shroud it depends on the earlier plunges.
+            if self.workpiece.blank.outline().is_some() {
+                return Ok(placed);
+            }
             Ok(placed.and_then(|placed| {
-                if !long_enough(&placed) {
+                if PlungeColumn::new(placed.cutter, tool.radius(), &top).top > tool.overhang {
                     return Err(DropReason::Overhang);
                 }
                 let pose = (placed.cutter.tip, placed.cutter.axis);
@@ -476,6 +509,9 @@ impl<'a> Planner<'a> {
             .par_iter()
             .map(place)
             .collect::<Result<Vec<Result<PlacedCutter, DropReason>>, Cancelled>>()?;
+        if self.workpiece.blank.outline().is_some() {
+            self.drop_hindered(&mut placed, tool, rule.as_ref(), columns, monitor)?;
+        }
         let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
         let deep: Vec<Option<PlungeColumn>> =
             placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
@@ -513,6 +549,46 @@ impl<'a> Planner<'a> {
             columns.extend(place.as_ref().ok().map(column));
         }
         Ok(CutRow { row, placed })
+    }
+
+    /// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not clear,
+    /// after the plunges of `columns` and those before them in the row.
+    fn drop_hindered(
+        &self,
+        placed: &mut [Result<PlacedCutter, DropReason>],
+        tool: &Tool,
+        rule: Option<&AssemblyRule>,
+        columns: &mut Columns,
+        monitor: &Monitor,
+    ) -> Result<(), Cancelled> {
+        let top = BlankTop::new(&self.workpiece.blank);
+        let first = columns.len();
+        // What a plunge that is dropped would have removed stands for those after it.
+        loop {
+            let cutters = placed.iter().flatten().map(|placed| placed.cutter);
+            columns.extend(cutters.map(|cutter| PlungeColumn::new(cutter, tool.radius(), &top)));
+            let why: Vec<Option<DropReason>> = (first..columns.len())
+                .into_par_iter()
+                .map(|k| {
+                    monitor.check()?;
+                    let column = &columns.as_slice()[k];
+                    if cuts_deeper_than(column, tool.overhang, columns.before(k), &self.workpiece.blank) {
+                        return Ok(Some(DropReason::Overhang));
+                    }
+                    let pose = (column.cutter.tip, column.cutter.axis);
+                    Ok(rule.and_then(|rule| rule.after(columns.before(k + 1)).obstacle(pose)))
+                })
+                .collect::<Result<_, Cancelled>>()?;
+            columns.truncate(first);
+            if why.iter().all(Option::is_none) {
+                return Ok(());
+            }
+            for (place, why) in placed.iter_mut().filter(|place| place.is_ok()).zip(why) {
+                if let Some(why) = why {
+                    *place = Err(why);
+                }
+            }
+        }
     }
 
     /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
@@ -558,15 +634,16 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<SectionCut, PlanError> {
         let section = &self.setup.plunge.sections[index];
-        match (policy, section.rest) {
-            (AxisPolicy::Minimal, true) => return self.rest_section(index, columns, monitor),
-            (_, true) => {
+        match (policy, section.kind) {
+            (_, SectionKind::Opening) => return self.opening_section(index, columns, monitor),
+            (AxisPolicy::Minimal, SectionKind::Rest) => return self.rest_section(index, columns, monitor),
+            (_, SectionKind::Rest) => {
                 return Ok(SectionCut::empty(
                     section.cut_direction.unwrap_or(CutDirection::OutletToInlet),
                     columns,
                 ));
             }
-            (_, false) => {}
+            (_, SectionKind::Rows) => {}
         }
         let layouts = self.shared_layouts(index)?;
         if policy == AxisPolicy::Minimal {

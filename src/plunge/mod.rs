@@ -9,6 +9,7 @@
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
 //! | 5 safe height | [`crate::cutting::retract`], [`links`] |
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `warm_start` |
+//! | what stands above the shroud | [`opening`] |
 //! | layout of a section, shared by all policies | `section_layout` |
 //! | a plan with some plunges left out | `subset` |
 //! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
@@ -24,6 +25,7 @@ pub mod lane;
 pub mod links;
 mod minimal;
 pub mod monotone;
+pub mod opening;
 pub mod plan;
 mod program;
 pub mod row;

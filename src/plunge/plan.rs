@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn};
 use crate::geometry::{Point, Vector};
 use crate::part::Blank;
-use crate::setup::{AxisPolicy, CutDirection, Tool};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
 
 /// Overall condition of a position, from good to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -258,16 +258,16 @@ pub struct SectionPlan {
     pub feed: CutDirection,
     /// Number of rows.
     pub rows: usize,
-    /// Whether it is a rest-milling section, which cuts only where earlier sections left thick stock.
-    pub rest: bool,
+    /// What it cuts.
+    pub kind: SectionKind,
     /// Plunges added to those of the rows; `None` for policies that add none, unless they were stopped.
     pub added: Option<AddedPlunges>,
 }
 
 impl SectionPlan {
-    /// Whether it is part of the program; a rest-milling section may have nothing to cut.
+    /// Whether it is part of the program; one for the rest, or above the shroud, may have nothing to cut.
     pub fn is_cut(&self) -> bool {
-        !self.rest || self.rows > 0
+        self.kind == SectionKind::Rows || self.rows > 0
     }
 
     /// Whether planning was stopped before the section was finished: it holds the best result so far.
@@ -280,7 +280,7 @@ impl SectionPlan {
         let added = self.added?;
         let AddedPlunges { count, stopped } = added;
         let why = stopped.words();
-        Some(match (self.rest, count) {
+        Some(match (self.kind == SectionKind::Rest, count) {
             _ if added.is_unfinished() => format!("{count} plunges added; {why}"),
             (false, _) => format!("{count} plunges added to the rows; {why}"),
             (true, 0) => "nothing left that is thick enough for another cutter".to_owned(),
@@ -321,7 +321,10 @@ impl PlungePlan {
         Some(match (most, section.added_words()) {
             (Some((count, why)), _) if count > 0 => format!("{count} positions {}", why.words()),
             (_, Some(words)) => words,
-            _ if section.rest => "rest milling is for the strategy of minimum stock only".to_owned(),
+            _ if section.kind == SectionKind::Rest => {
+                "rest milling is for the strategy of minimum stock only".to_owned()
+            }
+            _ if section.kind == SectionKind::Opening => "nothing above the shroud is in the way".to_owned(),
             _ => "no row fits into the section".to_owned(),
         })
     }

@@ -13,7 +13,7 @@ impl ClSection {
             to: section.to,
             diameter: section.tool.diameter,
             feed: section.feed,
-            rest: section.rest,
+            kind: section.kind,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::lane::{AxisEnds, Lane};
 use super::plan::{Blocked, LimitedBy};
 use crate::cutting::drop_cutter::DepthSurface;
-use crate::geometry::{CutterSolid, Point, Vector};
+use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
 use crate::setup::Tool;
@@ -30,6 +30,22 @@ pub struct Station {
 }
 
 impl Station {
+    /// The station turned about Z by `angle`, rad.
+    pub fn turned(&self, angle: f64) -> Self {
+        let ends = AxisEnds {
+            theta_hub: self.ends.theta_hub + angle,
+            theta_shroud: self.ends.theta_shroud + angle,
+            ..self.ends
+        };
+        Self {
+            ends,
+            tip: rotate_z(&self.tip, angle),
+            axis: rotate_vector_z(&self.axis, angle),
+            contact_point: rotate_z(&self.contact_point, angle),
+            ..*self
+        }
+    }
+
     /// Distance of W from its conventional position, in s.
     pub fn shroud_shift(&self) -> f64 {
         (self.s_shroud_conventional - self.ends.s_shroud).abs()

@@ -85,7 +85,7 @@ impl SectionCache {
         }
         for (index, (before, _)) in self.complete.iter().enumerate() {
             let now = SectionKey::of(setup, index)?;
-            if (&before.tool, before.section.rest) != (&now.tool, now.section.rest) {
+            if (&before.tool, before.section.kind) != (&now.tool, now.section.kind) {
                 return Ok(None);
             }
         }

@@ -12,7 +12,7 @@ use super::sections::{max_shroud_spacing, step_limit, stepover};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::monitor::Monitor;
 use crate::part::{Division, Passage};
-use crate::setup::{CutDirection, SectionSetup, Tool, tool_of};
+use crate::setup::{CutDirection, SectionKind, SectionSetup, Tool, tool_of};
 
 /// Gap between the core and the rim at the start of a row, mm.
 const START_MARGIN: f64 = 0.05;
@@ -222,7 +222,7 @@ impl<'a> Planner<'a> {
         let sections = &self.setup.plunge.sections;
         let section = &sections[index];
         let Ok(tool) = tool_of(self.setup, section.tool) else { return (stretch.from, stretch.to) };
-        let before = index.checked_sub(1).map(|i| &sections[i]);
+        let before = index.checked_sub(1).map(|i| &sections[i]).filter(|b| b.kind != SectionKind::Opening);
         let hub = &self.workpiece.part.hub;
         let (mut start, end) =
             if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };

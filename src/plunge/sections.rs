@@ -3,11 +3,13 @@
 
 use super::choice::fit::cylinders;
 use super::choice::search::MIN_SECTION_S;
-use super::choice::{choose, choose_rest};
+use super::choice::{choose, choose_opening, choose_rest};
 use super::survey::Survey;
 use crate::error::ErrorCode;
 use crate::part::{Impeller, Workpiece};
-use crate::setup::{PlungeSetup, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of};
+use crate::setup::{
+    PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of,
+};
 
 /// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
 pub const MAX_POSITIONS: usize = 200_000;
@@ -45,7 +47,8 @@ pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result
             let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
             chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.allowances));
         }
-        for chosen in chosen {
+        let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
+        for chosen in choose_opening(setup, &resolved.tools, part, &sections).into_iter().chain(chosen) {
             resolved.plunge.sections.push(chosen.section);
             reasons.push(Some(chosen.reason));
         }
@@ -147,7 +150,9 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
     let mut total = 0.0;
     // The section in which the limit is exceeded.
     let mut beyond = None;
-    for (index, section) in plunge.sections.iter().enumerate().filter(|(_, section)| !section.rest) {
+    for (index, section) in
+        plunge.sections.iter().enumerate().filter(|(_, section)| section.kind == SectionKind::Rows)
+    {
         let tool = tool_of(setup, section.tool)?;
         let length = (section.from - section.to) * part.hub.length().max(part.shroud.length());
         let width = survey.max_width(section.from, section.to);
@@ -216,7 +221,8 @@ const MIN_WIDTH_DIAMETERS: f64 = 1.25;
 fn check_some_fit(setup: &Setup, survey: &Survey, library: &[Tool]) -> Result<(), SetupFault> {
     let allowance = setup.allowances.blade_allowance;
     let mut widest = None;
-    for (index, section) in setup.plunge.sections.iter().enumerate() {
+    let rows = |(_, section): &(usize, &SectionSetup)| section.kind != SectionKind::Opening;
+    for (index, section) in setup.plunge.sections.iter().enumerate().filter(rows) {
         let tool = tool_of(setup, section.tool)?;
         let stations = &survey.stations[survey.covered(section.from, section.to)];
         let width = stations.iter().map(|station| station.narrowest).fold(0.0, f64::max);

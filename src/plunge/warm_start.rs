@@ -14,7 +14,7 @@ use super::section_cache::SectionCache;
 use super::section_layout::StretchLayout;
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
-use crate::setup::{AxisPolicy, Tool, tool_of};
+use crate::setup::{AxisPolicy, SectionKind, Tool, tool_of};
 
 impl Planner<'_> {
     /// Plan with the axes of the last finished plan by `policy` in the cache `known`, fitted to this setup.
@@ -50,6 +50,9 @@ impl Planner<'_> {
     ) -> Result<SectionCut, PlanError> {
         let section = &self.setup.plunge.sections[index];
         let tool = tool_of(self.setup, section.tool)?;
+        if section.kind == SectionKind::Opening {
+            return self.opening_section(index, columns, monitor);
+        }
         let own;
         let layouts = match self.shared_layouts(index)? {
             [] => {

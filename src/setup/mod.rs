@@ -16,6 +16,6 @@ pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
 pub use fault::{SetupFault, SetupPlace, round_down, round_up, tool_of};
 pub use settings::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy,
-    Goal, Machine, PlungeSetup, SectionSetup, Setup,
+    Goal, Machine, PlungeSetup, SectionKind, SectionSetup, Setup,
 };
 pub use tool::Tool;

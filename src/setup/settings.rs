@@ -163,9 +163,48 @@ pub struct SectionSetup {
     pub to: f64,
     /// Direction of the rows; absent: inward, or with `minimal` the one that leaves less.
     pub cut_direction: Option<CutDirection>,
-    /// Whether it is a rest milling section: single plunges only where earlier sections left a thick layer.
-    /// Only `minimal` plans it; the other policies skip it.
-    pub rest: bool,
+    /// What it cuts.
+    pub kind: SectionKind,
+}
+
+/// What a section of plunges cuts: keys `rest` and `opening` of a section.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SectionKind {
+    /// The channel between hub and shroud, in rows.
+    #[default]
+    Rows,
+    /// Rest milling: single plunges only where earlier sections left a thick layer. Only `minimal` plans it; the
+    /// other policies skip it.
+    Rest,
+    /// What stands above the shroud in the way of the tools of later sections: plunges along the axis of
+    /// rotation.
+    Opening,
+}
+
+impl SectionKind {
+    /// Word in programs; `None` for rows.
+    pub fn word(self) -> Option<&'static str> {
+        match self {
+            Self::Rows => None,
+            Self::Rest => Some("REST"),
+            Self::Opening => Some("OPENING"),
+        }
+    }
+
+    /// The kind with these words at the end of a section in a program.
+    pub fn from_words(words: &[&str]) -> Self {
+        let is = |kind: &Self| kind.word().is_some_and(|word| words == [word]);
+        [Self::Rest, Self::Opening].into_iter().find(is).unwrap_or_default()
+    }
+
+    /// What follows the name of a tool where it does not cut rows.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Rows => "",
+            Self::Rest => ", rest",
+            Self::Opening => ", above the shroud",
+        }
+    }
 }
 
 /// `[plunge]`.
@@ -186,7 +225,7 @@ pub struct PlungeSetup {
     /// What a plan of `minimal` is for.
     pub goal: Goal,
     /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
-    /// beside leaning walls ([`SectionSetup::rest`]).
+    /// beside leaning walls ([`SectionKind::Rest`]).
     pub rest: bool,
     /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
     pub sections: Vec<SectionSetup>,

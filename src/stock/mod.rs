@@ -3,7 +3,7 @@
 
 use crate::plunge::PlungePlan;
 use crate::plunge::plan::SectionPlan;
-use crate::setup::{SectionSetup, Setup, Tool};
+use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 
 mod bounds;
 pub mod cover;
@@ -48,15 +48,21 @@ pub fn field_cutters(plan: &PlungePlan) -> Vec<FieldCutter> {
 }
 
 /// The ranges of s of the sections of a setup, with the cutter of each; all sections only if the setup is
-/// resolved. Rest milling sections do not count: the rows define which floor is reachable.
+/// resolved. Those of another kind do not count: the rows define which floor is reachable.
 pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
     let radius = |number: u32| setup.tools.iter().find(|tool| tool.number == number).map(Tool::radius);
     let stretch = |s: &SectionSetup| Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)? });
-    setup.plunge.sections.iter().filter(|section| !section.rest).filter_map(stretch).collect()
+    setup
+        .plunge
+        .sections
+        .iter()
+        .filter(|section| section.kind == SectionKind::Rows)
+        .filter_map(stretch)
+        .collect()
 }
 
 /// As [`stretches_of_setup`], of the sections of a plan.
 pub fn stretches_of_plan(plan: &PlungePlan) -> Vec<CutterStretch> {
     let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
-    plan.sections.iter().filter(|section| !section.rest).map(stretch).collect()
+    plan.sections.iter().filter(|section| section.kind == SectionKind::Rows).map(stretch).collect()
 }

@@ -8,7 +8,7 @@ mod travel;
 pub use travel::Travel;
 
 use crate::geometry::{Point, Vector};
-use crate::setup::{CutDirection, Setup, Tool};
+use crate::setup::{CutDirection, SectionKind, Setup, Tool};
 
 /// Rapid feed rate assumed for time estimates, mm/min.
 pub const RAPID_MM_PER_MIN: f64 = 10_000.0;
@@ -101,7 +101,7 @@ pub struct ClWarning {
     pub message: String,
 }
 
-/// A section of the plan in the program: `PPRINT/SECTION n FROM s TO s D d INWARD [REST]`.
+/// A section of the plan in the program: `PPRINT/SECTION n FROM s TO s D d INWARD [REST|OPENING]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ClSection {
     /// s at the outlet end.
@@ -112,8 +112,8 @@ pub struct ClSection {
     pub diameter: f64,
     /// Cutting direction of its rows.
     pub feed: CutDirection,
-    /// Whether it is rest milling of what the sections before it left.
-    pub rest: bool,
+    /// What it cuts.
+    pub kind: SectionKind,
 }
 
 /// Start of a row of plunges: `PPRINT/ROW section row`, both counted from 1.

@@ -11,7 +11,7 @@ use crate::part::Blank;
 use crate::plunge::lane::is_wall;
 use crate::plunge::sections::step_limit;
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::Setup;
+use crate::setup::{SectionKind, Setup};
 use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
@@ -77,8 +77,14 @@ impl<'a> Thinning<'a> {
             price: price(&floor.change_without(plunge), rows, plunge),
             plunge,
         };
-        let mut queue: BinaryHeap<Candidate> =
-            (0..plunges).map(|plunge| candidate(&self.floor, &rows, plunge)).collect();
+        // Those above the shroud make room for shank and holder of the others.
+        let plan = input.plan;
+        let opens =
+            |&plunge: &usize| plan.sections[plan.positions[plunge].section].kind == SectionKind::Opening;
+        let mut queue: BinaryHeap<Candidate> = (0..plunges)
+            .filter(|plunge| !opens(plunge))
+            .map(|plunge| candidate(&self.floor, &rows, plunge))
+            .collect();
         let mut order = Vec::new();
         // Plunges that the core of each one needs.
         let mut waiting: Vec<Vec<usize>> = vec![Vec::new(); plunges];

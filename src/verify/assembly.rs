@@ -4,16 +4,11 @@ use rayon::prelude::*;
 
 use super::fault::{Fault, FaultKind, Finding};
 use super::{ProgramCut, TOOL_TOLERANCE};
-use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings};
-use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
-use crate::cutting::retract::bottom_clearance;
-use crate::geometry::{CutterSolid, Frustum};
+use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
+use crate::cutting::contact::Columns;
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 use crate::toolpath::ClProgram;
-
-/// Cylinders by which a cone is represented against stock; each contains its slice.
-const SLICES: u32 = 4;
 
 /// Least distances of shank and holder to the finished part over a program, mm; infinite where no tool has
 /// one.
@@ -106,32 +101,19 @@ pub(super) fn holder_in_stock(
     cut: &ProgramCut,
     k: usize,
     columns: &Columns,
-    top: &BlankTop,
     blank: &Blank,
 ) -> Option<Finding> {
     let (tool, cutter) = (&cut.tool, &cut.cutter);
     if tool.assembly.is_empty() {
         return None;
     }
-    let depth = |frustum: &Frustum| {
-        let slice = |i: u32| {
-            let [from, to] = [i, i + 1].map(|i| f64::from(i) / f64::from(SLICES));
-            let radius = frustum.radius_at(from).max(frustum.radius_at(to));
-            let tip = frustum.base + frustum.axis * (from * frustum.length);
-            let solid = CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 };
-            if bottom_clearance(&solid, blank) > 0.0 {
-                return 0.0;
-            }
-            core_contact(&PlungeColumn::new(solid, radius, top), columns.before(k + 1), blank).depth
-        };
-        (0..SLICES).map(slice).fold(0.0, f64::max)
-    };
     for segment in tool.assembly.segments(tool.overhang) {
         let widest = segment.radii[0].max(segment.radii[1]);
         if widest <= tool.radius() {
             continue;
         }
-        let depth = depth(&segment.placed(&cutter.tip, &cutter.axis));
+        let placed = segment.placed(&cutter.tip, &cutter.axis);
+        let depth = depth_in_stock(&placed, columns.before(k + 1), None, blank);
         if depth > TOOL_TOLERANCE {
             let (kind, name) = match segment.part {
                 AssemblyPart::Shank => (FaultKind::ShankCollision, "shank"),

@@ -36,7 +36,7 @@ use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Blank, Impeller, Workpiece};
 use crate::plunge::{PlungePlan, Position, SectionPlan};
-use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, Setup, Tool};
+use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
 /// Tolerance of distances in a program with six decimals, mm.
@@ -138,8 +138,7 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
                 in_blank: bottom_in_blank(&cut.cutter, blank),
                 top: whole.top,
                 engaged: if deep { core_contact(&whole, earlier, blank).depth } else { 0.0 },
-                holder_in_stock: holder_in_stock(cut, k, &columns, &top, blank)
-                    .map(|finding| finding.at(cut.line)),
+                holder_in_stock: holder_in_stock(cut, k, &columns, blank).map(|finding| finding.at(cut.line)),
                 rapids,
             }
         })
@@ -283,7 +282,7 @@ fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
                 to: ours.iter().map(s).fold(1.0, f64::min),
                 feed: if last <= first { CutDirection::OutletToInlet } else { CutDirection::InletToOutlet },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
-                rest: false,
+                kind: SectionKind::Rows,
                 added: None,
             })
         })

@@ -184,7 +184,7 @@ pub(super) fn named_sections(
             to: section.to,
             feed: section.feed,
             rows: rows.len(),
-            rest: section.rest,
+            kind: section.kind,
             added: None,
         }
     });

@@ -10,7 +10,7 @@ use vanecut::io::stl::write_stl;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, BlankShape, Impeller};
-use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
+use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool};
 use vanecut::stock::solid::{SolidBlank, SolidStock, StockSurface};
 use vanecut::toolpath::{ClProgram, Motion};
 use vanecut::verify::{FaultKind, verify};
@@ -34,7 +34,7 @@ fn planned(blank: BlankShape) -> PlanOutcome {
     let mut setup = Setup { tools: vec![tool], ..Setup::default() };
     setup.allowances.blank = blank;
     setup.plunge.sections =
-        vec![SectionSetup { tool: 1, from: 1.0, to: 0.6, cut_direction: None, rest: false }];
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.6, cut_direction: None, kind: SectionKind::Rows }];
     let part = Arc::clone(&PART);
     let request = PlanRequest { part, setup, policy: AxisPolicy::Staircase, compare: false, field_cells: 32 };
     run(&request, &Monitor::default()).expect("it can be planned")

@@ -6,7 +6,7 @@ use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller};
-use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
+use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FaultKind, verify};
 
@@ -242,7 +242,7 @@ fn on_wheels_as_they_are_built_less_is_left_than_by_the_published_method() {
     let outcomes = made_plans(5, 6, Stacking::Rim, 256);
     let compared = |outcome: &PlanOutcome| {
         let shares = shares_of_monotone(outcome).into_iter();
-        let is_main = |index: usize| !outcome.setup.plunge.sections[index].rest;
+        let is_main = |index: usize| !outcome.setup.plunge.sections[index].kind == SectionKind::Rest;
         let shares = shares.filter(|share| is_main(share.0)).map(|(_, mean, p95)| (mean, p95));
         shares.collect::<Vec<(f64, f64)>>()
     };
@@ -313,7 +313,7 @@ fn a_slender_cutter_gets_down_to_a_deep_hub() {
     setup.plunge.rest = false;
     setup.plunge.max_axis_change_rad = 8.67f64.to_radians();
     setup.plunge.sections =
-        vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, cut_direction: None, rest: false }];
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.8, cut_direction: None, kind: SectionKind::Rows }];
     let outcome = compared(&part, &setup);
     check("deep", &part, &outcome);
     let minimal = result(&outcome, AxisPolicy::Minimal);
@@ -343,7 +343,7 @@ fn links_of_a_ball_cutter_keep_the_whole_tool_out_of_the_blank() {
     };
     let mut setup = Setup { tools: vec![cutter], ..Setup::default() };
     setup.plunge.sections =
-        vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, cut_direction: None, rest: false }];
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.5, cut_direction: None, kind: SectionKind::Rows }];
     let request = PlanRequest {
         part: part.clone().into(),
         setup: setup.clone(),

@@ -8,7 +8,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller, PassageWidth};
 use vanecut::plunge::sections;
 use vanecut::plunge::sections::Resolved;
-use vanecut::setup::{AxisPolicy, SectionSetup, Setup, SetupPlace, Tool};
+use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, SetupPlace, Tool};
 
 use super::samples::{SAMPLES, sample, sample_path};
 
@@ -50,7 +50,7 @@ fn every_chosen_tool_fits_the_samples() {
         assert!((1..=4).contains(&setup.tools.len()), "{name}: {:?}", diameters(&resolved));
         assert!(diameters(&resolved).is_sorted_by(|a, b| a > b), "{name}: large to small");
         let (rest, sections): (Vec<_>, Vec<_>) =
-            setup.plunge.sections.iter().partition(|section| section.rest);
+            setup.plunge.sections.iter().partition(|section| section.kind == SectionKind::Rest);
         assert_eq!(
             (sections[0].from, sections[sections.len() - 1].to),
             (1.0, 0.0),

@@ -12,7 +12,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::plunge::{AddedPlunges, Blocked, PlungePlan, Position, SectionPlan, StopReason};
-use vanecut::setup::{AxisPolicy, CutDirection, SectionSetup, SetupFault, Tool};
+use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, SetupFault, Tool};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.
@@ -80,16 +80,16 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         PolicyResult { plan, field, summary }
     };
     let mut setup = request.setup.clone();
-    let section = |tool: u32, rest: bool| SectionSetup {
+    let section = |tool: u32, kind: SectionKind| SectionSetup {
         tool,
         from: 1.0,
         to: 0.5,
         cut_direction: Some(CutDirection::OutletToInlet),
-        rest,
+        kind,
     };
     if setup.tools.is_empty() {
         setup.tools = vec![tool.clone(), rest_tool(&tool)];
-        setup.plunge.sections = vec![section(1, false), section(2, true)];
+        setup.plunge.sections = vec![section(1, SectionKind::Rows), section(2, SectionKind::Rest)];
     }
     Ok(PlanOutcome {
         reasons: vec![None, None],
@@ -150,14 +150,14 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         to: 0.5,
         feed: CutDirection::OutletToInlet,
         rows: 2,
-        rest: false,
+        kind: SectionKind::Rows,
         added: None,
     };
     // A smaller tool for the rest that finds nothing to do.
     let rest = SectionPlan {
         tool: rest_tool(tool),
         rows: 0,
-        rest: true,
+        kind: SectionKind::Rest,
         added: Some(AddedPlunges { count: 0, stopped: StopReason::NothingWorthwhile }),
         ..section.clone()
     };

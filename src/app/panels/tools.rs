@@ -2,7 +2,7 @@
 
 use egui::{ComboBox, Grid, RichText, Ui};
 
-use crate::setup::{CutDirection, SectionSetup, Setup, Tool};
+use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::super::planned::DisplayPlan;
 use super::super::theme::Condition;
@@ -70,7 +70,7 @@ fn summary(ui: &mut Ui, setup: &Setup) {
         ui.end_row();
         for section in &setup.plunge.sections {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
-            let rest = if section.rest { ", rest" } else { "" };
+            let rest = section.kind.suffix();
             ui.label(format!("T{} Ø{}{rest}", tool.number, tool.diameter));
             ui.label(format!("{} mm", tool.insert_width));
             ui.label(format!("{:.2}", section.from));
@@ -195,11 +195,12 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                     remove = Some(k);
                 }
             });
-            if k > 0 {
-                ui.checkbox(&mut section.rest, format!("Section {}: rest milling only", k + 1))
-                    .on_hover_text(
-                        "Single plunges where earlier sections left a thick layer; for Min. stock only",
-                    );
+            if k > 0 && section.kind != SectionKind::Opening {
+                let mut rest = section.kind == SectionKind::Rest;
+                ui.checkbox(&mut rest, format!("Section {}: rest milling only", k + 1)).on_hover_text(
+                    "Single plunges where earlier sections left a thick layer; for Min. stock only",
+                );
+                section.kind = if rest { SectionKind::Rest } else { SectionKind::Rows };
             }
         });
     }
@@ -215,19 +216,19 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
             from,
             to: (from - 0.3).max(0.0),
             cut_direction: None,
-            rest: false,
+            kind: SectionKind::Rows,
         });
     }
 }
 
-/// Removes the sections that are `gone`. The first section cannot be rest milling, as nothing is cut before
-/// it.
+/// Removes the sections that are `gone`. The first section in the channel cannot be rest milling, as nothing is
+/// cut before it.
 fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> bool) {
     let sections = std::mem::take(&mut setup.plunge.sections);
     let kept = sections.into_iter().enumerate().filter(|(index, section)| !gone(*index, section));
     setup.plunge.sections = kept.map(|(_, section)| section).collect();
-    if let Some(first) = setup.plunge.sections.first_mut() {
-        first.rest = false;
+    if let Some(first) = setup.plunge.sections.iter_mut().find(|s| s.kind != SectionKind::Opening) {
+        first.kind = SectionKind::Rows;
     }
 }
 
@@ -248,7 +249,7 @@ pub fn copy_sections(setup: &mut Setup, chosen: &Setup) {
 /// their borders are their own.
 pub fn adjoining(sections: &[SectionSetup], k: usize) -> Option<usize> {
     let section = sections.get(k)?;
-    let next = sections.iter().skip(k + 1).position(|next| next.rest == section.rest)? + k + 1;
+    let next = sections.iter().skip(k + 1).position(|next| next.kind == section.kind)? + k + 1;
     (sections[next].from == section.to).then_some(next)
 }
 

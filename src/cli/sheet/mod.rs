@@ -12,6 +12,7 @@ use crate::io::write_atomically;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
+use crate::setup::SectionKind;
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
 
@@ -199,7 +200,11 @@ fn sections_text(input: &SheetInput) -> String {
         let summary = Summary::of_section(&after.plan, &outcome.grid, &after.field, index);
         tool_changes += usize::from(last != Some(section.tool.number));
         last = Some(section.tool.number);
-        let kind = if section.rest { "rest milling" } else { section.feed.words() };
+        let kind = match section.kind {
+            SectionKind::Rows => section.feed.words(),
+            SectionKind::Rest => "rest milling",
+            SectionKind::Opening => "above the shroud",
+        };
         let _ = write!(
             rows,
             "<tr><td>{}</td><td>T{}</td><td>{:.2} to {:.2}</td><td>{kind}</td><td>{}</td><td>{:.2} / {:.2}</td>\

@@ -113,6 +113,12 @@ pub fn core_interferes<'c>(
         > PLANNED_CONTACT
 }
 
+/// Whether a plunge, its whole cutter as `column`, removes stock more than `length` mm above its bottom after the
+/// `earlier` plunges.
+pub fn cuts_deeper_than(column: &PlungeColumn, length: f64, earlier: Earlier, blank: &Blank) -> bool {
+    column.top > length && core_contact(column, earlier, blank).depth > length
+}
+
 /// Lift that frees the core of a planned plunge, mm: the depth of [`core_contact`], 0 when planning tolerates
 /// it.
 pub fn planned_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> f64 {

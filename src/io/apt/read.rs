@@ -19,7 +19,7 @@ use super::transform::Transform;
 use super::words::{WordEffect, classify_word};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
-use crate::setup::CutDirection;
+use crate::setup::{CutDirection, SectionKind};
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, ClWarning, MAX_WARNINGS, Motion, Move};
 
 const MM_PER_INCH: f64 = 25.4;
@@ -191,9 +191,9 @@ impl<'a> Reader<'a> {
                 if let [Ok(from), Ok(to), Ok(diameter)] = numbers
                     && self.program.sections.len() < MAX_TOOLS
                 {
-                    let rest = *rest == ["REST"];
+                    let kind = SectionKind::from_words(rest);
                     let diameter = diameter * self.unit_mm;
-                    self.program.sections.push(ClSection { from, to, diameter, feed, rest });
+                    self.program.sections.push(ClSection { from, to, diameter, feed, kind });
                 }
             }
             ["ROW", section, row] => {

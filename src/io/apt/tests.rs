@@ -2,7 +2,7 @@ use super::*;
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
-use crate::setup::CutDirection;
+use crate::setup::{CutDirection, SectionKind};
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 use proptest::prelude::*;
 
@@ -247,9 +247,9 @@ fn positions_are_transformed() {
 #[test]
 fn sections_and_rows_come_back() {
     let section =
-        |from, to, rest| ClSection { from, to, diameter: 30.0, feed: CutDirection::InletToOutlet, rest };
+        |from, to, kind| ClSection { from, to, diameter: 30.0, feed: CutDirection::InletToOutlet, kind };
     let mut wrote = sample();
-    wrote.sections = vec![section(1.0, 0.5, false), section(1.0, 0.0, true)];
+    wrote.sections = vec![section(1.0, 0.5, SectionKind::Rows), section(1.0, 0.0, SectionKind::Rest)];
     wrote.rows = [(0, 0, 0), (3, 0, 1), (6, 1, 0)]
         .map(|(first_move, section, row)| ClRow { first_move, section, row })
         .to_vec();

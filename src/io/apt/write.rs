@@ -69,14 +69,14 @@ pub fn write_apt(program: &ClProgram) -> String {
 
 /// The words that name a section in programs, counted from 1.
 pub(in crate::io) fn section_words(index: usize, section: &ClSection) -> String {
-    let ClSection { from, to, diameter, feed, rest } = section;
+    let ClSection { from, to, diameter, feed, kind } = section;
     let feed = match feed {
         CutDirection::OutletToInlet => "INWARD",
         CutDirection::InletToOutlet => "OUTWARD",
     };
     let [from, to, diameter] = [from, to, diameter].map(|x| short(*x));
-    let rest = if *rest { " REST" } else { "" };
-    format!("SECTION {} FROM {from} TO {to} D {diameter} {feed}{rest}", index + 1)
+    let kind = kind.word().map(|word| format!(" {word}")).unwrap_or_default();
+    format!("SECTION {} FROM {from} TO {to} D {diameter} {feed}{kind}", index + 1)
 }
 
 fn load(out: &mut String, tool: &ClTool) {

@@ -10,18 +10,21 @@
 //! | how much time does it take | [`estimate`] |
 //! | which choice is the cheapest | [`search`] |
 //! | why was it chosen (text) | `reason` |
+//! | the tool for what stands above the shroud | `opening` |
 //! | rest milling beside leaning walls | [`rest`] |
 
 pub mod estimate;
 pub mod fit;
+mod opening;
 mod reason;
 pub mod rest;
 pub mod search;
 
 use crate::plunge::survey::Survey;
-use crate::setup::{AllowanceSetup, SectionSetup, Setup, Tool};
+use crate::setup::{AllowanceSetup, SectionKind, SectionSetup, Setup, Tool};
 use estimate::Estimator;
 use fit::Rules;
+pub use opening::choose_opening;
 use reason::Reasons;
 use rest::rest_sections;
 use search::cheapest;
@@ -48,7 +51,7 @@ pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup
             from: survey.stations[stretch.from].s,
             to: survey.stations[stretch.to].s,
             cut_direction: None,
-            rest: false,
+            kind: SectionKind::Rows,
         },
         reason: reasons.of(index),
     });

@@ -6,7 +6,7 @@
 use super::ChosenSection;
 use super::fit::{Rules, ToolFit};
 use crate::plunge::survey::Survey;
-use crate::setup::{SectionSetup, Setup, SetupFault, Tool, tool_of};
+use crate::setup::{SectionKind, SectionSetup, Setup, SetupFault, Tool, tool_of};
 
 /// Maximum diameter for rest milling, in diameters of the previous cutter.
 const MAX_DIAMETER_SHARE: f64 = 0.6;
@@ -25,7 +25,9 @@ pub fn rest_threshold(tool: &Tool) -> f64 {
 pub fn rest_threshold_after(setup: &Setup, index: usize) -> Result<Option<f64>, SetupFault> {
     let sections = &setup.plunge.sections;
     let this = &sections[index];
-    let overlaps = |other: &&SectionSetup| other.rest && other.to < this.from && this.to < other.from;
+    let overlaps = |other: &&SectionSetup| {
+        other.kind == SectionKind::Rest && other.to < this.from && this.to < other.from
+    };
     let rest = sections[index + 1..].iter().find(overlaps);
     rest.map(|rest| tool_of(setup, rest.tool).map(rest_threshold)).transpose()
 }
@@ -54,7 +56,8 @@ pub fn rest_sections(
             last.section.to = section.to;
             continue;
         }
-        let section = SectionSetup { tool: tool.number, cut_direction: None, rest: true, ..*section };
+        let section =
+            SectionSetup { tool: tool.number, cut_direction: None, kind: SectionKind::Rest, ..*section };
         let thick = rest_threshold(tool);
         let reason = format!(
             "rest milling: what D {} leaves thicker than {thick:.2} mm above the allowance, as beside \

@@ -202,11 +202,16 @@ fn reasons_name_the_border_and_the_price_of_another_size() {
 fn a_smaller_cutter_with_room_and_length_cuts_the_rest() {
     let tools = [tool(1, 30.0), tool(2, 20.0), tool(3, 12.0), tool(4, 4.0)];
     let setup = Setup::default();
-    let section =
-        |tool: u32, from: f64, to: f64| SectionSetup { tool, from, to, cut_direction: None, rest: false };
+    let section = |tool: u32, from: f64, to: f64| SectionSetup {
+        tool,
+        from,
+        to,
+        cut_direction: None,
+        kind: SectionKind::Rows,
+    };
     let rest = |sections: &[SectionSetup], tools: &[Tool], survey: &Survey| {
         let chosen = choose_rest(sections, tools, survey, &setup.allowances);
-        assert!(chosen.iter().all(|chosen| chosen.section.rest));
+        assert!(chosen.iter().all(|chosen| chosen.section.kind == SectionKind::Rest));
         chosen.iter().map(|c| (c.section.tool, c.section.from, c.section.to)).collect::<Vec<_>>()
     };
     let wide = opening(60.0, 60.0);

@@ -7,9 +7,9 @@
 use std::sync::OnceLock;
 
 use super::axes::{AxisFrame, LEAD_STEP_DEG, LEAD_STEPS, LeadGrid, RowFrame};
-use crate::cutting::contact::{BlankTop, PlungeColumn};
+use crate::cutting::contact::{BlankTop, Earlier, PlungeColumn, cuts_deeper_than};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
-use crate::part::FinishedPart;
+use crate::part::{Blank, FinishedPart};
 use crate::plunge::assembly::{AssemblyRule, DropCause};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::plan::DropReason;
@@ -180,6 +180,8 @@ pub struct CandidateMaker<'a> {
     pub machine: &'a Machine,
     /// For a tool whose shank or holder is given.
     pub assembly: Option<AssemblyRule<'a>>,
+    /// A blank that stands above the shroud, and the plunges that open it.
+    pub opened: Option<(Earlier<'a>, &'a Blank)>,
     /// Layer e for which e²/`scale` equals e in the cost, mm.
     pub scale: f64,
     /// Floor that the row has to clear at an s: from half way to the previous row or wall to half way to the
@@ -306,7 +308,11 @@ impl CandidateMaker<'_> {
 
     fn is_longer_than_deep(&self, station: &Station) -> bool {
         let tool = self.maker.tool;
-        PlungeColumn::new(self.maker.cutter(station), tool.radius(), self.top).top <= tool.overhang
+        let column = PlungeColumn::new(self.maker.cutter(station), tool.radius(), self.top);
+        match self.opened {
+            Some((opening, blank)) => !cuts_deeper_than(&column, tool.overhang, opening, blank),
+            None => column.top <= tool.overhang,
+        }
     }
 
     /// Why none of these stations is long enough; of those with only the holder in the way, the least overhang

@@ -319,6 +319,7 @@ impl Planner<'_> {
             max_tilt_rad: self.setup.plunge.max_tilt_rad,
             machine: &self.setup.machine,
             assembly: self.assembly_rule(maker.tool),
+            opened: self.workpiece.blank.outline().map(|_| (self.opening.all(), &self.workpiece.blank)),
             scale: SCALE_RADII * maker.tool.radius(),
             floor: &|_| None,
             max_side_shift: f64::INFINITY,

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::{self, Source};
 use crate::machine::{LINEAR_NAMES, MachineTool, Pose, gauge_length, mixed_angles};
-use crate::setup::CutDirection;
+use crate::setup::{CutDirection, SectionKind};
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 
 /// Rounding of distances by four decimals of mm and degrees, mm.
@@ -391,7 +391,13 @@ impl<'a> NcState<'a> {
                     } else {
                         CutDirection::OutletToInlet
                     };
-                    program.sections.push(ClSection { from, to, diameter, feed, rest: *rest == ["REST"] });
+                    program.sections.push(ClSection {
+                        from,
+                        to,
+                        diameter,
+                        feed,
+                        kind: SectionKind::from_words(rest),
+                    });
                 }
             }
             ["ROW", section, row] if program.rows.len() < source::MAX_POINTS => {

@@ -1,0 +1,81 @@
+//! The tool for what stands above the shroud: the fastest that is long enough.
+
+use super::ChosenSection;
+use crate::part::Impeller;
+use crate::plunge::opening::{Opening, OpeningRow};
+use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
+use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
+
+/// Height of the stock above the shroud from which on a section of its own removes it, as a share of the greatest
+/// distance between hub and shroud: through less the plunges of the channel go as they are.
+const MIN_HEIGHT_SHARE: f64 = 0.25;
+/// Smallest and largest diameter that is considered, in diameters of the largest cutter of the channel.
+const MIN_DIAMETERS: f64 = 0.99;
+const MAX_DIAMETERS: f64 = 4.0;
+/// Places along the channel at which its height is measured.
+const PLACES: u32 = 20;
+
+/// A section for what stands above the shroud in the blank of `setup`, before `sections`, with one of `tools`;
+/// `None` where little or nothing does.
+pub fn choose_opening(
+    setup: &Setup,
+    tools: &[Tool],
+    part: &Impeller,
+    sections: &[SectionSetup],
+) -> Option<ChosenSection> {
+    let blank = setup.allowances.blank_of(part);
+    blank.outline()?;
+    let opening = Opening::new(part, &blank, setup);
+    let by_number = |number: u32| tools.iter().find(|tool| tool.number == number);
+    let cutters = sections.iter().filter(|s| s.kind == SectionKind::Rows).filter_map(|s| by_number(s.tool));
+    let largest = cutters.max_by(|a, b| a.diameter.total_cmp(&b.diameter))?;
+    let height = |i: u32| {
+        let s = f64::from(i) / f64::from(PLACES);
+        part.hub.point(s).distance(part.shroud.point(s))
+    };
+    let channel_height = (0..=PLACES).map(height).fold(0.0, f64::max);
+    if deepest(&opening.rows(largest)) < MIN_HEIGHT_SHARE * channel_height {
+        return None;
+    }
+    let first = sections.first().map(|section| section.tool);
+    let is_considered = |tool: &&Tool| {
+        let share = tool.diameter / largest.diameter;
+        (MIN_DIAMETERS..=MAX_DIAMETERS).contains(&share)
+    };
+    let estimates = tools.iter().filter(is_considered).map(|tool| {
+        let rows = opening.rows(tool);
+        let needed = deepest(&rows) + setup.allowances.safety_distance;
+        let lacking = (needed - tool.overhang).max(0.0);
+        let change = if first == Some(tool.number) { 0.0 } else { TOOL_CHANGE_S };
+        (lacking, change + seconds(&rows, tool, setup.allowances.safety_distance), needed, tool)
+    });
+    let (lacking, _, needed, tool) =
+        estimates.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
+    let mut reason = format!(
+        "what stands up to {:.0} mm above the shroud, by plunges along the axis of rotation",
+        needed - setup.allowances.safety_distance
+    );
+    reason += &match lacking > 0.0 {
+        true => format!("; the longest tool, {:.0} mm, but {needed:.0} mm are needed", tool.overhang),
+        false => "; the fastest tool that is long enough".to_owned(),
+    };
+    let section = SectionSetup {
+        tool: tool.number,
+        from: 1.0,
+        to: 0.0,
+        cut_direction: None,
+        kind: SectionKind::Opening,
+    };
+    Some(ChosenSection { section, reason })
+}
+
+/// Greatest height of stock above a tip, mm.
+fn deepest(rows: &[OpeningRow]) -> f64 {
+    rows.iter().flat_map(|row| &row.depths).copied().fold(0.0, f64::max)
+}
+
+/// Time of the rows of one pitch, s.
+fn seconds(rows: &[OpeningRow], tool: &Tool, safety: f64) -> f64 {
+    let length: f64 = rows.iter().flat_map(|row| &row.depths).map(|depth| depth + safety).sum();
+    60.0 * length * (1.0 / tool.plunge_feed + 1.0 / RAPID_MM_PER_MIN)
+}
