@@ -63,6 +63,8 @@ commands! {
     AssignRoles "Assign surfaces…"
         "Sets which node of the part's mesh file is hub, shroud, blade or splitter" [];
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
+    OpenBlank "Open blank…"
+        "Takes the stock before the first cut from a file: a mesh (.stl) or an outline of lines r z (.txt)" [];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
         "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];

@@ -25,6 +25,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::OpenPart,
                 Command::AssignRoles,
                 Command::OpenSetup,
+                Command::OpenBlank,
             ],
             &[Command::SaveProject, Command::SaveProjectAs],
             &[
@@ -223,6 +224,7 @@ impl App {
             C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
+            C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
             C::SaveSetup => {
                 self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
             }

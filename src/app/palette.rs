@@ -126,6 +126,7 @@ fn synonyms(command: Command) -> &'static str {
         C::SavePicture => "screenshot image png export",
         C::OpenPart => "import load step stl model wheel",
         C::OpenProject | C::OpenSetup => "load",
+        C::OpenBlank => "load import stl stock casting forging preform",
         C::SaveProject | C::SaveProjectAs | C::SaveSetup => "store write",
         C::Cutters => "tool tools",
         C::Holders => "tool tools collision",

@@ -59,7 +59,10 @@ impl App {
         let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
         let setup = &mut self.state.document.edited.setup;
         heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
-        heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
         if let Some(command) =
             heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()
         {
@@ -87,7 +90,10 @@ impl App {
         let flank = self.state.results.flank.clone();
         let setup = &mut self.state.document.edited.setup;
         heading(ui, "Flank milling", fresh, |ui| panels::flank::show(ui, setup, &defaults, flank.as_deref()));
-        heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
         if flank.is_some() {
             heading(ui, "Display", fresh, |ui| panels::flank::display(ui, &mut self.state.look.flank));
         }

@@ -6,12 +6,14 @@ use std::time::Duration;
 
 use crate::gpu::device::DEVICE_LOST_PREFIX;
 use crate::io::InputError;
+use crate::io::blank_file::read_blank_file;
 use crate::io::project_file::{Project, read_project};
 use crate::io::setup_file::read_setup;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
+use crate::part::{BlankFile, BlankShape};
 use crate::setup::Setup;
 
 use super::App;
@@ -40,6 +42,8 @@ pub(super) enum OpenTask {
         /// Values of keys absent from the setup, unless a part is opened with it.
         defaults: Box<Setup>,
     },
+    /// A blank.
+    Blank(PathBuf),
     /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),
 }
@@ -50,7 +54,9 @@ impl OpenTask {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
             Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
-            Self::Nodes(_) => Self::Files { part: Some(source), setup: None, defaults: Box::default() },
+            Self::Blank(_) | Self::Nodes(_) => {
+                Self::Files { part: Some(source), setup: None, defaults: Box::default() }
+            }
         }
     }
 }
@@ -61,6 +67,7 @@ pub(super) struct Opened {
     part: Option<(OpenPart, PartMeshes)>,
     setup: Option<(PathBuf, Setup)>,
     project: Option<(PathBuf, Project)>,
+    blank: Option<BlankFile>,
     /// A mesh file whose nodes need roles first.
     unassigned: Option<UnassignedRoles>,
 }
@@ -78,6 +85,11 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
         }
         OpenTask::Files { part, setup, defaults } => {
             (part.clone(), setup.as_ref().map(|path| (path, defaults.as_ref())), None)
+        }
+        OpenTask::Blank(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            let blank = read_blank_file(&path.display().to_string(), &path)?;
+            return Ok(Opened { blank: Some(blank), ..Opened::default() });
         }
         OpenTask::Nodes(source) => {
             let nodes =
@@ -98,7 +110,7 @@ fn open(engine: &Engine, task: &OpenTask, monitor: &Monitor) -> Result<Opened, I
             let defaults = Setup::for_part(&impeller);
             let setup = read(Some(&defaults))?;
             let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
-            Ok(Opened { part, setup, project, unassigned: None })
+            Ok(Opened { part, setup, project, ..Opened::default() })
         }
         Err(error) => {
             let nodes = source
@@ -205,6 +217,7 @@ impl App {
             OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
             OpenTask::Files { part, .. } => part.clone(),
             OpenTask::Nodes(source) => Some(source.clone()),
+            OpenTask::Blank(_) => None,
         };
         self.state.notice = None;
         self.work.opener.submit(task);
@@ -414,7 +427,7 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, unassigned } = opened;
+        let Opened { part, setup, project, blank, unassigned } = opened;
         if let Some(unassigned) = unassigned {
             self.roles.ask(unassigned);
             return;
@@ -455,6 +468,11 @@ impl App {
             self.state.report_done(format!("Opened {}", path.display()));
             self.state.document.edited.setup = setup;
         }
+        if let Some(blank) = blank {
+            self.state.report_done(format!("Opened {}", blank.path.display()));
+            self.state.document.edited.setup.allowances.blank = BlankShape::File(Arc::new(blank));
+            return;
+        }
         if let Some((path, project)) = project {
             self.take_project(path, &project);
         }
@@ -470,6 +488,7 @@ impl App {
             Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
             Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
+            Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
             Purpose::SaveSetup => {
                 self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }

@@ -4,6 +4,12 @@ use std::path::Path;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::dialogs::Purpose;
+use vanecut::geometry::Point;
+use vanecut::io::setup_file::read_setup;
+use vanecut::io::stl::write_stl;
+use vanecut::part::BlankShape;
+use vanecut::setup::Setup;
 
 use crate::fake;
 use crate::harness::{Window, click_enabled, settle, with_sample};
@@ -98,4 +104,63 @@ fn folders_are_entered_and_only_files_that_fit_are_listed() {
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(4.5), "opened");
+}
+
+/// The first `count` of the 12 triangles of a box of 1200 × 1200 × 800 mm about the origin.
+fn box_stl(count: usize) -> Vec<u8> {
+    let corner = |k: usize| {
+        let side = |bit: usize, half: f64| if k >> bit & 1 == 1 { half } else { -half };
+        Point::new(side(0, 600.0), side(1, 600.0), side(2, 400.0))
+    };
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<[u32; 3]> = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let points: Vec<Point> = (0..8).map(corner).collect();
+    write_stl(&points, &triangles[..count], "box")
+}
+
+#[test]
+fn a_blank_is_picked_from_a_file_and_saved_with_the_setup() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (casting, open) = (folder.path().join("casting.stl"), folder.path().join("open.stl"));
+    std::fs::write(&casting, box_stl(12)).expect("writes");
+    std::fs::write(&open, box_stl(11)).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    let shape = |window: &Window| window.state().state().document.edited.setup.allowances.blank.clone();
+    let ask = |window: &mut Window| {
+        window.get_by_role_and_label(Role::ComboBox, "Blank").click_accesskit();
+        window.run_steps(3);
+        // A real click, as it closes the list.
+        window.get_by_role_and_label(Role::Button, "From file").click();
+        window.run_steps(3);
+        settle(window);
+        window.get_by_label("Open blank");
+    };
+    ask(&mut window);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert_eq!(shape(&window), BlankShape::Edges, "nothing was chosen");
+
+    ask(&mut window);
+    name_file(&mut window, &open);
+    press_enter(&mut window);
+    window.get_by_label_contains("is not closed");
+    assert_eq!(shape(&window), BlankShape::Edges, "a mesh with a hole is no blank");
+
+    ask(&mut window);
+    name_file(&mut window, &casting);
+    press_enter(&mut window);
+    let BlankShape::File(file) = shape(&window) else { panic!("{:?} is no file", shape(&window)) };
+    assert!(file.path == casting && file.mesh.is_some(), "{:?}", file.path);
+    window.get_by_role_and_label(Role::Button, "Blank file");
+
+    // The setup beside it names it, and gives it again.
+    let (ctx, path) = (window.ctx.clone(), folder.path().join("s.toml"));
+    window.state_mut().file_chosen(&ctx, Purpose::SaveSetup, path.clone());
+    settle(&mut window);
+    let text = std::fs::read_to_string(&path).expect("written");
+    assert!(text.contains("blank = \"casting.stl\""), "{text}");
+    let read = read_setup(&path, &Setup::default()).expect("reads").allowances.blank;
+    assert!(matches!(&read, BlankShape::File(again) if again.outline == file.outline), "{read:?}");
 }

@@ -25,6 +25,8 @@ pub enum Purpose {
     SaveProject,
     /// A setup to open.
     OpenSetup,
+    /// A blank to take.
+    OpenBlank,
     /// Target of a setup.
     SaveSetup,
     /// Target of the CL file of the shown plunge plan.
@@ -49,6 +51,7 @@ impl Purpose {
             Self::OpenProject => "Open project",
             Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
+            Self::OpenBlank => "Open blank",
             Self::SaveSetup => "Save setup",
             Self::ExportCl { all_channels: false } => "Export CL (APT)",
             Self::ExportCl { all_channels: true } => "Export CL of all channels (APT)",
@@ -84,6 +87,7 @@ impl Purpose {
             Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
+            Self::OpenBlank => ("Blanks", &["stl", "txt"]),
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::ExportStock => ("Solids", &["stl", "glb"]),

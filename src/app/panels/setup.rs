@@ -5,6 +5,7 @@ use egui::Ui;
 use crate::part::BlankShape;
 use crate::setup::{AxisPolicy, Setup};
 
+use super::super::command::Command;
 use super::fields::{self, ChoiceSpec, FieldSpec};
 
 /// Label of a policy.
@@ -112,32 +113,37 @@ impl BlankChoice {
         match self {
             Self::Edges => "Turned between hub and shroud, from the leading edges to the rim",
             Self::Turned => "A cylinder through the trailing edges, with a plane before the leading edges",
-            Self::File => "The file of the setup: an outline, or the turned envelope of a mesh",
+            Self::File => "A mesh (.stl), of which plans know the turned envelope, or an outline",
         }
     }
 }
 
-/// Files come with setup files; without one there are two choices.
 const BLANK: ChoiceSpec<BlankChoice> = ChoiceSpec {
     label: "Blank",
     tip: "Shape of the stock before the first cut",
-    all: &[BlankChoice::Edges, BlankChoice::Turned],
+    all: &[BlankChoice::Edges, BlankChoice::Turned, BlankChoice::File],
     name: BlankChoice::label,
     meaning: BlankChoice::tip,
 };
-const BLANK_OR_FILE: ChoiceSpec<BlankChoice> =
-    ChoiceSpec { all: &[BlankChoice::Edges, BlankChoice::Turned, BlankChoice::File], ..BLANK };
 
-fn blank_row(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) {
-    let before = BlankChoice::of(shape);
-    let spec = if before == BlankChoice::File { &BLANK_OR_FILE } else { &BLANK };
-    let mut choice = before;
-    fields::choice_row(ui, &mut choice, BlankChoice::of(default), spec);
-    match choice {
-        BlankChoice::Edges => *shape = BlankShape::Edges,
-        BlankChoice::Turned => *shape = BlankShape::Turned,
-        BlankChoice::File => {}
+/// Rows of the blank, and of its file if it has one; whether a file is to be asked for.
+fn blank_rows(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) -> bool {
+    let mut choice = BlankChoice::of(shape);
+    fields::choice_row(ui, &mut choice, BlankChoice::of(default), &BLANK);
+    match (choice, &*shape) {
+        (BlankChoice::Edges, _) => *shape = BlankShape::Edges,
+        (BlankChoice::Turned, _) => *shape = BlankShape::Turned,
+        (BlankChoice::File, BlankShape::File(file)) => {
+            let title = ui.label("Blank file").on_hover_text(file.path.display().to_string());
+            let name =
+                file.path.file_name().map_or_else(|| file.name.clone().into(), |n| n.to_string_lossy());
+            let button = ui.button(name).labelled_by(title.id).on_hover_text(Command::OpenBlank.tip());
+            ui.end_row();
+            return button.clicked();
+        }
+        (BlankChoice::File, _) => return true,
     }
+    false
 }
 
 /// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
@@ -157,14 +163,17 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
     });
 }
 
-/// Draws the fields of allowances and clearances; `defaults` are those of the part.
-pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) {
+/// Draws the fields of allowances and clearances; `defaults` are those of the part. Returns the command that was
+/// asked for.
+pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command> {
     let default = &defaults.allowances;
+    let mut asks_for_file = false;
     fields::form(ui, "stock fields", |ui| {
         fields::number_row(ui, &mut setup.allowances.hub_allowance, default.hub_allowance, &HUB);
         fields::number_row(ui, &mut setup.allowances.blade_allowance, default.blade_allowance, &BLADE);
         fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
         fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
-        blank_row(ui, &mut setup.allowances.blank, &default.blank);
+        asks_for_file = blank_rows(ui, &mut setup.allowances.blank, &default.blank);
     });
+    asks_for_file.then_some(Command::OpenBlank)
 }
