@@ -1,5 +1,7 @@
 //! Removes pieces of moves from the rays of a stock, tile by tile, and records what must not meet it.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::lattice::Lattice;
@@ -65,11 +67,14 @@ fn bins(lattice: &Lattice, field: &RayField, pieces: &[Piece]) -> Vec<Vec<u32>> 
     bins
 }
 
+/// Direction, first ray along both coordinates, tile, and indices of the pieces that may meet it.
+type TileTask<'a> = (usize, usize, usize, &'a mut Arc<RayTile>, &'a [u32]);
+
 /// Applies `pieces` in order to all rays of `fields`; returns for each move and part the deepest contact,
 /// where it is more than `resolved` mm, sorted by move and part.
 pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], resolved: f64) -> Vec<Contact> {
     let all: Vec<Vec<Vec<u32>>> = fields.par_iter().map(|field| bins(lattice, field, pieces)).collect();
-    let mut tasks: Vec<(usize, usize, usize, &mut RayTile, &[u32])> = Vec::new();
+    let mut tasks: Vec<TileTask> = Vec::new();
     for (field, bins) in fields.iter_mut().zip(&all) {
         let (direction, across) = (field.direction, field.tiles_across.1);
         for (index, (tile, bin)) in field.tiles.iter_mut().zip(bins).enumerate() {
@@ -92,7 +97,7 @@ pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], re
                 }
                 let found = carver.found;
                 if changed {
-                    tile.store(rays);
+                    *tile = Arc::new(RayTile::of(rays));
                 }
                 found
             },

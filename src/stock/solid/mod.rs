@@ -36,9 +36,11 @@ pub use revolved::TurnedOutline;
 pub use span::{Span, SpanEnd};
 pub use surface::StockSurface;
 
+use std::sync::Arc;
+
 use motion::PieceMaker;
 use near::NearStock;
-use rays::RayField;
+use rays::{RayField, RayTile};
 
 use crate::geometry::Point;
 use crate::monitor::Monitor;
@@ -102,7 +104,7 @@ impl SolidBlank {
 pub struct SolidStock {
     lattice: Lattice,
     fields: [RayField; 3],
-    near: NearStock,
+    near: Arc<NearStock>,
 }
 
 impl SolidStock {
@@ -117,7 +119,7 @@ impl SolidStock {
             SolidBlank::Turned(outline) => outline.rays(&lattice),
             SolidBlank::Mesh(mesh) => mesh.rays(&lattice)?,
         };
-        let near = NearStock::of(&lattice, &fields);
+        let near = Arc::new(NearStock::of(&lattice, &fields));
         Ok(Self { lattice, fields, near })
     }
 
@@ -135,12 +137,22 @@ impl SolidStock {
 
     /// Number of spans; memory grows with it.
     pub fn span_count(&self) -> usize {
-        self.fields.iter().flat_map(|field| &field.tiles).map(rays::RayTile::len).sum()
+        self.tiles().map(|tile| tile.len()).sum()
     }
 
     /// Memory of its rays, bytes.
     pub fn bytes(&self) -> usize {
-        self.fields.iter().flat_map(|field| &field.tiles).map(rays::RayTile::bytes).sum()
+        self.tiles().map(|tile| tile.bytes()).sum()
+    }
+
+    /// Memory of its rays that `other`, another state of the same stock, does not share, bytes.
+    pub fn bytes_beside(&self, other: &Self) -> usize {
+        let own = self.tiles().zip(other.tiles()).filter(|(tile, other)| !Arc::ptr_eq(tile, other));
+        own.map(|(tile, _)| tile.bytes()).sum()
+    }
+
+    fn tiles(&self) -> impl Iterator<Item = &Arc<RayTile>> {
+        self.fields.iter().flat_map(|field| &field.tiles)
     }
 
     /// The spans of the ray along `direction` (0 to 2) through node (u, v) of the other two coordinates,

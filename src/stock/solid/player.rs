@@ -5,7 +5,7 @@ use super::{Contact, SolidError, SolidProgram, SolidStock};
 use crate::monitor::Monitor;
 
 /// Checkpoints of a program.
-const CHECKPOINTS: usize = 12;
+const CHECKPOINTS: usize = 64;
 /// Memory that checkpoints may take together, bytes.
 const CHECKPOINT_BYTES: usize = 384 << 20;
 
@@ -67,9 +67,10 @@ impl StockPlayer {
                 self.contacts.extend(found.into_iter().filter(|c| c.number as usize >= self.seen));
                 self.seen = to;
             }
-            let last = self.checkpoints.last().map_or(0, |made| made.count);
-            let size = made.stock.bytes();
-            if to.is_multiple_of(stretch) && to > last && self.bytes + size <= CHECKPOINT_BYTES {
+            let Some(last) = self.checkpoints.last().filter(|last| to > last.count) else { continue };
+            // States share the tiles that no cut between them met.
+            let size = made.stock.bytes_beside(&last.stock);
+            if to.is_multiple_of(stretch) && self.bytes + size <= CHECKPOINT_BYTES {
                 self.bytes += size;
                 self.checkpoints.push(made.clone());
             }

@@ -1,5 +1,7 @@
 //! All rays of one direction, in tiles.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::lattice::Lattice;
@@ -52,21 +54,18 @@ impl RayTile {
         }
     }
 
-    /// Replaces the spans of all rays.
-    pub fn store(&mut self, rays: &[Vec<Span>]) {
-        self.ends.clear();
-        self.spans.clear();
+    /// The tile with the spans of all rays.
+    pub fn of(rays: &[Vec<Span>]) -> Self {
         let count: usize = rays.iter().map(Vec::len).sum();
         if count == 0 {
-            (self.ends, self.spans) = (Vec::new(), Vec::new());
-            return;
+            return Self::default();
         }
-        self.spans.reserve_exact(count.saturating_sub(self.spans.capacity()));
-        self.ends.reserve_exact(rays.len());
+        let (mut ends, mut spans) = (Vec::with_capacity(rays.len()), Vec::with_capacity(count));
         for ray in rays {
-            self.spans.extend_from_slice(ray);
-            self.ends.push(self.spans.len() as u32);
+            spans.extend_from_slice(ray);
+            ends.push(spans.len() as u32);
         }
+        Self { ends, spans }
     }
 
     /// Least and greatest coordinate of stock on any ray.
@@ -86,8 +85,8 @@ pub struct RayField {
     pub counts: (usize, usize),
     /// Number of tiles along both.
     pub tiles_across: (usize, usize),
-    /// Tiles, row by row of the first coordinate.
-    pub tiles: Vec<RayTile>,
+    /// Tiles, row by row of the first coordinate. Copies of a stock share those that no cut tells apart.
+    pub tiles: Vec<Arc<RayTile>>,
 }
 
 impl RayField {
@@ -113,9 +112,7 @@ impl RayField {
                             fill(u, v, spans);
                         }
                     }
-                    let mut tile = RayTile::default();
-                    tile.store(rays);
-                    tile
+                    Arc::new(RayTile::of(rays))
                 },
             )
             .collect();
