@@ -18,7 +18,7 @@ use vanecut::io::read_part;
 use vanecut::palette::{INTERFERING, SELECTED};
 use vanecut::part::Impeller;
 use vanecut::plunge::plan::{PlungePlan, Position, SectionPlan};
-use vanecut::setup::{AxisPolicy, CutDirection, Tool};
+use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
 use vanecut::stock::FloorGrid;
 
 const SIZE: UVec2 = UVec2::new(300, 240);
@@ -77,7 +77,7 @@ fn plan(part: &Impeller) -> PlungePlan {
             to: 0.6,
             feed: CutDirection::OutletToInlet,
             rows: 1,
-            rest: false,
+            kind: SectionKind::Rows,
             added: None,
         }],
         positions: vec![position(0.95, 0.0), position(0.75, 2.0)],

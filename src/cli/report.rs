@@ -172,6 +172,9 @@ fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
         map.insert("to".into(), number(section.to));
         map.insert("feed".into(), json!(feed_word(section.feed)));
         map.insert("rest".into(), json!(section.kind == SectionKind::Rest));
+        if section.kind == SectionKind::Opening {
+            map.insert("opening".into(), json!(true));
+        }
         map.insert("positions".into(), json!(s.positions));
         map.append(&mut residual_keys(s));
         map.insert("blocked".into(), figures.if_planned(|| json!(s.blocked)));

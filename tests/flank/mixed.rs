@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use vanecut::geometry::frame_about;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::setup::{AxisPolicy, SectionSetup, Setup, Tool};
+use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, verify_flank};
 
@@ -29,7 +29,7 @@ static PLAN: LazyLock<PlanOutcome> = LazyLock::new(|| {
     };
     let mut setup = Setup { tools: vec![tool], ..Setup::default() };
     setup.plunge.sections =
-        vec![SectionSetup { tool: 1, from: 1.0, to: 0.7, cut_direction: None, rest: false }];
+        vec![SectionSetup { tool: 1, from: 1.0, to: 0.7, cut_direction: None, kind: SectionKind::Rows }];
     let request = PlanRequest { part, setup, policy: AxisPolicy::Staircase, compare: false, field_cells: 32 };
     run(&request, &Monitor::default()).expect("it can be planned")
 });

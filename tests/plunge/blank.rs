@@ -10,13 +10,16 @@ use vanecut::io::stl::write_stl;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, BlankShape, Impeller};
-use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool};
-use vanecut::stock::solid::{SolidBlank, SolidStock, StockSurface};
+use vanecut::plunge::channels::plan_channels;
+use vanecut::plunge::{DropReason, PlungePlan, Position};
+use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool, ToolAssembly};
+use vanecut::stock::solid::{Contact, SolidBlank, SolidProgram, SolidStock, StockSurface};
 use vanecut::toolpath::{ClProgram, Motion};
 use vanecut::verify::{FaultKind, verify};
 
 use super::samples::sample;
 
+static PUMP: LazyLock<Arc<Impeller>> = LazyLock::new(|| sample("pump6").into());
 static PART: LazyLock<Arc<Impeller>> = LazyLock::new(|| sample("impeller9x9").into());
 
 /// One cutter in the outer half of the channel.
@@ -85,6 +88,95 @@ fn a_rapid_that_only_the_turned_blank_is_in_the_way_of_is_found() {
     turned.allowances.blank = BlankShape::Turned;
     let found = kinds(&turned, &program);
     assert!(found.contains(&FaultKind::RapidClearance), "{found:?}");
+}
+
+/// A plan with the tools and sections that the setup leads to, by a policy that takes little time.
+fn planned_as_chosen(setup: Setup) -> PlanOutcome {
+    let part = Arc::clone(&PUMP);
+    let policy = AxisPolicy::Monotone;
+    let request = PlanRequest { part, setup, policy, compare: false, field_cells: 64 };
+    run(&request, &Monitor::default()).expect("it can be planned")
+}
+
+/// Sections and positions above the shroud, and those of the channel.
+fn kinds_of(plan: &PlungePlan) -> [usize; 2] {
+    let opens = |position: &&Position| plan.sections[position.section].kind == SectionKind::Opening;
+    let above = plan.positions.iter().filter(opens).count();
+    [above, plan.positions.len() - above]
+}
+
+/// What meets stock in a program, by the solid.
+fn collisions(program: &ClProgram, setup: &Setup) -> Vec<Contact> {
+    let blank = SolidBlank::of(&PUMP, &setup.allowances.blank_of(&PUMP));
+    let mut stock = SolidStock::new(&blank, 0.6).expect("small");
+    let program = SolidProgram::new(program, setup).expect("with tools");
+    stock.make_moves(&program.tools, &program.moves, &Monitor::default()).expect("runs")
+}
+
+#[test]
+fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it() {
+    let usual = planned_as_chosen(Setup::for_part(&PUMP)).after;
+    let mut setup = Setup::for_part(&PUMP);
+    setup.allowances.blank = BlankShape::Turned;
+    let outcome = planned_as_chosen(setup);
+    let plan = &outcome.after.plan;
+    let [above, below] = kinds_of(plan);
+    assert_eq!(kinds_of(&usual.plan)[0], 0, "nothing stands above the shroud of the usual blank");
+    assert!(above > 20 && below * 100 >= 95 * usual.plan.positions.len(), "{above} above, {below} below");
+    assert_eq!(plan.dropped.len(), usual.plan.dropped.len(), "{:?}", plan.dropped);
+    let (mean, before) = (outcome.after.summary.residual_mean, usual.summary.residual_mean);
+    assert!((mean / before - 1.0).abs() < 0.03, "{mean} mm left, {before} mm with the usual blank");
+    let text = write_apt(&ClProgram::of_plan("a", plan));
+    let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
+    let workpiece = outcome.setup.allowances.workpiece_of(PUMP.clone());
+    let verdict = verify(&workpiece, &outcome.setup, &program).expect("it can be checked");
+    assert_eq!(verdict.faults, []);
+    assert_eq!(collisions(&program, &outcome.setup), []);
+    // Neighbouring channels share plunges above the shroud.
+    let allowances = &outcome.setup.allowances;
+    let (blank, safety) = (allowances.blank_of(&PUMP), allowances.safety_distance);
+    let all =
+        plan_channels(plan, &PUMP, &blank, safety, PUMP.blade_count, &Monitor::default()).expect("runs");
+    let [all_above, all_below] = kinds_of(&all);
+    assert_eq!(all_below, PUMP.blade_count * below);
+    assert!(all_above < PUMP.blade_count * above, "{all_above} of {above} for one channel");
+    assert!(all.positions.iter().all(|position| !position.contact.interferes()));
+}
+
+#[test]
+fn a_holder_passes_through_what_was_opened_and_no_more() {
+    let tool = |number: u32, diameter: f64, overhang: f64| Tool {
+        number,
+        diameter,
+        corner_radius: 0.0,
+        insert_width: 0.35 * diameter,
+        overhang,
+        plunge_feed: 300.0,
+        spindle: 1200.0,
+        assembly: ToolAssembly { holder: vec![[2.0 * diameter, 3.0 * diameter, 60.0]], ..Default::default() },
+    };
+    let mut setup =
+        Setup { tools: vec![tool(1, 40.0, 100.0), tool(2, 12.0, 60.0)], ..Setup::for_part(&PUMP) };
+    setup.allowances.blank = BlankShape::Turned;
+    let rows =
+        |tool: u32, kind: SectionKind| SectionSetup { tool, from: 1.0, to: 0.4, cut_direction: None, kind };
+    setup.plunge.sections = vec![rows(2, SectionKind::Rows)];
+    let closed = planned_as_chosen(setup.clone()).after.plan;
+    assert!(closed.positions.len() * 10 < closed.dropped.len(), "{} are planned", closed.positions.len());
+    let too_long = |why: DropReason| matches!(why, DropReason::Overhang | DropReason::Holder);
+    assert!(closed.dropped.iter().all(|dropped| too_long(dropped.why)));
+
+    setup.plunge.sections.insert(0, rows(1, SectionKind::Opening));
+    let outcome = planned_as_chosen(setup);
+    let plan = &outcome.after.plan;
+    let [above, below] = kinds_of(plan);
+    assert!(above > 20 && below > 4 * plan.dropped.len(), "{above}, {below}, {} not", plan.dropped.len());
+    let text = write_apt(&ClProgram::of_plan("a", plan));
+    let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
+    let workpiece = outcome.setup.allowances.workpiece_of(PUMP.clone());
+    let verdict = verify(&workpiece, &outcome.setup, &program).expect("it can be checked");
+    assert_eq!(verdict.faults, []);
+    assert_eq!(collisions(&program, &outcome.setup), []);
 }
 
 #[test]

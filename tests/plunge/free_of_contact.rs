@@ -242,7 +242,7 @@ fn on_wheels_as_they_are_built_less_is_left_than_by_the_published_method() {
     let outcomes = made_plans(5, 6, Stacking::Rim, 256);
     let compared = |outcome: &PlanOutcome| {
         let shares = shares_of_monotone(outcome).into_iter();
-        let is_main = |index: usize| !outcome.setup.plunge.sections[index].kind == SectionKind::Rest;
+        let is_main = |index: usize| outcome.setup.plunge.sections[index].kind != SectionKind::Rest;
         let shares = shares.filter(|share| is_main(share.0)).map(|(_, mean, p95)| (mean, p95));
         shares.collect::<Vec<(f64, f64)>>()
     };

@@ -10,7 +10,7 @@ use vanecut::part::{Blank, Impeller, Workpiece};
 use vanecut::plunge::lane::Lane;
 use vanecut::plunge::row::RowMaker;
 use vanecut::plunge::{Planner, PlungePlan, SectionCache};
-use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionSetup, Setup};
+use vanecut::setup::{AxisPolicy, CutDirection, Machine, SectionKind, SectionSetup, Setup};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FaultKind, verify};
 
@@ -174,7 +174,11 @@ fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
     };
     let (setup, before) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
     let (_, after) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
-    assert_eq!(setup.plunge.sections.iter().filter(|section| !section.rest).count(), 3, "three tools");
+    assert_eq!(
+        setup.plunge.sections.iter().filter(|section| section.kind == SectionKind::Rows).count(),
+        3,
+        "three tools"
+    );
     for section in 0..3 {
         assert!(count(&before, section) > 0, "section {section} interferes before");
         assert_eq!(count(&after, section), 0, "section {section} is free after");
@@ -196,7 +200,7 @@ fn rows_may_be_cut_outwards_and_corners_rounded() {
         from: 0.4,
         to: 0.0,
         cut_direction: Some(CutDirection::InletToOutlet),
-        rest: false,
+        kind: SectionKind::Rows,
     }];
     let (_, plan) = planned(&part, &setup, AxisPolicy::Monotone);
     let first_row: Vec<_> = plan.positions.iter().filter(|p| p.row == 0).collect();

@@ -103,7 +103,12 @@ fn tools_of_the_setup_are_the_only_ones_chosen_from() {
     let resolved = chosen(&part, &setup);
     assert_eq!(resolved.setup.tools, setup.tools, "the list stays as it was given");
     let numbers = |rest: bool| -> Vec<u32> {
-        let sections = resolved.setup.plunge.sections.iter().filter(|section| section.rest == rest);
+        let sections = resolved
+            .setup
+            .plunge
+            .sections
+            .iter()
+            .filter(|section| (section.kind == SectionKind::Rest) == rest);
         sections.map(|section| section.tool).collect()
     };
     assert_eq!(numbers(false), [7, 3], "both that fit");
@@ -136,7 +141,7 @@ fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
     let part = sample("impeller532");
     // Wider than the channel at the leading edge, but much narrower than at the rim.
     let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
-    let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, cut_direction: None, rest: false };
+    let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, cut_direction: None, kind: SectionKind::Rows };
     setup.plunge.sections = vec![section];
     let channel = Channel::of(&part);
     let width = PassageWidth::new(&part, &channel.full).min_width(0.0);

@@ -9,7 +9,7 @@ use vanecut::palette::{ColourMap, colour_of_value};
 use vanecut::part::Impeller;
 use vanecut::plunge::PlungePlan;
 use vanecut::plunge::plan::{Blocked, Position, SectionPlan};
-use vanecut::setup::{AxisPolicy, CutDirection, Setup, Tool};
+use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use vanecut::stock::{FloorGrid, FloorSource};
 
 use super::file::GltfFile;
@@ -59,7 +59,7 @@ fn plan() -> PlungePlan {
         to: 0.0,
         feed: CutDirection::OutletToInlet,
         rows: 1,
-        rest: false,
+        kind: SectionKind::Rows,
         added: None,
     };
     PlungePlan {
