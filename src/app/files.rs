@@ -224,7 +224,8 @@ fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<
 
 fn flank_text(outcome: &FlankOutcome) -> String {
     let plan = &outcome.plan;
-    write_apt(&ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves))
+    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
+    write_apt(&program.after_opening(plan.opening.as_ref()))
 }
 
 #[cfg(test)]

@@ -52,7 +52,8 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         let help = "give a thinner or a longer cutter, or smaller allowances";
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
-    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
+    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves)
+        .after_opening(plan.opening.as_ref());
     create_directory(&args.output)?;
     let written = write_apt(&program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));

@@ -38,4 +38,4 @@ pub mod wall;
 pub use curves::{FlankError, FlankLayout, LayoutInputs};
 pub use passes::UncutLength;
 pub use path::{FlankMove, MoveKind};
-pub use plan::{FlankPlan, FlankStages, MilledWall, plan};
+pub use plan::{FlankOpening, FlankPlan, FlankStages, MilledWall, plan};

@@ -12,7 +12,7 @@ use super::passes::{PassMaker, PlannedLayer, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
 use crate::cutting::drop_cutter::DepthSurface;
-use crate::geometry::{MeridionalCurve, Vector};
+use crate::geometry::{MeridionalCurve, Point, Vector};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::{FlankFeedRates, FlankStrategy, Setup, Tool};
@@ -57,6 +57,15 @@ pub struct RegionAxis {
     pub clearance: f64,
 }
 
+/// Plunges with a tool of their own that remove what stands above the shroud in the way of the tool for the passes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlankOpening {
+    /// The tool.
+    pub tool: Tool,
+    /// Retract point, tip and unit axis of each plunge, mm, part frame.
+    pub plunges: Vec<(Point, Point, Vector)>,
+}
+
 /// A flank plan of one channel.
 #[derive(Clone, Debug)]
 pub struct FlankPlan {
@@ -72,6 +81,8 @@ pub struct FlankPlan {
     pub axes: Vec<RegionAxis>,
     /// Lengths of passes that no axis reaches.
     pub uncut: Vec<UncutLength>,
+    /// What is cut before: plunges above the shroud, where the blank stands above it.
+    pub opening: Option<FlankOpening>,
     /// The program.
     pub moves: Vec<FlankMove>,
     /// Faults that remain in the program.
@@ -241,6 +252,7 @@ pub fn plan(
         walls,
         axes,
         uncut: left_out,
+        opening: None,
         moves,
         faults,
         feeds,

@@ -11,10 +11,10 @@ use crate::error::ErrorCode;
 use crate::flank::chart::{Region, WallName};
 use crate::flank::strategies::PassRole;
 use crate::flank::wall::DeviationMap;
-use crate::flank::{FlankMove, FlankPlan, MilledWall, MoveKind};
-use crate::geometry::Point;
+use crate::flank::{FlankMove, FlankOpening, FlankPlan, MilledWall, MoveKind};
+use crate::geometry::{Point, Vector};
 use crate::part::{Impeller, PartDescription};
-use crate::setup::{FlankStrategy, Setup};
+use crate::setup::{FlankStrategy, Setup, tool_of};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN};
 
 /// Version of the file format; newer files are rejected.
@@ -43,6 +43,17 @@ struct FlankFile {
     /// Feed rate of each move, mm/min; older files have one feed rate for all moves that are not rapid.
     #[serde(default)]
     feeds: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    opening: Option<OpeningFile>,
+}
+
+/// Plunges above the shroud.
+#[derive(Serialize, Deserialize)]
+struct OpeningFile {
+    /// Number of their tool in the setup.
+    tool: u32,
+    /// Retract point, tip and axis of each.
+    plunges: Vec<[[f64; 3]; 3]>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -118,6 +129,8 @@ pub struct StoredFlank {
     pub passes: Vec<ShownPass>,
     /// Deviation of the milled walls.
     pub walls: Vec<ShownWall>,
+    /// What is cut before.
+    pub opening: Option<FlankOpening>,
     /// All moves in cutting order.
     pub moves: Vec<FlankMove>,
 }
@@ -128,7 +141,8 @@ impl StoredFlank {
         // The setup of a flank plan names the tool that was chosen.
         let number = self.setup.flank.tool;
         let tool = self.setup.tools.iter().find(|tool| number.is_none_or(|number| tool.number == number))?;
-        Some(ClProgram::of_flank(&self.part.name, tool, &self.moves))
+        let passes = ClProgram::of_flank(&self.part.name, tool, &self.moves);
+        Some(passes.after_opening(self.opening.as_ref()))
     }
 }
 
@@ -209,6 +223,13 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
             })
             .collect(),
         feeds: plan.moves.iter().map(|m| (m.feed_mm_per_min * FEED_STEPS).round() / FEED_STEPS).collect(),
+        opening: plan.opening.as_ref().map(|opening| {
+            let plunge = |(retract, tip, axis): &(Point, Point, Vector)| {
+                let [retract, tip] = [retract, tip].map(|p| rounded(p.coords.into(), STEPS_PER_MM));
+                [retract, tip, rounded((*axis).into(), AXIS_STEPS)]
+            };
+            OpeningFile { tool: opening.tool.number, plunges: opening.plunges.iter().map(plunge).collect() }
+        }),
     };
     let mut text = serde_json::to_string(&file).unwrap_or_default();
     text.push('\n');
@@ -219,6 +240,18 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
 pub fn is_flank(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(64)];
     head.windows(15).any(|w| w == b"\"vanecut_flank\"")
+}
+
+/// The plunges above the shroud of a file.
+fn read_opening(name: &str, file: &OpeningFile, setup: &Setup) -> Result<FlankOpening, InputError> {
+    let tool = tool_of(setup, file.tool).map_err(|e| damaged(name, e.message))?.clone();
+    let plunge = |(number, &[retract, tip, axis]): (usize, &[[f64; 3]; 3])| {
+        let axis = stored::unit_axis(axis).filter(|_| are_coordinates(retract.iter().chain(&tip)));
+        let axis = axis.ok_or_else(|| damaged(name, format!("plunge {} is damaged", number + 1)))?;
+        Ok((stored::point(retract), stored::point(tip), axis))
+    };
+    let plunges = file.plunges.iter().enumerate().map(plunge).collect::<Result<_, InputError>>()?;
+    Ok(FlankOpening { tool, plunges })
 }
 
 /// Reads a flank plan file; `name` is the file name used in messages.
@@ -248,6 +281,7 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
             curves.push(ShownPass { layer, region: curve.region, wall: curve.wall, points });
         }
     }
+    let opening = file.opening.map(|opening| read_opening(name, &opening, &setup)).transpose()?;
     let mut moves = Vec::with_capacity(file.moves.len());
     for (number, (kind, layer, region, wall, tip, axis)) in file.moves.into_iter().enumerate() {
         let axis = stored::unit_axis(axis).filter(|_| are_coordinates(&tip) && layer < layers.max(1));
@@ -286,6 +320,7 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
         feed_mm_per_min: file.feed,
         layers,
         passes: curves,
+        opening,
         moves,
     })
 }

@@ -6,12 +6,14 @@ use super::JobError;
 use super::part_cache::PartCache;
 use crate::flank::choice::choose_tool;
 use crate::flank::fault_removal::MoveFault;
-use crate::flank::{FlankError, FlankMove, FlankPlan, FlankStages, plan};
+use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, plan};
 use crate::io::apt::{read_apt_bytes, write_apt};
-use crate::io::tool_library::flank_cutters;
+use crate::io::tool_library::{flank_cutters, plunge_cutters};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
+use crate::plunge::choice::choose_opening;
 use crate::plunge::sections::check_part;
+use crate::plunge::{PlanError, Planner};
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
@@ -69,17 +71,30 @@ impl FlankJob {
         check_part(&request.setup, part)?;
         let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(part)));
         let chosen = choose_tool(&workpiece, &request.setup, flank_cutters())?;
-        let mut verifier = FlankVerifier::new(&workpiece, &request.setup);
-        let mut faults = Vec::new();
-        let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
-            faults_as_written(&mut verifier, &part.name, tool, moves, &mut faults, monitor)
-        };
-        let plan = self
-            .last
-            .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor))?;
-        let verdict =
-            program_as_written(&part.name, &plan.tool, &plan.moves).and_then(|p| verifier.verdict(&p).ok());
+        let opener = Opener::of(part, &request.setup, &chosen.tool);
         let mut setup = request.setup.clone();
+        let more =
+            opener.iter().map(|opener| &opener.tool).filter(|tool| !request.setup.tools.contains(tool));
+        setup.tools.extend(more.cloned());
+        let judged = setup.clone();
+        let mut verifier = FlankVerifier::new(&workpiece, &judged);
+        let mut faults = Vec::new();
+        let mut opening = None;
+        let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
+            // Of the moves before any is left out: those that remain need no more.
+            if let (Some(opener), None) = (&opener, &opening) {
+                opening = opener.opening(&workpiece, tool, moves, monitor)?;
+            }
+            let program = Written { name: &part.name, tool, moves, opening: opening.as_ref() };
+            faults_as_written(&mut verifier, &program, &mut faults, monitor)
+        };
+        let planned = self
+            .last
+            .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor));
+        let plan = FlankPlan { opening, ..planned? };
+        let (tool, moves) = (&plan.tool, &plan.moves);
+        let written = Written { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
+        let verdict = written.program().and_then(|p| verifier.verdict(&p).ok());
         if !setup.tools.contains(&chosen.tool) {
             setup.tools.push(chosen.tool.clone());
         }
@@ -97,24 +112,84 @@ impl FlankOutcome {
     }
 }
 
-/// The program of `moves`, written and read back; `None` if it cannot be read.
-fn program_as_written(name: &str, tool: &Tool, moves: &[FlankMove]) -> Option<ClProgram> {
-    let written = write_apt(&ClProgram::of_flank(name, tool, moves));
-    read_apt_bytes("flank.apt", written.as_bytes()).ok()
+/// What removes the stock above the shroud before the passes.
+struct Opener {
+    /// Its tool, whose number no other tool of the setup has.
+    tool: Tool,
+    /// A setup with one section, which opens the blank.
+    setup: Setup,
 }
 
-/// Verifies the program of `moves` as written: stores all faults in `found`, and returns those of single
-/// moves.
+impl Opener {
+    /// The opener for passes with `tool`; `None` where the blank hardly stands above the shroud.
+    fn of(part: &Impeller, setup: &Setup, tool: &Tool) -> Option<Self> {
+        // Of tools with a round bottom a plunge leaves much.
+        let is_flat = |tool: &&Tool| tool.corner_radius < 0.5 * tool.radius();
+        let own: Vec<Tool> = setup.tools.iter().filter(is_flat).cloned().collect();
+        let from = if own.is_empty() { plunge_cutters() } else { &own };
+        let mut section = choose_opening(setup, from, part, tool, None)?.section;
+        let mut opener = from.iter().find(|tool| tool.number == section.tool)?.clone();
+        if own.is_empty() {
+            let numbers = setup.tools.iter().map(|tool| tool.number);
+            opener.number = numbers.chain([tool.number]).max().unwrap_or(0) + 1;
+        }
+        section.tool = opener.number;
+        let mut setup = Setup { tools: vec![opener.clone()], ..setup.clone() };
+        setup.plunge.sections = vec![section];
+        Some(Self { tool: opener, setup })
+    }
+
+    /// The plunges that `moves` of `tool` need.
+    ///
+    /// # Errors
+    /// When cancelled.
+    fn opening(
+        &self,
+        workpiece: &Workpiece,
+        tool: &Tool,
+        moves: &[FlankMove],
+        monitor: &Monitor,
+    ) -> Result<Option<FlankOpening>, Cancelled> {
+        let poses =
+            moves.iter().filter(|step| step.kind != MoveKind::Rapid).map(|step| (step.tip, step.axis));
+        let planned = Planner::new(workpiece, &self.setup).opening_for(tool, poses, monitor);
+        let plan = match planned {
+            Err(PlanError::Cancelled(cancelled)) => return Err(cancelled),
+            Err(PlanError::Setup(_)) => return Ok(None),
+            Ok(plan) => plan,
+        };
+        let plunges = plan.positions.iter().map(|p| (p.retract, p.tip, p.axis)).collect();
+        Ok(Some(FlankOpening { tool: self.tool.clone(), plunges }))
+    }
+}
+
+/// What the program of a flank plan is made from.
+struct Written<'a> {
+    name: &'a str,
+    tool: &'a Tool,
+    moves: &'a [FlankMove],
+    opening: Option<&'a FlankOpening>,
+}
+
+impl Written<'_> {
+    /// The program, written and read back; `None` if it cannot be read.
+    fn program(&self) -> Option<ClProgram> {
+        let program = ClProgram::of_flank(self.name, self.tool, self.moves).after_opening(self.opening);
+        read_apt_bytes("flank.apt", write_apt(&program).as_bytes()).ok()
+    }
+}
+
+/// Verifies a program as it is written: stores all faults in `found`, and returns those of single moves of its
+/// passes.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
-    name: &str,
-    tool: &Tool,
-    moves: &[FlankMove],
+    written: &Written,
     found: &mut Vec<Fault>,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
-    let all = |why: &'static str| (0..moves.len()).map(|index| MoveFault { index, why }).collect();
-    let Some(program) = program_as_written(name, tool, moves) else {
+    let count = written.moves.len();
+    let all = |why: &'static str| (0..count).map(|index| MoveFault { index, why }).collect();
+    let Some(program) = written.program() else {
         return Ok(all("its program cannot be read back"));
     };
     let Ok(faults) = verifier.faults(&program, monitor) else {
@@ -122,7 +197,8 @@ fn faults_as_written(
     };
     *found = faults?;
     let move_fault = |fault: &Fault| {
-        let index = program.moves.partition_point(|m| m.line < fault.line);
+        let before = program.moves.len() - count;
+        let index = program.moves.partition_point(|m| m.line < fault.line).checked_sub(before)?;
         Some(MoveFault { index, why: fault_reason(fault.kind)? })
     };
     Ok(found.iter().filter_map(move_fault).collect())

@@ -76,9 +76,9 @@ struct PlacedCutter {
 /// A plan with final axes and depths; contact with stock and retract points are not computed yet.
 #[derive(Debug)]
 pub struct PlacedPlan {
-    plan: PlungePlan,
+    pub(super) plan: PlungePlan,
     /// Its plunges.
-    columns: Columns,
+    pub(super) columns: Columns,
 }
 
 impl PlacedPlan {
@@ -363,11 +363,22 @@ impl<'a> Planner<'a> {
         monitor.report(0.1 + 0.7 * done);
     }
 
-    /// Assembles the plan of these sections.
+    /// Assembles the plan of these sections, with those plunges above the shroud that it needs.
     pub(super) fn assemble_plan(
         &self,
         policy: AxisPolicy,
         cuts: Vec<Arc<SectionCut>>,
+    ) -> Result<PlacedPlan, PlanError> {
+        let PlacedPlan { plan, columns } = self.assemble_all(policy, &cuts)?;
+        let (plan, columns) = self.with_needed_opening(&plan, &columns).unwrap_or((plan, columns));
+        Ok(PlacedPlan { plan, columns })
+    }
+
+    /// Assembles the plan of these sections with all their plunges.
+    pub(super) fn assemble_all(
+        &self,
+        policy: AxisPolicy,
+        cuts: &[Arc<SectionCut>],
     ) -> Result<PlacedPlan, PlanError> {
         let mut plan = PlungePlan {
             policy,
@@ -377,7 +388,7 @@ impl<'a> Planner<'a> {
             iterations: 0,
             converged: true,
         };
-        for (index, (section, cut)) in self.setup.plunge.sections.iter().zip(&cuts).enumerate() {
+        for (index, (section, cut)) in self.setup.plunge.sections.iter().zip(cuts).enumerate() {
             let tool = tool_of(self.setup, section.tool)?;
             let rule = self.assembly_rule(tool);
             plan.sections.push(SectionPlan {
@@ -428,7 +439,6 @@ impl<'a> Planner<'a> {
             return Err(Cancelled.into());
         }
         let columns = cuts.last().map(|cut| cut.columns.clone()).unwrap_or_default();
-        let (plan, columns) = self.with_needed_opening(&plan, &columns).unwrap_or((plan, columns));
         Ok(PlacedPlan { plan, columns })
     }
 

@@ -8,8 +8,9 @@
 //! later section comes near, with those before them in their rows.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use super::cycle::{PlanError, PlannedRow, Planner, SectionCut};
+use super::cycle::{PlacedPlan, PlanError, PlannedRow, Planner, SectionCut};
 use super::lane::AxisEnds;
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::PlungePlan;
@@ -20,7 +21,7 @@ use crate::cutting::retract::RetractSurface;
 use crate::geometry::{Meridional, Point, Vector};
 use crate::monitor::Monitor;
 use crate::part::{Blank, Impeller};
-use crate::setup::{CutDirection, SectionKind, Setup, Tool, tool_of};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool, tool_of};
 
 /// Gap between core and blank at the start of a row, and above the allowance on the blade tips, mm.
 const MARGIN: f64 = 0.05;
@@ -180,48 +181,84 @@ impl Planner<'_> {
             return None;
         }
         let top = BlankTop::new(&self.workpiece.blank);
-        // Number of plunges to keep of each row: up to the last one that is needed.
-        let mut needed: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-        let mut number_in_row = Vec::with_capacity(count);
-        for (k, position) in plan.positions[..count].iter().enumerate() {
-            let before = k.checked_sub(1).map(|k| &plan.positions[k]);
-            let same = before.is_some_and(|b| (b.section, b.row) == (position.section, position.row));
-            number_in_row.push(if same { number_in_row[k - 1] + 1 } else { 0 });
-        }
-        for position in &plan.positions[count..] {
+        let others = plan.positions[count..].iter().map(|position| {
             let tool = &plan.sections[position.section].tool;
-            let reach = tool.radius().max(0.5 * tool.holder_diameter()) + self.setup.clearances.holder;
-            let column = PlungeColumn::new(tool.placed(position.tip, position.axis), reach, &top);
-            for near in columns.before(count).numbers_near(&column) {
-                let near = near as usize;
-                let other = &plan.positions[near];
-                let kept = needed.entry((other.section, other.row)).or_default();
-                *kept = (*kept).max(number_in_row[near] + 1);
-            }
-        }
-        let mut kept = PlungePlan { positions: Vec::with_capacity(plan.positions.len()), ..plan.clone() };
-        let mut left = Columns::default();
-        let mut rows = vec![0; plan.sections.len()];
-        let mut last = None;
-        for (k, (position, column)) in plan.positions.iter().zip(columns.as_slice()).enumerate() {
-            let place = (position.section, position.row);
-            if k < count && needed.get(&place).is_none_or(|kept| number_in_row[k] >= *kept) {
-                continue;
-            }
-            left.push(*column);
-            let mut position = position.clone();
-            if k < count {
-                rows[place.0] += usize::from(last != Some(place));
-                last = Some(place);
-                position.row = rows[place.0] - 1;
-            }
-            kept.positions.push(position);
-        }
-        for (section, rows) in kept.sections.iter_mut().zip(rows) {
-            if section.kind == SectionKind::Opening {
-                section.rows = rows;
-            }
-        }
-        Some((kept, left))
+            reach_column(tool, (position.tip, position.axis), self.setup, &top)
+        });
+        Some(keep_near(plan, columns, count, others))
     }
+
+    /// The plunges above the shroud that `tool` comes near at one of `poses`, tips with unit axes.
+    ///
+    /// # Errors
+    /// As [`Planner::plan`].
+    pub fn opening_for(
+        &self,
+        tool: &Tool,
+        poses: impl Iterator<Item = (Point, Vector)>,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
+        let cut = Arc::new(self.opening_section(0, Columns::default(), monitor)?);
+        let PlacedPlan { plan, columns } = self.assemble_all(AxisPolicy::Conventional, &[cut])?;
+        let top = BlankTop::new(&self.workpiece.blank);
+        let near = poses.map(|pose| reach_column(tool, pose, self.setup, &top));
+        let (plan, columns) = keep_near(&plan, &columns, plan.positions.len(), near);
+        self.evaluate(PlacedPlan { plan, columns }, monitor)
+    }
+}
+
+/// What `tool` sweeps on its way into and out of a pose, with its holder all the way down: a column that is as wide.
+fn reach_column(tool: &Tool, (tip, axis): (Point, Vector), setup: &Setup, top: &BlankTop) -> PlungeColumn {
+    let reach = tool.radius().max(0.5 * tool.holder_diameter()) + setup.clearances.holder;
+    PlungeColumn::new(tool.placed(tip, axis), reach, top)
+}
+
+/// `plan` with its `columns`, of whose first `count` plunges, which are above the shroud, only those are kept that
+/// come near to one of the columns of `others`, with those before them in their rows.
+fn keep_near(
+    plan: &PlungePlan,
+    columns: &Columns,
+    count: usize,
+    others: impl Iterator<Item = PlungeColumn>,
+) -> (PlungePlan, Columns) {
+    // Number of plunges to keep of each row: up to the last one that is needed.
+    let mut needed: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    let mut number_in_row = Vec::with_capacity(count);
+    for (k, position) in plan.positions[..count].iter().enumerate() {
+        let before = k.checked_sub(1).map(|k| &plan.positions[k]);
+        let same = before.is_some_and(|b| (b.section, b.row) == (position.section, position.row));
+        number_in_row.push(if same { number_in_row[k - 1] + 1 } else { 0 });
+    }
+    for column in others {
+        for near in columns.before(count).numbers_near(&column) {
+            let near = near as usize;
+            let other = &plan.positions[near];
+            let kept = needed.entry((other.section, other.row)).or_default();
+            *kept = (*kept).max(number_in_row[near] + 1);
+        }
+    }
+    let mut kept = PlungePlan { positions: Vec::with_capacity(plan.positions.len()), ..plan.clone() };
+    let mut left = Columns::default();
+    let mut rows = vec![0; plan.sections.len()];
+    let mut last = None;
+    for (k, (position, column)) in plan.positions.iter().zip(columns.as_slice()).enumerate() {
+        let place = (position.section, position.row);
+        if k < count && needed.get(&place).is_none_or(|kept| number_in_row[k] >= *kept) {
+            continue;
+        }
+        left.push(*column);
+        let mut position = position.clone();
+        if k < count {
+            rows[place.0] += usize::from(last != Some(place));
+            last = Some(place);
+            position.row = rows[place.0] - 1;
+        }
+        kept.positions.push(position);
+    }
+    for (section, rows) in kept.sections.iter_mut().zip(rows) {
+        if section.kind == SectionKind::Opening {
+            section.rows = rows;
+        }
+    }
+    (kept, left)
 }

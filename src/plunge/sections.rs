@@ -47,8 +47,12 @@ pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result
             let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
             chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.allowances));
         }
-        let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
-        for chosen in choose_opening(setup, &resolved.tools, part, &sections).into_iter().chain(chosen) {
+        let first = chosen.first().map(|chosen| chosen.section.tool);
+        let used = |tool: &&Tool| chosen.iter().any(|chosen| chosen.section.tool == tool.number);
+        let largest = resolved.tools.iter().filter(used).max_by(|a, b| a.diameter.total_cmp(&b.diameter));
+        let opening =
+            largest.and_then(|largest| choose_opening(setup, &resolved.tools, part, largest, first));
+        for chosen in opening.into_iter().chain(chosen) {
             resolved.plunge.sections.push(chosen.section);
             reasons.push(Some(chosen.reason));
         }

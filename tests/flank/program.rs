@@ -10,8 +10,9 @@ use vanecut::io::flank_file::{is_flank, read_flank_bytes, write_flank};
 use vanecut::io::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::Impeller;
+use vanecut::part::{BlankShape, Impeller};
 use vanecut::setup::{FlankStrategy, Setup};
+use vanecut::stock::solid::{SolidBlank, SolidProgram, SolidStock};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::verify_flank;
 
@@ -52,6 +53,41 @@ fn verify_finds_no_fault_in_the_programs() {
         let whole = plan.layout.totals[scheme as usize].length;
         assert!(lost < 0.03 * whole, "{name} {scheme:?}: {lost} of {whole} mm are left out");
     }
+}
+
+#[test]
+fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() {
+    let with = |blank: BlankShape| {
+        planned(&request("pump6.toml", |setup| {
+            setup.flank.strategy = FlankStrategy::Regions;
+            setup.flank.layer_depth = 5.0;
+            setup.allowances.blank = blank;
+        }))
+    };
+    let (usual, outcome) = (with(BlankShape::Edges), with(BlankShape::Turned));
+    assert_eq!(usual.plan.opening, None);
+    assert_eq!(outcome.faults, []);
+    let plan = &outcome.plan;
+    let lost = |outcome: &FlankOutcome| outcome.plan.uncut.iter().map(|l| l.length).sum::<f64>();
+    let whole = plan.layout.totals[FlankStrategy::Regions as usize].length;
+    assert!(lost(&outcome) < lost(&usual) + 0.03 * whole, "{} of {whole} mm are left out", lost(&outcome));
+    // The program begins with them, also when it is read from the plan's file.
+    let opening = plan.opening.as_ref().expect("plunges above the shroud");
+    let passes = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
+    let program = passes.after_opening(Some(opening));
+    assert_eq!(program.moves.len(), 3 * opening.plunges.len() + plan.moves.len());
+    let description = read_part(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml"));
+    let text = write_flank(&description.expect("readable"), &outcome.setup, plan);
+    let read = read_flank_bytes("flank.json", text.as_bytes()).expect("its own file");
+    let again = read.program().expect("with tools");
+    assert_eq!(again.moves.len(), program.moves.len());
+    let moved = again.moves.iter().zip(&program.moves).map(|(a, b)| (a.tip - b.tip).norm());
+    assert!(moved.fold(0.0, f64::max) < 1e-5);
+    let blank = SolidBlank::of(&outcome.workpiece.part, &outcome.workpiece.blank);
+    let mut stock = SolidStock::new(&blank, 0.6).expect("small");
+    let moves = SolidProgram::new(&again, &outcome.setup).expect("with tools");
+    let met = stock.make_moves(&moves.tools, &moves.moves, &Monitor::default()).expect("runs");
+    assert_eq!(met, []);
 }
 
 #[test]

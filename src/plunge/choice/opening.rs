@@ -15,20 +15,18 @@ const MAX_DIAMETERS: f64 = 4.0;
 /// Places along the channel at which its height is measured.
 const PLACES: u32 = 20;
 
-/// A section for what stands above the shroud in the blank of `setup`, before `sections`, with one of `tools`;
-/// `None` where little or nothing does.
+/// A section for what stands above the shroud in the blank of `setup`, with one of `tools`, before a channel whose
+/// largest cutter is `largest`, and whose first tool has the number `first`; `None` where little or nothing does.
 pub fn choose_opening(
     setup: &Setup,
     tools: &[Tool],
     part: &Impeller,
-    sections: &[SectionSetup],
+    largest: &Tool,
+    first: Option<u32>,
 ) -> Option<ChosenSection> {
     let blank = setup.allowances.blank_of(part);
     blank.outline()?;
     let opening = Opening::new(part, &blank, setup);
-    let by_number = |number: u32| tools.iter().find(|tool| tool.number == number);
-    let cutters = sections.iter().filter(|s| s.kind == SectionKind::Rows).filter_map(|s| by_number(s.tool));
-    let largest = cutters.max_by(|a, b| a.diameter.total_cmp(&b.diameter))?;
     let height = |i: u32| {
         let s = f64::from(i) / f64::from(PLACES);
         part.hub.point(s).distance(part.shroud.point(s))
@@ -37,7 +35,6 @@ pub fn choose_opening(
     if deepest(&opening.rows(largest)) < MIN_HEIGHT_SHARE * channel_height {
         return None;
     }
-    let first = sections.first().map(|section| section.tool);
     let is_considered = |tool: &&Tool| {
         let share = tool.diameter / largest.diameter;
         (MIN_DIAMETERS..=MAX_DIAMETERS).contains(&share)
