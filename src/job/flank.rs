@@ -18,6 +18,10 @@ use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
 
+/// Step of the plunges above the shroud, in radii of the cutter for the passes: the stairs that they leave on a steep
+/// shroud are in the way of its holder.
+const OPENING_STEP_RADII: f64 = 0.5;
+
 /// Request for a flank plan.
 #[derive(Clone, Debug)]
 pub struct FlankRequest {
@@ -127,6 +131,10 @@ impl Opener {
         let is_flat = |tool: &&Tool| tool.corner_radius < 0.5 * tool.radius();
         let own: Vec<Tool> = setup.tools.iter().filter(is_flat).cloned().collect();
         let from = if own.is_empty() { plunge_cutters() } else { &own };
+        let mut setup = setup.clone();
+        let step = OPENING_STEP_RADII * tool.radius();
+        setup.plunge.step = Some(setup.plunge.step.map_or(step, |given| given.min(step)));
+        let setup = &setup;
         let mut section = choose_opening(setup, from, part, tool, None)?.section;
         let mut opener = from.iter().find(|tool| tool.number == section.tool)?.clone();
         if own.is_empty() {
