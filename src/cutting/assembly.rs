@@ -287,8 +287,8 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
 /// Cylinders by which a cone is represented against stock; each contains its slice.
 const SLICES: u32 = 4;
 
-/// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and that of
-/// the `own` cutter left of `blank`, mm; 0 where it is clear.
+/// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and
+/// that of the `own` cutter left of `blank`, mm; 0 where it is clear.
 pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSolid>, blank: &Blank) -> f64 {
     let top = BlankTop::new(blank);
     let own = own.map(|cutter| PlungeColumn { cutter: *cutter, core_radius: 0.0, top: 0.0 });

@@ -57,7 +57,8 @@ pub struct RegionAxis {
     pub clearance: f64,
 }
 
-/// Plunges with a tool of their own that remove what stands above the shroud in the way of the tool for the passes.
+/// Plunges with a tool of their own that remove what stands above the shroud in the way of the tool for the
+/// passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FlankOpening {
     /// The tool.

@@ -18,8 +18,8 @@ use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
 
-/// Step of the plunges above the shroud, in radii of the cutter for the passes: the stairs that they leave on a steep
-/// shroud are in the way of its holder.
+/// Step of the plunges above the shroud, in radii of the cutter for the passes: the stairs that they leave on
+/// a steep shroud are in the way of its holder.
 const OPENING_STEP_RADII: f64 = 0.5;
 
 /// Request for a flank plan.
@@ -187,8 +187,8 @@ impl Written<'_> {
     }
 }
 
-/// Verifies a program as it is written: stores all faults in `found`, and returns those of single moves of its
-/// passes.
+/// Verifies a program as it is written: stores all faults in `found`, and returns those of single moves of
+/// its passes.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
     written: &Written,

@@ -1,5 +1,6 @@
 //! Shank and holder while planning: a position is kept only where both are clear of the finished part and of
-//! the whole blank, or, where the blank stands above the shroud, of what earlier plunges left of it. Tools without a given shank or holder are not held to this.
+//! the whole blank, or, where the blank stands above the shroud, of what earlier plunges left of it. Tools
+//! without a given shank or holder are not held to this.
 
 use super::plan::DropReason;
 use crate::cutting::assembly::AssemblySurroundings;

@@ -561,8 +561,8 @@ impl<'a> Planner<'a> {
         Ok(CutRow { row, placed })
     }
 
-    /// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not clear,
-    /// after the plunges of `columns` and those before them in the row.
+    /// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not
+    /// clear, after the plunges of `columns` and those before them in the row.
     fn drop_hindered(
         &self,
         placed: &mut [Result<PlacedCutter, DropReason>],

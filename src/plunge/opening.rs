@@ -1,11 +1,11 @@
-//! Opening: plunges along the axis of rotation that remove what stands above the shroud in the way of the tools
-//! of the channel.
+//! Opening: plunges along the axis of rotation that remove what stands above the shroud in the way of the
+//! tools of the channel.
 //!
-//! A blank that is higher than the shroud, as a cylinder is, would have the plunges of the channel begin at its
-//! outside: deeper than their tools are long. Rows lie in planes through the axis of rotation and run from the
-//! outside inwards, each plunge down to the shroud. They are those of one pitch, repeated all around; a row that
-//! is not needed further inwards, where rows come closer, ends there. A plan keeps the plunges that a tool of a
-//! later section comes near, with those before them in their rows.
+//! A blank that is higher than the shroud, as a cylinder is, would have the plunges of the channel begin at
+//! its outside: deeper than their tools are long. Rows lie in planes through the axis of rotation and run
+//! from the outside inwards, each plunge down to the shroud. They are those of one pitch, repeated all
+//! around; a row that is not needed further inwards, where rows come closer, ends there. A plan keeps the
+//! plunges that a tool of a later section comes near, with those before them in their rows.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -207,14 +207,15 @@ impl Planner<'_> {
     }
 }
 
-/// What `tool` sweeps on its way into and out of a pose, with its holder all the way down: a column that is as wide.
+/// What `tool` sweeps on its way into and out of a pose, with its holder all the way down: a column that is
+/// as wide.
 fn reach_column(tool: &Tool, (tip, axis): (Point, Vector), setup: &Setup, top: &BlankTop) -> PlungeColumn {
     let reach = tool.radius().max(0.5 * tool.holder_diameter()) + setup.clearances.holder;
     PlungeColumn::new(tool.placed(tip, axis), reach, top)
 }
 
-/// `plan` with its `columns`, of whose first `count` plunges, which are above the shroud, only those are kept that
-/// come near to one of the columns of `others`, with those before them in their rows.
+/// `plan` with its `columns`, of whose first `count` plunges, which are above the shroud, only those are kept
+/// that come near to one of the columns of `others`, with those before them in their rows.
 fn keep_near(
     plan: &PlungePlan,
     columns: &Columns,

@@ -173,8 +173,8 @@ pub enum SectionKind {
     /// The channel between hub and shroud, in rows.
     #[default]
     Rows,
-    /// Rest milling: single plunges only where earlier sections left a thick layer. Only `minimal` plans it; the
-    /// other policies skip it.
+    /// Rest milling: single plunges only where earlier sections left a thick layer. Only `minimal` plans it;
+    /// the other policies skip it.
     Rest,
     /// What stands above the shroud in the way of the tools of later sections: plunges along the axis of
     /// rotation.

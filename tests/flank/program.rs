@@ -87,8 +87,8 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     let mut stock = SolidStock::new(&blank, 0.6).expect("small");
     let moves = SolidProgram::new(&again, &outcome.setup).expect("with tools");
     let met = stock.make_moves(&moves.tools, &moves.moves, &Monitor::default()).expect("runs");
-    // Approaches go down along the axis of a ball, whose middle meets the steps that flat plunges leave above the
-    // shroud.
+    // Approaches go down along the axis of a ball, whose middle meets the steps that flat plunges leave above
+    // the shroud.
     assert!(met.iter().all(|contact| contact.part == ToolPart::Core), "{met:?}");
 }
 

@@ -163,8 +163,8 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
     });
 }
 
-/// Draws the fields of allowances and clearances; `defaults` are those of the part. Returns the command that was
-/// asked for.
+/// Draws the fields of allowances and clearances; `defaults` are those of the part. Returns the command that
+/// was asked for.
 pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command> {
     let default = &defaults.allowances;
     let mut asks_for_file = false;

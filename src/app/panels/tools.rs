@@ -221,8 +221,8 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     }
 }
 
-/// Removes the sections that are `gone`. The first section in the channel cannot be rest milling, as nothing is
-/// cut before it.
+/// Removes the sections that are `gone`. The first section in the channel cannot be rest milling, as nothing
+/// is cut before it.
 fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> bool) {
     let sections = std::mem::take(&mut setup.plunge.sections);
     let kept = sections.into_iter().enumerate().filter(|(index, section)| !gone(*index, section));

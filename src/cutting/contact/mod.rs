@@ -113,8 +113,8 @@ pub fn core_interferes<'c>(
         > PLANNED_CONTACT
 }
 
-/// Whether a plunge, its whole cutter as `column`, removes stock more than `length` mm above its bottom after the
-/// `earlier` plunges.
+/// Whether a plunge, its whole cutter as `column`, removes stock more than `length` mm above its bottom after
+/// the `earlier` plunges.
 pub fn cuts_deeper_than(column: &PlungeColumn, length: f64, earlier: Earlier, blank: &Blank) -> bool {
     column.top > length && core_contact(column, earlier, blank).depth > length
 }

@@ -6,8 +6,8 @@ use crate::plunge::opening::{Opening, OpeningRow};
 use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
 
-/// Height of the stock above the shroud from which on a section of its own removes it, as a share of the greatest
-/// distance between hub and shroud: through less the plunges of the channel go as they are.
+/// Height of the stock above the shroud from which on a section of its own removes it, as a share of the
+/// greatest distance between hub and shroud: through less the plunges of the channel go as they are.
 const MIN_HEIGHT_SHARE: f64 = 0.25;
 /// Smallest and largest diameter that is considered, in diameters of the largest cutter of the channel.
 const MIN_DIAMETERS: f64 = 0.99;
@@ -15,8 +15,9 @@ const MAX_DIAMETERS: f64 = 4.0;
 /// Places along the channel at which its height is measured.
 const PLACES: u32 = 20;
 
-/// A section for what stands above the shroud in the blank of `setup`, with one of `tools`, before a channel whose
-/// largest cutter is `largest`, and whose first tool has the number `first`; `None` where little or nothing does.
+/// A section for what stands above the shroud in the blank of `setup`, with one of `tools`, before a channel
+/// whose largest cutter is `largest`, and whose first tool has the number `first`; `None` where little or
+/// nothing does.
 pub fn choose_opening(
     setup: &Setup,
     tools: &[Tool],
