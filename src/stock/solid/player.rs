@@ -135,13 +135,13 @@ mod tests {
 
     #[test]
     fn a_cancelled_jump_leaves_the_player_usable() {
-        let (program, blank) = plunges(20);
+        let (program, blank) = plunges(200);
         let mut player = StockPlayer::new(program, blank);
-        let whole = player.at(20, &Monitor::default()).expect("runs").0.volume();
+        let whole = player.at(200, &Monitor::default()).expect("runs").0.volume();
         let cancelled = Monitor::default();
         cancelled.cancel();
         assert!(player.at(7, &cancelled).is_err());
-        let volume = player.at(20, &Monitor::default()).expect("runs").0.volume();
+        let volume = player.at(200, &Monitor::default()).expect("runs").0.volume();
         assert!((volume - whole).abs() < 1e-9);
     }
 }
