@@ -136,4 +136,24 @@ fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
             assert!((found - by).abs() < 1e-3, "side {k}, {by}: {found}");
         }
     }
+    // Above the tips, as where a blank that is higher than the shroud was cut down to them.
+    for pair in channel.sides.chunks_exact(2) {
+        for u in [0.2, 0.5, 0.8] {
+            let tip = nalgebra::center(&pair[0].point(u, 1.0), &pair[1].point(u, 1.0));
+            let m = Meridional::of(&tip);
+            let at = part.shroud.curve().project(m).0;
+            let foot = part.shroud.curve().point(at);
+            let away = part.shroud.curve().at(at).normal;
+            for by in [0.3, 2.0] {
+                let above = Meridional { r: foot.r + away.r * by, z: foot.z + away.z * by };
+                let found = excess.at(&above.at_angle(tip.y.atan2(tip.x)));
+                // Beyond the sides prolonged the edge of the tip is the nearest place, a little further.
+                assert!((found - by).abs() < 0.1, "tip at {u}, {by}: {found}");
+                // A quarter of a pitch beside it no tip is near.
+                let between = above.at_angle(tip.y.atan2(tip.x) + 0.25 * part.pitch());
+                let found = excess.at(&between);
+                assert!(found > by + 2.0, "beside the tip at {u}, {by}: {found}");
+            }
+        }
+    }
 }

@@ -38,9 +38,9 @@ impl<'a> Excess<'a> {
     /// Distance of `point` to the nearest finished surface, mm: stock that stands there, negative where the
     /// finished part is cut into.
     pub fn at(&self, point: &Point) -> f64 {
-        let m = Meridional::of(point);
-        let (_, above_hub) = self.part.hub.curve().project(m);
-        let mut nearest = above_hub;
+        let (part, m) = (self.part, Meridional::of(point));
+        let (_, above_hub) = part.hub.curve().project(m);
+        let (mut nearest, mut is_at_tip) = (above_hub, false);
         for face in &self.faces {
             let (centre, radius) = face.ball;
             if (point - centre).norm() - radius > nearest.abs() {
@@ -51,6 +51,14 @@ impl<'a> Excess<'a> {
                 let (p, by_u, by_v) = face.probe.side().derivatives(near.u, near.v);
                 let out = face.outward * by_u.cross(&by_v).dot(&(point - p));
                 nearest = near.distance.copysign(out);
+                is_at_tip = near.v >= 1.0;
+            }
+        }
+        if is_at_tip && nearest < 0.0 {
+            // Between the sides of a blade prolonged: above its tip, that is the nearest surface.
+            let above_tip = part.shroud.curve().project(m).1;
+            if above_tip > 0.0 {
+                return above_tip.min(-nearest);
             }
         }
         nearest
