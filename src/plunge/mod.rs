@@ -8,6 +8,9 @@
 //! | 3 axis optimisation | [`monotone`], `minimal`; rows of the policies that plan row by row: `row_plan` |
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
 //! | 5 safe height | [`crate::cutting::retract`], [`links`] |
+//! | which policy plans a section | `policies` |
+//! | rows and sections as they are cut | `cut` |
+//! | contact and retract points of a placed plan | `evaluation` |
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `warm_start` |
 //! | what stands above the shroud | [`opening`] |
 //! | layout of a section, shared by all policies | `section_layout` |
@@ -18,7 +21,9 @@
 mod assembly;
 pub mod channels;
 pub mod choice;
+mod cut;
 pub mod cycle;
+mod evaluation;
 mod fit_table;
 pub mod inspect;
 pub mod lane;
@@ -27,6 +32,7 @@ mod minimal;
 pub mod monotone;
 pub mod opening;
 pub mod plan;
+mod policies;
 mod program;
 pub mod row;
 mod row_plan;

@@ -10,7 +10,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::cycle::{PlacedPlan, PlanError, PlannedRow, Planner, SectionCut};
+use super::cut::{PlannedRow, SectionCut};
+use super::cycle::{PlacedPlan, PlanError, Planner};
 use super::lane::AxisEnds;
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::PlungePlan;

@@ -3,7 +3,8 @@
 
 use std::convert::Infallible;
 
-use super::cycle::{PlanError, PlannedRow, Planner};
+use super::cut::PlannedRow;
+use super::cycle::{PlanError, Planner};
 use super::row::{RowMaker, Station};
 use super::section_layout::RowLayout;
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};

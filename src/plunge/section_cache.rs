@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::choice::rest::rest_threshold_after;
-use super::cycle::SectionCut;
+use super::cut::SectionCut;
 use crate::setup::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, Goal, Machine, PlungeSetup, SectionSetup, Setup, SetupFault,
     Tool, tool_of,

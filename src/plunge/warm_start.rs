@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::cycle::{PlanError, PlannedRow, Planner, SectionCut};
+use super::cut::{PlannedRow, SectionCut};
+use super::cycle::{PlanError, Planner};
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::PlungePlan;
 use super::row::Station;

@@ -6,7 +6,8 @@
 use super::section::{RowOf, RowPlaces, SHORT_RADII};
 use super::stages::RowStages;
 use crate::monitor::Monitor;
-use crate::plunge::cycle::{PlanError, Planner, SectionCut};
+use crate::plunge::cut::SectionCut;
+use crate::plunge::cycle::{PlanError, Planner};
 use crate::plunge::section_layout::StretchLayout;
 use crate::setup::{CutDirection, tool_of};
 

@@ -1,0 +1,370 @@
+//! Rows and sections as they are cut: every cutter at its final depth, free of the hub allowance and, where
+//! the policy asks for it, lifted until its core is free of stock.
+
+use rayon::prelude::*;
+
+use super::assembly::{AssemblyRule, DropCause};
+use super::cycle::{PlanError, Planner};
+use super::plan::{AddedPlunges, DropReason};
+use super::row::Station;
+use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, cuts_deeper_than, planned_contact};
+use crate::geometry::{CutterSolid, Vector, rotate_vector_z, rotate_z};
+use crate::monitor::{Cancelled, Monitor};
+use crate::setup::{CutDirection, SectionSetup, Tool};
+
+/// Maximum number of lifts of one plunge; contact that remains is reported as interference.
+const MAX_LIFTS: usize = 8;
+/// Gap left between a lifted core and the stock below it, mm.
+const LIFT_MARGIN: f64 = 1e-3;
+
+/// A cutter at its final depth, with its clearances to the finished part, mm.
+#[derive(Debug)]
+pub(super) struct PlacedCutter {
+    pub cutter: CutterSolid,
+    pub hub_clearance: f64,
+    pub blade_clearance: f64,
+    /// Distance by which it stops short of the hub allowance, mm.
+    pub lift: f64,
+}
+
+/// One row, planned.
+#[derive(Debug)]
+pub(super) struct PlannedRow {
+    pub stations: Vec<Station>,
+    pub lambda: f64,
+    pub iterations: usize,
+    pub converged: bool,
+    /// s at which the row has no position, and why.
+    pub missing: Vec<(f64, DropCause)>,
+}
+
+impl PlannedRow {
+    pub fn empty(lambda: f64) -> Self {
+        Self { stations: Vec::new(), lambda, iterations: 0, converged: true, missing: Vec::new() }
+    }
+}
+
+/// A planned row with the final position of every cutter.
+#[derive(Debug)]
+pub(super) struct CutRow {
+    pub row: PlannedRow,
+    /// One entry per station: the placed cutter, or why the station is dropped.
+    pub placed: Vec<Result<PlacedCutter, DropReason>>,
+}
+
+impl CutRow {
+    /// Number of positions, without the dropped ones.
+    pub fn len(&self) -> usize {
+        self.placed.iter().flatten().count()
+    }
+
+    /// λ of the row in the channel.
+    pub fn lambda(&self) -> f64 {
+        self.row.lambda
+    }
+
+    /// The cutters of the positions, without the dropped ones.
+    pub fn cutters(&self) -> impl Iterator<Item = &CutterSolid> {
+        self.placed.iter().flatten().map(|placed| &placed.cutter)
+    }
+
+    /// The row turned about Z by `angle`, rad.
+    pub fn turned(&self, angle: f64) -> Self {
+        let turned = |placed: &PlacedCutter| {
+            let CutterSolid { tip, axis, .. } = placed.cutter;
+            let (tip, axis) = (rotate_z(&tip, angle), rotate_vector_z(&axis, angle));
+            PlacedCutter { cutter: CutterSolid { tip, axis, ..placed.cutter }, ..*placed }
+        };
+        let placed = self.placed.iter().map(|placed| placed.as_ref().map(turned).map_err(|why| *why));
+        Self {
+            row: PlannedRow {
+                stations: self.row.stations.iter().map(|station| station.turned(angle)).collect(),
+                missing: self.row.missing.clone(),
+                ..self.row
+            },
+            placed: placed.collect(),
+        }
+    }
+
+    /// Lift of the plunge at an s of the hub, mm; `None` where there is none or it is dropped.
+    pub fn lift_at(&self, s_hub: f64) -> Option<f64> {
+        let is_there = |station: &Station| (station.ends.s_hub - s_hub).abs() < 1e-9;
+        let at = self.row.stations.iter().position(is_there)?;
+        self.placed[at].as_ref().ok().map(|placed| placed.lift)
+    }
+
+    /// Forgets the places that `is_cut` holds for, by λ and s, of those that are missing or dropped.
+    pub fn forget_open(&mut self, is_cut: impl Fn(f64, f64) -> bool) {
+        let lambda = self.row.lambda;
+        self.row.missing.retain(|(s, _)| !is_cut(lambda, *s));
+        let placed = std::mem::take(&mut self.placed);
+        let stations = std::mem::take(&mut self.row.stations);
+        for (station, placed) in stations.into_iter().zip(placed) {
+            if placed.is_ok() || !is_cut(lambda, station.ends.s_hub) {
+                self.row.stations.push(station);
+                self.placed.push(placed);
+            }
+        }
+    }
+
+    /// The stations that are not dropped.
+    pub fn stations(&self) -> impl Iterator<Item = &Station> {
+        self.row
+            .stations
+            .iter()
+            .zip(&self.placed)
+            .filter(|(_, placed)| placed.is_ok())
+            .map(|(station, _)| station)
+    }
+
+    /// The row without its dropped stations.
+    pub fn without_dropped(mut self) -> Self {
+        let placed = std::mem::take(&mut self.placed);
+        let stations = std::mem::take(&mut self.row.stations);
+        for (station, placed) in stations.into_iter().zip(placed).filter(|(_, placed)| placed.is_ok()) {
+            self.row.stations.push(station);
+            self.placed.push(placed);
+        }
+        self
+    }
+
+    /// The same positions in the same order, with a new row wherever the axis turns by more than `limit`
+    /// (rad) between two consecutive positions that are not dropped.
+    pub fn split_where_axes_turn(self, limit: f64) -> Vec<Self> {
+        let PlannedRow { lambda, iterations, converged, missing, .. } = self.row;
+        let empty = || Self {
+            row: PlannedRow { iterations, converged, ..PlannedRow::empty(lambda) },
+            placed: Vec::new(),
+        };
+        let mut rows = vec![empty()];
+        rows[0].row.missing = missing;
+        let mut last: Option<Vector> = None;
+        for (station, placed) in self.row.stations.into_iter().zip(self.placed) {
+            if let Ok(placed) = &placed {
+                let axis = placed.cutter.axis;
+                if last.is_some_and(|last| last.angle(&axis) > limit) {
+                    rows.push(empty());
+                }
+                last = Some(axis);
+            }
+            if let Some(row) = rows.last_mut() {
+                row.row.stations.push(station);
+                row.placed.push(placed);
+            }
+        }
+        rows
+    }
+}
+
+/// A planned section with the final position of every cutter.
+#[derive(Debug)]
+pub(super) struct SectionCut {
+    pub feed: CutDirection,
+    pub rows: Vec<CutRow>,
+    /// All plunges so far, those of earlier sections first.
+    pub columns: Columns,
+    /// See [`SectionPlan::added`].
+    pub added: Option<AddedPlunges>,
+}
+
+impl SectionCut {
+    /// A section without rows, to be cut after the plunges of `columns`.
+    pub fn empty(feed: CutDirection, columns: Columns) -> Self {
+        Self { feed, rows: Vec::new(), columns, added: None }
+    }
+
+    /// As [`Self::empty`], for a section that planning did not reach before it was stopped.
+    pub fn not_started(section: &SectionSetup, columns: Columns) -> Self {
+        let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
+        Self { added: Some(AddedPlunges::UNFINISHED), ..Self::empty(feed, columns) }
+    }
+
+    /// Records that the row at `lambda` has no position at the s in `missing`.
+    pub fn note_missing(&mut self, lambda: f64, missing: Vec<(f64, DropCause)>) {
+        if !missing.is_empty() {
+            let row = PlannedRow { missing, ..PlannedRow::empty(lambda) };
+            self.rows.push(CutRow { row, placed: Vec::new() });
+        }
+    }
+
+    /// Whether planning was stopped before the section was finished.
+    pub fn is_unfinished(&self) -> bool {
+        self.added.is_some_and(AddedPlunges::is_unfinished)
+    }
+}
+
+impl Planner<'_> {
+    /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
+    /// violates the hub allowance by rounding.
+    fn place_cutter(&self, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
+        let stock = &self.setup.allowances;
+        let mut cutter = tool.placed(station.tip, station.axis);
+        let mut hub_clearance = self.workpiece.finished.hub_clearance(&cutter);
+        for doubling in 0..12 {
+            let deep = stock.hub_allowance - hub_clearance;
+            if deep <= 0.0 {
+                break;
+            }
+            // On an axis oblique to the hub a lift raises the clearance by only part of itself.
+            cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
+            hub_clearance = self.workpiece.finished.hub_clearance(&cutter);
+        }
+        let blade_clearance = self.workpiece.finished.blade_clearance(&cutter);
+        if blade_clearance < stock.blade_allowance - 1e-6 {
+            return Err(DropReason::Blades);
+        }
+        Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
+    }
+
+    /// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
+    /// its core would meet stock, and is dropped where that takes more than this share of its depth in the
+    /// blank.
+    pub(super) fn cut_row(
+        &self,
+        row: PlannedRow,
+        tool: &Tool,
+        max_lift: Option<f64>,
+        columns: &mut Columns,
+        monitor: &Monitor,
+    ) -> Result<CutRow, PlanError> {
+        let top = BlankTop::new(&self.workpiece.blank);
+        let rule = self.assembly_rule(tool);
+        let place = |station| {
+            monitor.check()?;
+            let placed = self.place_cutter(station, tool);
+            // In a blank above the shroud it depends on the earlier plunges.
+            if self.workpiece.blank.outline().is_some() {
+                return Ok(placed);
+            }
+            Ok(placed.and_then(|placed| {
+                if PlungeColumn::new(placed.cutter, tool.radius(), &top).top > tool.overhang {
+                    return Err(DropReason::Overhang);
+                }
+                let pose = (placed.cutter.tip, placed.cutter.axis);
+                match rule.as_ref().and_then(|rule| rule.obstacle(pose)) {
+                    Some(why) => Err(why),
+                    None => Ok(placed),
+                }
+            }))
+        };
+        let mut placed = row
+            .stations
+            .par_iter()
+            .map(place)
+            .collect::<Result<Vec<Result<PlacedCutter, DropReason>>, Cancelled>>()?;
+        if self.workpiece.blank.outline().is_some() {
+            self.drop_hindered(&mut placed, tool, rule.as_ref(), columns, monitor)?;
+        }
+        let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
+        let deep: Vec<Option<PlungeColumn>> =
+            placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
+        let Some(share) = max_lift else {
+            columns.extend(deep.into_iter().flatten());
+            return Ok(CutRow { row, placed });
+        };
+        // In parallel, as if all earlier plunges reached their full depth; then in sequence those that meet
+        // stock and those near a plunge that was lifted or dropped.
+        let first = columns.len();
+        columns.extend(deep.iter().flatten().copied());
+        let free: Vec<bool> = (first..columns.len())
+            .into_par_iter()
+            .map(|k| {
+                let column = &columns.as_slice()[k];
+                monitor.is_cancelled()
+                    || planned_contact(column, columns.before(k), &self.workpiece.blank) == 0.0
+            })
+            .collect();
+        columns.truncate(first);
+        let mut changed: Vec<PlungeColumn> = Vec::new();
+        let deep_ones =
+            placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));
+        for ((place, deep), free) in deep_ones.zip(free) {
+            monitor.check()?;
+            if free && !changed.iter().any(|other| deep.may_meet(&other.cutter)) {
+                columns.push(*deep);
+                continue;
+            }
+            let unlifted = std::mem::replace(place, Err(DropReason::Contact));
+            *place = unlifted.and_then(|p| self.lift_clear(p, tool, share, columns.all(), &top));
+            if !place.as_ref().is_ok_and(|placed| placed.lift == 0.0) {
+                changed.push(*deep);
+            }
+            columns.extend(place.as_ref().ok().map(column));
+        }
+        Ok(CutRow { row, placed })
+    }
+
+    /// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not
+    /// clear, after the plunges of `columns` and those before them in the row.
+    fn drop_hindered(
+        &self,
+        placed: &mut [Result<PlacedCutter, DropReason>],
+        tool: &Tool,
+        rule: Option<&AssemblyRule>,
+        columns: &mut Columns,
+        monitor: &Monitor,
+    ) -> Result<(), Cancelled> {
+        let top = BlankTop::new(&self.workpiece.blank);
+        let first = columns.len();
+        // What a plunge that is dropped would have removed stands for those after it.
+        loop {
+            let cutters = placed.iter().flatten().map(|placed| placed.cutter);
+            columns.extend(cutters.map(|cutter| PlungeColumn::new(cutter, tool.radius(), &top)));
+            let why: Vec<Option<DropReason>> = (first..columns.len())
+                .into_par_iter()
+                .map(|k| {
+                    monitor.check()?;
+                    let column = &columns.as_slice()[k];
+                    if cuts_deeper_than(column, tool.overhang, columns.before(k), &self.workpiece.blank) {
+                        return Ok(Some(DropReason::Overhang));
+                    }
+                    let pose = (column.cutter.tip, column.cutter.axis);
+                    Ok(rule.and_then(|rule| rule.after(columns.before(k + 1)).obstacle(pose)))
+                })
+                .collect::<Result<_, Cancelled>>()?;
+            columns.truncate(first);
+            if why.iter().all(Option::is_none) {
+                return Ok(());
+            }
+            for (place, why) in placed.iter_mut().filter(|place| place.is_ok()).zip(why) {
+                if let Some(why) = why {
+                    *place = Err(why);
+                }
+            }
+        }
+    }
+
+    /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
+    ///
+    /// # Errors
+    /// [`DropReason::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
+    fn lift_clear(
+        &self,
+        mut placed: PlacedCutter,
+        tool: &Tool,
+        max_lift: f64,
+        earlier: Earlier,
+        top: &BlankTop,
+    ) -> Result<PlacedCutter, DropReason> {
+        let unlifted = placed.cutter.tip;
+        let depth = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
+        for _ in 0..MAX_LIFTS {
+            let column = PlungeColumn::new(placed.cutter, tool.core_radius(), top);
+            let contact = planned_contact(&column, earlier, &self.workpiece.blank);
+            if contact == 0.0 {
+                break;
+            }
+            let lift = (placed.cutter.tip - unlifted).norm() + contact;
+            if lift >= max_lift * depth - LIFT_MARGIN {
+                return Err(DropReason::Contact);
+            }
+            placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
+        }
+        placed.lift = (placed.cutter.tip - unlifted).norm();
+        if placed.lift > 0.0 {
+            placed.hub_clearance = self.workpiece.finished.hub_clearance(&placed.cutter);
+            placed.blade_clearance = self.workpiece.finished.blade_clearance(&placed.cutter);
+        }
+        Ok(placed)
+    }
+}
