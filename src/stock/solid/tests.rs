@@ -1,6 +1,7 @@
 //! The solid against closed forms, finer models, and itself.
 
 mod surface;
+mod unions;
 
 use std::f64::consts::PI;
 
