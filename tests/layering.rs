@@ -112,6 +112,66 @@ fn gpu_knows_no_parts_and_no_plans() {
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 
+/// The parts of the window, innermost first, with the crates that they must not use: each uses only those
+/// before it, and only the last may name the application itself.
+const PARTS_OF_APP: [(&str, &[&str]); 3] = [
+    ("app/model", &["egui", "eframe", "wgpu", "winit", "rfd"]),
+    ("app/tasks", &["egui", "eframe", "winit", "rfd"]),
+    ("app/views", &[]),
+];
+
+/// What a part of the window must not name, each with its line: parts behind it, the application, crates.
+fn faults_of_app_part(own: usize, code: &str) -> Vec<(usize, String)> {
+    let (_, crates) = PARTS_OF_APP[own];
+    let behind = PARTS_OF_APP[own + 1..].iter().map(|(part, _)| part.trim_start_matches("app/"));
+    // Views draw the application; what lies before them must not know it.
+    let is_view = own + 1 == PARTS_OF_APP.len();
+    let behind: Vec<&str> =
+        behind.chain((!is_view).then_some("control")).chain((!is_view).then_some("App")).collect();
+    let mut faults = Vec::new();
+    // Paths from the crate or from the folder of the window.
+    for start in ["crate::app::", "super::super::", "super::"] {
+        for (at, found) in code.match_indices(start) {
+            let rest = &code[at + found.len()..];
+            let list = rest.strip_prefix('{').and_then(|list| list.split('}').next());
+            let names: Vec<&str> = list.map_or_else(|| vec![rest], |list| list.split(',').collect());
+            for name in names.into_iter().filter_map(|name| identifier(name.trim())) {
+                if behind.contains(&name.as_str()) {
+                    faults.push((1 + code[..at].matches('\n').count(), name));
+                }
+            }
+        }
+    }
+    for (number, line) in code.lines().enumerate() {
+        let words = line.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        faults.extend(words.filter(|word| crates.contains(word)).map(|word| (number + 1, word.to_owned())));
+    }
+    faults
+}
+
+#[test]
+fn the_model_of_the_window_knows_no_egui_and_tasks_no_views() {
+    let mut faults = Vec::new();
+    for (own, (part, _)) in PARTS_OF_APP.iter().enumerate() {
+        for path in sources(part) {
+            for (line, other) in faults_of_app_part(own, &code(&path)) {
+                faults.push(format!("{}:{line}: {part} uses {other}", path.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+fn what_a_part_of_the_window_must_not_name_is_seen() {
+    let code = "use crate::app::views::theme;\nuse crate::app::{\n    model::state, tasks};\nfn f(c: &egui::Context) {}";
+    let names = |own| faults_of_app_part(own, code).into_iter().map(|(line, name)| format!("{line} {name}"));
+    assert_eq!(names(0).collect::<Vec<_>>(), ["1 views", "2 tasks", "4 egui"]);
+    assert_eq!(names(1).collect::<Vec<_>>(), ["1 views", "4 egui"]);
+    assert_eq!(names(2).count(), 0);
+    assert_eq!(faults_of_app_part(1, "use super::super::views::x;\nuse crate::app::App;").len(), 3);
+}
+
 #[test]
 fn lists_over_several_lines_are_seen() {
     let code = "use crate::{\n    part::{Blade, setup},\n    gpu,\n};\nlet a = crate::io::read();";

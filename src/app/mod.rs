@@ -1,72 +1,24 @@
 //! The window: an eframe application over the same job as the command line.
 //!
-//! | file | holds |
-//! |---|---|
-//! | [`state`] | document, results and look, and the rules that connect them; no drawing |
-//! | [`document`], [`results`], [`look`] | edited data with undo; computed data; how both are displayed |
-//! | [`planned`] | a finished plan with the data that the panels show |
-//! | [`problem`] | problems shown until they are dismissed or solved |
-//! | [`preview`] | preview of a running plan, stage by stage |
-//! | [`engine`] | opening and planning as functions, which tests replace |
-//! | [`command`] | every command of the window |
-//! | [`theme`] | colours and sizes |
-//! | [`panels`] | the panels, one file each |
-//! | [`mod@viewport`], [`view3d`], [`picture`] | the 3D views: arrangement; mouse and camera; textures |
-//! | [`mouse`], `point_menu` | mouse presets; the context menu of a 3D view |
-//! | [`overlay`], [`cube`], `borders` | controls over the 3D views; the view cube; section borders to drag |
-//! | [`cutter_colours`] | what the cutters are coloured by |
-//! | [`legend`], `sides` | the legend below the 3D view; the panels at the left and right |
-//! | `scrub` | stock at a timeline position; sectional view of the selected position |
-//! | [`solid`] | the stock as a solid at a timeline position |
-//! | `roles` | the dialog that assigns roles to the nodes of a mesh file |
-//! | [`dialogs`], [`files`] | file dialogs; reading and writing files in the background |
-//! | `project`, [`home`] | the project file, the question before closing; recent projects, recovery copies |
-//! | [`menu`], [`palette`], [`help`] | the menu; the command search; shortcuts, glossary and version |
-//! | [`work`] | background tasks and their results |
-//! | [`mod@run`], [`handover`] | opening the window; carrying its state over when the device is lost |
+//! | folder | holds | may use |
+//! |---|---|---|
+//! | [`model`] | document, results, look, and the rules that connect them; knows no egui | the core, the meshes and colours of `gpu` |
+//! | [`tasks`] | work in the background: reading, planning, writing, simulating; knows no egui | `model` |
+//! | [`views`] | panels, 3D views, menus, dialogs | `model`, `tasks` |
+//! | [`control`] | what connects them: commands, results of tasks, project, export | all |
+//! | [`mod@run`] | opening the window | all |
+//!
+//! `tests/layering.rs` holds the order. Views that draw a whole area are methods of [`App`], too: they return
+//! what the user asked for to the same commands as menus and keys.
 //!
 //! The UI thread never waits: work runs on [`crate::job::worker::Worker`]s, which request a repaint when
 //! they are done. Without input and background work nothing is drawn.
 
-mod borders;
-pub mod command;
-pub mod cube;
-pub mod cutter_colours;
-pub mod dialogs;
-pub mod document;
-pub mod engine;
-pub mod export;
-pub mod files;
-pub mod handover;
-pub mod help;
-pub mod home;
-mod latest;
-pub mod legend;
-pub mod look;
-pub mod menu;
-pub mod mouse;
-pub mod number;
-pub mod overlay;
-pub mod palette;
-pub mod panels;
-pub mod picture;
-pub mod planned;
-mod point_menu;
-pub mod preview;
-pub mod problem;
-mod project;
-mod release;
-pub mod results;
-mod roles;
+pub mod control;
+pub mod model;
 pub mod run;
-mod scrub;
-mod sides;
-pub mod solid;
-pub mod state;
-pub mod theme;
-pub mod view3d;
-pub mod viewport;
-pub mod work;
+pub mod tasks;
+pub mod views;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -76,47 +28,61 @@ use egui::{CentralPanel, Panel, Ui};
 
 pub use run::{AppError, run};
 
-use command::Command;
-use engine::{Engine, PartSource};
-use look::Operation;
-use panels::part::PartAction;
-use picture::Pictures;
-use planned::{PerSide, Side};
-use problem::{Problem, Topic};
-use state::AppState;
-use view3d::View3d;
-use work::Work;
+use control::export::ReleaseQuestion;
+use control::handover::RecoverySlot;
+use control::project::{Pending, Session};
+use model::look::{Look, Operation};
+use model::part_source::PartSource;
+use model::planned::{PerSide, Side};
+use model::problem::{Problem, Topic};
+use model::state::AppState;
+use tasks::engine::Engine;
+use tasks::files;
+use tasks::scrub::{InspectedSection, TimelineStock};
+use tasks::solid::{SolidPicture, SolidWork};
+use tasks::work::{PROGRESS_EVERY, Work};
+use views::command::Command;
+use views::dialogs::Dialogs;
+use views::help::Help;
+use views::palette::Palette;
+use views::panels::{self, part::PartAction};
+use views::picture::{Pictures, PreviewSource};
+use views::picture_dialog::{ExportDialog, ExportSettings};
+use views::roles::RolesDialog;
+use views::view3d::{View3d, ViewHit};
+use views::viewport::{Hover, ScreenInfo};
+use views::{repaint, theme};
 
 /// The application.
 pub struct App {
     state: AppState,
     engine: Engine,
     work: Work,
-    dialogs: dialogs::Dialogs,
+    dialogs: Dialogs,
     view: View3d,
     /// `None` on a device that cannot draw; the panels work without it.
     pictures: Option<Pictures>,
-    scrubbed: scrub::TimelineStock,
-    inspected: scrub::InspectedSection,
+    scrubbed: TimelineStock,
+    inspected: InspectedSection,
     /// The solid stock of each side.
-    solids: PerSide<solid::SolidWork>,
-    hover: Option<viewport::Hover>,
+    solids: PerSide<SolidWork>,
+    hover: Option<Hover>,
     /// Target of the right click, while its context menu is open.
-    context_hit: Option<(Side, view3d::ViewHit)>,
+    context_hit: Option<(Side, ViewHit)>,
     /// Whether a section border is being dragged.
     is_dragging_border: bool,
-    screen: viewport::ScreenInfo,
-    palette: palette::Palette,
-    help: help::Help,
-    session: project::Session,
-    export: export::ExportSettings,
-    export_dialog: export::ExportDialog,
+    screen: ScreenInfo,
+    palette: Palette,
+    help: Help,
+    session: Session,
+    export: ExportSettings,
+    export_dialog: ExportDialog,
     /// The question about a program with something against it, while it is open.
-    release: Option<release::ReleaseQuestion>,
-    roles: roles::RolesDialog,
+    release: Option<ReleaseQuestion>,
+    roles: RolesDialog,
     device: String,
     /// Receives the window's state when the device is lost.
-    recovery_slot: Option<handover::RecoverySlot>,
+    recovery_slot: Option<RecoverySlot>,
     /// Whether the state was handed over; the window then only waits to be closed.
     handed_over: bool,
     title: String,
@@ -137,25 +103,25 @@ impl App {
         let device = pictures.as_ref().map_or_else(|| "no 3D view".to_owned(), Pictures::device_name);
         Self {
             state: AppState::default(),
-            work: Work::new(&engine, &cc.egui_ctx),
+            work: Work::new(&engine, &repaint(&cc.egui_ctx)),
             engine,
-            dialogs: dialogs::Dialogs::new(&cc.egui_ctx),
+            dialogs: Dialogs::new(&cc.egui_ctx),
             view: View3d::default(),
             pictures,
-            scrubbed: scrub::TimelineStock::new(&cc.egui_ctx),
-            inspected: scrub::InspectedSection::new(&cc.egui_ctx),
-            solids: PerSide::new(|_| solid::SolidWork::new(&cc.egui_ctx)),
+            scrubbed: TimelineStock::new(&repaint(&cc.egui_ctx)),
+            inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
+            solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
             context_hit: None,
             is_dragging_border: false,
-            screen: viewport::ScreenInfo::default(),
-            palette: palette::Palette::default(),
-            help: help::Help::default(),
-            session: project::Session::default(),
-            export: export::ExportSettings::default(),
-            export_dialog: export::ExportDialog::default(),
+            screen: ScreenInfo::default(),
+            palette: Palette::default(),
+            help: Help::default(),
+            session: Session::default(),
+            export: ExportSettings::default(),
+            export_dialog: ExportDialog::default(),
             release: None,
-            roles: roles::RolesDialog::default(),
+            roles: RolesDialog::default(),
             device,
             recovery_slot: None,
             handed_over: false,
@@ -186,7 +152,7 @@ impl App {
     }
 
     /// How part and plan are displayed, for changes from outside.
-    pub fn look_mut(&mut self) -> &mut look::Look {
+    pub fn look_mut(&mut self) -> &mut Look {
         &mut self.state.look
     }
 
@@ -196,14 +162,14 @@ impl App {
     }
 
     /// Sets what computes the stock that the views draw.
-    pub fn set_preview_source(&mut self, source: picture::PreviewSource) {
+    pub fn set_preview_source(&mut self, source: PreviewSource) {
         if let Some(pictures) = &mut self.pictures {
             pictures.set_preview_source(source);
         }
     }
 
     /// The solid stock that a side shows; `None` while the layer is hidden or nothing is computed yet.
-    pub fn solid(&self, side: Side) -> Option<&solid::SolidPicture> {
+    pub fn solid(&self, side: Side) -> Option<&SolidPicture> {
         self.solids[side].shown().map(|picture| &**picture)
     }
 
@@ -218,7 +184,7 @@ impl App {
             || self.dialogs.is_busy()
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
-            || self.solids.iter().any(solid::SolidWork::is_busy)
+            || self.solids.iter().any(SolidWork::is_busy)
     }
 
     /// Time from start to the first picture of a part; `None` before it.
@@ -232,7 +198,7 @@ impl App {
         match &paths[..] {
             [] => {}
             [path] if files::is_setup(path) => self.open_file(path.clone()),
-            [path] => self.run_guarded(ctx, project::Pending::Open(path.clone())),
+            [path] => self.run_guarded(ctx, Pending::Open(path.clone())),
             // A part together with its setup.
             many => {
                 let (setups, parts): (Vec<&PathBuf>, Vec<&PathBuf>) =
@@ -247,8 +213,8 @@ impl App {
     fn apply_action(&mut self, ctx: &egui::Context, action: PartAction) {
         match action {
             PartAction::Command(command) => self.run_command(ctx, command),
-            PartAction::Open(source) => self.run_guarded(ctx, project::Pending::OpenPart(source)),
-            PartAction::OpenFile(path) => self.run_guarded(ctx, project::Pending::Open(path)),
+            PartAction::Open(source) => self.run_guarded(ctx, Pending::OpenPart(source)),
+            PartAction::OpenFile(path) => self.run_guarded(ctx, Pending::Open(path)),
             PartAction::DiscardRecovery(path) => self.drop_recoverable(&path),
         }
     }
@@ -358,7 +324,7 @@ impl eframe::App for App {
             }
         }
         if self.work.running().is_some() {
-            ctx.request_repaint_after(work::PROGRESS_EVERY);
+            ctx.request_repaint_after(PROGRESS_EVERY);
         }
         self.update_title(ctx);
     }

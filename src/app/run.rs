@@ -11,8 +11,8 @@ use crate::error::{ErrorCode, UserError};
 use crate::gpu::device::{device_descriptor, pick_adapter, pick_software};
 
 use super::App;
-use super::engine::Engine;
-use super::handover::RecoverySlot;
+use super::control::handover::RecoverySlot;
+use super::tasks::engine::Engine;
 
 /// Application id: name of the data folder and of the window to the desktop.
 const APP_ID: &str = "vanecut";

@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
+use vanecut::app::model::file_purpose::Purpose;
 
 use crate::fake;
 use crate::harness::{Window, settle, snapshot_view, with_sample};

@@ -2,14 +2,14 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::{Arrangement, PlaneOrientation};
-use vanecut::app::planned::Side;
+use vanecut::app::model::look::{Arrangement, PlaneOrientation};
+use vanecut::app::model::planned::Side;
 use vanecut::setup::AxisPolicy;
 
 use crate::fake;
 use crate::harness::{Window, press, settle, snapshot_view, with_sample};
 
-fn wide(engine: vanecut::app::engine::Engine) -> Window {
+fn wide(engine: vanecut::app::tasks::engine::Engine) -> Window {
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1200.0, 760.0));
     window.run_steps(3);

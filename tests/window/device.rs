@@ -4,9 +4,9 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
 use vanecut::app::App;
-use vanecut::app::dialogs::Purpose;
-use vanecut::app::engine::Engine;
-use vanecut::app::handover::RecoverySlot;
+use vanecut::app::control::handover::RecoverySlot;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::io::project_file::read_project;
 
 use crate::fake;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::geometry::Point;
 use vanecut::io::setup_file::read_setup;
 use vanecut::io::stl::write_stl;

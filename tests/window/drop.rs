@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
+use vanecut::app::model::file_purpose::Purpose;
 
 use crate::fake;
 use crate::harness::{Window, settle, window, with_sample};

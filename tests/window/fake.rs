@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use vanecut::app::engine::Engine;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::cutting::contact::CoreContact;
 use vanecut::error::ErrorCode;
 use vanecut::geometry::Vector;

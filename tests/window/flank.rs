@@ -1,7 +1,7 @@
 //! Flank milling in the window.
 
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::setup::FlankStrategy;
 
 use crate::fake;
@@ -41,7 +41,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&vanecut::app::legend::format_signed(most, most));
+    window.get_by_label(&vanecut::app::views::legend::format_signed(most, most));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();

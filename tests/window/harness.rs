@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use egui_kittest::{Harness, SnapshotOptions};
 use vanecut::app::App;
-use vanecut::app::engine::{Engine, PartSource};
+use vanecut::app::model::part_source::PartSource;
+use vanecut::app::tasks::engine::Engine;
 
 /// A window of 900 × 600 points.
 pub type Window = Harness<'static, App>;

@@ -3,9 +3,9 @@
 use egui::accesskit::Role;
 use egui::{Color32, Theme};
 use egui_kittest::kittest::Queryable;
-use vanecut::app::engine::PartSource;
-use vanecut::app::look::Operation;
-use vanecut::app::theme::{self, Condition};
+use vanecut::app::model::look::Operation;
+use vanecut::app::model::part_source::PartSource;
+use vanecut::app::views::theme::{self, Condition};
 
 use crate::fake;
 use crate::harness::{Window, sample_in, scaled, settle, window, with_sample};

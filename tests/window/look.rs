@@ -1,7 +1,7 @@
 //! The window at two scalings and in both themes, idle, and as a picture file.
 
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
+use vanecut::app::model::file_purpose::Purpose;
 
 use crate::fake;
 use crate::harness::{click_enabled, sample_in, scaled, settle, snapshot_view, with_sample};

@@ -34,9 +34,9 @@ use std::time::{Duration, Instant};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use harness::{settle, snapshot_ui, snapshot_view, window, with_sample};
-use vanecut::app::dialogs::Purpose;
-use vanecut::app::planned::Side;
-use vanecut::app::state::Tone;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::planned::Side;
+use vanecut::app::model::state::Tone;
 use vanecut::geometry::Vector;
 use vanecut::plunge::PlungePlan;
 

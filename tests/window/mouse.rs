@@ -3,8 +3,8 @@
 use egui::accesskit::Role;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::{Filter, Tab};
-use vanecut::app::mouse::MousePreset;
+use vanecut::app::model::look::{Filter, Tab};
+use vanecut::app::model::mouse_preset::MousePreset;
 use vanecut::gpu::camera::Camera;
 
 use crate::fake;

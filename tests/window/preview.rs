@@ -1,9 +1,9 @@
 //! The stock on the floor is what the compute kernel left in its buffer.
 
 use egui_kittest::kittest::Queryable;
-use vanecut::app::engine::Engine;
-use vanecut::app::picture::PreviewSource;
-use vanecut::app::planned::Side;
+use vanecut::app::model::planned::Side;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::app::views::picture::PreviewSource;
 use vanecut::job::{JobError, Listener, PlanRequest};
 use vanecut::monitor::Monitor;
 

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
-use vanecut::app::state::Tone;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::state::Tone;
 use vanecut::io::project_file::read_project;
 
 use crate::fake;

@@ -2,8 +2,8 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::engine::Engine;
-use vanecut::app::state::Tone;
+use vanecut::app::model::state::Tone;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::setup::AxisPolicy;
 
 use crate::harness::{settle, with_sample};

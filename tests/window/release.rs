@@ -2,8 +2,8 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
-use vanecut::app::planned::Side;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::planned::Side;
 
 use crate::fake;
 use crate::harness::{settle, with_sample};

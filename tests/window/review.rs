@@ -2,8 +2,8 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::look::{Filter, TableColumn};
-use vanecut::app::planned::Side;
+use vanecut::app::model::look::{Filter, TableColumn};
+use vanecut::app::model::planned::Side;
 
 use crate::fake;
 use crate::harness::{Window, press, settle, with_sample};

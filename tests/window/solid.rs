@@ -1,10 +1,10 @@
 //! The stock as a solid in the 3D view.
 
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
-use vanecut::app::look::{PlaneOrientation, SectionPlaneLook};
-use vanecut::app::planned::Side;
-use vanecut::app::solid::SolidColours;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::{PlaneOrientation, SectionPlaneLook};
+use vanecut::app::model::planned::Side;
+use vanecut::app::model::solid::SolidColours;
 use vanecut::error::ErrorCode;
 use vanecut::io::stl::read_stl_bytes;
 

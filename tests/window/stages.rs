@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::engine::Engine;
-use vanecut::app::planned::Side;
+use vanecut::app::model::planned::Side;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::plunge::PlungePlan;

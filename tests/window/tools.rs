@@ -2,7 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::state::Tone;
+use vanecut::app::model::state::Tone;
 
 use crate::fake;
 use crate::harness::{Window, settle, with_sample};

@@ -100,7 +100,7 @@ fn the_palette_finds_and_runs_commands() {
     snapshot_view(&mut window, "palette");
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
-    use vanecut::app::look::Arrangement;
+    use vanecut::app::model::look::Arrangement;
     assert_eq!(window.state().state().look.arrangement, Arrangement::Both, "the first that was found");
     assert!(window.query_by_role_and_label(Role::TextInput, "Search commands").is_none(), "and it is gone");
     for name in ["3D view, before", "3D view, after"] {

@@ -6,10 +6,10 @@ use std::process::Command;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use vanecut::app::dialogs::Purpose;
-use vanecut::app::engine::Engine;
-use vanecut::app::state::Tone;
-use vanecut::app::theme::Condition;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::state::Tone;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::app::views::theme::Condition;
 use vanecut::io::apt::read_apt;
 
 use crate::drop::drop_on;

@@ -1,0 +1,347 @@
+//! Background tasks: opening, planning, writing, and the handling of their results.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::project::Pending;
+use crate::app::App;
+use crate::app::model::document::Edited;
+use crate::app::model::file_purpose::Purpose;
+use crate::app::model::look::Operation;
+use crate::app::model::part_source::PartSource;
+use crate::app::model::problem::{Problem, Topic};
+use crate::app::model::role_choices::hint_for_dialog;
+use crate::app::model::state::ShownPlan;
+use crate::app::tasks::engine::PlanTask;
+use crate::app::tasks::files::{self, ClTask, WriteTask};
+use crate::app::tasks::opening::{OpenTask, Opened};
+use crate::app::tasks::project::{edited_of, source_of};
+use crate::app::tasks::work::PlanKey;
+use crate::gpu::device::DEVICE_LOST_PREFIX;
+use crate::job::JobError;
+use crate::job::flank::{FlankOutcome, FlankRequest};
+use crate::job::worker::Outcome;
+use crate::part::BlankShape;
+
+impl App {
+    pub(in crate::app) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
+        let open = self.state.document.part.as_ref();
+        let defaults = Box::new(open.map(|part| part.defaults.clone()).unwrap_or_default());
+        self.submit_open(OpenTask::Files { part, setup, defaults });
+    }
+
+    pub(in crate::app) fn submit_open(&mut self, task: OpenTask) {
+        self.state.opening = match &task {
+            OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
+            OpenTask::Files { part, .. } => part.clone(),
+            OpenTask::Nodes(source) => Some(source.clone()),
+            OpenTask::Blank(_) => None,
+        };
+        self.state.notice = None;
+        self.work.opener.submit(task);
+    }
+
+    /// Opens a project, setup or part, depending on the file.
+    pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
+        self.dialogs.note_folder(&path);
+        if files::is_project(&path) {
+            self.submit_open(OpenTask::Project(path, None));
+        } else if files::is_setup(&path) {
+            self.open_files(None, Some(path));
+        } else {
+            self.open_files(Some(PartSource::File(path)), None);
+        }
+    }
+
+    /// Plans with the current setup.
+    pub(in crate::app) fn plan(&mut self) {
+        self.submit_plan(false);
+    }
+
+    /// Plans. A draft has one policy and a coarse field: while a slider moves, it is soon replaced.
+    fn submit_plan(&mut self, draft: bool) {
+        let Some(part) = &self.state.document.part else { return };
+        self.state.notice = None;
+        let asked = PlanKey {
+            setup: self.state.document.edited.setup.clone(),
+            compare: self.state.compare && !draft,
+            draft,
+        };
+        self.work.tasks += 1;
+        let task = PlanTask {
+            number: self.work.tasks,
+            part: Arc::clone(&part.impeller),
+            setup: asked.setup.clone(),
+            compare: asked.compare,
+            draft,
+            last: self.state.results.planned.clone(),
+        };
+        self.work.asked = Some(asked);
+        self.work.planner.submit(task);
+    }
+
+    /// Plans edits automatically if auto-update is on. `held`: a mouse button is down, so that more edits
+    /// will follow.
+    pub(in crate::app) fn plan_edits(&mut self, held: bool) {
+        self.plan_flank_edits(held);
+        let (true, Some(asked)) = (self.state.auto_update, &self.work.asked) else { return };
+        let same = asked.setup.equals_except_flank(&self.state.document.edited.setup);
+        let enough = held || (!asked.draft && asked.compare == self.state.compare);
+        if same && enough {
+            return;
+        }
+        // While a slider is held, let the task finish if it is past half way. Also wait for its first checked
+        // stage: otherwise continuous movement would restart planning before anything is shown.
+        let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
+            let has_stage = self
+                .state
+                .results
+                .preview
+                .as_ref()
+                .is_some_and(|coming| coming.task == self.work.tasks && coming.has_checked_stage());
+            !has_stage || fraction > 0.5
+        });
+        if !(held && worth_waiting) {
+            self.submit_plan(held);
+        }
+    }
+
+    /// Stores the latest preview; previews of finished or superseded tasks are dropped.
+    fn collect_coming(&mut self) {
+        let coming = self.work.coming.take().filter(|coming| coming.task == self.work.tasks);
+        if !self.work.planner.is_busy() {
+            self.state.results.preview = None;
+        } else if coming.is_some() {
+            self.state.results.preview = coming;
+        }
+    }
+
+    /// Stops opening and planning; the planner returns its best plan so far, or nothing at the second call.
+    /// Writing takes a moment and is not cancelled.
+    pub(in crate::app) fn cancel(&mut self) {
+        self.work.opener.cancel();
+        self.work.planner.stop();
+        self.work.flanker.cancel();
+    }
+
+    /// Plans flank milling passes with the current setup.
+    pub(in crate::app) fn plan_flank(&mut self) {
+        let Some(part) = &self.state.document.part else { return };
+        self.state.notice = None;
+        let setup = self.state.document.edited.setup.clone();
+        self.work.asked_flank = Some(setup.clone());
+        self.work.flanker.submit(FlankRequest { part: Arc::clone(&part.impeller), setup });
+    }
+
+    /// Plans a flank plan again that is older than the setup, if auto-update is on. Unlike plunges it is
+    /// planned only once the mouse is released, as it has no drafts.
+    fn plan_flank_edits(&mut self, held: bool) {
+        let setup = &self.state.document.edited.setup;
+        let follows = self.state.auto_update && !held && self.state.look.operation == Operation::Flank;
+        if follows && self.state.flank_is_stale() && self.work.asked_flank.as_ref() != Some(setup) {
+            self.plan_flank();
+        }
+    }
+
+    fn take_flank(&mut self, end: Outcome<FlankOutcome, JobError>) {
+        match end {
+            Outcome::Done(outcome) => {
+                let part = self.state.document.part.as_ref();
+                if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &outcome.workpiece.part)) {
+                    self.state.take_flank(outcome);
+                }
+            }
+            Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => {
+                self.state.report_done("Calculation cancelled");
+            }
+            Outcome::Failed(JobError::Setup(fault)) => {
+                let problem = Problem::of(Topic::Flank, &fault.message, &fault.help);
+                self.state.report_problem(problem.with_code(fault.code));
+            }
+            Outcome::Panicked(what) => {
+                self.state.report_problem(panic_problem(Topic::Flank, "Flank calculation", &what));
+            }
+        }
+    }
+
+    /// Handles the results of finished tasks.
+    pub(in crate::app) fn collect(&mut self, ctx: &egui::Context) {
+        if let Some((_, end)) = self.work.opener.take_outcome() {
+            self.state.opening = None;
+            self.roles.enable();
+            match end {
+                Outcome::Done(opened) => self.take_opened(opened),
+                Outcome::Cancelled => self.state.report_done("Opening cancelled"),
+                Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Other, "Opening", &what));
+                }
+            }
+        }
+        if let Some((_, end)) = self.work.planner.take_outcome() {
+            match end {
+                Outcome::Done(planned) => {
+                    // Drop the plan of a part that was replaced meanwhile.
+                    let part = self.state.document.part.as_ref();
+                    if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &planned.outcome.workpiece.part)) {
+                        self.state.take_plan(planned);
+                    }
+                }
+                Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
+                Outcome::Failed(JobError::Setup(fault)) => {
+                    let problem = Problem::of(Topic::Plan, &fault.message, &fault.help);
+                    self.state.report_problem(problem.with_code(fault.code));
+                }
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Plan, "Calculation", &what));
+                }
+            }
+        }
+        self.collect_coming();
+        if let Some((_, end)) = self.work.flanker.take_outcome() {
+            self.take_flank(end);
+        }
+        if let Some((_, end)) = self.work.writer.take_outcome() {
+            match end {
+                Outcome::Done(written) => {
+                    self.state.report_done(written.text);
+                    if let Some((path, edited)) = written.project {
+                        self.note_saved(ctx, path, edited);
+                    }
+                }
+                Outcome::Cancelled => {}
+                Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
+                Outcome::Panicked(what) => {
+                    self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));
+                }
+            }
+        }
+        self.collect_device_faults(ctx);
+    }
+
+    /// Handles errors reported by the graphics device.
+    pub(in crate::app) fn collect_device_faults(&mut self, ctx: &egui::Context) {
+        let errors = self.pictures.as_ref().map(|pictures| pictures.take_errors()).unwrap_or_default();
+        let lost = errors.iter().find(|error| error.starts_with(DEVICE_LOST_PREFIX));
+        let Some(error) = lost.or(errors.last()) else { return };
+        let line = error.lines().next().unwrap_or_default();
+        // Save the work first, whatever happens to the device.
+        self.copy_now();
+        if lost.is_some() && self.hand_over(ctx, line) {
+            return;
+        }
+        let problem = Problem::new(
+            format!("The graphics device reports: {line}"),
+            "save the project and restart with VANECUT_GPU=software",
+        );
+        if lost.is_some() {
+            // The window itself may not be able to draw any more.
+            eprintln!("vanecut: {}; {}", problem.message, problem.help);
+            self.pictures = None;
+            self.hover = None;
+            "no 3D view".clone_into(&mut self.device);
+        }
+        self.state.report_problem(problem);
+    }
+
+    fn take_opened(&mut self, opened: Opened) {
+        let Opened { part, setup, project, blank, unassigned } = opened;
+        if let Some(unassigned) = unassigned {
+            self.roles.ask(unassigned);
+            return;
+        }
+        let new_part = part.is_some();
+        if let Some((part, mesh)) = part {
+            self.roles.close();
+            self.work.planner_cancel();
+            // Roles that are not stored in a file yet count as unsaved changes.
+            let chosen = matches!(part.source, PartSource::Mesh(..))
+                && project.as_ref().is_none_or(|(_, project)| source_of(project) != part.source);
+            let same = chosen && part.source.file().is_some_and(|(path, _)| self.is_of_open_part(path));
+            // Tools and limits of another part would mislead, so its setup is dropped with it.
+            let edited = match (&project, &setup) {
+                (Some((_, project)), _) => edited_of(project),
+                (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
+                // The same file with other roles keeps its setup.
+                (None, None) if same => self.state.document.edited.clone(),
+                (None, None) => Edited { setup: part.defaults.clone(), ..Edited::default() },
+            };
+            let own = self.state.document.path.clone().filter(|_| same);
+            let path = project.as_ref().map(|(path, _)| path.clone()).or(own);
+            self.state.open(part, edited, path);
+            if chosen {
+                self.state.document.mark_unsaved();
+            }
+            let part = self.state.document.part.as_ref();
+            for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
+                self.state.report_problem(Problem::new(hint_for_dialog(&note), ""));
+            }
+            self.view.reset();
+            self.hover = None;
+            if let Some(pictures) = &mut self.pictures {
+                pictures.set_part(mesh);
+            }
+        }
+        if let Some((path, setup)) = setup {
+            self.state.report_done(format!("Opened {}", path.display()));
+            self.state.document.edited.setup = setup;
+        }
+        if let Some(blank) = blank {
+            self.state.report_done(format!("Opened {}", blank.path.display()));
+            self.state.document.edited.setup.allowances.blank = BlankShape::File(Arc::new(blank));
+            return;
+        }
+        if let Some((path, project)) = project {
+            self.take_project(path, &project);
+        }
+        // The first plan of a part starts automatically.
+        if new_part || self.state.results.planned.is_none() {
+            self.plan();
+        }
+    }
+
+    /// Reads or writes a chosen file in the background.
+    pub(in crate::app) fn use_file(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
+        match purpose {
+            Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
+            Purpose::SaveProject => self.write_project(path),
+            Purpose::OpenSetup => self.open_files(None, Some(path)),
+            Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
+            Purpose::SaveSetup => {
+                self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
+            }
+            Purpose::ExportCl { all_channels } => {
+                if let Some(ShownPlan { planned, policy }) = self.state.last_whole_plan(self.state.look.side)
+                {
+                    let planned = planned.clone();
+                    self.write(WriteTask::Cl(path, ClTask { planned, policy, all_channels }));
+                }
+            }
+            Purpose::ExportFlank => {
+                if let Some(outcome) = self.state.results.flank.clone() {
+                    self.write(WriteTask::Flank(path, outcome));
+                }
+            }
+            Purpose::ExportScene => self.export_scene(path),
+            Purpose::ExportStock => {
+                if let Some(source) = self.state.solid_source(self.state.look.side) {
+                    self.write(WriteTask::Stock(path, source, self.state.look.cut_count));
+                }
+            }
+            Purpose::SavePicture => self.export_picture(path),
+        }
+    }
+
+    pub(in crate::app) fn write(&mut self, task: WriteTask) {
+        self.work.writer.submit(task);
+    }
+}
+
+/// Problem message for a panic of a background task.
+fn panic_problem(topic: Topic, what: &str, message: &str) -> Problem {
+    Problem::of(
+        topic,
+        &format!("{what} failed unexpectedly ({message})"),
+        "change the setup, or report this with the part file",
+    )
+}

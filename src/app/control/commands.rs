@@ -1,0 +1,219 @@
+//! The commands of the window: which are available, and what each does.
+
+use std::path::Path;
+
+use egui::Context;
+
+use crate::gpu::view::View;
+
+use crate::app::App;
+use crate::app::control::project::Pending;
+use crate::app::model::file_purpose::Purpose;
+use crate::app::model::look::{Arrangement, Operation, Tab};
+use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::planned::Side;
+use crate::app::views::command::Command;
+use crate::app::views::help::HelpPage;
+
+impl App {
+    /// Whether a command is available now.
+    pub(in crate::app) fn is_available(&self, command: Command) -> bool {
+        use Command as C;
+        let open = self.state.document.part.is_some();
+        match command {
+            C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
+            C::AssignRoles => self.is_mesh(),
+            C::DismissProblems => !self.state.problems.is_empty(),
+            C::PlanFlank => open,
+            C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
+            C::ExportScene
+            | C::SaveSetup
+            | C::Plan
+            | C::Fit
+            | C::ViewIso
+            | C::ViewFront
+            | C::ViewTop
+            | C::ViewChannel => open,
+            C::Perspective | C::SectionPlane | C::Measure => open,
+            C::SavePicture => open && self.pictures.is_some(),
+            C::ExportStock
+            | C::Stock
+            | C::ExportCl
+            | C::ExportClAll
+            | C::BeforeAfter
+            | C::SideBySide
+            | C::Wipe
+            | C::Difference
+            | C::ViewSection => self.state.results.planned.is_some(),
+            C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow | C::Play | C::StepForward => {
+                self.state.position_count() > 0
+            }
+            C::StepBack | C::LeapForward | C::LeapBack | C::ToBlank | C::ToEnd => {
+                self.state.position_count() > 0
+            }
+            C::FlyToSelection | C::ShowInTable | C::OpenSection | C::ScrubHere => {
+                self.state.selected().is_some()
+            }
+            C::MeasureHere => self.measure_start().is_some(),
+            C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
+            C::Undo => self.state.document.can_undo(),
+            C::Redo => self.state.document.can_redo(),
+            _ => true,
+        }
+    }
+
+    /// Executes a command.
+    pub(in crate::app) fn run_command(&mut self, ctx: &Context, command: Command) {
+        use Command as C;
+        let look = &mut self.state.look;
+        match command {
+            C::NewProject => self.run_guarded(ctx, Pending::New),
+            C::OpenProject => self.dialogs.open_dialog(ctx, Purpose::OpenProject, String::new()),
+            C::SaveProject => self.save_project(ctx),
+            C::SaveProjectAs => self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project()),
+            C::Palette => self.palette.toggle(),
+            C::KeepSet => self.state.document.keep_set(),
+            C::FollowEdits => self.state.auto_update ^= true,
+            C::DismissProblems => self.state.dismiss_problems(),
+            C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
+            C::AssignRoles => self.assign_roles(),
+            C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
+            C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
+            C::SaveSetup => {
+                self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
+            }
+            C::ExportCl => self.ask_for_cl_file(ctx, false),
+            C::ExportClAll => self.ask_for_cl_file(ctx, true),
+            C::ExportScene => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
+            }
+            C::ExportStock => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportStock, self.suggest_file_name("stock.stl"));
+            }
+            C::SavePicture => self.export_dialog.open(),
+            C::Quit => self.run_guarded(ctx, Pending::Quit),
+            C::Undo => self.state.document.undo(),
+            C::Redo => self.state.document.redo(),
+            C::Plan => {
+                look.operation = Operation::Roughing;
+                self.plan();
+            }
+            C::PlanFlank => {
+                look.operation = Operation::Flank;
+                self.plan_flank();
+            }
+            C::ExportFlank => {
+                self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"));
+            }
+            C::FlankCurves => {
+                look.flank.shown = !(look.flank.shown && look.operation == Operation::Flank);
+                look.operation = Operation::Flank;
+            }
+            C::Cancel if self.work.running().is_none() => look.measure = None,
+            C::Cancel => self.cancel(),
+            C::NextFault => self.state.select_next_fault(true),
+            C::PreviousFault => self.state.select_next_fault(false),
+            C::NextRow => self.state.select_next_row(1),
+            C::PreviousRow => self.state.select_next_row(-1),
+            C::StepForward => self.state.step_timeline(1),
+            C::StepBack => self.state.step_timeline(-1),
+            C::LeapForward => self.state.step_timeline(100),
+            C::LeapBack => self.state.step_timeline(-100),
+            C::ToBlank => self.state.set_timeline(Some(0)),
+            C::ToEnd => self.state.set_timeline(None),
+            C::Play => self.state.play(ctx.input(|i| i.time)),
+            C::BeforeAfter => {
+                look.arrangement = Arrangement::One;
+                let other = look.side.other();
+                self.state.show(other);
+            }
+            C::SideBySide => self.arrange(Arrangement::Both),
+            C::Wipe => self.arrange(Arrangement::Wipe),
+            C::Difference => look.difference ^= true,
+            C::Fit => {
+                if let Some(framing) = self.pictures.as_ref().and_then(|pictures| pictures.framing()) {
+                    self.view.fit(framing);
+                }
+            }
+            C::FlyToSelection => look.fly = true,
+            C::ViewIso => self.view.look(View::Iso),
+            C::ViewFront => self.view.look(View::Front),
+            C::ViewTop => self.view.look(View::Top),
+            C::ViewChannel => self.view.look(View::Channel),
+            C::ViewSection => self.view.look(View::Section(self.current_section() + 1)),
+            C::Perspective => self.view.switch_projection(),
+            C::SectionPlane => {
+                look.section = if look.section.is_some() { None } else { Some(Default::default()) };
+            }
+            C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
+            C::ShowInTable => self.state.show_in_table(),
+            C::OpenSection => look.tab = Tab::Section,
+            C::ScrubHere => {
+                let cut = look.selected.map(|k| k + 1);
+                self.state.set_timeline(cut);
+            }
+            C::MeasureHere => {
+                let from = self.measure_start();
+                self.state.look.measure = Some(from.into_iter().collect());
+            }
+            C::Plots => look.plots ^= true,
+            C::Hub => look.layers.hub ^= true,
+            C::Blades => look.layers.blades ^= true,
+            C::Shroud => look.layers.shroud ^= true,
+            C::Cutters => look.layers.cutters ^= true,
+            C::Axes => look.layers.axes ^= true,
+            C::Holders => look.layers.holders ^= true,
+            C::Links => look.layers.links ^= true,
+            C::Stock => look.layers.stock ^= true,
+            C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
+                look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
+                self.store_preferences();
+            }
+            C::ShowShortcuts => self.help.open(HelpPage::Shortcuts),
+            C::ShowGlossary => self.help.open(HelpPage::Glossary),
+            C::ShowAbout => self.help.open(HelpPage::About),
+            C::SwitchTheme => {
+                let dark = ctx.theme() == egui::Theme::Dark;
+                ctx.set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
+        }
+        ctx.request_repaint();
+    }
+
+    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the
+    /// side "before" is shown, and whether the program is for all channels.
+    fn ask_for_cl_file(&mut self, ctx: &Context, all_channels: bool) {
+        let side = self.state.look.side;
+        let policy = match self.state.last_whole_plan(side) {
+            Some(shown) if side == Side::Before => format!("-{}", shown.policy.name()),
+            _ => String::new(),
+        };
+        let channels = if all_channels { "-all-channels" } else { "" };
+        let name = self.suggest_file_name(&format!("plunge{policy}{channels}.apt"));
+        self.dialogs.open_dialog(ctx, Purpose::ExportCl { all_channels }, name);
+    }
+
+    /// Proposed name of a file saved from the part.
+    pub(in crate::app) fn suggest_file_name(&self, ending: &str) -> String {
+        match &self.state.document.part {
+            Some(part) => format!("{}_{ending}", part.impeller.name),
+            None => ending.to_owned(),
+        }
+    }
+
+    /// Index of the section of the selected position, else 0.
+    fn current_section(&self) -> usize {
+        self.state.selected().map_or(0, |position| position.section)
+    }
+
+    /// Whether the open part comes from a mesh file.
+    pub(in crate::app) fn is_mesh(&self) -> bool {
+        self.state.document.part.as_ref().is_some_and(|part| part.source.mesh().is_some())
+    }
+
+    /// Whether `path` is the file of the open part.
+    pub(in crate::app) fn is_of_open_part(&self, path: &Path) -> bool {
+        let part = self.state.document.part.as_ref();
+        part.and_then(|part| part.source.file()).is_some_and(|(own, _)| own == path)
+    }
+}

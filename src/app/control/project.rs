@@ -1,0 +1,275 @@
+//! The project: saving, recovery copies, and what waits until unsaved changes are saved or discarded.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use egui::{Context, Ui};
+
+use crate::app::App;
+use crate::app::model::document::Edited;
+use crate::app::model::file_purpose::Purpose;
+use crate::app::model::look::REVEAL;
+use crate::app::model::part_source::PartSource;
+use crate::app::model::planned::Side;
+use crate::app::model::problem::Problem;
+use crate::app::tasks::files::WriteTask;
+use crate::app::tasks::home::{self, Home, Preferences};
+use crate::app::tasks::project::project_of;
+use crate::app::views::unsaved::{self, UnsavedAnswer};
+use crate::gpu::camera::{Camera, Projection};
+use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
+
+/// Delay of the recovery copy after the last change.
+const COPY_AFTER: Duration = Duration::from_secs(2);
+
+/// Action that waits until unsaved changes are saved or discarded.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::app) enum Pending {
+    /// Start a new project.
+    New,
+    /// Open a file.
+    Open(PathBuf),
+    /// Open a part.
+    OpenPart(PartSource),
+    /// Close the window.
+    Quit,
+}
+
+/// State of the session that is not part of [`AppState`].
+#[derive(Default)]
+pub(in crate::app) struct Session {
+    home: Option<Home>,
+    /// Content of the recovery copy on disk.
+    copied: Option<Edited>,
+    /// Last seen content and the time of its change, s: a copy waits until it is stable.
+    edited: Option<(Edited, f64)>,
+    pending: Option<Pending>,
+    /// Action to run once the project is written.
+    after_saving: Option<Pending>,
+    /// Whether closing was confirmed.
+    closing: bool,
+}
+
+impl Session {
+    /// Whether the question about unsaved changes is open.
+    pub(in crate::app) fn is_asking(&self) -> bool {
+        self.pending.is_some()
+    }
+}
+
+impl App {
+    /// Sets the folder for recent projects, recovery copies and preferences, and reads them.
+    pub fn set_home(&mut self, folder: PathBuf) {
+        let home = Home::new(folder);
+        self.state.recents = home.recents();
+        self.state.recoverable = home.recovery_copies();
+        self.state.look.mouse = home.preferences().mouse;
+        self.session.home = Some(home);
+    }
+
+    /// Stores the preferences for the next start.
+    pub(in crate::app) fn store_preferences(&self) {
+        if let Some(home) = &self.session.home {
+            home.store_preferences(&Preferences { mouse: self.state.look.mouse });
+        }
+    }
+
+    /// Runs an action that closes the open project; asks first if there are unsaved changes.
+    pub(in crate::app) fn run_guarded(&mut self, ctx: &Context, pending: Pending) {
+        if self.state.document.is_unsaved() {
+            self.session.pending = Some(pending);
+        } else {
+            self.run_pending(ctx, pending);
+        }
+    }
+
+    fn run_pending(&mut self, ctx: &Context, pending: Pending) {
+        match pending {
+            Pending::New => {
+                self.state.close();
+                self.work.planner_cancel();
+                self.hover = None;
+            }
+            Pending::Open(path) => self.open_file(path),
+            Pending::OpenPart(source) => self.open_files(Some(source), None),
+            Pending::Quit => {
+                self.session.closing = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
+        if let Some(home) = &self.session.home {
+            home.drop_copy();
+        }
+        self.session.copied = None;
+    }
+
+    /// Intercepts closing the window while there are unsaved changes.
+    pub(in crate::app) fn watch_closing(&mut self, ctx: &Context) {
+        if ctx.input(|input| input.viewport().close_requested()) && !self.session.closing {
+            if self.state.document.is_unsaved() {
+                ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+                self.session.pending = Some(Pending::Quit);
+            } else if let Some(home) = &self.session.home {
+                home.drop_copy();
+            }
+        }
+    }
+
+    /// Asks about unsaved changes, while that is due.
+    pub(in crate::app) fn ask_unsaved(&mut self, ui: &Ui) {
+        if self.session.pending.is_none() {
+            return;
+        }
+        let Some(answer) = unsaved::ask(ui) else { return };
+        let pending = self.session.pending.take();
+        match answer {
+            UnsavedAnswer::Save => {
+                self.session.after_saving = pending;
+                self.save_project(ui.ctx());
+            }
+            UnsavedAnswer::Discard => {
+                if let Some(pending) = pending {
+                    self.run_pending(ui.ctx(), pending);
+                }
+            }
+            UnsavedAnswer::Cancel => {}
+        }
+    }
+
+    /// Saves the project to its file, or asks for one.
+    pub(in crate::app) fn save_project(&mut self, ctx: &Context) {
+        match self.state.document.path.clone() {
+            Some(path) => self.write_project(path),
+            None => self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project()),
+        }
+    }
+
+    /// Proposed file name of the project.
+    pub(in crate::app) fn suggest_project(&self) -> String {
+        let name = self.state.document.part.as_ref().map_or("project", |part| part.impeller.name.as_str());
+        format!("{name}.{EXTENSION}")
+    }
+
+    /// Writes the project to `path`.
+    pub(in crate::app) fn write_project(&mut self, path: PathBuf) {
+        let path = if path.extension().is_none() { path.with_extension(EXTENSION) } else { path };
+        if let Some(project) = project_of(&self.state, self.view.current()) {
+            let text = write_project(&project, &path);
+            self.write(WriteTask::Project(path, text, Box::new(self.state.document.edited.clone())));
+        }
+    }
+
+    /// Records that a project was written, and continues with the pending action.
+    pub(in crate::app) fn note_saved(&mut self, ctx: &Context, path: PathBuf, edited: Edited) {
+        self.note_recent(&path);
+        self.state.document.note_saved(path, edited);
+        if !self.state.document.is_unsaved() {
+            if let Some(home) = &self.session.home {
+                home.drop_copy();
+            }
+            self.session.copied = None;
+            if let Some(pending) = self.session.after_saving.take() {
+                self.run_pending(ctx, pending);
+            }
+        }
+    }
+
+    /// Moves a project to the front of the recent projects.
+    pub(in crate::app) fn note_recent(&mut self, path: &Path) {
+        if let Some(home) = &self.session.home {
+            self.state.recents = home.note_recent(path);
+        }
+    }
+
+    /// Restores figures, view and selection of a project whose part and setup are open already.
+    pub(in crate::app) fn take_project(&mut self, path: PathBuf, project: &Project) {
+        for set in &project.sets {
+            if let Some(figures) = set.figures {
+                self.state.results.store_figures(set.setup.clone(), figures);
+            }
+        }
+        let framing = self.pictures.as_ref().and_then(|pictures| pictures.framing());
+        if let Some((v, framing)) = project.viewpoint.zip(framing) {
+            let mut camera = Camera::standard(crate::gpu::View::Iso, framing, 1.0);
+            camera.target = v.target.into();
+            (camera.yaw_rad, camera.pitch_rad, camera.distance) = (v.yaw, v.pitch, v.distance);
+            camera.projection = if v.parallel { Projection::Orthographic } else { Projection::Perspective };
+            self.view.restore(camera);
+        }
+        // The next plan keeps the selection if it has that position.
+        let PlanSelection { before, position, cut } = project.chosen;
+        let look = &mut self.state.look;
+        look.side = if before { Side::Before } else { Side::After };
+        (look.selected, look.cut_count) = (position, cut);
+        look.reveal_selection = if position.is_some() { REVEAL } else { 0 };
+        let part = self.state.document.part.as_ref();
+        if part.is_some_and(|part| part.hash != project.part_hash) {
+            self.state.report_problem(Problem::new(
+                format!("{}: the part changed after the project was saved", path.display()),
+                "check setup and variants, then save the project again",
+            ));
+        }
+        let recovered = self.state.recoverable.contains(&path);
+        if recovered {
+            self.state.document.path.clone_from(&project.original);
+            self.state.document.mark_unsaved();
+            self.state
+                .report_done("Recovered unsaved changes of the last session; save the project to keep them");
+            self.copy_now();
+            // The content is now in this session's own recovery copy.
+            if self.session.copied.is_some() {
+                self.drop_recoverable(&path);
+            }
+        } else {
+            self.note_recent(&path);
+        }
+    }
+
+    /// Discards a recovery copy of another session.
+    pub(in crate::app) fn drop_recoverable(&mut self, path: &Path) {
+        self.state.recoverable.retain(|known| known != path);
+        home::remove_copy(path);
+    }
+
+    /// Writes the recovery copy once the content is stable. Call once per frame.
+    pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
+        // Closing was confirmed: what was not saved is meant to go.
+        if self.session.closing || self.session.home.is_none() || !self.state.document.is_unsaved() {
+            return;
+        }
+        let now = ctx.input(|input| input.time);
+        let edited = &self.state.document.edited;
+        if self.session.copied.as_ref() == Some(edited) {
+            return;
+        }
+        match &self.session.edited {
+            Some((last, since)) if last == edited => {
+                let rest = COPY_AFTER.as_secs_f64() - (now - since);
+                if rest <= 0.0 {
+                    self.copy_now();
+                } else {
+                    ctx.request_repaint_after(Duration::from_secs_f64(rest));
+                }
+            }
+            _ => {
+                self.session.edited = Some((edited.clone(), now));
+                ctx.request_repaint_after(COPY_AFTER);
+            }
+        }
+    }
+
+    /// Writes the recovery copy, on the UI thread: it is small and written rarely.
+    pub(in crate::app) fn copy_now(&mut self) {
+        let Some(home) = &self.session.home else { return };
+        let Some(mut project) = project_of(&self.state, self.view.current()) else { return };
+        project.original.clone_from(&self.state.document.path);
+        match home.write_copy(&write_project(&project, home.copy())) {
+            Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
+            Err(error) => {
+                // Report the error once; the next change tries again.
+                self.session.copied = Some(self.state.document.edited.clone());
+                self.state.report_problem(Problem::from(&error));
+            }
+        }
+    }
+}

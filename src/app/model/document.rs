@@ -1,0 +1,123 @@
+//! The document: the open part, its setup and the stored variants, with undo and the project file.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::part::Impeller;
+use crate::setup::Setup;
+
+use crate::app::model::history::History;
+use crate::app::model::part_source::PartSource;
+
+/// An open part.
+#[derive(Clone, Debug)]
+pub struct OpenPart {
+    /// Source of the part.
+    pub source: PartSource,
+    /// The part.
+    pub impeller: Arc<Impeller>,
+    /// Default setup of the part.
+    pub defaults: Setup,
+    /// Hash of its description; see [`crate::io::project_file`].
+    pub hash: u64,
+}
+
+/// A stored variant of the setup.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WhatIf {
+    /// Name, editable.
+    pub name: String,
+    /// The setup.
+    pub setup: Setup,
+}
+
+/// Everything that undo covers and the project file stores.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Edited {
+    /// The current setup.
+    pub setup: Setup,
+    /// Stored variants.
+    pub sets: Vec<WhatIf>,
+}
+
+/// Part, setup and variants, with the project file.
+#[derive(Default)]
+pub struct Document {
+    /// The part.
+    pub part: Option<OpenPart>,
+    /// The edited content.
+    pub edited: Edited,
+    /// File of the project; `None` before it is saved.
+    pub path: Option<PathBuf>,
+    /// Content as last saved or opened; `None`: never saved.
+    saved: Option<Edited>,
+    history: History<Edited>,
+}
+
+impl Document {
+    /// Starts a document with a part; `edited` comes from a project or from the defaults.
+    pub fn begin(&mut self, part: OpenPart, edited: Edited, path: Option<PathBuf>) {
+        self.part = Some(part);
+        self.saved = Some(edited.clone());
+        self.edited = edited;
+        self.path = path;
+        self.history = History::default();
+    }
+
+    /// Whether there are unsaved changes.
+    pub fn is_unsaved(&self) -> bool {
+        self.part.is_some() && self.saved.as_ref() != Some(&self.edited)
+    }
+
+    /// Records that `edited` was written to `path`.
+    pub fn note_saved(&mut self, path: PathBuf, edited: Edited) {
+        self.path = Some(path);
+        self.saved = Some(edited);
+    }
+
+    /// Marks the content as never saved, e.g. after recovery.
+    pub fn mark_unsaved(&mut self) {
+        self.saved = None;
+    }
+
+    /// Call once per frame: changes that have been stable for a while become undo steps. `time` in seconds.
+    pub fn watch(&mut self, time: f64) {
+        self.history.watch(time, &self.edited);
+    }
+
+    /// Adds the current content as an undo step.
+    pub fn step(&mut self) {
+        self.history.add(&self.edited);
+    }
+
+    /// Whether there is something to undo.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo(&self.edited)
+    }
+
+    /// Whether there is something to redo.
+    pub fn can_redo(&self) -> bool {
+        self.history.can_redo(&self.edited)
+    }
+
+    /// Undoes the last change.
+    pub fn undo(&mut self) {
+        if let Some(edited) = self.history.undo(&self.edited) {
+            self.edited = edited;
+        }
+    }
+
+    /// Redoes the last undone change.
+    pub fn redo(&mut self) {
+        if let Some(edited) = self.history.redo(&self.edited) {
+            self.edited = edited;
+        }
+    }
+
+    /// Stores the current setup as a variant with an unused name.
+    pub fn keep_set(&mut self) {
+        let taken = |name: &str| self.edited.sets.iter().any(|set| set.name == name);
+        let name = (1..).map(|k| format!("Variant {k}")).find(|name| !taken(name)).unwrap_or_default();
+        self.edited.sets.push(WhatIf { name, setup: self.edited.setup.clone() });
+    }
+}

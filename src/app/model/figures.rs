@@ -1,0 +1,36 @@
+//! Figures of plans as texts, and the limits of what counts as good.
+
+use crate::job::Summary;
+
+/// Largest share of the accessible floor that may stay uncut without a warning.
+pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
+
+/// Mean and 95th percentile of the residual stock, mm.
+pub fn format_residual(summary: &Summary) -> String {
+    let show = |v: f64| if v.is_finite() { format!("{v:.2}") } else { "-".to_owned() };
+    format!("{}/{}", show(summary.residual_mean), show(summary.residual_p95))
+}
+
+/// A share in per cent.
+pub fn format_percent(share: f64) -> String {
+    if share.is_finite() { format!("{:.1} %", 100.0 * share) } else { "-".to_owned() }
+}
+
+/// Duration in s, min or h, from seconds.
+pub fn format_duration(seconds: f64) -> String {
+    if !seconds.is_finite() || seconds < 0.0 {
+        return "-".to_owned();
+    }
+    let minutes = seconds / 60.0;
+    match minutes {
+        m if m < 1.0 => format!("{seconds:.0} s"),
+        m if m < 90.0 => format!("{m:.0} min"),
+        m => format!("{:.1} h", m / 60.0),
+    }
+}
+
+/// Time of one channel, and of the whole wheel of `channels` channels; from seconds.
+pub fn format_times(seconds: f64, channels: usize) -> String {
+    let wheel = format_duration(seconds * channels as f64);
+    format!("{} per channel, {wheel} wheel", format_duration(seconds))
+}

@@ -1,0 +1,89 @@
+//! What a chosen file is for: titles, endings, and whether it is written.
+
+use std::path::Path;
+
+use crate::io::project_file::EXTENSION;
+
+/// Purpose of a file dialog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// A part to open.
+    OpenPart,
+    /// A project to open.
+    OpenProject,
+    /// Target of a project.
+    SaveProject,
+    /// A setup to open.
+    OpenSetup,
+    /// A blank to take.
+    OpenBlank,
+    /// Target of a setup.
+    SaveSetup,
+    /// Target of the CL file of the shown plunge plan.
+    ExportCl {
+        /// Whether the program is for all channels, or for the first only.
+        all_channels: bool,
+    },
+    /// Target of the flank plan's CL file.
+    ExportFlank,
+    /// Target of the glTF scene.
+    ExportScene,
+    /// Target of the stock as a solid.
+    ExportStock,
+    /// Target of the picture.
+    SavePicture,
+}
+
+impl Purpose {
+    /// Title of the dialog.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::OpenPart => "Open part",
+            Self::OpenProject => "Open project",
+            Self::SaveProject => "Save project",
+            Self::OpenSetup => "Open setup",
+            Self::OpenBlank => "Open blank",
+            Self::SaveSetup => "Save setup",
+            Self::ExportCl { all_channels: false } => "Export CL (APT)",
+            Self::ExportCl { all_channels: true } => "Export CL of all channels (APT)",
+            Self::ExportFlank => "Export flank CL (APT)",
+            Self::ExportScene => "Export scene",
+            Self::ExportStock => "Export stock",
+            Self::SavePicture => "Save picture",
+        }
+    }
+
+    /// Whether a file is written.
+    pub fn saves(self) -> bool {
+        matches!(
+            self,
+            Self::SaveProject
+                | Self::SaveSetup
+                | Self::ExportCl { .. }
+                | Self::ExportFlank
+                | Self::ExportScene
+                | Self::ExportStock
+                | Self::SavePicture
+        )
+    }
+
+    /// Whether the ending of a name is one of this purpose.
+    pub fn fits(self, name: &Path) -> bool {
+        let ending = name.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        self.filter().1.iter().any(|known| ending.as_deref() == Some(known.to_lowercase().as_str()))
+    }
+
+    /// What the files are, and their endings.
+    pub fn filter(self) -> (&'static str, &'static [&'static str]) {
+        match self {
+            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
+            Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
+            Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
+            Self::OpenBlank => ("Blanks", &["stl", "txt"]),
+            Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportScene => ("glTF scenes", &["glb"]),
+            Self::ExportStock => ("Solids", &["stl", "glb"]),
+            Self::SavePicture => ("Pictures", &["png"]),
+        }
+    }
+}

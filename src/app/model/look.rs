@@ -1,0 +1,404 @@
+//! How part and plan are displayed: selection, table rows, layers, arrangement of the two plans, timeline.
+//! Nothing here changes the plan.
+
+use crate::drawing::flank::FlankColours;
+use crate::gpu::scene::FloorColours;
+use crate::setup::AxisPolicy;
+
+use crate::app::model::cutter_colours::CutterColours;
+use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::planned::{PerSide, Side};
+use crate::app::model::solid::SolidColours;
+
+/// Visibility of the layers of the 3D view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layers {
+    /// Hub, coloured by residual stock.
+    pub hub: bool,
+    /// Blades.
+    pub blades: bool,
+    /// Shroud, transparent.
+    pub shroud: bool,
+    /// Cutters at the end of their plunges.
+    pub cutters: bool,
+    /// Axes up to the retract points.
+    pub axes: bool,
+    /// Holders, above the stick-out of the tools.
+    pub holders: bool,
+    /// Rapids from retract point to retract point.
+    pub links: bool,
+    /// The stock as a solid, instead of hub and blades.
+    pub stock: bool,
+    /// Quantity that colours the floor of the current channel.
+    pub floor: FloorColours,
+    /// Quantity that colours the cutters.
+    pub cutter_colours: CutterColours,
+}
+
+impl Default for Layers {
+    fn default() -> Self {
+        Self {
+            hub: true,
+            blades: true,
+            shroud: false,
+            cutters: true,
+            axes: false,
+            holders: false,
+            links: false,
+            stock: false,
+            floor: FloorColours::Residual,
+            cutter_colours: CutterColours::State,
+        }
+    }
+}
+
+/// Operations on the part. The selected one is shown and edited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Operation {
+    /// Plunge roughing.
+    #[default]
+    Roughing,
+    /// Flank milling.
+    Flank,
+}
+
+impl Operation {
+    /// Label in the list of operations.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Roughing => "Roughing",
+            Self::Flank => "Flank",
+        }
+    }
+}
+
+/// Display of the flank plan.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FlankLook {
+    /// Whether the passes are shown.
+    pub shown: bool,
+    /// Quantity that colours them.
+    pub colours: FlankColours,
+}
+
+/// Row filter of the position table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// All.
+    #[default]
+    All,
+    /// Interfering plunges: their core meets stock.
+    Interfering,
+    /// Positions without the axis their policy asks for.
+    Blocked,
+}
+
+impl Filter {
+    /// All filters.
+    pub const ALL: [Self; 3] = [Self::All, Self::Interfering, Self::Blocked];
+
+    /// Label in the list.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::All => "All positions",
+            Self::Interfering => "Interfering only",
+            Self::Blocked => "Blocked only",
+        }
+    }
+}
+
+/// Columns of the position table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TableColumn {
+    /// Number in cutting order.
+    #[default]
+    Order,
+    /// Row within its section.
+    Row,
+    /// Diameter of the tool.
+    Diameter,
+    /// Lead angle between hub normal and axis.
+    Alpha,
+    /// Depth of core contact.
+    Contact,
+    /// Residual stock under the cutter.
+    Hub,
+}
+
+impl TableColumn {
+    /// All columns, left to right.
+    pub const ALL: [Self; 6] =
+        [Self::Order, Self::Row, Self::Diameter, Self::Alpha, Self::Contact, Self::Hub];
+
+    /// Head of the column.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Order => "#",
+            Self::Row => "Row",
+            Self::Diameter => "D",
+            Self::Alpha => "α °",
+            Self::Contact => "Contact",
+            Self::Hub => "Hub",
+        }
+    }
+
+    /// Short name of the column's quantity.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Order => "cutting order",
+            Self::Row => "row",
+            Self::Diameter => "diameter",
+            Self::Alpha => "lead angle",
+            Self::Contact => "contact",
+            Self::Hub => "residual stock",
+        }
+    }
+
+    /// Tooltip: the column's quantity and unit.
+    pub fn tip(self) -> &'static str {
+        match self {
+            Self::Order => "Number in cutting order",
+            Self::Row => "Row within its section, 1 at the suction wall",
+            Self::Diameter => "Diameter of the tool, mm",
+            Self::Alpha => "Lead angle: between hub normal and axis, positive towards the inlet",
+            Self::Contact => "Height above the tip at which the core meets stock, mm",
+            Self::Hub => "Mean residual stock on the hub under the cutter, mm",
+        }
+    }
+}
+
+/// Order of the table's rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sort {
+    /// Sort column.
+    pub column: TableColumn,
+    /// Largest first.
+    pub descending: bool,
+}
+
+impl Sort {
+    /// Order after a click on the head of `column`; a second click reverses it. Contact and residual stock
+    /// start with the largest, as the worst positions are of interest.
+    pub fn clicked(self, column: TableColumn) -> Self {
+        if self.column == column {
+            Self { column, descending: !self.descending }
+        } else {
+            Self { column, descending: matches!(column, TableColumn::Contact | TableColumn::Hub) }
+        }
+    }
+}
+
+/// Arrangement of the two plans in the middle of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// One plan alone.
+    #[default]
+    One,
+    /// Both side by side, with one camera.
+    Both,
+    /// One over the other, with a divider to drag.
+    Wipe,
+}
+
+/// Number of frames; see [`Look::reveal_selection`].
+pub const REVEAL: u8 = 3;
+
+/// Display state of the window.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// The selected operation.
+    pub operation: Operation,
+    /// Active side: shown alone, and described by table and sectional view.
+    pub side: Side,
+    /// Policy of each side; `None`: conventional before, the setup's after.
+    pub policies: PerSide<Option<AxisPolicy>>,
+    /// Arrangement of the sides.
+    pub arrangement: Arrangement,
+    /// Position of the wipe's divider, 0…1 of the width.
+    pub wipe: f32,
+    /// Selected position of the active side, index in cutting order.
+    pub selected: Option<usize>,
+    /// Number of frames for which the table still scrolls to the selection, while the panel below takes its
+    /// height.
+    pub reveal_selection: u8,
+    /// Row filter of the table.
+    pub filter: Filter,
+    /// Sort order of the rows.
+    pub sort: Sort,
+    /// Layers of the 3D view.
+    pub layers: Layers,
+    /// What the colours of the solid stock show.
+    pub solid_colours: SolidColours,
+    /// Display of the flank plan.
+    pub flank: FlankLook,
+    /// Timeline: number of positions cut; `None`: all.
+    pub cut_count: Option<usize>,
+    /// While the timeline plays: time of its last step, in seconds on the window's clock.
+    pub playing: Option<f64>,
+    /// Speed of playing; 1 is [`crate::app::model::state::PLAY_RATE`].
+    pub play_speed: f64,
+    /// Whether playing starts again at the end.
+    pub play_loop: bool,
+    /// Scrolling of the table of positions.
+    pub table: TableScroll,
+    /// Whether the panels have not been drawn for this part yet: their scroll places and open headings are
+    /// then those of a new part.
+    pub is_fresh: bool,
+    /// Ends of the colour scale, mm; `None`: fitted to the plan. The first finished plan sets them.
+    pub range: Option<(f32, f32)>,
+    /// Whether the floor of the after side shows residual stock after minus before.
+    pub difference: bool,
+    /// Whether the camera zooms to the selection in the next frame.
+    pub fly: bool,
+    /// Section plane, if shown.
+    pub section: Option<SectionPlaneLook>,
+    /// Measured points while measuring, mm; at most two.
+    pub measure: Option<Vec<glam::Vec3>>,
+    /// Whether the plots along the row are shown.
+    pub plots: bool,
+    /// Tab of the selected position.
+    pub tab: Tab,
+    /// Mouse preset of the camera.
+    pub mouse: MousePreset,
+}
+
+/// Scrolling of the table of positions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TableScroll {
+    /// Distance from the top of the first row to the top of the table, points.
+    pub offset: f32,
+    /// Height of its rows, points.
+    pub height: f32,
+    /// Whether the table was not drawn yet: it then starts at the top.
+    pub is_new: bool,
+}
+
+impl Default for TableScroll {
+    fn default() -> Self {
+        Self { offset: 0.0, height: 0.0, is_new: true }
+    }
+}
+
+impl TableScroll {
+    /// The offset nearest to the present one at which row `index` of `pitch` points is in view, in a table
+    /// with `height` points of rows.
+    pub fn showing(&self, index: usize, pitch: f32, height: f32) -> f32 {
+        let top = index as f32 * pitch;
+        self.offset.min(top).max(top + pitch - height.max(pitch))
+    }
+
+    /// Whether row `index` of `pitch` points was in view, but is not in a table of `height` points: the panel below
+    /// grew over it.
+    pub fn loses(&self, index: usize, pitch: f32, height: f32) -> bool {
+        let top = index as f32 * pitch;
+        let within = |height: f32| top >= self.offset && top + pitch <= self.offset + height + 0.5;
+        within(self.height) && !within(height)
+    }
+}
+
+/// Tabs of the selected position.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tab {
+    /// Sectional view through it.
+    #[default]
+    Section,
+    /// Figures.
+    Facts,
+}
+
+/// Orientation of a section plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlaneOrientation {
+    /// Contains tool axis and cutting direction of the selected position.
+    #[default]
+    Row,
+    /// Normal to X.
+    X,
+    /// Normal to Y.
+    Y,
+    /// Normal to Z, the axis of rotation.
+    Z,
+}
+
+impl PlaneOrientation {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Row, Self::X, Self::Y, Self::Z];
+
+    /// Label in the list.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Row => "Along the row",
+            Self::X => "Normal to X",
+            Self::Y => "Normal to Y",
+            Self::Z => "Normal to Z",
+        }
+    }
+}
+
+/// A section plane of the 3D view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SectionPlaneLook {
+    /// Orientation.
+    pub across: PlaneOrientation,
+    /// Offset along the normal, mm.
+    pub offset: f32,
+    /// Whether the other half is cut away.
+    pub flipped: bool,
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self {
+            operation: Operation::Roughing,
+            side: Side::After,
+            policies: PerSide::default(),
+            arrangement: Arrangement::One,
+            wipe: 0.5,
+            selected: None,
+            reveal_selection: 0,
+            filter: Filter::All,
+            sort: Sort::default(),
+            layers: Layers::default(),
+            solid_colours: SolidColours::default(),
+            flank: FlankLook::default(),
+            cut_count: None,
+            playing: None,
+            play_speed: 1.0,
+            play_loop: false,
+            table: TableScroll::default(),
+            is_fresh: true,
+            range: None,
+            difference: false,
+            fly: false,
+            section: None,
+            measure: None,
+            plots: true,
+            tab: Tab::Section,
+            mouse: MousePreset::default(),
+        }
+    }
+}
+
+impl Look {
+    /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
+    pub fn begin(&mut self) {
+        let Self { layers, plots, tab, mouse, play_speed, .. } = *self;
+        *self = Self { layers, plots, tab, mouse, play_speed, ..Self::default() };
+    }
+
+    /// Selects a position and zooms to it.
+    pub fn select_and_zoom(&mut self, position: Option<usize>) {
+        self.select(position);
+        self.fly = position.is_some();
+    }
+
+    /// Selects a position and scrolls the table to it. A timeline that is not at the end moves along, so that
+    /// the selected position is the one cut last.
+    pub fn select(&mut self, position: Option<usize>) {
+        self.selected = position;
+        self.reveal_selection = if position.is_some() { REVEAL } else { 0 };
+        if let (Some(_), Some(k)) = (self.cut_count, position) {
+            self.cut_count = Some(k + 1);
+        }
+    }
+}

@@ -1,0 +1,20 @@
+//! What the window knows: document, results, look, and the rules that connect them. Nothing here draws, runs
+//! in the background, or knows egui.
+
+pub mod cutter_colours;
+pub mod document;
+pub mod figures;
+pub mod file_purpose;
+pub mod history;
+pub mod look;
+pub mod mouse_preset;
+pub mod number;
+pub mod part_source;
+pub mod planned;
+pub mod preview;
+pub mod problem;
+pub mod release;
+pub mod results;
+pub mod role_choices;
+pub mod solid;
+pub mod state;

@@ -1,0 +1,53 @@
+//! Where a part comes from: a file, a mesh file with its options, or a built-in sample.
+
+use std::path::{Path, PathBuf};
+
+use crate::mesh::MeshOptions;
+
+/// Source of a part.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PartSource {
+    /// A file.
+    File(PathBuf),
+    /// A mesh file, with the options the user set for it.
+    Mesh(PathBuf, MeshOptions),
+    /// A built-in sample, by name.
+    Sample(String),
+}
+
+impl PartSource {
+    /// The file with its mesh options; `None` for a sample.
+    pub fn file(&self) -> Option<(&Path, MeshOptions)> {
+        match self {
+            Self::File(path) => Some((path, MeshOptions::default())),
+            Self::Mesh(path, options) => Some((path, options.clone())),
+            Self::Sample(_) => None,
+        }
+    }
+
+    /// The file with its mesh options, if it is a mesh file.
+    pub fn mesh(&self) -> Option<(&Path, MeshOptions)> {
+        let is_mesh = |path: &Path| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+            matches!(extension.as_str(), "glb" | "gltf")
+        };
+        self.file().filter(|(path, _)| is_mesh(path))
+    }
+
+    /// Display name.
+    pub fn shown(&self) -> String {
+        match self {
+            Self::File(path) | Self::Mesh(path, _) => path.display().to_string(),
+            Self::Sample(name) => name.clone(),
+        }
+    }
+}
+
+/// A built-in sample part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// Name; also the part file's name without extension.
+    pub name: &'static str,
+    /// Short description.
+    pub about: &'static str,
+}

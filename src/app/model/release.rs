@@ -1,0 +1,83 @@
+//! What speaks against running a program, asked about before it leaves the window.
+
+use crate::plunge::DropReason;
+
+use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
+use crate::app::model::file_purpose::Purpose;
+use crate::app::model::state::AppState;
+
+/// Clearance below its allowance that is rounding, mm.
+const ROUNDING: f64 = 1e-3;
+
+/// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
+pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
+    match purpose {
+        Purpose::ExportCl { .. } => plunge_concerns(state),
+        Purpose::ExportFlank => flank_concerns(state),
+        _ => Vec::new(),
+    }
+}
+
+fn plunge_concerns(state: &AppState) -> Vec<String> {
+    let Some(shown) = state.last_whole_plan(state.look.side) else { return Vec::new() };
+    let (plan, summary) = (shown.plan(), &shown.planned.result(shown.policy).summary);
+    let allowances = &shown.planned.outcome.setup.allowances;
+    let mut found = Vec::new();
+    if summary.interfering > 0 {
+        found.push(format!(
+            "The core meets stock in {} of {} plunges, up to {:.2} mm deep",
+            summary.interfering, summary.positions, summary.max_contact_depth
+        ));
+    }
+    for (name, kept, wanted) in [
+        ("hub", summary.min_hub_clearance, allowances.hub_allowance),
+        ("blades", summary.min_blade_clearance, allowances.blade_allowance),
+        ("blank at retracts", summary.min_retract_clearance, allowances.safety_distance),
+    ] {
+        if kept < wanted - ROUNDING {
+            found.push(format!("Clearance to {name} is {kept:.3} mm, less than {wanted} mm"));
+        }
+    }
+    let part = &shown.planned.outcome.workpiece.part;
+    let machine = &shown.planned.outcome.setup.machine;
+    let beyond = plan.positions.iter().filter(|p| machine.excess_tilt_rad(part, &p.axis) > 1e-6).count();
+    if beyond > 0 {
+        found.push(format!("{beyond} tool axes are beyond the reach of the machine"));
+    }
+    if state.out_of_date() {
+        found.push("The setup was edited after this calculation".to_owned());
+    }
+    if plan.is_unfinished() {
+        found.push("The calculation was cancelled: this is the best plan so far".to_owned());
+    }
+    for why in DropReason::ALL {
+        let count = plan.dropped.iter().filter(|dropped| dropped.why == why).count();
+        if count > 0 {
+            found.push(format!("{count} positions are skipped {}", why.words()));
+        }
+    }
+    if summary.uncut_share > MAX_GOOD_UNCUT_SHARE {
+        found
+            .push(format!("{} of the accessible floor is not machined", format_percent(summary.uncut_share)));
+    }
+    found
+}
+
+fn flank_concerns(state: &AppState) -> Vec<String> {
+    let Some(outcome) = &state.results.flank else { return Vec::new() };
+    let mut found: Vec<String> =
+        outcome.faults.iter().take(3).map(|fault| format!("Move {}: {fault}", fault.line)).collect();
+    if outcome.faults.len() > found.len() {
+        found.push(format!("{} more faults", outcome.faults.len() - found.len()));
+    }
+    if outcome.verdict.is_none() {
+        found.push("The program could not be verified".to_owned());
+    }
+    if state.flank_is_stale() {
+        found.push("The setup was edited after this calculation".to_owned());
+    }
+    if !outcome.plan.uncut.is_empty() {
+        found.push(format!("{} stretches of passes are left out", outcome.plan.uncut.len()));
+    }
+    found
+}

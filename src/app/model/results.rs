@@ -1,0 +1,77 @@
+//! Results: the latest plans, and the figures of setups that were planned before.
+
+use std::sync::Arc;
+
+use crate::io::project_file::SetFigures;
+use crate::job::Summary;
+use crate::job::flank::FlankOutcome;
+use crate::setup::Setup;
+
+use crate::app::model::planned::DisplayPlan;
+use crate::app::model::preview::PlanPreview;
+
+/// Figures of a plan.
+fn figures_of(summary: &Summary) -> SetFigures {
+    SetFigures {
+        positions: summary.positions,
+        interferential: summary.interfering,
+        residual_mean: summary.residual_mean,
+        residual_p95: summary.residual_p95,
+        uncut_share: summary.uncut_share,
+        time: summary.time_estimate,
+    }
+}
+
+/// Maximum number of setups with stored figures; the oldest are dropped first.
+const MAX_FIGURES: usize = 64;
+
+/// Whether the program chooses the tools.
+fn chooses_tools(setup: &Setup) -> bool {
+    setup.tools.is_empty()
+}
+
+/// Everything computed for the open part.
+#[derive(Debug, Default)]
+pub struct Results {
+    /// Latest successful plan.
+    pub planned: Option<Arc<DisplayPlan>>,
+    /// What the last plan changed in tools and sections that the program chooses; `None` if nothing.
+    pub tool_change: Option<String>,
+    /// Preview of the running plan, if there is one.
+    pub preview: Option<Arc<PlanPreview>>,
+    /// Latest successful flank plan.
+    pub flank: Option<Arc<FlankOutcome>>,
+    figures: Vec<(Setup, SetFigures)>,
+}
+
+impl Results {
+    /// Stores a plan, and its figures if it is finished.
+    pub fn take(&mut self, planned: DisplayPlan) {
+        // A full plan of the setup of a draft says what the draft said.
+        if self.planned.as_ref().is_none_or(|last| last.setup != planned.setup) {
+            let last = self.planned.as_ref().filter(|last| chooses_tools(&last.setup));
+            let last = last.filter(|_| chooses_tools(&planned.setup));
+            self.tool_change = last.and_then(|last| planned.tool_change_since(last));
+        }
+        // Figures of a cancelled plan would be misleading.
+        if !planned.is_unfinished() {
+            self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+        }
+        self.planned = Some(Arc::new(planned));
+        self.preview = None;
+    }
+
+    /// Stores the figures of a setup.
+    pub fn store_figures(&mut self, setup: Setup, figures: SetFigures) {
+        self.figures.retain(|(known, _)| *known != setup);
+        if self.figures.len() >= MAX_FIGURES {
+            self.figures.remove(0);
+        }
+        self.figures.push((setup, figures));
+    }
+
+    /// Figures of a setup, if it was planned.
+    pub fn figures(&self, setup: &Setup) -> Option<SetFigures> {
+        self.figures.iter().find(|(known, _)| known == setup).map(|(_, figures)| *figures)
+    }
+}

@@ -1,0 +1,118 @@
+//! Choices of the roles dialog: initial guess, edits, and conversion to mesh options.
+
+use crate::mesh::axis::Axis;
+use crate::mesh::nodes::{MeshNode, guess_roles};
+use crate::mesh::options::likely_unit;
+use crate::mesh::{LengthUnit, MeshOptions, Role};
+use crate::part::Rotation;
+
+/// Unit of glTF files by the specification.
+const OWN_UNIT: LengthUnit = LengthUnit::Metre;
+
+/// Choices of the roles dialog.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoleChoices {
+    /// Roles of the nodes.
+    pub roles: Vec<Option<Role>>,
+    /// Unit of the file's numbers.
+    pub unit: LengthUnit,
+    /// Axis of rotation; `None`: found from the hub.
+    pub axis: Option<Axis>,
+    /// Number of main blades; `None`: as many as the file has.
+    pub blades: Option<usize>,
+    /// Sense of rotation; `None`: from the file, else from the sweep of the blades.
+    pub rotation: Option<Rotation>,
+    /// Index of the selected node.
+    pub selected: Option<usize>,
+    /// Whether the keyboard changed the selection, so that the list scrolls to it.
+    pub scroll_to_selected: bool,
+    /// Whether a role applies to all nodes of the same shape.
+    pub apply_to_identical: bool,
+}
+
+impl RoleChoices {
+    /// Initial choices: from `said`, the options given before, else guessed from names and shapes.
+    pub fn new(nodes: &[MeshNode], said: &MeshOptions) -> Self {
+        let mut roles = guess_roles(nodes);
+        for (node, role) in nodes.iter().zip(&mut roles) {
+            let own = |key: &str| key == node.key || key.to_lowercase() == node.name.to_lowercase();
+            if let Some((_, given)) = said.roles.iter().rev().find(|(key, _)| own(key)) {
+                *role = Some(*given);
+            }
+        }
+        let mut choices = Self {
+            roles,
+            unit: OWN_UNIT,
+            axis: said.axis,
+            blades: said.blades,
+            rotation: said.rotation,
+            selected: None,
+            scroll_to_selected: false,
+            apply_to_identical: true,
+        };
+        let across = choices.wheel_width(nodes);
+        choices.unit = said.unit.or_else(|| likely_unit(across, OWN_UNIT)).unwrap_or(OWN_UNIT);
+        choices
+    }
+
+    /// The choices as mesh options; roles that follow from names are left out.
+    pub fn options(&self, nodes: &[MeshNode]) -> MeshOptions {
+        let named = |(node, role): (&MeshNode, &Option<Role>)| {
+            // A node without role whose name implies one must be ignored explicitly.
+            let role = role.or(node.named_role.map(|_| Role::Ignored))?;
+            (node.named_role != Some(role)).then(|| (node.key.clone(), role))
+        };
+        MeshOptions {
+            roles: nodes.iter().zip(&self.roles).filter_map(named).collect(),
+            unit: Some(self.unit).filter(|unit| *unit != OWN_UNIT),
+            axis: self.axis,
+            blades: self.blades,
+            rotation: self.rotation,
+        }
+    }
+
+    /// Sets the role of the selected node and, with `apply_to_identical`, of all nodes of the same shape.
+    pub fn set_role(&mut self, nodes: &[MeshNode], role: Option<Role>) {
+        let Some(chosen) = self.selected.and_then(|k| nodes.get(k)) else { return };
+        for (node, own) in nodes.iter().zip(&mut self.roles) {
+            if node.node == chosen.node || self.apply_to_identical && node.is_like(chosen) {
+                *own = role;
+            }
+        }
+    }
+
+    /// Largest extent of the nodes of the wheel along an axis, in the file's unit.
+    pub fn wheel_width(&self, nodes: &[MeshNode]) -> f64 {
+        let wheel = || {
+            let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
+            nodes.iter().zip(&self.roles).filter(move |(_, role)| of_wheel(role)).map(|(node, _)| node)
+        };
+        let counted: Vec<&MeshNode> =
+            if wheel().next().is_some() { wheel().collect() } else { nodes.iter().collect() };
+        let Some(first) = counted.first() else { return 0.0 };
+        let low = counted.iter().fold(first.low, |low, n| low.inf(&n.low));
+        let high = counted.iter().fold(first.high, |high, n| high.sup(&n.high));
+        (high - low).amax()
+    }
+
+    /// The file's axis that is vertical in the picture: the given one, else the axis of revolution of the
+    /// hub.
+    pub fn vertical_axis(&self, nodes: &[MeshNode]) -> Axis {
+        let hub = || nodes.iter().zip(&self.roles).find(|(_, role)| **role == Some(Role::Hub));
+        self.axis.or_else(|| hub().map(|(node, _)| node.revolution_axis())).unwrap_or(Axis::Y)
+    }
+}
+
+/// A help text with command line options replaced by the dialog's terms.
+pub fn hint_for_dialog(help: &str) -> String {
+    [
+        ("--role NODE=", "the role "),
+        ("NODE=", ""),
+        ("--rotation-axis", "the axis of rotation"),
+        ("--rotation", "the sense of rotation"),
+        ("--blades N", "the number of main blades"),
+        ("--unit", "the unit"),
+    ]
+    .iter()
+    .fold(help.to_owned(), |text, (option, words)| text.replace(option, words))
+}

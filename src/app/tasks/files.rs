@@ -1,0 +1,243 @@
+//! Reading and writing files for the window, on the background threads.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::error::ErrorCode;
+use crate::gpu::encode_png;
+use crate::io::InputError;
+use crate::io::apt::write_apt;
+use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
+use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
+use crate::io::project_file::{EXTENSION, part_hash};
+use crate::io::setup_file::write_setup_beside;
+use crate::io::source::read_bytes;
+use crate::io::write::write_atomically;
+use crate::mesh::tessellate::{Fineness, Tessellation};
+use crate::monitor::{Cancelled, Monitor};
+use crate::palette::ColourMap;
+use crate::part::Impeller;
+use crate::setup::{AxisPolicy, Setup};
+use crate::toolpath::ClProgram;
+
+use crate::app::model::document::Edited;
+use crate::app::model::part_source::{PartSource, Sample};
+use crate::app::model::planned::DisplayPlan;
+use crate::app::model::solid::SolidSource;
+use crate::app::tasks::solid::solid_bytes;
+use crate::job::flank::FlankOutcome;
+
+/// Name, description and file text of a sample part.
+type Built = (&'static str, &'static str, &'static str);
+
+/// The sample parts, compiled into the program.
+const BUILT_IN: [Built; 3] = [
+    (
+        "impeller532",
+        "17 blades, D 532 mm, outlet height 32 mm",
+        include_str!("../../../assets/parts/impeller532.toml"),
+    ),
+    (
+        "impeller9x9",
+        "D 300 mm, 9 blades and 9 splitters",
+        include_str!("../../../assets/parts/impeller9x9.toml"),
+    ),
+    (
+        "pump6",
+        "pump impeller, D 240 mm, 6 strongly wrapped blades",
+        include_str!("../../../assets/parts/pump6.toml"),
+    ),
+];
+
+/// The built-in sample parts.
+pub fn samples() -> Vec<Sample> {
+    BUILT_IN.iter().map(|&(name, about, _)| Sample { name, about }).collect()
+}
+
+/// Reads, trims and checks a part; returns it with a hash of its description.
+///
+/// # Errors
+/// [`InputError`] when the file cannot be read, the sample does not exist, or the part is invalid.
+pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError> {
+    let (file, description) = match source {
+        PartSource::File(path) => (path.display().to_string(), read_part(path)?),
+        PartSource::Mesh(path, options) => (path.display().to_string(), read_part_with(path, options)?),
+        PartSource::Sample(name) => {
+            let file = format!("{name}.toml");
+            let Some((_, _, text)) = BUILT_IN.iter().find(|(known, ..)| known == name) else {
+                let help = "choose one from the list";
+                return Err(InputError::new(ErrorCode::UnknownName, &file, 0, "is not a sample part", help));
+            };
+            let description = read_part_bytes(&file, text.as_bytes(), "toml")?;
+            (file, description)
+        }
+    };
+    let impeller = Impeller::build(&description);
+    let hash = part_hash(&description);
+    impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError::of_part(&file, e))
+}
+
+/// Whether a file is a setup rather than a part: both may be TOML, but only a setup has one of these tables.
+pub fn is_setup(path: &Path) -> bool {
+    let toml = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"));
+    if !toml || std::fs::metadata(path).is_ok_and(|data| data.len() > LARGEST_SETUP) {
+        return false;
+    }
+    let Ok(bytes) = read_bytes(path) else { return false };
+    let text = String::from_utf8_lossy(&bytes);
+    text.lines().any(|line| {
+        let line = line.trim();
+        ["[stock]", "[clearance]", "[[tool]]", "[plunge]", "[[plunge.section]]", "[flank]", "[machine]"]
+            .iter()
+            .any(|t| line.starts_with(t))
+    })
+}
+
+/// Maximum size of a file that is checked for setup tables, bytes: parsing a large part would block the UI
+/// thread.
+const LARGEST_SETUP: u64 = 256 * 1024;
+
+/// Whether a file is a project.
+pub fn is_project(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
+}
+
+/// Result of a write task.
+pub struct Written {
+    /// Message for the status bar.
+    pub text: String,
+    /// Path and content of a project; `None` for other files.
+    pub project: Option<(PathBuf, Edited)>,
+}
+
+/// Content of a glTF scene.
+pub struct SceneTask {
+    /// The part.
+    pub part: Arc<Impeller>,
+    /// The plan and its shown policy.
+    pub planned: Option<(Arc<DisplayPlan>, AxisPolicy)>,
+    /// Ends of the colour scale of the stock, mm.
+    pub range: (f32, f32),
+}
+
+/// Content of a plunge program.
+pub struct ClTask {
+    /// The plans.
+    pub planned: Arc<DisplayPlan>,
+    /// The policy whose plan is written.
+    pub policy: AxisPolicy,
+    /// Whether the program is for all channels of the part, or for the first only.
+    pub all_channels: bool,
+}
+
+/// A file to write, with its path.
+pub enum WriteTask {
+    /// A project's text, and the content it stores.
+    Project(PathBuf, String, Box<Edited>),
+    /// The setup.
+    Setup(PathBuf, Box<Setup>),
+    /// A plunge program as APT.
+    Cl(PathBuf, ClTask),
+    /// The flank plan as APT.
+    Flank(PathBuf, Arc<FlankOutcome>),
+    /// A glTF scene.
+    Scene(PathBuf, SceneTask),
+    /// The stock as a solid after n plunges; `None`: after the whole program. STL or glTF by extension.
+    Stock(PathBuf, SolidSource, Option<usize>),
+    /// A picture: width, height, RGBA.
+    Picture(PathBuf, u32, u32, Vec<u8>),
+}
+
+/// Writes a file atomically.
+///
+/// # Errors
+/// [`InputError`] when the picture cannot be encoded or the file cannot be written.
+pub fn write(task: &WriteTask) -> Result<Written, InputError> {
+    let (path, bytes) = match task {
+        WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
+        WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
+        WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
+        WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
+        WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
+        WriteTask::Stock(path, source, cut) => (path, stock_bytes(path, source, *cut)?),
+        WriteTask::Picture(path, width, height, rgba) => {
+            let png = encode_png(*width, *height, rgba).map_err(|error| {
+                let (file, help) = (path.display().to_string(), "resize the window and try again");
+                InputError::new(ErrorCode::Picture, &file, 0, error.to_string(), help)
+            })?;
+            (path, png)
+        }
+    };
+    write_atomically(path, &bytes)?;
+    let project = match task {
+        WriteTask::Project(path, _, edited) => Some((path.clone(), Edited::clone(edited))),
+        _ => None,
+    };
+    Ok(Written { text: format!("Wrote {}", path.display()), project })
+}
+
+fn cl_text(content: &ClTask) -> String {
+    let outcome = &content.planned.outcome;
+    let channels = if content.all_channels { outcome.workpiece.part.blade_count } else { 1 };
+    let result = content.planned.result(content.policy);
+    // Nothing cancels a file that is being written.
+    outcome
+        .program_for_channels(result, channels, &Monitor::default())
+        .map_or_else(|Cancelled| String::new(), |program| write_apt(&program))
+}
+
+fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
+    let shape = Tessellation::new(&scene.part, &Fineness::default());
+    let Some((planned, policy)) = &scene.planned else {
+        return GltfScene::of_part(&scene.part, &shape).glb();
+    };
+    let result = planned.result(*policy);
+    let shown = PlanScene {
+        part: &scene.part,
+        shape: &shape,
+        setup: &planned.outcome.setup,
+        plan: &result.plan,
+        grid: &planned.outcome.grid,
+        heights: &result.field.heights,
+        range: scene.range,
+        map: ColourMap::default(),
+        cutters: CutterNodes::default(),
+    };
+    GltfScene::of_plan(&shown).glb()
+}
+
+fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<Vec<u8>, InputError> {
+    let fault = |code: ErrorCode, message: String, help: &str| {
+        InputError::new(code, &path.display().to_string(), 0, message, help)
+    };
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let is_scene = match extension.as_str() {
+        "stl" => false,
+        "glb" => true,
+        _ => {
+            let what = "is not a format of solids".to_owned();
+            return Err(fault(ErrorCode::FileFormat, what, "give a .stl or .glb file"));
+        }
+    };
+    solid_bytes(source, cut, is_scene)
+        .map_err(|message| fault(ErrorCode::StockSpacing, message, "recalculate and try again"))
+}
+
+fn flank_text(outcome: &FlankOutcome) -> String {
+    let plan = &outcome.plan;
+    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
+    write_apt(&program.after_opening(plan.opening.as_ref()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_opens_under_its_own_name() {
+        for sample in samples() {
+            let (part, _) = open_part(&PartSource::Sample(sample.name.to_owned())).expect("a sample opens");
+            assert_eq!(part.name, sample.name, "the list and the file agree");
+        }
+    }
+}

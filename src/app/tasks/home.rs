@@ -1,0 +1,229 @@
+//! The window's own files: recent projects, preferences and recovery copies. Without a home folder none of
+//! them is stored.
+
+use std::fs::{File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+use std::time::SystemTime;
+
+use serde::{Deserialize, Serialize};
+
+use crate::io::InputError;
+use crate::io::project_file::EXTENSION;
+use crate::io::source::read_bytes;
+use crate::io::write::write_atomically;
+
+use crate::app::model::mouse_preset::MousePreset;
+
+/// File of the preferences.
+const HABITS: &str = "habits.json";
+/// Maximum number of recent projects.
+const MAX_RECENTS: usize = 10;
+
+/// User preferences that do not depend on the open project.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    /// Mouse preset of the camera.
+    pub mouse: MousePreset,
+}
+
+/// Folder of the window's own files.
+#[derive(Clone, Debug)]
+pub struct Home {
+    folder: PathBuf,
+    /// This session's recovery copy; its name contains process number and time, so that it is unique.
+    copy: PathBuf,
+    /// Locked as long as this session runs; shared by the clones of this home.
+    lock: Arc<OnceLock<HeldLock>>,
+}
+
+impl Home {
+    /// A home in `folder`, which need not exist.
+    pub fn new(folder: PathBuf) -> Self {
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_nanos();
+        let copy = folder.join("recovery").join(format!("{}-{now}.{EXTENSION}", std::process::id()));
+        Self { folder, copy, lock: Arc::default() }
+    }
+
+    /// Path of this session's recovery copy.
+    pub fn copy(&self) -> &Path {
+        &self.copy
+    }
+
+    /// Writes this session's recovery copy.
+    ///
+    /// # Errors
+    /// [`InputError`] when the folder or the file cannot be written.
+    pub fn write_copy(&self, text: &str) -> Result<(), InputError> {
+        if let Some(folder) = self.copy.parent() {
+            // If this fails, the write below reports the error.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        self.hold_lock();
+        write_atomically(&self.copy, text.as_bytes())
+    }
+
+    /// Locks the file beside the recovery copy that says that its session runs. The system unlocks it however the
+    /// session ends.
+    fn hold_lock(&self) {
+        if self.lock.get().is_some() {
+            return;
+        }
+        let path = lock_of(&self.copy);
+        if let Some(folder) = path.parent() {
+            // If this fails, so does the next step, and the copy counts as abandoned.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        if let Ok(file) = File::create(&path)
+            && file.try_lock().is_ok()
+        {
+            // Set once: this is the only place that sets it.
+            let _ = self.lock.set(HeldLock { _file: file, path });
+        }
+    }
+
+    /// Removes this session's recovery copy, after saving or discarding.
+    pub fn drop_copy(&self) {
+        // A later copy of this session keeps the lock.
+        let _ = std::fs::remove_file(&self.copy);
+    }
+
+    /// Recovery copies of other sessions that ended without closing, latest first.
+    pub fn recovery_copies(&self) -> Vec<PathBuf> {
+        let Some(folder) = self.copy.parent() else { return Vec::new() };
+        let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut found: Vec<(SystemTime, PathBuf)> = files
+            .filter_map(|entry| {
+                let path = entry.path();
+                let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
+                let ours = path.extension().is_some_and(|e| e == EXTENSION) && path != self.copy;
+                (ours && !is_in_use(&path)).then_some((changed, path))
+            })
+            .collect();
+        found.sort_by(|a, b| b.cmp(a));
+        found.into_iter().map(|(_, path)| path).collect()
+    }
+
+    /// Recent projects that still exist, latest first.
+    pub fn recents(&self) -> Vec<PathBuf> {
+        let text = text_of(&self.list());
+        let paths: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
+        paths.into_iter().filter(|path| path.is_file()).take(MAX_RECENTS).collect()
+    }
+
+    /// Moves a project to the front of the recent projects; returns the list.
+    pub fn note_recent(&self, path: &Path) -> Vec<PathBuf> {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let mut recents = self.recents();
+        recents.retain(|known| *known != path);
+        recents.insert(0, path);
+        recents.truncate(MAX_RECENTS);
+        let text = serde_json::to_string_pretty(&recents).unwrap_or_default();
+        let _ = std::fs::create_dir_all(&self.folder);
+        // A failure is ignored: the list is a convenience.
+        let _ = write_atomically(&self.list(), text.as_bytes());
+        recents
+    }
+
+    /// Stored preferences; the defaults where there are none or they cannot be read.
+    pub fn preferences(&self) -> Preferences {
+        let text = text_of(&self.folder.join(HABITS));
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
+    /// Stores the preferences.
+    pub fn store_preferences(&self, habits: &Preferences) {
+        let text = serde_json::to_string_pretty(habits).unwrap_or_default();
+        let _ = std::fs::create_dir_all(&self.folder);
+        // On failure the preferences last until the window closes.
+        let _ = write_atomically(&self.folder.join(HABITS), text.as_bytes());
+    }
+
+    fn list(&self) -> PathBuf {
+        self.folder.join("recent.json")
+    }
+}
+
+/// Removes the recovery copy at `path` of another session, with its lock.
+pub fn remove_copy(path: &Path) {
+    // Either may be gone already.
+    let _ = std::fs::remove_file(path);
+    let _ = std::fs::remove_file(lock_of(path));
+}
+
+/// A lock file that this session holds; removed with it.
+#[derive(Debug)]
+struct HeldLock {
+    _file: File,
+    path: PathBuf,
+}
+
+impl Drop for HeldLock {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// The file that is locked while the session of the recovery copy `copy` runs.
+fn lock_of(copy: &Path) -> PathBuf {
+    let home = copy.parent().and_then(Path::parent).unwrap_or(Path::new(""));
+    home.join("locks").join(copy.file_stem().unwrap_or_default()).with_extension("lock")
+}
+
+/// Whether the session that wrote the recovery copy at `path` still runs: it holds its lock. The system releases it
+/// however the session ends, at once.
+fn is_in_use(path: &Path) -> bool {
+    File::open(lock_of(path)).is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
+}
+
+/// The text of a small file of our own; empty where it cannot be read.
+fn text_of(path: &Path) -> String {
+    let text = read_bytes(path).ok().and_then(|bytes| String::from_utf8(bytes).ok());
+    text.unwrap_or_default()
+}
+
+#[cfg(test)]
+#[allow(clippy::disallowed_methods, reason = "tests make their own files")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_of_sessions_that_ended_badly_are_found_and_no_others() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let home = Home::new(folder.path().to_owned());
+        home.write_copy("mine").expect("writes");
+        assert!(home.recovery_copies().is_empty(), "its own is in use");
+        let recovery = folder.path().join("recovery");
+        std::fs::write(recovery.join("4194304999-1.vanecut"), "crashed").expect("writes");
+        let other = Home::new(folder.path().to_owned());
+        other.write_copy("of another session, which runs").expect("writes");
+        std::fs::write(recovery.join("notes.txt"), "of somebody").expect("writes");
+        assert_eq!(home.recovery_copies(), [recovery.join("4194304999-1.vanecut")]);
+        // Killed: the lock goes with the session, whatever its file.
+        let killed = other.copy().to_owned();
+        drop(other);
+        assert!(home.recovery_copies().contains(&killed), "offered at once");
+        remove_copy(&killed);
+        assert!(!killed.exists());
+        home.drop_copy();
+        assert!(!home.copy().exists());
+    }
+
+    #[test]
+    fn recents_are_in_order_without_doubles_and_without_those_that_are_gone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let home = Home::new(folder.path().join("home"));
+        let file = |name: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "x").expect("writes");
+            path
+        };
+        let (a, b) = (file("a.vanecut"), file("b.vanecut"));
+        home.note_recent(&a);
+        home.note_recent(&b);
+        assert_eq!(home.note_recent(&a), [a.clone(), b.clone()]);
+        std::fs::remove_file(&b).expect("removes");
+        assert_eq!(home.recents(), [a]);
+    }
+}

@@ -1,0 +1,18 @@
+//! Work in the background: reading, planning, writing, simulating. Nothing here draws or knows egui.
+
+use std::sync::Arc;
+
+pub mod engine;
+pub(in crate::app) mod files;
+pub(in crate::app) mod home;
+pub(in crate::app) mod latest;
+pub(in crate::app) mod mesh_nodes;
+pub(in crate::app) mod opening;
+pub(in crate::app) mod part_meshes;
+pub(in crate::app) mod project;
+pub(in crate::app) mod scrub;
+pub mod solid;
+pub(in crate::app) mod work;
+
+/// Asks the window to draw itself again, from any thread.
+pub type Repaint = Arc<dyn Fn() + Send + Sync>;

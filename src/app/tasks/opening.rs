@@ -1,0 +1,116 @@
+//! Opening of projects, parts, setups and blanks, on the background thread.
+
+use std::path::PathBuf;
+
+use super::engine::Engine;
+use super::mesh_nodes::UnassignedRoles;
+use super::part_meshes::PartMeshes;
+use super::project::source_of;
+use crate::app::model::document::OpenPart;
+use crate::app::model::part_source::PartSource;
+use crate::io::InputError;
+use crate::io::blank_file::read_blank_file;
+use crate::io::project_file::{Project, read_project};
+use crate::io::setup_file::read_setup;
+use crate::monitor::Monitor;
+use crate::part::BlankFile;
+use crate::setup::Setup;
+
+/// A task of the opening thread.
+#[derive(Clone)]
+pub(in crate::app) enum OpenTask {
+    /// A project; optionally with another source of its part.
+    Project(PathBuf, Option<PartSource>),
+    /// A part, a setup, or both.
+    Files {
+        part: Option<PartSource>,
+        setup: Option<PathBuf>,
+        /// Values of keys absent from the setup, unless a part is opened with it.
+        defaults: Box<Setup>,
+    },
+    /// A blank.
+    Blank(PathBuf),
+    /// The nodes of a mesh file, for the roles dialog.
+    Nodes(PartSource),
+}
+
+impl OpenTask {
+    /// The same task with another source of the part.
+    pub(in crate::app) fn with_part(self, source: PartSource) -> Self {
+        match self {
+            Self::Project(path, _) => Self::Project(path, Some(source)),
+            Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
+            Self::Blank(_) | Self::Nodes(_) => {
+                Self::Files { part: Some(source), setup: None, defaults: Box::default() }
+            }
+        }
+    }
+}
+
+/// Result of an opening task.
+#[derive(Default)]
+pub(in crate::app) struct Opened {
+    pub part: Option<(OpenPart, PartMeshes)>,
+    pub setup: Option<(PathBuf, Setup)>,
+    pub project: Option<(PathBuf, Project)>,
+    pub blank: Option<BlankFile>,
+    /// A mesh file whose nodes need roles first.
+    pub unassigned: Option<UnassignedRoles>,
+}
+
+/// Runs an opening task. A mesh file that is not a valid part is returned with its nodes and the error.
+///
+/// # Errors
+/// [`InputError`] when a file cannot be read or is invalid.
+pub(in crate::app) fn open(
+    engine: &Engine,
+    task: &OpenTask,
+    monitor: &Monitor,
+) -> Result<Opened, InputError> {
+    let (source, setup, project) = match task {
+        OpenTask::Project(path, instead) => {
+            let project = read_project(path)?;
+            let source = instead.clone().unwrap_or_else(|| source_of(&project));
+            (Some(source), None, Some((path.clone(), project)))
+        }
+        OpenTask::Files { part, setup, defaults } => {
+            (part.clone(), setup.as_ref().map(|path| (path, defaults.as_ref())), None)
+        }
+        OpenTask::Blank(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            let blank = read_blank_file(&path.display().to_string(), &path)?;
+            return Ok(Opened { blank: Some(blank), ..Opened::default() });
+        }
+        OpenTask::Nodes(source) => {
+            let nodes =
+                source.mesh().map(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), None));
+            return Ok(Opened { unassigned: nodes.transpose()?, ..Opened::default() });
+        }
+    };
+    let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
+        let Some((path, known)) = setup else { return Ok(None) };
+        Ok(Some((path.clone(), read_setup(path, defaults.unwrap_or(known))?)))
+    };
+    let Some(source) = source else {
+        return Ok(Opened { setup: read(None)?, project, ..Opened::default() });
+    };
+    match (engine.open)(&source, monitor) {
+        Ok((impeller, hash)) => {
+            let mesh = PartMeshes::new(&impeller);
+            let defaults = Setup::for_part(&impeller);
+            let setup = read(Some(&defaults))?;
+            let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
+            Ok(Opened { part, setup, project, ..Opened::default() })
+        }
+        Err(error) => {
+            let nodes = source
+                .mesh()
+                .and_then(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), Some(&error)).ok());
+            match nodes {
+                Some(unassigned) => Ok(Opened { unassigned: Some(unassigned), ..Opened::default() }),
+                // Roles cannot solve this error.
+                None => Err(error),
+            }
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The open project as the content of a project file, and back.
+
+use crate::app::model::document::{Edited, WhatIf};
+use crate::app::model::part_source::PartSource;
+use crate::app::model::planned::Side;
+use crate::app::model::state::AppState;
+use crate::gpu::camera::{Camera, Projection};
+use crate::io::project_file::{PartLocation, PlanSelection, Project, StoredSet, Viewpoint};
+
+/// The open project; `None` while no part is open.
+pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Option<Project> {
+    let part = state.document.part.as_ref()?;
+    let edited = &state.document.edited;
+    let place = match &part.source {
+        PartSource::File(path) => PartLocation::File(path.clone()),
+        PartSource::Mesh(path, choices) => {
+            PartLocation::Mesh { file: path.clone(), choices: choices.clone() }
+        }
+        PartSource::Sample(name) => PartLocation::Sample(name.clone()),
+    };
+    let sets = edited.sets.iter().map(|set| StoredSet {
+        name: set.name.clone(),
+        setup: set.setup.clone(),
+        figures: state.results.figures(&set.setup),
+    });
+    Some(Project {
+        part: place,
+        part_hash: part.hash,
+        setup: edited.setup.clone(),
+        sets: sets.collect(),
+        viewpoint: camera.as_ref().map(viewpoint),
+        chosen: PlanSelection {
+            before: state.look.side == Side::Before,
+            position: state.look.selected,
+            cut: state.look.cut_count,
+        },
+        original: None,
+    })
+}
+
+fn viewpoint(camera: &Camera) -> Viewpoint {
+    Viewpoint {
+        target: camera.target.to_array(),
+        yaw: camera.yaw_rad,
+        pitch: camera.pitch_rad,
+        distance: camera.distance,
+        parallel: camera.projection == Projection::Orthographic,
+    }
+}
+
+/// Setup and variants of a project.
+pub(in crate::app) fn edited_of(project: &Project) -> Edited {
+    let sets = project.sets.iter().map(|set| WhatIf { name: set.name.clone(), setup: set.setup.clone() });
+    Edited { setup: project.setup.clone(), sets: sets.collect() }
+}
+
+/// Source of a project's part.
+pub(in crate::app) fn source_of(project: &Project) -> PartSource {
+    match &project.part {
+        PartLocation::File(path) => PartSource::File(path.clone()),
+        PartLocation::Mesh { file, choices } => PartSource::Mesh(file.clone(), choices.clone()),
+        PartLocation::Sample(name) => PartSource::Sample(name.clone()),
+    }
+}

@@ -1,0 +1,362 @@
+//! The stock as a solid at the timeline's position, computed in the background: coarse at once, then fine.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::drawing::solid::solid_mesh;
+use crate::gpu::mesh::{Mesh, Paint};
+use crate::io::gltf::GltfScene;
+use crate::io::stl::write_stl;
+use crate::job::worker::{Outcome, Worker};
+use crate::monitor::Monitor;
+use crate::palette::{self, Rgb};
+use crate::part::{Impeller, Workpiece};
+use crate::plunge::MOVES_PER_PLUNGE;
+use crate::plunge::plan::{Condition, PlungePlan};
+use crate::stock::excess::Excess;
+use crate::stock::solid::{
+    Contact, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer, StockSurface,
+};
+use crate::toolpath::ClProgram;
+
+use super::Repaint;
+use crate::app::model::solid::{SolidColours, SolidRequest, SolidSource};
+
+/// Rays across the wheel: of the solid that comes first, of the one that stays, and of an exported one.
+const COARSE: f64 = 140.0;
+const FINE: f64 = 360.0;
+
+/// The solid to draw.
+#[derive(Clone, Debug)]
+pub struct SolidPicture {
+    /// What it shows.
+    pub request: SolidRequest,
+    /// Its triangles.
+    pub mesh: Arc<Mesh>,
+    /// Distance of its rays, mm.
+    pub spacing: f64,
+    /// Volume, mm³.
+    pub volume: f64,
+    /// Number of collisions of core, shank, holder or a rapid with stock so far.
+    pub collisions: usize,
+    /// Names of the colours, where they are no scale.
+    pub names: Vec<(Rgb, String)>,
+    /// Whether a finer one follows.
+    pub is_coarse: bool,
+}
+
+impl SolidSource {
+    fn workpiece(&self) -> &Workpiece {
+        &self.planned.outcome.workpiece
+    }
+
+    fn part(&self) -> &Impeller {
+        &self.workpiece().part
+    }
+
+    fn plan(&self) -> &PlungePlan {
+        self.planned.plan(self.policy)
+    }
+
+    /// The moves of both plans, as the exported programs have them.
+    fn program(&self) -> ClProgram {
+        let mut program = ClProgram::of_plan(&self.part().name, self.plan());
+        if let Some(flank) = &self.flank {
+            let after = ClProgram::of_flank(&self.part().name, &flank.plan.tool, &flank.plan.moves);
+            let first = program.tools.len();
+            program.tools.extend(after.tools);
+            program.moves.extend(after.moves.into_iter().map(|mut step| {
+                step.tool = step.tool.map(|tool| tool + first);
+                step
+            }));
+        }
+        program
+    }
+
+    /// Number of moves of the first `cut` plunges.
+    fn moves_of(&self, cut: Option<usize>, program: &ClProgram) -> usize {
+        // A plunge without a tool has no moves.
+        let plan = self.plan();
+        let has_tool = |position: &&crate::plunge::Position| plan.sections.get(position.section).is_some();
+        match cut {
+            Some(cut) => MOVES_PER_PLUNGE * plan.positions.iter().take(cut).filter(has_tool).count(),
+            None => program.moves.len(),
+        }
+    }
+
+    /// The blank with rays at a spacing.
+    fn blank(&self, rays: f64) -> Result<(SolidStock, f64), SolidError> {
+        let blank = SolidBlank::of(self.part(), &self.workpiece().blank);
+        let spacing = blank.default_spacing() * 800.0 / rays;
+        Ok((SolidStock::new(&blank, spacing)?, spacing))
+    }
+}
+
+/// The players of one source, which keep what was simulated.
+struct Bench {
+    source: SolidSource,
+    program: ClProgram,
+    coarse: (StockPlayer, f64),
+    fine: Option<(StockPlayer, f64)>,
+}
+
+impl Bench {
+    fn new(source: &SolidSource) -> Result<Self, String> {
+        let program = source.program();
+        let coarse = player(source, &program, COARSE)?;
+        Ok(Self { source: source.clone(), program, coarse, fine: None })
+    }
+}
+
+fn player(source: &SolidSource, program: &ClProgram, rays: f64) -> Result<(StockPlayer, f64), String> {
+    let moves = SolidProgram::new(program, &source.planned.outcome.setup).map_err(|e| e.to_string())?;
+    let (blank, spacing) = source.blank(rays).map_err(|e| e.to_string())?;
+    Ok((StockPlayer::new(moves, blank), spacing))
+}
+
+/// Slot for the coarse solid while the fine one is computed.
+type CoarseSlot = Arc<Mutex<Option<SolidPicture>>>;
+
+/// Computes the solid in the background.
+pub(in crate::app) struct SolidWork {
+    worker: Worker<SolidRequest, SolidPicture, String>,
+    slot: CoarseSlot,
+    bench: Arc<Mutex<Option<Bench>>>,
+    asked: Option<SolidRequest>,
+    /// Whether the coarse solid of the request is still to come.
+    awaits_coarse: bool,
+    /// The latest solid; it may be older than the request.
+    shown: Option<Arc<SolidPicture>>,
+}
+
+impl SolidWork {
+    /// Starts the thread; it repaints the window after each solid.
+    pub(in crate::app) fn new(repaint: &Repaint) -> Self {
+        let slot = CoarseSlot::default();
+        let bench: Arc<Mutex<Option<Bench>>> = Arc::default();
+        let work = {
+            let (slot, bench, repaint) = (Arc::clone(&slot), Arc::clone(&bench), Arc::clone(repaint));
+            move |request: &SolidRequest, monitor: &Monitor| {
+                let mut bench = bench.lock().unwrap_or_else(PoisonError::into_inner);
+                let listen = |picture: SolidPicture| {
+                    *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some(picture);
+                    repaint();
+                };
+                simulate(&mut bench, request, monitor, listen)
+            }
+        };
+        let repaint = Arc::clone(repaint);
+        let worker = Worker::new("solid", work, move || repaint());
+        Self { worker, slot, bench, asked: None, awaits_coarse: false, shown: None }
+    }
+
+    /// Requests the solid that the window shows now, and collects finished ones. Returns why the last request
+    /// failed, once.
+    pub(in crate::app) fn follow(&mut self, wanted: Option<SolidRequest>) -> Option<String> {
+        let mut fault = None;
+        let coarse = self.slot.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let mut take = |picture: SolidPicture| {
+            // Of another plan, or before the layer was hidden.
+            if self.asked.as_ref().is_some_and(|asked| asked.source == picture.request.source) {
+                self.shown = Some(Arc::new(picture));
+            }
+        };
+        let outcome = self.worker.take_outcome();
+        if coarse.is_some() || outcome.is_some() {
+            self.awaits_coarse = false;
+        }
+        if let Some(picture) = coarse {
+            take(picture);
+        }
+        match outcome {
+            Some((_, Outcome::Done(picture))) => take(picture),
+            Some((_, Outcome::Failed(error))) if !error.is_empty() => fault = Some(error),
+            Some((_, Outcome::Panicked(what))) => fault = Some(format!("failed unexpectedly ({what})")),
+            _ => {}
+        }
+        let same_source =
+            self.asked.as_ref().map(|asked| &asked.source) == wanted.as_ref().map(|w| &w.source);
+        // While the timeline moves, let each coarse solid arrive: restarting at every step would show none.
+        let worth_waiting = same_source && wanted.is_some() && self.awaits_coarse && self.worker.is_busy();
+        if wanted != self.asked && !worth_waiting {
+            self.awaits_coarse = wanted.is_some();
+            match &wanted {
+                Some(request) => {
+                    if self.shown.as_ref().is_some_and(|shown| shown.request.source != request.source) {
+                        self.shown = None;
+                    }
+                    self.worker.submit(request.clone());
+                }
+                None => {
+                    self.worker.cancel();
+                    self.shown = None;
+                }
+            }
+            self.asked = wanted;
+        }
+        // Hidden, the layer takes no memory.
+        if self.asked.is_none()
+            && let Ok(mut bench) = self.bench.try_lock()
+        {
+            *bench = None;
+        }
+        fault
+    }
+
+    /// The latest solid, which may be of an earlier request for the same plan.
+    pub(in crate::app) fn shown(&self) -> Option<&Arc<SolidPicture>> {
+        self.shown.as_ref()
+    }
+
+    /// Whether a solid is being computed.
+    pub(in crate::app) fn is_busy(&self) -> bool {
+        self.worker.is_busy()
+    }
+}
+
+/// Simulates a request, coarse first. An empty error means that it was cancelled.
+fn simulate(
+    bench: &mut Option<Bench>,
+    request: &SolidRequest,
+    monitor: &Monitor,
+    listen: impl FnOnce(SolidPicture),
+) -> Result<SolidPicture, String> {
+    let known = bench.take().filter(|bench| bench.source == request.source);
+    let bench = match known {
+        Some(known) => bench.insert(known),
+        None => bench.insert(Bench::new(&request.source)?),
+    };
+    let count = request.source.moves_of(request.cut, &bench.program);
+    let picture = |(player, spacing): &mut (StockPlayer, f64), is_coarse| {
+        let (stock, contacts) = player.at(count, monitor).map_err(|error| match error {
+            SolidError::Cancelled(_) => String::new(),
+            other => other.to_string(),
+        })?;
+        let surface = StockSurface::of(stock);
+        monitor.check().map_err(|_| String::new())?;
+        let (mesh, names) = painted(request, &bench.program, contacts, &surface, *spacing, monitor)?;
+        Ok::<_, String>(SolidPicture {
+            request: request.clone(),
+            mesh: Arc::new(mesh),
+            spacing: *spacing,
+            volume: surface.volume(),
+            collisions: contacts.len(),
+            names,
+            is_coarse,
+        })
+    };
+    listen(picture(&mut bench.coarse, true)?);
+    if bench.fine.is_none() {
+        bench.fine = Some(player(&request.source, &bench.program, FINE)?);
+    }
+    let Some(fine) = &mut bench.fine else { return Err(String::new()) };
+    picture(fine, false)
+}
+
+/// The triangles of a surface in the colours of a request, and the names of the colours.
+fn painted(
+    request: &SolidRequest,
+    program: &ClProgram,
+    contacts: &[Contact],
+    surface: &StockSurface,
+    spacing: f64,
+    monitor: &Monitor,
+) -> Result<(Mesh, Vec<(Rgb, String)>), String> {
+    let painter = Painter::new(request, program, contacts);
+    let excess = (request.colours == SolidColours::Distance).then(|| Excess::new(request.source.workpiece()));
+    let paint = |cut_by: u32| painter.paint(cut_by);
+    // Cancelled by a newer request.
+    let mesh = solid_mesh(surface, spacing, excess.as_ref(), paint, monitor).map_err(|_| String::new())?;
+    Ok((mesh, painter.names))
+}
+
+/// Colours of moves.
+struct Painter {
+    colours: SolidColours,
+    /// Colour of each move that cuts, where it does not depend on the distance.
+    moves: Vec<Rgb>,
+    names: Vec<(Rgb, String)>,
+}
+
+impl Painter {
+    fn new(request: &SolidRequest, program: &ClProgram, contacts: &[Contact]) -> Self {
+        let plan = request.source.plan();
+        let category = |k: usize| palette::CATEGORIES[k % palette::CATEGORIES.len()];
+        let mut names: Vec<(Rgb, String)> = Vec::new();
+        let mut note = |colour: Rgb, name: String| {
+            if !names.iter().any(|(_, known)| *known == name) {
+                names.push((colour, name));
+            }
+            colour
+        };
+        // The plunges that have moves, in their order.
+        let positions: Vec<_> =
+            plan.positions.iter().filter(|p| plan.sections.get(p.section).is_some()).collect();
+        let collides =
+            |number: usize| contacts.binary_search_by_key(&number, |contact| contact.number as usize).is_ok();
+        let colour = |(number, step): (usize, &crate::toolpath::Move)| {
+            let position = positions.get(number / MOVES_PER_PLUNGE);
+            match request.colours {
+                SolidColours::Distance => [0.0; 3],
+                SolidColours::Tool => {
+                    let index = step.tool.unwrap_or_default();
+                    let name = program
+                        .tools
+                        .get(index)
+                        .map_or_else(String::new, |tool| format!("T{} D{}", tool.number, tool.diameter));
+                    note(category(index), name)
+                }
+                SolidColours::Section => match position {
+                    Some(p) => note(category(p.section), format!("Section {}", p.section + 1)),
+                    None => note(category(plan.sections.len()), "Flank".to_owned()),
+                },
+                SolidColours::Fault => {
+                    let of = position.map_or(Condition::Sound, |position| position.condition());
+                    match of {
+                        Condition::Interfering => note(palette::INTERFERING, "Interfering".to_owned()),
+                        _ if collides(number) => note(palette::INTERFERING, "Interfering".to_owned()),
+                        Condition::Blocked => note(palette::BLOCKED, "Blocked".to_owned()),
+                        Condition::Sound => note(palette::SOUND, "Sound".to_owned()),
+                    }
+                }
+            }
+        };
+        let moves = program.moves.iter().enumerate().map(colour).collect();
+        if request.colours == SolidColours::Distance {
+            names.clear();
+        }
+        Self { colours: request.colours, moves, names }
+    }
+
+    fn paint(&self, cut_by: u32) -> Paint {
+        match self.moves.get(cut_by as usize) {
+            _ if cut_by == SpanEnd::BLANK => Paint::UNCUT,
+            Some(colour) if self.colours != SolidColours::Distance => Paint::colour(*colour),
+            _ => Paint::BY_VALUE,
+        }
+    }
+}
+
+/// Rays across the wheel in an exported solid.
+const EXPORTED: f64 = 800.0;
+
+/// The stock as a file: glTF if `is_scene`, else STL.
+///
+/// # Errors
+/// One line on why it cannot be simulated.
+pub(in crate::app) fn solid_bytes(
+    source: &SolidSource,
+    cut: Option<usize>,
+    is_scene: bool,
+) -> Result<Vec<u8>, String> {
+    let program = source.program();
+    let (mut player, _) = player(source, &program, EXPORTED)?;
+    let count = source.moves_of(cut, &program);
+    let (stock, _) = player.at(count, &Monitor::default()).map_err(|error| error.to_string())?;
+    let surface = StockSurface::of(stock);
+    let name = &source.part().name;
+    Ok(if is_scene {
+        GltfScene::of_stock(name, &surface, surface.volume()).glb()
+    } else {
+        write_stl(&surface.points, &surface.triangles, name)
+    })
+}

@@ -1,0 +1,105 @@
+//! The background threads of the window, with their latest requests.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::Repaint;
+use super::engine::{Engine, PlanTask};
+use super::files::{self, WriteTask, Written};
+use super::opening::{OpenTask, Opened, open};
+use crate::app::model::look::Operation;
+use crate::app::model::planned::DisplayPlan;
+use crate::app::model::preview::PreviewSlot;
+use crate::io::InputError;
+use crate::job::JobError;
+use crate::job::flank::{FlankOutcome, FlankRequest};
+use crate::job::worker::Worker;
+use crate::monitor::Monitor;
+use crate::setup::Setup;
+
+/// The background threads.
+pub(in crate::app) struct Work {
+    pub opener: Worker<OpenTask, Opened, InputError>,
+    pub planner: Worker<PlanTask, DisplayPlan, JobError>,
+    pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
+    pub writer: Worker<WriteTask, Written, InputError>,
+    /// Slot through which the planner passes its preview.
+    pub coming: PreviewSlot,
+    /// The last request to the planner.
+    pub asked: Option<PlanKey>,
+    /// Setup of the last request to the flank planner.
+    pub asked_flank: Option<Setup>,
+    /// Number of the planner's last task.
+    pub tasks: u64,
+}
+
+/// Interval at which the progress display is updated.
+pub(in crate::app) const PROGRESS_EVERY: Duration = Duration::from_millis(60);
+
+impl Work {
+    /// Starts the threads; each finished task repaints the window.
+    pub(in crate::app) fn new(engine: &Engine, repaint: &Repaint) -> Self {
+        let repaint = || {
+            let repaint = Arc::clone(repaint);
+            move || repaint()
+        };
+        let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
+        let coming = PreviewSlot::default();
+        let plan = {
+            let (slot, notify) = (coming.clone(), repaint());
+            move |task: &PlanTask, monitor: &Monitor| to_plan.planned(task, monitor, &slot, &notify)
+        };
+        Self {
+            opener: Worker::new("open", move |task, monitor| open(&to_open, task, monitor), repaint()),
+            planner: Worker::new("plan", plan, repaint()),
+            flanker: Worker::new(
+                "flank",
+                move |request, monitor| (to_flank.flank)(request, monitor),
+                repaint(),
+            ),
+            writer: Worker::new("write", |task, _| files::write(task), repaint()),
+            coming,
+            asked: None,
+            asked_flank: None,
+            tasks: 0,
+        }
+    }
+
+    /// Cancels planning and drops the results.
+    pub(in crate::app) fn planner_cancel(&mut self) {
+        self.planner.cancel();
+        let _ = self.planner.take_outcome();
+        self.flanker.cancel();
+        let _ = self.flanker.take_outcome();
+        self.asked = None;
+        self.asked_flank = None;
+    }
+
+    /// Whether the planner is running.
+    pub(in crate::app) fn is_planning(&self) -> bool {
+        self.planner.is_busy()
+    }
+
+    /// The operation that is being calculated.
+    pub(in crate::app) fn running_operation(&self) -> Option<Operation> {
+        let planning = self.planner.is_busy().then_some(Operation::Roughing);
+        planning.or(self.flanker.is_busy().then_some(Operation::Flank))
+    }
+
+    /// Name and progress (0…1) of the running task.
+    pub(in crate::app) fn running(&self) -> Option<(&'static str, f64)> {
+        let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
+        let what = if self.planner.is_stopping() { "Checking" } else { "Calculating" };
+        let planning = || self.planner.progress().map(|fraction| (what, fraction));
+        let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
+        let curves = || self.flanker.progress().map(|fraction| ("Calculating flank", fraction));
+        opening.or_else(planning).or_else(curves).or_else(writing)
+    }
+}
+
+/// A request to the planner.
+pub(in crate::app) struct PlanKey {
+    pub setup: Setup,
+    pub compare: bool,
+    pub draft: bool,
+}

@@ -1,0 +1,270 @@
+//! The window's own file dialog: folder, files that fit, name with ending check, and the question before a
+//! file is replaced.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Button, Color32, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+
+use crate::app::model::file_purpose::Purpose;
+use crate::app::tasks::Repaint;
+use crate::app::tasks::latest::Latest;
+use crate::app::views::theme::Condition;
+
+/// Maximum number of entries of a folder that are listed.
+const MAX_ENTRIES: usize = 2000;
+
+/// An entry of a folder.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Entry {
+    Folder(String),
+    File(String),
+}
+
+/// Content of a folder; `None` where it cannot be read.
+type Listing = Option<Vec<Entry>>;
+
+/// Reads folders in the background: a folder may lie on a slow network.
+pub(super) struct FolderReader(Latest<PathBuf, Listing>);
+
+impl FolderReader {
+    pub(super) fn new(repaint: &Repaint) -> Self {
+        Self(Latest::new("folder", repaint, |folder: &PathBuf| list_folder(folder)))
+    }
+
+    /// Requests the content of a folder.
+    pub(super) fn read(&mut self, folder: Option<&Path>) {
+        self.0.request(folder.map(Path::to_owned));
+    }
+
+    pub(super) fn is_busy(&self) -> bool {
+        self.0.is_busy()
+    }
+
+    /// Content of `folder`; `None` until it is read.
+    fn content(&self, folder: &Path) -> Option<&Listing> {
+        self.0.answer().filter(|(known, _)| known == folder).map(|(_, listing)| listing)
+    }
+}
+
+/// Folders and files of a folder without hidden ones, sorted by name.
+fn list_folder(folder: &Path) -> Listing {
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let named = entries.filter_map(|entry| {
+        let name = entry.file_name().into_string().ok().filter(|name| !name.starts_with('.'))?;
+        let is_folder = entry.path().is_dir();
+        Some(if is_folder { Entry::Folder(name) } else { Entry::File(name) })
+    });
+    let mut found: Vec<Entry> = named.take(MAX_ENTRIES).collect();
+    found.sort();
+    Some(found)
+}
+
+/// Answer of the dialog.
+pub(super) enum PromptAnswer {
+    Chosen(PathBuf),
+    Cancelled,
+}
+
+/// The dialog.
+pub(super) struct Prompt {
+    purpose: Purpose,
+    folder: PathBuf,
+    /// Name or path as typed.
+    name: String,
+    /// Why the window asks itself; may be empty.
+    reason: &'static str,
+    /// File that exists and may be replaced, while that is asked.
+    replacing: Option<PathBuf>,
+    fresh: bool,
+}
+
+impl Prompt {
+    pub(super) fn new(purpose: Purpose, name: String, folder: Option<&Path>, reason: &'static str) -> Self {
+        let folder = folder.map_or_else(|| std::env::current_dir().unwrap_or_default(), Path::to_owned);
+        Self { purpose, folder, name, reason, replacing: None, fresh: true }
+    }
+
+    pub(super) fn purpose(&self) -> Purpose {
+        self.purpose
+    }
+
+    /// Draws the dialog; returns its answer once.
+    pub(super) fn show(&mut self, ui: &Ui, reader: &mut FolderReader) -> Option<PromptAnswer> {
+        reader.read(Some(&self.folder));
+        // Before the field takes the key.
+        let (escape, enter) = ui.input_mut(|input| {
+            let none = Modifiers::NONE;
+            (input.consume_key(none, Key::Escape), input.consume_key(none, Key::Enter))
+        });
+        if self.replacing.is_some() {
+            return self.ask_replace(ui, escape, enter);
+        }
+        let (mut answer, mut go) = (None, enter);
+        let modal = Modal::new(egui::Id::unique("file prompt")).show(ui.ctx(), |ui| {
+            ui.set_width(440.0);
+            ui.label(RichText::new(self.purpose.title()).strong());
+            if !self.reason.is_empty() {
+                ui.label(RichText::new(self.reason).weak());
+            }
+            self.folder_line(ui);
+            self.entries(ui, reader);
+            ui.horizontal(|ui| {
+                let label = ui.label("File");
+                let hint = self.purpose.filter().1.iter().map(|e| format!(".{e}")).collect::<Vec<_>>();
+                let field = TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
+                let field = ui.add(field.hint_text(hint.join(", "))).labelled_by(label.id);
+                if std::mem::take(&mut self.fresh) {
+                    field.request_focus();
+                }
+            });
+            let target = self.target();
+            let problem = target.as_ref().err().filter(|text| !text.is_empty());
+            let colour = problem.map_or(Color32::TRANSPARENT, |_| Condition::Interfering.text(ui.visuals()));
+            // An empty line otherwise, so that the buttons stay where they are.
+            ui.label(RichText::new(problem.map_or(" ", String::as_str)).color(colour));
+            ui.horizontal(|ui| {
+                let verb = if self.purpose.saves() { "Save" } else { "Open" };
+                go |= ui.add_enabled(target.is_ok(), Button::new(verb)).clicked();
+                if ui.button("Cancel").clicked() || escape {
+                    answer = Some(PromptAnswer::Cancelled);
+                }
+            });
+        });
+        if answer.is_some() || modal.should_close() {
+            return Some(PromptAnswer::Cancelled);
+        }
+        let path = go.then(|| self.target()).and_then(Result::ok)?;
+        // A folder that was typed is entered.
+        if path.is_dir() {
+            self.enter(path);
+            return None;
+        }
+        if self.purpose.saves() && path.exists() {
+            self.replacing = Some(path);
+            return None;
+        }
+        Some(PromptAnswer::Chosen(path))
+    }
+
+    /// The folder with a button to its parent.
+    fn folder_line(&mut self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            let parent = self.folder.parent().map(Path::to_owned);
+            let up = ui.add_enabled(parent.is_some(), Button::new("Up"));
+            if let Some(parent) = parent.filter(|_| up.on_hover_text("To the parent folder").clicked()) {
+                self.enter(parent);
+            }
+            let text = self.folder.display().to_string();
+            ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
+        });
+    }
+
+    /// Folders and fitting files whose names begin with what is typed.
+    fn entries(&mut self, ui: &mut Ui, reader: &FolderReader) {
+        let mut chosen = None;
+        let typed = self.name.to_lowercase();
+        // A complete name, as proposed when saving, hides nothing.
+        let typed = if typed.contains(['.', '/']) { "" } else { typed.as_str() };
+        let begins = |name: &str| name.to_lowercase().starts_with(typed);
+        ScrollArea::vertical().max_height(160.0).min_scrolled_height(160.0).auto_shrink(false).show(
+            ui,
+            |ui| match reader.content(&self.folder) {
+                None => {
+                    ui.label(RichText::new("Reading…").weak());
+                }
+                Some(None) => {
+                    ui.label(RichText::new("This folder cannot be read").weak());
+                }
+                Some(Some(entries)) => {
+                    for entry in entries {
+                        let (name, text) = match entry {
+                            Entry::Folder(name) => (name, format!("{name}/")),
+                            Entry::File(name) if self.purpose.fits(Path::new(name)) => (name, name.clone()),
+                            Entry::File(_) => continue,
+                        };
+                        if begins(name) && ui.selectable_label(*name == self.name, text).clicked() {
+                            chosen = Some(entry.clone());
+                        }
+                    }
+                }
+            },
+        );
+        match chosen {
+            Some(Entry::Folder(name)) => self.enter(self.folder.join(name)),
+            Some(Entry::File(name)) => self.name = name,
+            None => {}
+        }
+    }
+
+    fn enter(&mut self, folder: PathBuf) {
+        self.folder = folder;
+        if !self.purpose.saves() || self.name.contains('/') {
+            self.name.clear();
+        }
+        self.fresh = true;
+    }
+
+    /// The file that is named; a missing ending is added when saving.
+    ///
+    /// # Errors
+    /// What is wrong with the name, and what to do; empty while there is none.
+    fn target(&self) -> Result<PathBuf, String> {
+        let name = self.name.trim();
+        if name.is_empty() {
+            return Err(String::new());
+        }
+        let mut path = self.folder.join(name);
+        if path.is_dir() {
+            return Ok(path);
+        }
+        let endings = self.purpose.filter().1;
+        if self.purpose.saves() {
+            match (path.extension(), endings.first()) {
+                (None, Some(ending)) => {
+                    path.set_extension(ending);
+                }
+                (Some(_), _) if !self.purpose.fits(&path) => {
+                    let all: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+                    return Err(format!("The name must end in {}", all.join(" or ")));
+                }
+                _ => {}
+            }
+            let folder = path.parent().unwrap_or(Path::new(""));
+            if !folder.is_dir() {
+                return Err(format!("The folder {} does not exist", folder.display()));
+            }
+        } else if !path.exists() {
+            return Err(format!("The file {} does not exist", path.display()));
+        }
+        Ok(path)
+    }
+
+    /// The question before a file is replaced.
+    fn ask_replace(&mut self, ui: &Ui, escape: bool, enter: bool) -> Option<PromptAnswer> {
+        let path = self.replacing.clone()?;
+        let (mut replace, mut back) = (false, escape);
+        let modal = Modal::new(egui::Id::unique("file replace")).show(ui.ctx(), |ui| {
+            ui.set_width(360.0);
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            ui.label(RichText::new(format!("Replace {name}?")).strong());
+            ui.label(format!("It already exists in {}", self.folder_of(&path)));
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                replace = ui.button("Replace").clicked();
+                back |= ui.button("Cancel").clicked() || enter;
+            });
+        });
+        if replace {
+            return Some(PromptAnswer::Chosen(path));
+        }
+        if back || modal.should_close() {
+            self.replacing = None;
+            self.fresh = true;
+        }
+        None
+    }
+
+    fn folder_of(&self, path: &Path) -> String {
+        path.parent().unwrap_or(&self.folder).display().to_string()
+    }
+}

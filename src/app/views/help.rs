@@ -1,0 +1,170 @@
+//! Help in the window: keyboard shortcuts, glossary and version.
+
+use egui::{Grid, Label, Modal, RichText, ScrollArea, Ui};
+
+use crate::app::views::command::Command;
+
+/// Pages of the help.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HelpPage {
+    /// All keys.
+    Shortcuts,
+    /// The words of the window.
+    Glossary,
+    /// Version, licence and device.
+    About,
+}
+
+impl HelpPage {
+    fn title(self) -> &'static str {
+        match self {
+            Self::Shortcuts => "Keyboard shortcuts",
+            Self::Glossary => "Glossary",
+            Self::About => "About Vanecut",
+        }
+    }
+}
+
+/// The glossary of the documentation.
+const GLOSSARY: &str = include_str!("../../../docs/GLOSSARY.md");
+
+/// A line of the glossary.
+#[derive(Debug, PartialEq, Eq)]
+enum GlossaryLine {
+    Heading(String),
+    Term { term: String, meaning: String },
+}
+
+/// Headings and terms of a glossary in Markdown: `## heading`, and tables with term and meaning first.
+fn read_glossary(text: &str) -> Vec<GlossaryLine> {
+    let plain = |cell: &str| cell.trim().replace(['`', '*'], "");
+    let line = |line: &str| {
+        if let Some(heading) = line.strip_prefix("## ") {
+            return Some(GlossaryLine::Heading(plain(heading)));
+        }
+        let mut cells = line.strip_prefix('|')?.split('|');
+        let (term, meaning) = (plain(cells.next()?), plain(cells.next()?));
+        let is_term = term != "term" && !term.starts_with("---") && !meaning.is_empty();
+        is_term.then_some(GlossaryLine::Term { term, meaning })
+    };
+    text.lines().filter_map(line).collect()
+}
+
+/// The help, if it is open.
+#[derive(Debug, Default)]
+pub struct Help {
+    page: Option<HelpPage>,
+    /// The glossary, while its page is open.
+    glossary: Vec<GlossaryLine>,
+    /// Words searched in the glossary.
+    words: String,
+}
+
+impl Help {
+    /// Opens a page.
+    pub fn open(&mut self, page: HelpPage) {
+        let glossary = if page == HelpPage::Glossary { read_glossary(GLOSSARY) } else { Vec::new() };
+        *self = Self { page: Some(page), glossary, words: String::new() };
+    }
+
+    /// Whether a page is open.
+    pub fn is_open(&self) -> bool {
+        self.page.is_some()
+    }
+
+    /// Draws the page while it is open. `device`: name of the graphics device.
+    pub fn show(&mut self, ui: &Ui, device: &str) {
+        let Some(page) = self.page else { return };
+        let mut close = false;
+        let modal = Modal::new(egui::Id::unique("help")).show(ui.ctx(), |ui| {
+            ui.set_width(460.0);
+            ui.heading(page.title());
+            ui.add_space(4.0);
+            match page {
+                HelpPage::Shortcuts => shortcuts(ui),
+                HelpPage::Glossary => glossary(ui, &self.glossary, &mut self.words),
+                HelpPage::About => about(ui, device),
+            }
+            ui.add_space(6.0);
+            close = ui.button("Close").clicked();
+        });
+        if close || modal.should_close() {
+            *self = Self::default();
+        }
+    }
+}
+
+/// Height of a page, points; less in a low window.
+fn page_height(ui: &Ui) -> f32 {
+    (ui.ctx().content_rect().height() - 160.0).clamp(120.0, 460.0)
+}
+
+fn shortcuts(ui: &mut Ui) {
+    ScrollArea::vertical().max_height(page_height(ui)).show(ui, |ui| {
+        Grid::new("shortcuts").num_columns(2).spacing([16.0, 3.0]).striped(true).show(ui, |ui| {
+            for command in Command::ALL {
+                let Some(keys) = command.shortcut() else { continue };
+                ui.label(RichText::new(ui.ctx().format_shortcut(&keys)).strong());
+                ui.label(command.label()).on_hover_text(command.tip());
+                ui.end_row();
+            }
+            for (keys, what) in [("Ctrl + +/−/0", "Larger, smaller, and usual text"), ("Tab", "Next field")]
+            {
+                ui.label(RichText::new(keys).strong());
+                ui.label(what);
+                ui.end_row();
+            }
+        });
+    });
+}
+
+fn glossary(ui: &mut Ui, lines: &[GlossaryLine], words: &mut String) {
+    let hint = "Search the glossary";
+    let field = ui.add(egui::TextEdit::singleline(words).hint_text(hint).desired_width(f32::INFINITY));
+    field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, hint));
+    ui.add_space(4.0);
+    let sought = words.to_lowercase();
+    ScrollArea::vertical().max_height(page_height(ui)).auto_shrink(false).show(ui, |ui| {
+        for line in lines {
+            match line {
+                GlossaryLine::Heading(heading) if sought.is_empty() => {
+                    ui.add_space(6.0);
+                    ui.label(RichText::new(heading).strong());
+                }
+                GlossaryLine::Term { term, meaning }
+                    if term.to_lowercase().contains(&sought) || meaning.to_lowercase().contains(&sought) =>
+                {
+                    let mut text = egui::text::LayoutJob::default();
+                    let format = |colour| egui::TextFormat { color: colour, ..Default::default() };
+                    text.append(term, 0.0, format(ui.visuals().strong_text_color()));
+                    text.append(&format!(": {meaning}"), 0.0, format(ui.visuals().text_color()));
+                    ui.add(Label::new(text).wrap());
+                }
+                _ => {}
+            }
+        }
+    });
+}
+
+fn about(ui: &mut Ui, device: &str) {
+    ui.label(format!("Vanecut {}", env!("CARGO_PKG_VERSION")));
+    ui.label(env!("CARGO_PKG_DESCRIPTION"));
+    ui.label(format!("Licence: {}", env!("CARGO_PKG_LICENSE")));
+    ui.label(format!("Graphics device: {device}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_glossary_has_headings_and_terms() {
+        let lines = read_glossary(GLOSSARY);
+        let has = |wanted: &str| {
+            lines.iter().any(|line| matches!(line, GlossaryLine::Term { term, .. } if term == wanted))
+        };
+        assert!(has("core") && has("stock") && has("rest milling"), "{} lines", lines.len());
+        assert!(lines.contains(&GlossaryLine::Heading("Stock".to_owned())));
+        assert!(!has("term") && !has("---"));
+    }
+}

@@ -1,0 +1,245 @@
+//! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the
+//! cursor. It lies beside the picture, so that it hides nothing of it.
+
+use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
+
+use crate::gpu::scene::FloorColours;
+use crate::palette::{ColourMap, Rgb, TABLE_LEN};
+
+use crate::app::model::cutter_colours::CutterLegend;
+use crate::app::model::look::Operation;
+use crate::app::model::planned::Side;
+use crate::app::model::solid::SolidColours;
+use crate::app::model::state::AppState;
+use crate::app::tasks::solid::SolidPicture;
+use crate::app::views::overlay::floating;
+use crate::app::views::panels::flank;
+use crate::app::views::theme::Condition;
+
+/// Height of the legend, points.
+pub const HEIGHT: f32 = 26.0;
+
+/// Values under the cursor, mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Values {
+    /// Stock on the hub, on the side under the cursor.
+    pub here: Option<f32>,
+    /// Stock on a wall above the blade allowance, where the walls are shown; negative where it is overcut.
+    pub deviation: Option<f32>,
+    /// Stock on the hub at the same point of the other side, where both are shown.
+    pub other: Option<(Side, f32)>,
+}
+
+/// What the solid stock shows, at the lower left: volume, collisions, and the names of its colours.
+pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above: f32) {
+    let rows = solid.map_or(0, |solid| solid.names.len());
+    let height = 26.0 + 16.0 * (rows + usize::from(solid.is_some_and(|s| s.collisions > 0))) as f32;
+    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - above - height);
+    let at = Rect::from_min_size(corner, egui::vec2(236.0, height)).intersect(rect);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(4.0, 2.0);
+        let Some(solid) = solid else {
+            ui.label(RichText::new("Stock: calculating…").size(12.0));
+            return;
+        };
+        let refined = if solid.is_coarse { ", refining…" } else { "" };
+        let text = format!("Stock {:.1} cm³{refined}", 1e-3 * solid.volume);
+        ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
+            "Volume of the whole blank after the moves up to here; rays every {:.2} mm",
+            solid.spacing
+        ));
+        if solid.collisions > 0 {
+            let word = if solid.collisions == 1 { "move meets" } else { "moves meet" };
+            let colour = Condition::Interfering.text(ui.visuals());
+            let text = format!("{} {word} stock with core, shank, holder or in rapid", solid.collisions);
+            ui.label(RichText::new(text).size(12.0).color(colour));
+        }
+        for (colour, name) in &solid.names {
+            ui.horizontal(|ui| {
+                swatch(ui, *colour, 12.0);
+                ui.label(RichText::new(name).size(12.0));
+            });
+        }
+    });
+}
+
+/// A patch of a colour, `side` points wide.
+pub fn swatch(ui: &mut Ui, colour: Rgb, side: f32) {
+    let (at, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+    let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
+    ui.painter().rect_filled(at, 2.0, Color32::from_rgb(r, g, b));
+}
+
+/// A scale: its heading, colours, and whether it is symmetric about zero with ends that are not edited.
+struct Scale {
+    head: &'static str,
+    map: ColourMap,
+    difference: bool,
+    walls: Option<f32>,
+}
+
+/// The scale of the colours in view; `None` where no colours mean a value.
+fn scale(state: &AppState) -> Option<Scale> {
+    let of = |head, map, difference, walls| Some(Scale { head, map, difference, walls });
+    if state.look.layers.stock {
+        let distance = state.look.solid_colours == SolidColours::Distance;
+        return distance.then(|| of("Distance to part", ColourMap::Cividis, false, None)).flatten();
+    }
+    if let Some(most) = state.shown_deviation() {
+        return of("Residual on walls", ColourMap::Difference, true, Some(most));
+    }
+    if state.look.operation == Operation::Flank || state.results.planned.is_none() || !state.look.layers.hub {
+        return None;
+    }
+    match state.look.layers.floor {
+        _ if state.look.difference => of("Stock after − before", ColourMap::Difference, true, None),
+        FloorColours::Residual => of("Residual on hub", ColourMap::Cividis, false, None),
+        FloorColours::Interference => of("Core contact", ColourMap::Contact, false, None),
+        _ => None,
+    }
+}
+
+/// Draws the legend in the strip `rect` below the picture.
+pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
+    ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
+    let inner = rect.shrink2(Vec2::new(8.0, 2.0));
+    ui.scope_builder(UiBuilder::new().max_rect(inner), |ui| {
+        ui.set_clip_rect(rect.intersect(ui.clip_rect()));
+        ui.horizontal_centered(|ui| {
+            ui.spacing_mut().item_spacing.x = 5.0;
+            if let Some(legend) = cutter_legend(state) {
+                show_cutter_legend(ui, &legend);
+                // In a narrow view the colours that were asked for have priority over those of the floor.
+                if ui.available_width() < MIN_SCALE_WIDTH {
+                    return;
+                }
+                ui.separator();
+            }
+            match scale(state) {
+                Some(scale) => show_scale(ui, state, &scale, values),
+                None => {
+                    if let Some((outcome, colours)) = state.shown_flank() {
+                        flank::key(ui, colours, &outcome.plan);
+                    }
+                }
+            }
+        });
+    });
+}
+
+/// What the cutters are coloured by; `None` while they are hidden or coloured by their state.
+fn cutter_legend(state: &AppState) -> Option<CutterLegend> {
+    let layers = state.look.layers;
+    let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
+    let shown = state.shown().filter(|_| in_view)?;
+    layers.cutter_colours.legend(shown.planned, shown.policy)
+}
+
+/// Width below which the scale of the floor is left out beside that of the cutters, points.
+const MIN_SCALE_WIDTH: f32 = 270.0;
+
+fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend) {
+    match legend {
+        CutterLegend::Classes(classes) => {
+            for (colour, name, share) in classes {
+                swatch(ui, *colour, 10.0);
+                let text = format!("{name}, {:.0} %", 100.0 * share);
+                ui.label(text).on_hover_text("Share of the time of the program");
+            }
+        }
+        CutterLegend::Scale(low, high) => {
+            ui.label(low);
+            colour_bar(ui, ColourMap::Viridis, 80.0);
+            ui.label(high);
+        }
+    }
+}
+
+fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
+    let width = ui.available_width();
+    let value = match (scale.walls, values.other) {
+        (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most))),
+        (None, Some((side, other))) => {
+            values.here.map(|stock| format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()))
+        }
+        (None, None) => values.here.map(|stock| format!("{stock:.2} mm here")),
+    };
+    // In a narrow view the value under the cursor takes the place of the heading.
+    if width > 350.0 || width > 260.0 && value.is_none() {
+        ui.label(scale.head);
+    }
+    let bar = (width - 330.0).clamp(40.0, 180.0);
+    match scale.walls {
+        Some(most) => {
+            ui.label(format_signed(-most, most));
+            colour_bar(ui, scale.map, bar);
+            let end = ui.label(format_signed(most, most));
+            end.on_hover_text("Stock above the blade allowance; negative: overcut");
+        }
+        None => ends(ui, state, scale, bar),
+    }
+    if let Some(value) = value {
+        ui.label(RichText::new(value).strong());
+    }
+}
+
+/// A bar of the colours of `map`.
+fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32) {
+    let (bar, _) = ui.allocate_exact_size(Vec2::new(width, 10.0), Sense::hover());
+    let table = map.table();
+    let steps = 64;
+    for k in 0..steps {
+        let at = |k: usize| egui::lerp(bar.left()..=bar.right(), k as f32 / steps as f32);
+        let part =
+            Rect::from_min_max(egui::pos2(at(k), bar.top()), egui::pos2(at(k + 1) + 0.5, bar.bottom()));
+        let [r, g, b] = table[k * (TABLE_LEN - 1) / (steps - 1)];
+        ui.painter().rect_filled(part, 0.0, Color32::from_rgb(r, g, b));
+    }
+}
+
+/// The bar with its ends, which are edited by dragging or typing.
+fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
+    let (mut low, mut high) = state.range();
+    let before = (low, high);
+    let least = 0.05;
+    ui.spacing_mut().interact_size.x = 40.0;
+    if scale.difference {
+        ui.label(format!("−{high:.2} mm"));
+    } else {
+        let field = ui.add(end_field(&mut low, -10.0, high - least));
+        named(&field, "Scale minimum", low);
+        field.on_hover_text("Drag or type: stock at the lower end of the colour scale");
+    }
+    colour_bar(ui, scale.map, bar);
+    let field = ui.add(end_field(&mut high, low + least, 100.0));
+    named(&field, "Scale maximum", high);
+    field.on_hover_text("Drag or type: stock at the upper end of the colour scale, and above");
+    let fitting = state.fitting_range();
+    let fit = || egui::Button::new("Fit scale").small();
+    let tip = "The scale stays while plans change; this fits it to the plan that is shown";
+    if state.range() != fitting && ui.add(fit()).on_hover_text(tip).clicked() {
+        state.look.range = Some(fitting);
+    } else if (low, high) != before {
+        state.look.range = Some((low, high));
+    }
+}
+
+fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
+    let field = DragValue::new(value).speed(0.02).range(from..=to).max_decimals(2).suffix(" mm");
+    field.clamp_existing_to_range(false)
+}
+
+/// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
+pub fn format_signed(value: f32, most: f32) -> String {
+    let digits = if most < 0.1 { 4 } else { 3 };
+    let sign = if value < 0.0 { '−' } else { '+' };
+    format!("{sign}{:.digits$} mm", value.abs())
+}
+
+fn named(response: &egui::Response, name: &str, value: f32) {
+    response.widget_info(|| {
+        let mut info = egui::WidgetInfo::drag_value(true, f64::from(value));
+        info.label = Some(name.to_owned());
+        info
+    });
+}

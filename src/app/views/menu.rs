@@ -1,0 +1,157 @@
+//! The menu bar.
+
+use egui::{MenuBar, Ui};
+
+use super::command::Command;
+use super::overlay;
+use crate::app::App;
+use crate::app::control::project::Pending;
+
+/// The menus: groups of commands, with separators between the groups.
+const MENUS: [(&str, &[&[Command]]); 3] = [
+    (
+        "File",
+        &[
+            &[
+                Command::NewProject,
+                Command::OpenProject,
+                Command::OpenPart,
+                Command::AssignRoles,
+                Command::OpenSetup,
+                Command::OpenBlank,
+            ],
+            &[Command::SaveProject, Command::SaveProjectAs],
+            &[
+                Command::SaveSetup,
+                Command::ExportCl,
+                Command::ExportClAll,
+                Command::ExportFlank,
+                Command::ExportScene,
+                Command::ExportStock,
+                Command::SavePicture,
+            ],
+            &[Command::Quit],
+        ],
+    ),
+    ("Edit", &[&[Command::Undo, Command::Redo], &[Command::KeepSet], &[Command::Palette]]),
+    (
+        "Plan",
+        &[
+            &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
+            &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
+            &[
+                Command::Play,
+                Command::StepForward,
+                Command::StepBack,
+                Command::LeapForward,
+                Command::LeapBack,
+            ],
+            &[Command::ToBlank, Command::ToEnd],
+        ],
+    ),
+];
+
+/// Groups of the View menu; the layers follow them.
+const VIEWS: &[&[Command]] = &[
+    &[Command::BeforeAfter, Command::SideBySide, Command::Wipe, Command::Difference],
+    &[
+        Command::Fit,
+        Command::FlyToSelection,
+        Command::ViewIso,
+        Command::ViewFront,
+        Command::ViewTop,
+        Command::ViewChannel,
+        Command::ViewSection,
+        Command::Perspective,
+    ],
+    &[Command::SectionPlane, Command::Measure, Command::Plots, Command::FlankCurves],
+    &[Command::SwitchTheme],
+];
+
+/// Groups of the Help menu.
+const HELP: &[&[Command]] = &[&[Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
+
+impl App {
+    /// Draws the menu bar.
+    pub(in crate::app) fn menu(&mut self, ui: &mut Ui) {
+        let (mut chosen, mut recent) = (None, None);
+        MenuBar::new().ui(ui, |ui| {
+            for (name, groups) in MENUS {
+                ui.menu_button(name, |ui| {
+                    if let Some(command) = self.menu_groups(ui, groups) {
+                        chosen = Some(command);
+                    }
+                    if name == "File" && !self.state.recents.is_empty() {
+                        ui.separator();
+                        ui.menu_button("Open recent", |ui| {
+                            for path in &self.state.recents {
+                                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                                    recent = Some(path.clone());
+                                    ui.close();
+                                }
+                            }
+                        });
+                    }
+                });
+            }
+            ui.menu_button("View", |ui| {
+                if let Some(command) = self.menu_groups(ui, VIEWS) {
+                    chosen = Some(command);
+                }
+                ui.menu_button("Mouse", |ui| {
+                    let command = overlay::mouse_choice(ui, self.state.look.mouse);
+                    chosen = command.or(chosen);
+                });
+                ui.separator();
+                for (shown, command) in overlay::switches(&mut self.state.look.layers) {
+                    ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+                }
+            });
+            ui.menu_button("Help", |ui| {
+                if let Some(command) = self.menu_groups(ui, HELP) {
+                    chosen = Some(command);
+                }
+            });
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let search = ui.button(Command::Palette.label());
+                if search.on_hover_text(Command::Palette.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(Command::Palette);
+                }
+                let document = &self.state.document;
+                if document.part.is_some() {
+                    let name = document.path.as_ref().and_then(|path| path.file_stem());
+                    let name = name.map_or_else(|| "not saved yet".into(), |name| name.to_string_lossy());
+                    let mark = if document.is_unsaved() { " •" } else { "" };
+                    let label = ui.label(egui::RichText::new(format!("{name}{mark}")).weak());
+                    label.on_hover_text(if mark.is_empty() {
+                        "Everything is saved"
+                    } else {
+                        "There are unsaved changes"
+                    });
+                }
+            });
+        });
+        if let Some(command) = chosen {
+            self.run_command(ui.ctx(), command);
+        }
+        if let Some(path) = recent {
+            self.run_guarded(ui.ctx(), Pending::Open(path));
+        }
+    }
+
+    fn menu_groups(&self, ui: &mut Ui, groups: &[&[Command]]) -> Option<Command> {
+        let mut chosen = None;
+        for (k, group) in groups.iter().enumerate() {
+            if k > 0 {
+                ui.separator();
+            }
+            for &command in *group {
+                if command.menu_item(ui, self.is_available(command)) {
+                    chosen = Some(command);
+                }
+            }
+        }
+        chosen
+    }
+}

@@ -1,0 +1,34 @@
+//! What the window draws: panels, 3D views, menus, dialogs. Drawing reads the model, edits what the user
+//! edits, and returns commands; [`super::control`] carries them out.
+
+mod borders;
+pub mod command;
+mod cube;
+pub mod dialogs;
+pub mod help;
+pub mod legend;
+mod menu;
+mod mouse;
+mod overlay;
+pub mod palette;
+pub mod panels;
+pub mod picture;
+pub mod picture_dialog;
+mod point_menu;
+pub mod release;
+pub mod roles;
+mod sides;
+pub mod theme;
+pub mod unsaved;
+pub mod view3d;
+pub mod viewport;
+
+use std::sync::Arc;
+
+use super::tasks::Repaint;
+
+/// Draws the window of `ctx` again when called.
+pub fn repaint(ctx: &egui::Context) -> Repaint {
+    let ctx = ctx.clone();
+    Arc::new(move || ctx.request_repaint())
+}

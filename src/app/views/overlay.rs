@@ -1,0 +1,314 @@
+//! Controls and texts over the 3D view: plan switch, layers, section plane, measurement.
+
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui};
+
+use crate::gpu::camera::Camera;
+use crate::gpu::scene::FloorColours;
+
+use crate::app::model::cutter_colours::CutterColours;
+use crate::app::model::look::{Arrangement, Layers, Look, PlaneOrientation};
+use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::planned::Side;
+use crate::app::model::preview::{PreviewCutters, PreviewStage};
+use crate::app::model::solid::SolidColours;
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+use crate::app::views::panels::setup::policy_label;
+use crate::app::views::theme::{self, Condition};
+
+/// Draws `content` on a translucent backing at `at`.
+pub(in crate::app) fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
+    let fill = theme::overlay(ui.visuals());
+    ui.scope_builder(egui::UiBuilder::new().max_rect(at), |ui| {
+        egui::Frame::new().fill(fill).inner_margin(4).corner_radius(4).show(ui, content).inner
+    })
+    .inner
+}
+
+/// A click on the switch in the upper left corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SwitchChoice {
+    /// Show one side alone.
+    Side(Side),
+    /// Show both in this arrangement.
+    Arrange(Arrangement),
+}
+
+/// The switch between before, after and both.
+pub fn side_switch(ui: &mut Ui, rect: Rect, look: &Look) -> Option<SwitchChoice> {
+    let mut chosen = None;
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 10.0), egui::vec2(230.0, 30.0)).intersect(rect);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.horizontal(|ui| {
+            let one = look.arrangement == Arrangement::One;
+            for side in [Side::Before, Side::After] {
+                let button = egui::Button::selectable(one && look.side == side, side.label());
+                if ui.add(button).on_hover_text(Command::BeforeAfter.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(SwitchChoice::Side(side));
+                }
+            }
+            for (arrangement, name, command) in
+                [(Arrangement::Both, "Both", Command::SideBySide), (Arrangement::Wipe, "Wipe", Command::Wipe)]
+            {
+                let button = egui::Button::selectable(look.arrangement == arrangement, name);
+                if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                    chosen = Some(SwitchChoice::Arrange(arrangement));
+                }
+            }
+        });
+    });
+    chosen
+}
+
+/// Policy of a side, below the switch; a list where several policies were planned.
+pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
+    let (Some(now), Some(planned)) = (state.policy(side), state.results.planned.clone()) else { return };
+    let at = Rect::from_min_size(corner, egui::vec2(150.0, 28.0));
+    floating(ui, at, |ui| {
+        let name = match side {
+            Side::Before => "Axis strategy before",
+            Side::After => "Axis strategy after",
+        };
+        let policies = planned.outcome.policies();
+        if policies.len() < 3 {
+            ui.label(policy_label(now)).on_hover_text(name);
+            return;
+        }
+        let mut choice = now;
+        let list =
+            ComboBox::from_id_salt(name).width(96.0).selected_text(policy_label(now)).show_ui(ui, |ui| {
+                for result in &policies {
+                    ui.selectable_value(&mut choice, result.plan.policy, policy_label(result.plan.policy));
+                }
+            });
+        list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+        if choice != now {
+            state.look.policies[side] = Some(choice);
+            state.show(state.look.side);
+        }
+    });
+}
+
+/// Badge and border of a stale plan, with a summary of the preview of the next plan.
+pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&PreviewCutters>) {
+    let orange = Condition::Blocked;
+    ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
+    let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        if stale {
+            let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
+            ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
+        }
+        let Some(coming) = coming else { return };
+        let is_warm_start = coming.stage == PreviewStage::WarmStart;
+        let axes = if is_warm_start { ", axes as before" } else { "" };
+        let policy = format!("{}{axes}", policy_label(coming.plan.policy).to_lowercase());
+        let count = coming.plan.positions.len();
+        let (words, colour) = match coming.interfering_count() {
+            None => (format!("New {policy}: {count} positions, not checked yet"), ui.visuals().text_color()),
+            Some(0) => {
+                (format!("New {policy}: none of {count} interferes"), Condition::Sound.text(ui.visuals()))
+            }
+            Some(faults) => (
+                format!("New {policy}: {faults} of {count} interfere"),
+                Condition::Interfering.text(ui.visuals()),
+            ),
+        };
+        ui.label(RichText::new(words).color(colour)).on_hover_text(if is_warm_start {
+            "The axes of the last plan, lifted until their cores are free; better ones follow"
+        } else {
+            "Cutters of the current setup; their residual stock follows"
+        });
+    });
+}
+
+/// Colourings of the floor, with their labels.
+const FLOORS: [(FloorColours, &str); 3] = [
+    (FloorColours::Residual, "Residual stock"),
+    (FloorColours::Interference, "Core contact"),
+    (FloorColours::Plain, "Plain"),
+];
+
+/// Distance of the menu of layers from the upper edge of the view: below the switch in a narrow view, points.
+pub fn layers_top(rect: Rect) -> f32 {
+    if rect.width() < 300.0 { 44.0 } else { 10.0 }
+}
+
+/// The menu of layers, in the upper right corner of the view.
+pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
+    let top = layers_top(rect);
+    let at = Rect::from_min_max(
+        rect.right_top() + egui::vec2(-68.0, top),
+        rect.right_top() + egui::vec2(-10.0, top + 30.0),
+    );
+    floating(ui, at, |ui| {
+        let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+        MenuButton::new("Layers").config(stay).ui(ui, |ui| {
+            for (shown, command) in switches(&mut look.layers) {
+                ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+            }
+            ui.separator();
+            if look.layers.stock {
+                ui.label("Stock colours");
+                for colours in SolidColours::ALL {
+                    ui.radio_value(&mut look.solid_colours, colours, colours.label());
+                }
+                return;
+            }
+            ui.label("Floor");
+            for (floor, name) in FLOORS {
+                ui.radio_value(&mut look.layers.floor, floor, name);
+            }
+            ui.separator();
+            ui.label("Cutters by");
+            for colours in CutterColours::ALL {
+                ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
+            }
+        });
+    });
+}
+
+/// The mouse help beside the layers; returns the command of a chosen preset.
+pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command> {
+    // In a narrow view the before/after switch has priority; the View menu has the same entries.
+    if rect.width() < 320.0 {
+        return None;
+    }
+    let at = Rect::from_min_max(
+        rect.right_top() + egui::vec2(-98.0, 10.0),
+        rect.right_top() + egui::vec2(-72.0, 40.0),
+    );
+    let shown = floating(ui, at, |ui| {
+        let (menu, inner) = MenuButton::new("?").ui(ui, |ui| {
+            ui.label(mouse.help());
+            ui.separator();
+            mouse_choice(ui, mouse)
+        });
+        menu.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Navigation help"));
+        if inner.is_none() {
+            menu.on_hover_text(mouse.help());
+        }
+        inner
+    });
+    shown.and_then(|inner| inner.inner)
+}
+
+/// Menu items of the mouse presets.
+pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
+    let mut chosen = None;
+    for (preset, command) in MousePreset::all() {
+        if ui.radio(preset == mouse, command.label()).on_hover_text(preset.help()).clicked() {
+            chosen = Some(command);
+            ui.close();
+        }
+    }
+    chosen
+}
+
+/// The layers with the commands that switch them.
+pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 8] {
+    [
+        (&mut layers.hub, Command::Hub),
+        (&mut layers.blades, Command::Blades),
+        (&mut layers.shroud, Command::Shroud),
+        (&mut layers.cutters, Command::Cutters),
+        (&mut layers.axes, Command::Axes),
+        (&mut layers.holders, Command::Holders),
+        (&mut layers.links, Command::Links),
+        (&mut layers.stock, Command::Stock),
+    ]
+}
+
+/// Buttons of the most used views, in the lower right corner of the view.
+pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
+    let mut chosen = None;
+    let size = egui::vec2(66.0, 54.0);
+    let at = Rect::from_min_size(rect.right_bottom() - size - egui::vec2(10.0, 10.0), size);
+    floating(ui, at, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for (name, command) in [("Wheel", Command::ViewIso), ("Channel", Command::ViewChannel)] {
+            let button = egui::Button::new(name).min_size(egui::vec2(58.0, 22.0));
+            let button = button.wrap_mode(egui::TextWrapMode::Extend);
+            if ui.add(button).on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                chosen = Some(command);
+            }
+        }
+    });
+    chosen
+}
+
+/// Controls of the section plane: orientation, offset, side.
+pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
+    let Some(section) = &mut look.section else { return };
+    let width = (rect.width() - 20.0).min(300.0);
+    let at = Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 68.0), egui::vec2(width, 58.0));
+    let mut close = false;
+    floating(ui, at, |ui| {
+        ui.set_width(width - 8.0);
+        let title = ui
+            .horizontal(|ui| {
+                let title = ui.label("Section plane");
+                ComboBox::from_id_salt("section plane")
+                    .width(96.0)
+                    .selected_text(section.across.label())
+                    .show_ui(ui, |ui| {
+                        for across in PlaneOrientation::ALL {
+                            ui.selectable_value(&mut section.across, across, across.label());
+                        }
+                    })
+                    .response
+                    .labelled_by(title.id);
+                ui.checkbox(&mut section.flipped, "Flip").on_hover_text("Cuts away the other half");
+                close = ui.small_button("Close").clicked();
+                title
+            })
+            .inner;
+        ui.spacing_mut().slider_width = width - 90.0;
+        ui.add(egui::Slider::new(&mut section.offset, -reach..=reach).suffix(" mm").max_decimals(1))
+            .labelled_by(title.id);
+    });
+    if close {
+        look.section = None;
+    }
+}
+
+/// Points and distance of a measurement.
+pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], under: Option<glam::Vec3>) {
+    let size = glam::vec2(rect.width(), rect.height());
+    let place = |p: glam::Vec3| camera.project(p, size).map(|q| rect.min + egui::vec2(q.x, q.y));
+    let painter = ui.painter_at(rect);
+    let colour = theme::accent(ui.visuals());
+    let ends: Vec<glam::Vec3> = points.iter().copied().chain(under.filter(|_| points.len() == 1)).collect();
+    for p in ends.iter().filter_map(|&p| place(p)) {
+        painter.circle_filled(p, 3.5, colour);
+    }
+    let text = match ends[..] {
+        [a, b] => {
+            if let (Some(p), Some(q)) = (place(a), place(b)) {
+                painter.line_segment([p, q], Stroke::new(2.0, colour));
+            }
+            format_distance(a, b)
+        }
+        _ => "Click two points to measure (Esc ends)".to_owned(),
+    };
+    let at = egui::pos2(rect.center().x, rect.min.y + 56.0);
+    let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
+    let back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
+    painter.rect_filled(back, 4.0, theme::overlay(ui.visuals()));
+    painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
+}
+
+/// Distance of two points with its components, mm.
+pub fn format_distance(a: glam::Vec3, b: glam::Vec3) -> String {
+    let d = b - a;
+    format!("{:.2} mm  Δx {:.2}  Δy {:.2}  Δz {:.2}", d.length(), d.x, d.y, d.z)
+}
+
+/// A message in the middle of the view, e.g. why there is no picture.
+pub fn message(ui: &Ui, rect: Rect, text: &str) {
+    let colour: Color32 = ui.visuals().weak_text_color();
+    ui.painter_at(rect).text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), colour);
+}

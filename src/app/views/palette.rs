@@ -1,0 +1,229 @@
+//! The command palette: search as you type over all commands.
+
+use egui::{Align2, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+
+use crate::app::views::command::Command;
+
+/// State of the command palette.
+#[derive(Debug, Default)]
+pub struct Palette {
+    open: bool,
+    words: String,
+    chosen: usize,
+    fresh: bool,
+}
+
+impl Palette {
+    /// Opens or closes it.
+    pub fn toggle(&mut self) {
+        *self = Self { open: !self.open, fresh: true, ..Self::default() };
+    }
+
+    /// Whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Draws it while it is open; returns the chosen command. `can`: whether a command is available now.
+    pub fn show(&mut self, ui: &Ui, can: impl Fn(Command) -> bool) -> Option<Command> {
+        if !self.open {
+            return None;
+        }
+        let mut run = None;
+        let area = Modal::default_area(egui::Id::unique("palette")).anchor(Align2::CENTER_TOP, [0.0, 60.0]);
+        let modal = Modal::new(egui::Id::unique("palette")).area(area).show(ui.ctx(), |ui| {
+            ui.set_width(420.0);
+            let (up, down, enter) = ui.input_mut(|i| {
+                let none = egui::Modifiers::NONE;
+                (
+                    i.consume_key(none, Key::ArrowUp),
+                    i.consume_key(none, Key::ArrowDown),
+                    i.consume_key(none, Key::Enter),
+                )
+            });
+            let hint = "Search commands";
+            let field =
+                ui.add(TextEdit::singleline(&mut self.words).hint_text(hint).desired_width(f32::INFINITY));
+            field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, hint));
+            if std::mem::take(&mut self.fresh) {
+                field.request_focus();
+            }
+            if field.changed() {
+                self.chosen = 0;
+            }
+            let found = find_commands(&self.words);
+            if down {
+                self.chosen = (self.chosen + 1).min(found.len().saturating_sub(1));
+            }
+            if up {
+                self.chosen = self.chosen.saturating_sub(1);
+            }
+            if enter {
+                run = found.get(self.chosen).copied().filter(|&command| can(command));
+            }
+            ui.add_space(4.0);
+            if found.is_empty() {
+                ui.label(RichText::new("No matching command").weak());
+            }
+            ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+                for (k, &command) in found.iter().enumerate() {
+                    let response = command_line(ui, command, k == self.chosen, can(command));
+                    if k == self.chosen && (up || down) {
+                        response.scroll_to_me(None);
+                    }
+                    if response.clicked() {
+                        run = Some(command);
+                    }
+                }
+            });
+        });
+        if run.is_some() || modal.should_close() {
+            self.open = false;
+        }
+        run
+    }
+}
+
+fn command_line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> egui::Response {
+    let mut button =
+        egui::Button::selectable(chosen, command.label()).min_size(egui::vec2(ui.available_width(), 0.0));
+    if let Some(keys) = command.shortcut() {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
+    }
+    ui.add_enabled(enabled, button).on_hover_text(command.tip())
+}
+
+/// Commands that the empty search shows first, in this order.
+const FIRST: [Command; 12] = [
+    Command::Plan,
+    Command::PlanFlank,
+    Command::NextFault,
+    Command::BeforeAfter,
+    Command::SideBySide,
+    Command::Play,
+    Command::Stock,
+    Command::ViewChannel,
+    Command::Fit,
+    Command::SaveProject,
+    Command::ExportCl,
+    Command::OpenPart,
+];
+
+/// Other words for a command, as other programs call it.
+fn synonyms(command: Command) -> &'static str {
+    use Command as C;
+    match command {
+        C::Plan => "plan compute generate toolpath plunge roughing",
+        C::PlanFlank => "plan compute generate toolpath swarf finish",
+        C::Play => "simulate simulation animate run verify",
+        C::ScrubHere => "simulation",
+        C::Stock => "simulate simulation solid material removal ipw blank",
+        C::ExportCl | C::ExportClAll | C::ExportFlank => {
+            "gcode g-code nc cnc post program output apt cl write"
+        }
+        C::ExportStock => "stl ipw rest",
+        C::ExportScene => "gltf glb 3d model",
+        C::SavePicture => "screenshot image png export",
+        C::OpenPart => "import load step stl model wheel",
+        C::OpenProject | C::OpenSetup => "load",
+        C::OpenBlank => "load import stl stock casting forging preform",
+        C::SaveProject | C::SaveProjectAs | C::SaveSetup => "store write",
+        C::Cutters => "tool tools",
+        C::Holders => "tool tools collision",
+        C::Axes => "tool vectors",
+        C::Links => "retract moves",
+        C::NextFault | C::PreviousFault => "collision error problem gouge interference",
+        C::BeforeAfter => "compare toggle conventional",
+        C::SideBySide => "compare split both",
+        C::Wipe => "compare curtain slider",
+        C::Difference => "compare delta",
+        C::KeepSet => "what-if snapshot compare",
+        C::Measure | C::MeasureHere => "distance ruler dimension",
+        C::SectionPlane => "clip cut cross-section",
+        C::SwitchTheme => "dark light mode appearance",
+        C::FollowEdits => "live automatic recalculate",
+        C::Fit => "zoom all",
+        C::ShowShortcuts => "help keys keyboard hotkeys",
+        C::ShowGlossary => "help words terms",
+        C::ShowAbout => "help version licence",
+        C::Quit => "exit close",
+        _ => "",
+    }
+}
+
+/// Whether a command takes away what is open; such commands are never proposed first.
+fn is_destructive(command: Command) -> bool {
+    matches!(command, Command::NewProject | Command::Quit)
+}
+
+/// Place of the best match of a typed word in a command: a word of its label, a synonym, a word of its tip;
+/// in each, a whole word comes before the beginning of one.
+/// Only beginnings of words match: "tool" is not to find "stool".
+fn place_of(word: &str, command: Command) -> Option<usize> {
+    let places = [command.label(), synonyms(command), command.tip()];
+    places.iter().enumerate().find_map(|(place, text)| {
+        let text = text.to_lowercase();
+        let words = || text.split(|c: char| !c.is_alphanumeric() && c != '-');
+        let begins = words().any(|known| known.starts_with(word));
+        begins.then(|| 2 * place + usize::from(!words().any(|known| known == word)))
+    })
+}
+
+/// Commands that contain every typed word: best places first, labels that start with the first word before
+/// others, and destructive commands last of their place.
+fn find_commands(words: &str) -> Vec<Command> {
+    let words: Vec<String> = words.to_lowercase().split_whitespace().map(str::to_owned).collect();
+    let rank = |command: Command| -> Option<(usize, bool, usize)> {
+        let mut worst = 0;
+        for word in &words {
+            worst = worst.max(place_of(word, command)?);
+        }
+        let starts =
+            words.first().is_none_or(|first| command.label().to_lowercase().starts_with(first.as_str()));
+        let first = FIRST.iter().position(|&known| known == command).unwrap_or(FIRST.len());
+        Some((2 * worst + usize::from(!starts), is_destructive(command), first))
+    };
+    let mut found: Vec<((usize, bool, usize), Command)> = Command::ALL
+        .iter()
+        .filter(|command| **command != Command::Palette)
+        .filter_map(|&command| Some((rank(command)?, command)))
+        .collect();
+    found.sort_by_key(|(rank, _)| *rank);
+    found.into_iter().map(|(_, command)| command).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_find_commands_by_label_synonym_and_tip() {
+        assert_eq!(find_commands("").len(), Command::ALL.len() - 1, "all but the palette itself");
+        for (words, first) in [
+            ("export", Command::ExportCl),
+            ("CALC rough", Command::Plan),
+            ("simulate", Command::ScrubHere),
+            ("gcode", Command::ExportCl),
+            ("g-code", Command::ExportCl),
+            ("stock", Command::Stock),
+            ("tool", Command::Cutters),
+            ("screenshot", Command::SavePicture),
+            ("zoom", Command::FlyToSelection),
+        ] {
+            assert_eq!(find_commands(words).first(), Some(&first), "{words}");
+        }
+        assert!(find_commands("simulate").contains(&Command::Play));
+        assert!(find_commands("conventional").contains(&Command::BeforeAfter), "tips count");
+        assert!(find_commands("no such thing").is_empty());
+    }
+
+    #[test]
+    fn what_closes_the_project_is_never_proposed_first() {
+        for words in ["", "e", "c", "n", "project", "window"] {
+            let found = find_commands(words);
+            assert!(!is_destructive(found[0]) || found.len() == 1, "{words}: {:?}", found[0]);
+        }
+        let empty = find_commands("");
+        assert!(empty[empty.len() - 2..].iter().all(|&command| is_destructive(command)), "last of all");
+    }
+}

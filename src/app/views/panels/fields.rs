@@ -1,0 +1,263 @@
+//! Rows of a form: number fields (number and unit in one box, drag or type, arithmetic allowed) and lists.
+//! Both have an accessible name, and a dot where the value differs from the default; a click on the dot
+//! resets it.
+
+use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
+
+use crate::app::model::number::{self, Quantity};
+use crate::app::views::theme;
+
+/// Description of a number field.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldSpec {
+    /// Name, sentence case.
+    pub label: &'static str,
+    /// Tooltip: meaning.
+    pub tip: &'static str,
+    /// Unit shown after the number, with a leading space if there is one.
+    pub unit: &'static str,
+    /// Minimum.
+    pub min: f64,
+    /// Maximum.
+    pub max: f64,
+    /// Change per dragged point.
+    pub speed: f64,
+    /// Maximum number of decimals.
+    pub decimals: usize,
+    /// Range of the slider under the box, if there is one: usual values, well within the limits.
+    pub slide: Option<(f64, f64)>,
+}
+
+impl FieldSpec {
+    /// A length in mm.
+    pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
+        Self { label, tip, unit: " mm", min: least, max: greatest, speed: 0.05, decimals: 3, slide: None }
+    }
+
+    /// An angle in degrees.
+    pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
+        Self { label, tip, unit: "°", min: least, max: greatest, speed: 0.1, decimals: 2, slide: None }
+    }
+
+    /// A whole number with a unit.
+    pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
+        Self { label, tip: "", unit, min: 1.0, max: greatest, speed: 1.0, decimals: 0, slide: None }
+    }
+}
+
+impl FieldSpec {
+    /// What the number measures, by its unit.
+    fn quantity(&self) -> Quantity {
+        match self.unit.trim() {
+            "mm" => Quantity::Length,
+            "°" => Quantity::Angle,
+            "mm/min" => Quantity::FeedRate,
+            "rpm" => Quantity::SpindleSpeed,
+            _ => Quantity::Plain,
+        }
+    }
+
+    /// Adds a slider under the box.
+    pub const fn sliding(self, low: f64, high: f64) -> Self {
+        Self { slide: Some((low, high)), ..self }
+    }
+}
+
+/// Number with unit, without trailing zeros.
+fn show(value: f64, spec: &FieldSpec) -> String {
+    let mut text = format!("{value:.*}", spec.decimals);
+    if text.contains('.') {
+        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+    }
+    text + spec.unit
+}
+
+/// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
+pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Option<&str>) -> Response {
+    let least = if automatic.is_some() { 0.0 } else { spec.min };
+    let quantity = spec.quantity();
+    let words = automatic.map(str::to_owned);
+    let parser_words = words.clone();
+    let spec_copy = *spec;
+    let mut field = DragValue::new(value)
+        .speed(spec.speed)
+        .range(least..=spec.max)
+        // An out-of-range value from a file is kept until it is edited.
+        .clamp_existing_to_range(false)
+        .custom_formatter(move |v, _| match &words {
+            Some(words) if v <= 0.0 => words.clone(),
+            _ => show(v, &spec_copy),
+        })
+        .custom_parser(move |text| match &parser_words {
+            Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
+            _ => number::parse(text, quantity),
+        })
+        .update_while_editing(false);
+    if spec.decimals == 0 {
+        field = field.speed(1.0);
+    }
+    let response = ui.add_sized(Vec2::new(theme::FIELD_WIDTH, 20.0), field);
+    if spec.tip.is_empty() {
+        return response;
+    }
+    let limits = format!("{}\n{} to {}", spec.tip, show(least.max(spec.min), spec), show(spec.max, spec));
+    response.on_hover_text(limits)
+}
+
+/// A form row with label, box, dot and slider; `true` when the value changed.
+pub fn number_row(ui: &mut Ui, value: &mut f64, default: f64, spec: &FieldSpec) -> bool {
+    labelled(ui, value, Some(default), spec, None)
+}
+
+/// Like [`number_row`], for a value without a default.
+pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
+    labelled(ui, value, None, spec, None)
+}
+
+/// Like [`number_row`], for an optional value: 0 means automatic. `now`: the automatic value, which the
+/// slider then shows.
+pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
+    let mut number = value.unwrap_or(0.0);
+    let changed = labelled(ui, &mut number, Some(0.0), spec, Some(("auto", now)));
+    if changed {
+        *value = (number > 0.0).then(|| number.max(spec.min));
+    }
+    changed
+}
+
+/// Like [`number_row`], for an angle stored in radians and shown in degrees.
+pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &FieldSpec) -> bool {
+    let mut degrees = round_degrees(radians.to_degrees());
+    let changed = number_row(ui, &mut degrees, round_degrees(default.to_degrees()), spec);
+    if changed {
+        *radians = degrees.to_radians();
+    }
+    changed
+}
+
+/// Description of a list field: label, options, and name and meaning of each option.
+pub struct ChoiceSpec<T: 'static> {
+    /// Name, sentence case.
+    pub label: &'static str,
+    /// Tooltip: effect of the choice.
+    pub tip: &'static str,
+    /// Options, in list order.
+    pub all: &'static [T],
+    /// Name of an option.
+    pub name: fn(T) -> &'static str,
+    /// Tooltip of an option.
+    pub meaning: fn(T) -> &'static str,
+}
+
+/// A form row with label, list and dot.
+pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &ChoiceSpec<T>) {
+    let label = ui.label(choice.label).on_hover_text(choice.tip);
+    ui.horizontal(|ui| {
+        ComboBox::from_id_salt(choice.label)
+            .width(theme::FIELD_WIDTH)
+            .truncate()
+            .selected_text((choice.name)(*value))
+            .show_ui(ui, |ui| {
+                for &one in choice.all {
+                    ui.selectable_value(value, one, (choice.name)(one)).on_hover_text((choice.meaning)(one));
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        if *value == default {
+            reserve_dot(ui);
+        } else if reset_dot(ui, choice.label) {
+            *value = default;
+        }
+    });
+    ui.end_row();
+}
+
+/// Rounds away the error of a conversion to radians and back: 5° becomes 5.000000000000001°.
+fn round_degrees(degrees: f64) -> f64 {
+    (degrees * 1e9).round() / 1e9
+}
+
+/// A form row; `true` when the value changed. `automatic`: the text for 0, and the automatic value.
+fn labelled(
+    ui: &mut Ui,
+    value: &mut f64,
+    default: Option<f64>,
+    spec: &FieldSpec,
+    automatic: Option<(&str, Option<f64>)>,
+) -> bool {
+    let before = *value;
+    let label = ui.label(spec.label).on_hover_text(spec.tip);
+    ui.vertical(|ui| {
+        ui.spacing_mut().item_spacing.y = 1.0;
+        ui.horizontal(|ui| {
+            number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
+            match default.filter(|default| default != value) {
+                Some(default) if reset_dot(ui, spec.label) => *value = default,
+                Some(_) => {}
+                None => reserve_dot(ui),
+            }
+        });
+        if let Some((low, high)) = spec.slide {
+            let stand_in = automatic.and_then(|(_, now)| now).filter(|_| *value <= 0.0);
+            ui.spacing_mut().slider_width = theme::FIELD_WIDTH;
+            let start = stand_in.unwrap_or(*value);
+            let (response, moved) = slider(ui, start, low..=high, step_of(spec));
+            response.labelled_by(label.id);
+            *value = moved.unwrap_or(*value);
+        }
+    });
+    ui.end_row();
+    *value != before
+}
+
+/// A slider without label at `value`; returns its response and the new value if it was moved. A value between
+/// steps or out of range is kept until the slider is moved.
+pub fn slider(
+    ui: &mut Ui,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+    step: f64,
+) -> (Response, Option<f64>) {
+    let start = value.clamp(*range.start(), *range.end());
+    let mut at = start;
+    ui.spacing_mut().interact_size.y = 12.0;
+    let response = ui.add(Slider::new(&mut at, range).show_value(false).step_by(step));
+    // Snapping to the nearest step does not count as a move.
+    let moved = response.changed() && (at - start).abs() > 0.5 * step;
+    (response, moved.then(|| round_degrees(at)))
+}
+
+/// Step of a field's slider: a round value that suits its range.
+fn step_of(spec: &FieldSpec) -> f64 {
+    match spec.slide {
+        Some((low, high)) if high - low > 20.0 => 0.5,
+        Some((low, high)) if high - low > 4.0 => 0.1,
+        _ => 0.01,
+    }
+}
+
+/// Side of the dot beside a value, points.
+const DOT: f32 = 14.0;
+
+/// Keeps the space of the dot, so that the form does not become wider with it.
+fn reserve_dot(ui: &mut Ui) {
+    ui.allocate_space(Vec2::splat(DOT));
+}
+
+/// A form: labels at the left, fields at the right, in columns of the same widths in every form.
+pub fn form(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let columns = Grid::new(name).num_columns(2).spacing([8.0, 4.0]);
+    columns.min_col_width(theme::LABEL_WIDTH).max_col_width(theme::LABEL_WIDTH + 30.0).show(ui, content);
+}
+
+/// The dot beside a value that differs from its default; `true` when it was clicked to reset.
+pub fn reset_dot(ui: &mut Ui, label: &str) -> bool {
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(DOT), Sense::click());
+    let fill: Color32 = theme::accent(ui.visuals());
+    let radius = if response.hovered() { 4.5 } else { 3.0 };
+    ui.painter().circle_filled(rect.center(), radius, fill);
+    let name = format!("Reset {}", label.to_lowercase());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    response.on_hover_text("Differs from the default; click to reset").clicked()
+}

@@ -1,0 +1,153 @@
+//! Form of flank milling: strategy, layer depth, scallop height and feed rates; display and colour key of the
+//! passes.
+
+use egui::Ui;
+
+use crate::drawing::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
+use crate::flank::FlankPlan;
+use crate::flank::chart::Region;
+use crate::job::flank::FlankOutcome;
+use crate::palette::{ColourMap, Rgb, TABLE_LEN};
+use crate::setup::{FlankStrategy, Setup};
+
+use super::fields::{self, ChoiceSpec, FieldSpec};
+use crate::app::model::look::FlankLook;
+use crate::app::views::command::Command;
+use crate::app::views::legend::swatch;
+
+const DEPTH: FieldSpec =
+    FieldSpec::mm("Layer depth", "Axial depth (ap) of a layer, from the hub up", 0.1, 100.0)
+        .sliding(0.5, 10.0);
+const ERROR: FieldSpec =
+    FieldSpec::mm("Scallop height", "Maximum scallop height between passes", 0.001, 10.0).sliding(0.02, 1.0);
+const EXTENSION: FieldSpec =
+    FieldSpec::mm("Lead-in/out", "Length of passes beyond the leading and trailing edge", 0.0, 200.0);
+
+/// Feed rates by engagement.
+const FEED: FieldSpec = feed("Feed rate", "Feed rate of passes beside a pass that is already cut");
+const SLOT_FEED: FieldSpec = feed("Slotting feed", "Feed rate of passes with stock on both sides");
+const WALL_FEED: FieldSpec = feed("Wall feed", "Feed rate of the passes that finish the walls");
+const RAMP_FEED: FieldSpec = feed("Ramp feed", "Feed rate of ramps down into stock");
+
+const fn feed(label: &'static str, tip: &'static str) -> FieldSpec {
+    FieldSpec { tip, ..FieldSpec::plain(label, " mm/min", 20_000.0) }
+}
+
+/// Label of a strategy.
+pub fn strategy_label(strategy: FlankStrategy) -> &'static str {
+    match strategy {
+        FlankStrategy::Isoparametric => "Isoparametric",
+        FlankStrategy::Layers => "Layers",
+        FlankStrategy::Regions => "Regions",
+        FlankStrategy::Balanced => "Balanced",
+    }
+}
+
+fn strategy_tip(strategy: FlankStrategy) -> &'static str {
+    match strategy {
+        FlankStrategy::Isoparametric => "Layers and passes through the whole channel: the baseline",
+        FlankStrategy::Layers => "Layers of constant depth, isoparametric passes region by region",
+        FlankStrategy::Regions => "Offsets of both walls that meet in the middle, as published",
+        FlankStrategy::Balanced => "The fewest offsets that keep every gap within the stepover",
+    }
+}
+
+const SCHEME: ChoiceSpec<FlankStrategy> = ChoiceSpec {
+    label: "Strategy",
+    tip: "Layout of the passes in a layer",
+    all: &FlankStrategy::ALL,
+    name: strategy_label,
+    meaning: strategy_tip,
+};
+
+/// Colourings of the plan, with label and tooltip.
+const COLOURS: [(FlankColours, &str, &str); 4] = [
+    (FlankColours::Layer, "layer", "The passes, coloured by layer"),
+    (FlankColours::Region, "region", "The passes, coloured by region of the channel"),
+    (FlankColours::Feed, "feed", "The moves, coloured by feed rate: dark slow, light fast, rapids grey"),
+    (FlankColours::Walls, "walls", "Residual stock on the walls, and overcut below the blade allowance"),
+];
+
+/// Draws the fields of the setup. `planned` is the latest flank plan.
+pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&FlankOutcome>) {
+    let default = &defaults.flank;
+    fields::form(ui, "flank fields", |ui| {
+        fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
+        fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
+        fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);
+        let now = planned.map(|p| p.setup.flank.lead_in_out_for(&p.plan.tool));
+        fields::optional_row(ui, &mut setup.flank.lead_in_out, &EXTENSION, now);
+        let feeds = planned.map(|p| p.plan.feeds);
+        fields::optional_row(ui, &mut setup.flank.feed_mm_per_min, &FEED, feeds.map(|f| f.step_mm_per_min));
+        fields::optional_row(
+            ui,
+            &mut setup.flank.slot_feed_mm_per_min,
+            &SLOT_FEED,
+            feeds.map(|f| f.slot_mm_per_min),
+        );
+        fields::optional_row(
+            ui,
+            &mut setup.flank.wall_feed_mm_per_min,
+            &WALL_FEED,
+            feeds.map(|f| f.wall_mm_per_min),
+        );
+        fields::optional_row(
+            ui,
+            &mut setup.flank.ramp_feed_mm_per_min,
+            &RAMP_FEED,
+            feeds.map(|f| f.ramp_mm_per_min),
+        );
+    });
+}
+
+/// Draws the fields of the display.
+pub fn display(ui: &mut Ui, look: &mut FlankLook) {
+    ui.checkbox(&mut look.shown, Command::FlankCurves.label()).on_hover_text(Command::FlankCurves.tip());
+    ui.horizontal_wrapped(|ui| {
+        for (colours, name, tip) in COLOURS {
+            ui.selectable_value(&mut look.colours, colours, name).on_hover_text(tip);
+        }
+    });
+}
+
+/// Colour key of the passes.
+pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
+    let layers = plan.layout.layers.len();
+    let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
+        swatch(ui, rgb, 10.0);
+        ui.label(words);
+    };
+    let table = ColourMap::Viridis.table();
+    let end = |k: usize| table[k].map(|x| f32::from(x) / 255.0);
+    match colours {
+        FlankColours::Layer => {
+            patch(ui, end(0), "layer 1, at the hub");
+            if layers > 1 {
+                patch(ui, end(TABLE_LEN - 1), &format!("layer {layers}"));
+            }
+        }
+        FlankColours::Region => {
+            let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
+            let divided = curves().any(|curve| curve.region != Region::Inlet);
+            for (region, rgb) in REGION_COLOURS {
+                let words = match region {
+                    Region::Inlet if !divided => "the whole channel",
+                    _ if !divided => continue,
+                    Region::Inlet => "before the splitter",
+                    Region::LowSide => "splitter to suction side",
+                    Region::HighSide => "splitter to pressure side",
+                };
+                patch(ui, rgb, words);
+            }
+        }
+        FlankColours::Feed => {
+            let (slow, fast) = feed_range(&plan.moves);
+            patch(ui, end(0), &format!("{slow:.0} mm/min"));
+            patch(ui, end(TABLE_LEN - 1), &format!("{fast:.0} mm/min"));
+            patch(ui, RAPID_COLOUR, "rapid");
+        }
+        FlankColours::Walls => {
+            ui.label("orange: below the blade allowance; violet: above it");
+        }
+    }
+}

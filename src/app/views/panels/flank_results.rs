@@ -1,0 +1,123 @@
+//! Results of the flank plan: the verdict line, the comparison of the strategies, faults and stretches that
+//! are left out.
+
+use egui::{Grid, RichText, ScrollArea, Ui};
+
+use crate::job::flank::FlankOutcome;
+use crate::setup::FlankStrategy;
+
+use super::flank::strategy_label;
+use super::verdict::figure;
+use crate::app::model::figures::{format_duration, format_times};
+use crate::app::model::state::AppState;
+use crate::app::views::theme::Condition;
+
+/// Maximum number of faults that are listed.
+const MAX_LISTED: usize = 200;
+
+/// Draws the verdict line.
+pub fn verdict(ui: &mut Ui, state: &AppState) {
+    let Some(outcome) = &state.results.flank else {
+        ui.label(RichText::new("Flank milling is not calculated yet").weak());
+        return;
+    };
+    let amber = Condition::Blocked.text(ui.visuals());
+    if state.flank_is_stale() {
+        let text = RichText::new("Out of date:").color(amber);
+        ui.label(text).on_hover_text("The setup was edited after this calculation");
+    }
+    let faults = outcome.faults.len();
+    let skipped = outcome.plan.uncut.len();
+    let condition = match (faults, skipped) {
+        (0, 0) if outcome.verdict.is_some() => Condition::Sound,
+        (0, _) => Condition::Blocked,
+        _ => Condition::Interfering,
+    };
+    let text = RichText::new(format!("Faults {faults}")).strong().color(condition.text(ui.visuals()));
+    ui.label(text).on_hover_text("Gouges, collisions of shank and holder, rapids through stock");
+    if outcome.verdict.is_none() {
+        ui.label(RichText::new("not verified").color(amber));
+    }
+    if skipped > 0 {
+        let text = RichText::new(format!("{skipped} stretches skipped")).color(amber);
+        ui.label(text).on_hover_text("Stretches of passes that no axis reaches");
+    }
+    ui.separator();
+    let walls = format!("−{:.4} / +{:.4} mm", outcome.max_overcut(), outcome.plan.max_undercut());
+    figure(ui, "Wall error", walls, "Largest gouge below the blade allowance, and most stock left above it");
+    ui.separator();
+    figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
+    ui.separator();
+    let times = format_times(outcome.plan.times.total(), outcome.workpiece.part.blade_count);
+    figure(ui, "Time", times, "From feed rates and rapids");
+}
+
+/// Draws the results.
+pub fn show(ui: &mut Ui, state: &AppState) {
+    ui.label(RichText::new("Flank milling").strong());
+    let Some(outcome) = &state.results.flank else {
+        ui.add_space(6.0);
+        ui.label(RichText::new("Not calculated yet").weak());
+        return;
+    };
+    ScrollArea::vertical().id_salt("flank results").auto_shrink(false).show(ui, |ui| {
+        table(ui, outcome);
+        ui.separator();
+        faults(ui, outcome);
+    });
+}
+
+fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
+    if outcome.faults.is_empty() {
+        let text = RichText::new("No faults").color(Condition::Sound.text(ui.visuals()));
+        ui.label(text);
+        return;
+    }
+    let colour = Condition::Interfering.text(ui.visuals());
+    ui.label(RichText::new(format!("{} faults", outcome.faults.len())).color(colour));
+    for fault in outcome.faults.iter().take(MAX_LISTED) {
+        ui.add(egui::Label::new(format!("Line {}: {fault}", fault.line)).wrap());
+    }
+}
+
+fn table(ui: &mut Ui, outcome: &FlankOutcome) {
+    let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
+    Grid::new("strategies").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for (name, tip) in [
+            ("Strategy", "Layout of the passes in a layer"),
+            ("Length m", "Length of all passes of one channel"),
+            ("Ratio", "Ratio to the length of the isoparametric passes"),
+            ("Gaps", "Over-wide gaps: share of the area in gaps wider than 1.02 times the stepover"),
+        ] {
+            ui.label(RichText::new(name).weak()).on_hover_text(tip);
+        }
+        ui.end_row();
+        for strategy in FlankStrategy::ALL {
+            let figures = &curves.totals[strategy as usize];
+            let name = RichText::new(strategy_label(strategy));
+            ui.label(if strategy == curves.strategy { name.strong() } else { name });
+            ui.label(format!("{:.2}", 1e-3 * figures.length));
+            ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
+            let measured = strategy != FlankStrategy::Isoparametric || strategy == curves.strategy;
+            ui.label(if measured {
+                format!("{:.2} %", 100.0 * curves.wide_share(strategy))
+            } else {
+                "-".to_owned()
+            });
+            ui.end_row();
+        }
+    });
+    ui.label(format!(
+        "{} layers, cutter Ø{}, floor {:.2} m; wall error: −{:.4} mm gouge, +{:.4} mm left; {}",
+        curves.layers.len(),
+        plan.tool.diameter,
+        1e-3 * curves.floor_length,
+        outcome.max_overcut(),
+        plan.max_undercut(),
+        format_duration(plan.times.total()),
+    ));
+    let lost: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
+    if lost > 0.0 {
+        ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them"));
+    }
+}

@@ -1,0 +1,65 @@
+//! The list of operations: one is selected, and only that one is shown and edited.
+
+use egui::{Button, Role, Ui, WidgetInfo};
+
+use crate::app::model::figures::format_duration;
+use crate::app::model::look::Operation;
+use crate::app::model::planned::Side;
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+use crate::app::views::theme::Condition;
+
+/// State of an operation, in words and as a condition.
+fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
+    let (time, faults, is_stale) = match operation {
+        Operation::Roughing => {
+            let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
+            let summary = &shown.planned.result(shown.policy).summary;
+            (summary.time_estimate, summary.interfering, state.out_of_date())
+        }
+        Operation::Flank => {
+            let Some(outcome) = &state.results.flank else { return unplanned(running) };
+            (outcome.plan.times.total(), outcome.faults.len(), state.flank_is_stale())
+        }
+    };
+    if running {
+        ("calculating…".to_owned(), None)
+    } else if is_stale {
+        ("out of date".to_owned(), Some(Condition::Blocked))
+    } else if faults > 0 {
+        (format!("{faults} faults"), Some(Condition::Interfering))
+    } else {
+        (format_duration(time), Some(Condition::Sound))
+    }
+}
+
+fn unplanned(running: bool) -> (String, Option<Condition>) {
+    (if running { "calculating…" } else { "not calculated" }.to_owned(), None)
+}
+
+/// Draws the list; returns the operation that was clicked. `running`: the operation that is being calculated.
+pub fn show(ui: &mut Ui, state: &AppState, running: Option<Operation>) -> Option<Operation> {
+    let mut clicked = None;
+    for (operation, command) in [(Operation::Roughing, Command::Plan), (Operation::Flank, Command::PlanFlank)]
+    {
+        let selected = state.look.operation == operation;
+        let (words, condition) = status(state, operation, running == Some(operation));
+        let visuals = ui.visuals();
+        let colour = match condition {
+            // The colours of conditions are too pale on that of the selection.
+            _ if selected => visuals.selection.stroke.color,
+            Some(condition) => condition.text(visuals),
+            None => visuals.weak_text_color(),
+        };
+        let button = Button::selectable(selected, operation.label())
+            .right_text(egui::RichText::new(&words).color(colour))
+            .min_size(egui::vec2(ui.available_width(), 22.0));
+        let response = ui.add(button);
+        let name = format!("{}: {words}", operation.label());
+        response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, selected, &name));
+        if response.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+            clicked = Some(operation);
+        }
+    }
+    clicked
+}

@@ -1,0 +1,135 @@
+//! Panel "Part": data of the open part, and the start page.
+
+use std::path::PathBuf;
+
+use egui::{Grid, RichText, Ui};
+
+use crate::app::model::part_source::{PartSource, Sample};
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+
+/// Action that the panel requests.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PartAction {
+    /// Run a command.
+    Command(Command),
+    /// Open this part.
+    Open(PartSource),
+    /// Open this file.
+    OpenFile(PathBuf),
+    /// Discard a recovery copy.
+    DiscardRecovery(PathBuf),
+}
+
+/// Draws the panel; returns the requested action.
+pub fn show(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAction> {
+    let mut action = None;
+    ui.horizontal(|ui| {
+        let open = ui.button(Command::OpenPart.label());
+        let tip = Command::OpenPart.tip_with_keys(ui.ctx());
+        if open.on_hover_text(tip).clicked() {
+            action = Some(PartAction::Command(Command::OpenPart));
+        }
+        ui.menu_button("Samples", |ui| {
+            if let Some(source) = sample_buttons(ui, samples) {
+                action = Some(PartAction::Open(source));
+                ui.close();
+            }
+        });
+    });
+    let Some(part) = &state.document.part else { return action };
+    let impeller = &part.impeller;
+    Grid::new("part facts").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
+        let mut fact = |name: &str, value: String| {
+            ui.label(RichText::new(name).weak());
+            ui.label(value);
+            ui.end_row();
+        };
+        fact("Blades", blades(impeller.blade_count, impeller.splitters.len()));
+        let (rim, eye) = (impeller.hub.point(1.0), impeller.shroud.point(0.0));
+        fact("Outlet diameter", format!("{:.1} mm", 2.0 * rim.r));
+        fact("Eye diameter", format!("{:.1} mm", 2.0 * eye.r));
+        let tip = impeller.shroud.point(1.0);
+        fact("Outlet height", format!("{:.1} mm", (tip.r - rim.r).hypot(tip.z - rim.z)));
+    });
+    action
+}
+
+/// "17" or "9 + 9 splitters".
+fn blades(main: usize, splitters_per_pitch: usize) -> String {
+    match splitters_per_pitch {
+        0 => main.to_string(),
+        n => format!("{main} + {} splitters", main * n),
+    }
+}
+
+/// One button per sample part.
+pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
+    let mut chosen = None;
+    for sample in samples {
+        if ui.button(sample.name).on_hover_text(sample.about).clicked() {
+            chosen = Some(PartSource::Sample(sample.name.to_owned()));
+        }
+    }
+    chosen
+}
+
+/// Draws the start page in the middle of the window; returns the requested action.
+pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAction> {
+    let mut action = None;
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.18).max(8.0));
+        if let Some(source) = &state.opening {
+            ui.label(format!("Opening {}…", source.shown()));
+            return;
+        }
+        for path in &state.recoverable {
+            ui.label(RichText::new("Unsaved changes of the last session").strong());
+            ui.horizontal(|ui| {
+                let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
+                ui.add_space(room);
+                if ui.button("Recover").on_hover_text(path.display().to_string()).clicked() {
+                    action = Some(PartAction::OpenFile(path.clone()));
+                }
+                if ui.button("Discard").clicked() {
+                    action = Some(PartAction::DiscardRecovery(path.clone()));
+                }
+            });
+            ui.add_space(10.0);
+        }
+        ui.heading("Drop a part here");
+        ui.label(".toml, .geomTurbo, TurboGrid .inf, .glb or .gltf, with or without a setup; or a project");
+        ui.add_space(10.0);
+        for command in [Command::OpenPart, Command::OpenProject] {
+            let button = ui.button(command.label());
+            if button.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                action = Some(PartAction::Command(command));
+            }
+        }
+        if !state.recents.is_empty() {
+            ui.add_space(14.0);
+            ui.label(RichText::new("Recent").weak());
+            for path in state.recents.iter().take(4) {
+                let name = path.file_stem().unwrap_or_default().to_string_lossy();
+                if ui.link(name).on_hover_text(path.display().to_string()).clicked() {
+                    action = Some(PartAction::OpenFile(path.clone()));
+                }
+            }
+        }
+        if samples.is_empty() {
+            return;
+        }
+        ui.add_space(18.0);
+        ui.label(RichText::new("Samples").weak());
+        ui.add_space(4.0);
+        for sample in samples {
+            let text = RichText::new(sample.name).size(15.0);
+            if ui.add(egui::Button::new(text).min_size([170.0, 28.0].into())).clicked() {
+                action = Some(PartAction::Open(PartSource::Sample(sample.name.to_owned())));
+            }
+            ui.label(RichText::new(sample.about).weak().small());
+            ui.add_space(4.0);
+        }
+    });
+    action
+}

@@ -1,0 +1,164 @@
+//! Plots along the row of the selected position: lead angle, contact, residual stock, step. A click selects.
+
+use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui, Vec2};
+
+use crate::plunge::inspect::{row_of, step_before};
+
+use super::positions::position_menu;
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+use crate::app::views::theme::{self, Condition};
+
+/// Height of the plots, points.
+pub const HEIGHT: f32 = 92.0;
+
+/// Plots narrower than this do not show their range, points.
+const NARROW: f32 = 112.0;
+
+/// One plotted quantity with its scale.
+struct PlotCurve {
+    name: &'static str,
+    /// Name in a narrow plot.
+    short: &'static str,
+    unit: &'static str,
+    from_zero: bool,
+    /// Minimum length of the scale, so that noise is not magnified.
+    min_range: f64,
+    /// Index of the row's first position.
+    first: usize,
+    values: Vec<f64>,
+}
+
+/// Draws the plots; a click on one selects the position there. Returns a command from the context menu of a
+/// plot, with the position it is for.
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
+    let shown = state.shown()?;
+    let plan = shown.plan();
+    let index = state.look.selected.unwrap_or(0);
+    let row = row_of(plan, index);
+    if row.is_empty() {
+        return None;
+    }
+    let curve = |name, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
+        name,
+        short,
+        unit,
+        from_zero,
+        min_range: least,
+        first: row.start,
+        values: row.clone().map(value).collect(),
+    };
+    let at = |k: usize| &plan.positions[k];
+    let curves = [
+        curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
+        curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).contact.depth),
+        curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
+        curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
+    ];
+    let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
+    let (mut clicked, mut menu) = (None, None);
+    let gap = 6.0;
+    let width = ((ui.available_width() - 3.0 * gap) / 4.0).max(20.0);
+    let height = ui.available_height().min(HEIGHT);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = gap;
+        for curve in &curves {
+            let chosen =
+                row.contains(&index).then(|| index - row.start).filter(|_| state.look.selected.is_some());
+            let picked = plot(ui, Vec2::new(width, height), curve, &faulty, chosen);
+            clicked = picked.clicked.map(|k| row.start + k).or(clicked);
+            menu = picked.menu.map(|(command, k)| (command, row.start + k)).or(menu);
+        }
+    });
+    if clicked.is_some() {
+        state.look.select(clicked);
+    }
+    menu
+}
+
+/// What was done in a plot: indices within the row.
+#[derive(Default)]
+struct Picked {
+    clicked: Option<usize>,
+    menu: Option<(Command, usize)>,
+}
+
+fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Option<usize>) -> Picked {
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    let title = format!("{} along the row", curve.name);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &title));
+    let visuals = ui.visuals();
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
+    let finite = || curve.values.iter().copied().filter(|v| v.is_finite());
+    let (mut low, mut high) =
+        (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    if curve.from_zero {
+        low = low.min(0.0);
+    }
+    if !(high - low).is_finite() {
+        return Picked::default();
+    }
+    high = high.max(low + curve.min_range);
+    let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, 18.0), rect.max - egui::vec2(5.0, 6.0));
+    let last = (curve.values.len() - 1).max(1) as f32;
+    let place = |k: usize, v: f64| -> Pos2 {
+        let y = ((v - low) / (high - low)) as f32;
+        egui::pos2(inner.left() + inner.width() * k as f32 / last, inner.bottom() - inner.height() * y)
+    };
+    if low < 0.0 && high > 0.0 {
+        let zero = place(0, 0.0).y;
+        let ends = [egui::pos2(inner.left(), zero), egui::pos2(inner.right(), zero)];
+        painter.line_segment(ends, Stroke::new(1.0, visuals.weak_text_color().gamma_multiply(0.5)));
+    }
+    let accent = theme::accent(visuals);
+    if let Some(k) = chosen {
+        let x = place(k, low).x;
+        let line = [egui::pos2(x, inner.top()), egui::pos2(x, inner.bottom())];
+        painter.line_segment(line, Stroke::new(1.0, accent));
+    }
+    let ink = visuals.text_color();
+    let mut piece: Vec<Pos2> = Vec::new();
+    for (k, &v) in curve.values.iter().enumerate() {
+        if v.is_finite() {
+            piece.push(place(k, v));
+        } else {
+            painter.line(std::mem::take(&mut piece), Stroke::new(1.3, ink));
+        }
+    }
+    painter.line(piece, Stroke::new(1.3, ink));
+    for (k, &v) in curve.values.iter().enumerate().filter(|(k, v)| v.is_finite() && faulty[*k]) {
+        painter.circle_filled(place(k, v), 2.5, Condition::Interfering.mark());
+    }
+    let font = FontId::proportional(11.0);
+    let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
+    let text = match value {
+        Some(v) => format!("{v:.2}{}", curve.unit),
+        // Only the name fits in a narrow plot.
+        None if rect.width() < NARROW => String::new(),
+        None => format!("{low:.1} to {high:.1}{}", curve.unit),
+    };
+    let name = if value.is_some() && rect.width() < NARROW { curve.short } else { curve.name };
+    painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
+    let at = rect.right_top() + egui::vec2(-5.0, 3.0);
+    painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
+    let near = |at: Pos2| {
+        let share = (at.x - inner.left()) / inner.width().max(1.0);
+        ((share * last).round().clamp(0.0, last) as usize).min(curve.values.len() - 1)
+    };
+    let tip = response.hover_pos().map(near).and_then(|k| Some((k, *curve.values.get(k)?)));
+    if let Some((k, v)) = tip {
+        response.clone().on_hover_text_at_pointer(format!("{} of the row: {v:.3}{}", k + 1, curve.unit));
+    }
+    let pointer = response.interact_pointer_pos();
+    let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
+    // The menu stays with the position that was right-clicked.
+    let id = response.id.with("menu position");
+    if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
+        ui.data_mut(|data| data.insert_temp(id, near(at)));
+    }
+    let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let menu = Popup::context_menu(&response).show(|ui| position_menu(ui, curve.first + of_menu));
+    let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
+    Picked { clicked: pointer.filter(|_| picks).map(near), menu }
+}

@@ -1,0 +1,54 @@
+//! Panel "Axis strategies": figures of each planned policy.
+
+use egui::{Align, Layout, RichText, Ui};
+
+use crate::job::Summary;
+use crate::setup::AxisPolicy;
+
+use super::setup::policy_label;
+use crate::app::model::figures::{format_duration, format_percent, format_residual};
+use crate::app::model::planned::DisplayPlan;
+use crate::app::views::theme::Condition;
+
+/// Draws the switch and the figures; a policy that the running task `coming` has finished takes precedence.
+pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, coming: Option<&DisplayPlan>) {
+    ui.checkbox(compare, "Compare all strategies")
+        .on_hover_text("The next calculation plans every strategy, not only the chosen one");
+    let Some(whole) = planned.or(coming) else { return };
+    for policy in AxisPolicy::ALL {
+        let of = [coming, Some(whole)].into_iter().flatten().find(|planned| planned.has(policy));
+        let Some(summary) = of.map(|planned| &planned.result(policy).summary) else { continue };
+        let name = RichText::new(policy_label(policy));
+        let is_asked = policy == whole.outcome.after.plan.policy;
+        lines(ui, if is_asked { name.strong() } else { name }, summary);
+    }
+}
+
+/// Figures of a policy in two lines; a table would be wider than the panel.
+fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
+    ui.horizontal(|ui| {
+        ui.label(policy);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let count = summary.interfering;
+            let condition = if count == 0 { Condition::Sound } else { Condition::Interfering };
+            ui.label(RichText::new(format!("{count} interfering")).color(condition.text(ui.visuals())))
+                .on_hover_text("Plunges whose core meets stock");
+        });
+    });
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        for (figure, tip) in [
+            (
+                format!("{} mm", format_residual(summary)),
+                "Residual stock on the hub: mean and 95th percentile",
+            ),
+            (
+                format!("{} uncut", format_percent(summary.uncut_share)),
+                "Share of the accessible floor that is not machined",
+            ),
+            (format_duration(summary.time_estimate), "Time per channel, from plunge feed rates and rapids"),
+        ] {
+            ui.label(RichText::new(figure).weak()).on_hover_text(tip);
+        }
+    });
+}

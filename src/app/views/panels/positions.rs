@@ -1,0 +1,302 @@
+//! Table of positions, and the figures of the selected one.
+
+use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
+use egui_extras::{Column, TableBuilder};
+
+use crate::plunge::{Blocked, Position};
+
+use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+use crate::app::views::theme::{self, Condition};
+
+/// Reason why a position is blocked.
+pub fn blocked_reason(blocked: Blocked) -> &'static str {
+    match blocked {
+        Blocked::Walls => "no axis with the requested lead angle clears both walls",
+        Blocked::ShroudEnd => "the shroud ends before the requested lead angle is reached",
+        Blocked::TiltLimit => "the requested lead angle exceeds the tilt limit",
+    }
+}
+
+/// Draws the table; a click on a row selects. Returns a command from the context menu of a row, with the
+/// position it is for.
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
+    ui.horizontal(|ui| {
+        let title = ui.label(RichText::new("Positions").strong());
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ComboBox::from_id_salt("position filter")
+                .width(132.0)
+                .selected_text(state.look.filter.label())
+                .show_ui(ui, |ui| {
+                    for filter in Filter::ALL {
+                        ui.selectable_value(&mut state.look.filter, filter, filter.label());
+                    }
+                })
+                .response
+                .labelled_by(title.id);
+        });
+    });
+    if state.results.planned.is_none() {
+        ui.add_space(6.0);
+        ui.label(RichText::new("Not calculated yet").weak());
+        return None;
+    }
+    let rows = state.rows();
+    if rows.is_empty() {
+        ui.add_space(6.0);
+        let words = match state.look.filter {
+            Filter::All => "The plan has no positions",
+            Filter::Interfering => "No interfering plunge",
+            Filter::Blocked => "No blocked position",
+        };
+        ui.label(RichText::new(words).weak());
+        return None;
+    }
+    table(ui, state, &rows)
+}
+
+/// Commands for a position, in the context menus of tables, plots and views.
+pub const POSITION_COMMANDS: [Command; 4] =
+    [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
+
+/// Draws the context menu of position `k`; returns the chosen command.
+pub fn position_menu(ui: &mut Ui, k: usize) -> Option<Command> {
+    ui.label(RichText::new(format!("At position {}", k + 1)).strong());
+    POSITION_COMMANDS.into_iter().find(|command| command.menu_item(ui, true))
+}
+
+fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, usize)> {
+    let reveal = state.look.reveal_selection > 0;
+    state.look.reveal_selection = state.look.reveal_selection.saturating_sub(1);
+    let selected = state.look.selected;
+    let sort = state.look.sort;
+    let shown = state.shown()?;
+    let plan = shown.plan();
+    let pitch = theme::ROW_HEIGHT + ui.spacing().item_spacing.y;
+    // Of this frame: the panel below may just have taken some of it.
+    let height = ui.available_height() - pitch;
+    let mut builder = TableBuilder::new(ui)
+        .striped(true)
+        .sense(Sense::click())
+        .auto_shrink([false, false])
+        .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
+        .column(Column::exact(12.0))
+        .column(Column::exact(30.0))
+        .column(Column::exact(28.0))
+        .column(Column::exact(30.0))
+        .column(Column::exact(46.0))
+        .column(Column::exact(50.0))
+        .column(Column::exact(44.0))
+        .column(Column::remainder());
+    // The offset acts in this frame; scrolling to a row would act in the next one, many positions later while
+    // the timeline plays.
+    let mut scroll = state.look.table;
+    let row = selected.and_then(|k| rows.iter().position(|&r| r == k));
+    let row = row.filter(|&row| reveal || scroll.loses(row, pitch, height));
+    scroll.height = height;
+    if let Some(row) = row {
+        builder = builder.vertical_scroll_offset(scroll.showing(row, pitch, height));
+    } else if scroll.is_new {
+        builder = builder.vertical_scroll_offset(0.0);
+    }
+    let (mut clicked, mut sorted, mut chosen) = (None, None, None);
+    let output = builder
+        .header(theme::ROW_HEIGHT, |mut header| {
+            header.col(|_| ());
+            for key in Key::ALL {
+                header.col(|ui| {
+                    if head(ui, key, (sort.column == key).then_some(sort.descending)) {
+                        sorted = Some(sort.clicked(key));
+                    }
+                });
+            }
+            header.col(|_| ());
+        })
+        .body(|body| {
+            body.rows(theme::ROW_HEIGHT, rows.len(), |mut row| {
+                let k = rows[row.index()];
+                let Some(position) = plan.positions.get(k) else { return };
+                row.set_selected(selected == Some(k));
+                let tool = plan.sections.get(position.section).map(|section| &section.tool);
+                let of = position.condition();
+                row.col(|ui| mark(ui, of));
+                let cells = [
+                    (k + 1).to_string(),
+                    (position.row + 1).to_string(),
+                    tool.map_or(String::new(), |t| format!("{}", t.diameter)),
+                    format!("{:.1}", position.alpha_rad.to_degrees()),
+                ];
+                for text in cells {
+                    row.col(|ui| cell(ui, RichText::new(text)));
+                }
+                row.col(|ui| {
+                    let text = RichText::new(depth(position.contact.depth));
+                    let colour = Condition::Interfering.text(ui.visuals());
+                    cell(ui, if of == Condition::Interfering { text.color(colour).strong() } else { text });
+                });
+                row.col(|ui| {
+                    let stock = shown.stock(k);
+                    cell(
+                        ui,
+                        RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
+                    );
+                });
+                // Space for the scroll bar.
+                row.col(|_| ());
+                let name = format!("Position {}", k + 1);
+                let response = row.response();
+                response.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
+                });
+                if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k)) {
+                    chosen = chosen.or(menu.inner.map(|command| (command, k)));
+                }
+                if response.on_hover_ui(|ui| row_tooltip(ui, k, position)).clicked() {
+                    clicked = Some(k);
+                }
+            });
+        });
+    scroll.offset = output.state.unclamped_offset().y;
+    scroll.is_new = false;
+    state.look.table = scroll;
+    if let Some(k) = clicked {
+        // A second click on the row deselects it.
+        state.look.select_and_zoom((selected != Some(k)).then_some(k));
+        // Do not scroll: the row is under the cursor.
+        state.look.reveal_selection = 0;
+    }
+    if let Some(sort) = sorted {
+        state.look.sort = sort;
+        state.look.reveal_selection = REVEAL;
+    }
+    chosen
+}
+
+/// Head of a column; `true` when it was clicked. `sorted`: whether the table is sorted by it, largest first.
+fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
+    let text = RichText::new(key.label());
+    let text = if sorted.is_some() { text.strong() } else { text.weak() };
+    let response = ui.add(egui::Label::new(text).selectable(false).sense(Sense::click()));
+    if let Some(descending) = sorted {
+        // A triangle under the label that points to the large values.
+        let (at, up) = (response.rect.center_bottom(), if descending { 1.0 } else { -1.0 });
+        let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);
+        let ink = ui.visuals().strong_text_color();
+        let triangle = vec![corner(-3.0, -1.5), corner(3.0, -1.5), corner(0.0, 1.5)];
+        ui.painter().add(egui::Shape::convex_polygon(triangle, ink, egui::Stroke::NONE));
+    }
+    let name = format!("Sort by {}", key.name());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+    response.on_hover_text(format!("{}; click to sort", key.tip())).clicked()
+}
+
+/// Contact depth, mm; "0" if it would round to 0.00.
+fn depth(depth: f64) -> String {
+    if depth < 0.005 { "0".to_owned() } else { format!("{depth:.2}") }
+}
+
+fn cell(ui: &mut Ui, text: RichText) {
+    // Selectable text would swallow the clicks on the row.
+    ui.add(egui::Label::new(text.monospace().size(12.0)).selectable(false));
+}
+
+/// Mark of a state, by colour and shape: disc, square or small ring.
+fn mark(ui: &mut Ui, of: Condition) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());
+    let painter = ui.painter();
+    match of {
+        Condition::Interfering => {
+            painter.circle_filled(rect.center(), 4.5, of.mark());
+        }
+        Condition::Blocked => {
+            painter.rect_filled(
+                egui::Rect::from_center_size(rect.center(), egui::vec2(8.0, 8.0)),
+                0.0,
+                of.mark(),
+            );
+        }
+        Condition::Sound => {
+            painter.circle_stroke(rect.center(), 2.5, egui::Stroke::new(1.5, of.mark()));
+        }
+    }
+}
+
+/// Number and state of the selected position.
+pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
+    let Some(plan) = state.shown().map(|shown| shown.plan()) else { return };
+    let Some(position) = plan.positions.get(k) else { return };
+    ui.add_space(4.0);
+    let of = position.condition();
+    ui.horizontal(|ui| {
+        mark(ui, of);
+        let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.label());
+        ui.label(RichText::new(text).strong());
+    });
+}
+
+/// Figures of the selected position.
+pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
+    let Some(shown) = state.shown() else { return };
+    let plan = shown.plan();
+    let Some(position) = plan.positions.get(k) else { return };
+    remarks(ui, position);
+    Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
+        let mut fact = |name: &str, value: String| {
+            ui.label(RichText::new(name).weak());
+            ui.label(value);
+            ui.end_row();
+        };
+        let section = plan.sections.get(position.section);
+        if let Some(tool) = section.map(|section| &section.tool) {
+            let place = format!("section {}, row {}", position.section + 1, position.row + 1);
+            fact("Location", format!("{place}, T{} Ø{}", tool.number, tool.diameter));
+        }
+        let contact = position.contact;
+        if contact.interferes() {
+            fact(
+                "Core hits stock",
+                format!("{:.2} mm, {:.0} % of its area", contact.depth, 100.0 * contact.area_share),
+            );
+        }
+        let [x, y, z] = [position.tip.x, position.tip.y, position.tip.z];
+        fact("Tool tip X Y Z", format!("{x:.3} {y:.3} {z:.3} mm"));
+        let [i, j, k] = [position.axis.x, position.axis.y, position.axis.z];
+        fact("Tool axis I J K", format!("{i:.4} {j:.4} {k:.4}"));
+        fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
+        let [hub, blade] = [position.hub_clearance, position.blade_clearance];
+        fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
+    });
+    ui.add_space(4.0);
+}
+
+/// Remarks: why a position is blocked, limited or lifted.
+fn remarks(ui: &mut Ui, position: &Position) {
+    if let Some(blocked) = position.blocked {
+        ui.label(format!("Blocked: {}", blocked_reason(blocked)));
+    }
+    if let Some(held) = position.limited_by {
+        ui.label(format!("Limited by: {}", held.words()));
+    }
+    if position.lift > 0.02 {
+        ui.label(format!("Ends {:.2} mm above full depth", position.lift));
+    }
+}
+
+/// Tooltip of a row.
+fn row_tooltip(ui: &mut Ui, k: usize, position: &Position) {
+    ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().label())).strong());
+    if position.contact.interferes() {
+        let share = 100.0 * position.contact.area_share;
+        ui.label(format!(
+            "Core hits stock {:.2} mm above the tip, {share:.0} % of its area",
+            position.contact.depth
+        ));
+    }
+    remarks(ui, position);
+    ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
+    ui.label(format!(
+        "Clearance: hub {:.3} mm, blade {:.3} mm",
+        position.hub_clearance, position.blade_clearance
+    ));
+}

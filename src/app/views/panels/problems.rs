@@ -1,0 +1,59 @@
+//! Problem messages with location and remedy, shown over the 3D view until they are dismissed or solved.
+
+use egui::{Frame, Label, Rect, RichText, ScrollArea, Ui, UiBuilder};
+
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+use crate::app::views::theme::Condition;
+
+/// Distance of the messages from the upper edge of the view, below its controls, points.
+const TOP: f32 = 42.0;
+/// Maximum width of the messages, points.
+const MAX_WIDTH: f32 = 560.0;
+
+/// Draws the problems over the view `whole`; returns the command that was pressed.
+pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
+    if state.problems.is_empty() {
+        return None;
+    }
+    let (mut chosen, mut dismissed) = (None, None);
+    let width = (whole.width() - 20.0).clamp(80.0, MAX_WIDTH);
+    let corner = egui::pos2(whole.center().x - 0.5 * width, whole.top() + TOP);
+    let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
+    let fill = ui.visuals().panel_fill;
+    let mark = Condition::Interfering;
+    ui.scope_builder(UiBuilder::new().max_rect(at), |ui| {
+        ScrollArea::vertical().id_salt("problems").max_height(at.height()).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 3.0;
+            for (k, problem) in state.problems.iter().enumerate().rev() {
+                let stroke = egui::Stroke::new(1.5, mark.mark());
+                Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
+                    ui.set_width(width - 16.0);
+                    let text = RichText::new(&problem.message).color(mark.text(ui.visuals()));
+                    let shown = ui.add(Label::new(text).wrap());
+                    if let Some(code) = problem.code {
+                        shown.on_hover_text(format!("{code}: {}", code.meaning()));
+                    }
+                    if !problem.help.is_empty() {
+                        let text = RichText::new(format!("Fix: {}", problem.help)).strong();
+                        ui.add(Label::new(text).wrap());
+                    }
+                    ui.horizontal(|ui| {
+                        let dismiss = ui.small_button("Dismiss");
+                        let tip = Command::DismissProblems.tip_with_keys(ui.ctx());
+                        if dismiss.on_hover_text(tip).clicked() {
+                            dismissed = Some(k);
+                        }
+                        if state.document.can_undo() && ui.small_button("Undo the edit").clicked() {
+                            chosen = Some(Command::Undo);
+                        }
+                    });
+                });
+            }
+        });
+    });
+    if let Some(k) = dismissed {
+        state.dismiss_problem(k);
+    }
+    chosen
+}

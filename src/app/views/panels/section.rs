@@ -1,0 +1,252 @@
+//! Sectional view through the selected position along its row, with dimensions.
+
+use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
+
+use crate::plunge::Position;
+use crate::plunge::inspect::{SectionPoint, SectionView};
+
+use crate::app::views::theme::{self, Condition};
+
+/// Half width of the view, in cutter radii.
+const HALF_WIDTH_IN_RADII: f64 = 1.75;
+
+/// Height of the drawing in a window of `window` points; the rest is for the table above it.
+pub fn height(window: f32) -> f32 {
+    (0.24 * window).clamp(110.0, 230.0)
+}
+
+/// Height of the dimensions at the top, points.
+const DIMENSIONS: f32 = 50.0;
+
+/// Transformation from mm in the section plane to the screen.
+struct SectionToScreen {
+    rect: Rect,
+    scale: f64,
+    low: f64,
+}
+
+impl SectionToScreen {
+    fn new(rect: Rect, view: &SectionView) -> Self {
+        let radius = view.tool.radius();
+        let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
+        let near = view.hub.iter().filter(|p| p[0].abs() < radius);
+        let lowest = near.map(|p| p[1]).fold(0.0, f64::min);
+        // From the bottom: a strip of hub, the cutter with its core contact, the dimensions.
+        let (below, dimensions) = (0.12 * height, f64::from(DIMENSIONS));
+        let room = (height - below - dimensions).max(0.3 * height);
+        let shown = view.contact_depth().max(0.25 * radius) - lowest;
+        let scale = (width / (2.0 * HALF_WIDTH_IN_RADII * radius)).min(room / shown);
+        Self { rect, scale, low: lowest - below / scale }
+    }
+
+    fn to_screen(&self, [x, y]: SectionPoint) -> Pos2 {
+        egui::pos2(
+            self.rect.center().x + (x * self.scale) as f32,
+            self.rect.bottom() - ((y - self.low) * self.scale) as f32,
+        )
+    }
+
+    fn line(&self, points: &[SectionPoint]) -> Vec<Pos2> {
+        points.iter().map(|&p| self.to_screen(p)).collect()
+    }
+
+    fn top(&self) -> f64 {
+        self.low + f64::from(self.rect.height()) / self.scale
+    }
+}
+
+/// Draws the sectional view through `position` with index `k`, `height` points high. `stale`: `view` still
+/// shows another position.
+pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stale: bool, height: f32) {
+    let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
+    let name = format!("Sectional view through position {}", k + 1);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
+    let frame = SectionToScreen::new(rect, view);
+    let painter = ui.painter_at(rect);
+    let visuals = ui.visuals();
+    painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
+    let dark = visuals.dark_mode;
+    let grey = |light: u8, night: u8| Color32::from_gray(if dark { night } else { light });
+    let stock = if dark { Color32::from_rgb(120, 104, 60) } else { Color32::from_rgb(232, 216, 168) };
+    let (radius, core) = (view.tool.radius(), view.tool.core_radius());
+
+    // Stock before this plunge, column by column, as its top may jump.
+    let wide = (frame.scale * 2.0 * HALF_WIDTH_IN_RADII * radius / 240.0 * 1.3) as f32;
+    let columns = |stretches: &mut dyn Iterator<Item = (f64, [f64; 2])>, colour: Color32| {
+        // One mesh: anti-aliased edges of single columns would show as stripes.
+        let mut mesh = egui::Mesh::default();
+        for (x, [low, top]) in stretches {
+            let (a, b) = (frame.to_screen([x, low]), frame.to_screen([x, top]));
+            if a.y - b.y > 0.1 {
+                let (left, right) = (a.x - wide / 2.0, a.x + wide / 2.0);
+                let column =
+                    Rect::from_min_max(egui::pos2(left, b.y), egui::pos2(right, a.y.min(rect.bottom())));
+                mesh.add_colored_rect(column, colour);
+            }
+        }
+        painter.add(mesh);
+    };
+    let standing = view.before.iter().zip(&view.hub).map(|(top, hub)| (top[0], [hub[1], top[1]]));
+    columns(&mut standing.into_iter(), stock);
+    // The cutter: inserts at both sides, the core between them.
+    let high = frame.top();
+    let outline = |from: f64, to: f64| -> Vec<Pos2> {
+        let steps = 16;
+        let along = (0..=steps).map(|i| from + (to - from) * f64::from(i) / f64::from(steps));
+        let mut points = vec![frame.to_screen([from, high])];
+        points.extend(along.map(|x| frame.to_screen([x, view.bottom(x)])));
+        points.push(frame.to_screen([to, high]));
+        points
+    };
+    let accent = theme::accent(visuals);
+    for (from, to) in [(-radius, -core), (core, radius)] {
+        painter.add(Shape::convex_polygon(outline(from, to), accent.gamma_multiply(0.28), Stroke::NONE));
+    }
+    painter.add(Shape::convex_polygon(
+        outline(-core, core),
+        grey(150, 110).gamma_multiply(0.55),
+        Stroke::NONE,
+    ));
+    painter.line(outline(-radius, radius), Stroke::new(1.5, accent));
+    // Stock that the core hits, drawn over the cutter.
+    let contact = Condition::Interfering.mark();
+    columns(&mut view.contact.iter().copied(), contact.gamma_multiply(0.8));
+    // The hub and its allowance.
+    columns(&mut view.hub.iter().map(|p| (p[0], [frame.low, p[1]])), grey(190, 75));
+    painter.line(frame.line(&view.hub), Stroke::new(1.8, grey(40, 220)));
+    let dashes = Shape::dashed_line(&frame.line(&view.allowance), Stroke::new(1.0, grey(60, 190)), 5.0, 3.0);
+    painter.extend(dashes);
+    painter.line(frame.line(&view.before), Stroke::new(1.4, Condition::Blocked.text(visuals)));
+    painter.line(frame.line(&view.after), Stroke::new(1.4, Condition::Sound.text(visuals)));
+    let axis = [frame.to_screen([0.0, frame.low]), frame.to_screen([0.0, high])];
+    painter.extend(Shape::dashed_line(&axis, Stroke::new(0.8, grey(90, 160)), 8.0, 4.0));
+    dimensions(ui, &painter, &frame, view);
+    patch(ui, &painter, rect, view);
+    if stale {
+        painter.rect_filled(rect, 2.0, visuals.panel_fill.gamma_multiply(0.5));
+    }
+    show_figures(ui, view, position);
+}
+
+/// Dimension lines, mm.
+fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &SectionToScreen, view: &SectionView) {
+    let ink = ui.visuals().strong_text_color();
+    let (radius, core) = (view.tool.radius(), view.tool.core_radius());
+    let high = frame.top();
+    let under = |points: f32| high - f64::from(points) / frame.scale;
+    span(
+        painter,
+        frame,
+        [-radius, under(15.0)],
+        [radius, under(15.0)],
+        &format!("D {}", view.tool.diameter),
+        ink,
+    );
+    if core > 0.0 {
+        let text = format!("core {}", short(2.0 * core));
+        span(painter, frame, [-core, under(30.0)], [core, under(30.0)], &text, ink);
+    }
+    let text = format!("w {}", short(view.tool.insert_width));
+    span(painter, frame, [core, under(45.0)], [radius, under(45.0)], &text, ink);
+    let depth = view.contact_depth();
+    if depth > 0.0 {
+        // Beside the core, as text over the contact would be unreadable.
+        let text = format!("{} mm", short(depth));
+        let ink = Condition::Interfering.text(ui.visuals());
+        let x = -core - 6.0 / frame.scale;
+        span(painter, frame, [x, 0.0], [x, depth], &text, ink);
+    }
+    // The step from the previous position lies behind the axis.
+    if view.step > 0.0 {
+        let y = frame.low + 9.0 / frame.scale;
+        span(painter, frame, [-view.step, y], [0.0, y], &format!("step {}", short(view.step)), ink);
+    }
+}
+
+/// A dimension line with arrows at both ends and its text beside it.
+fn span(
+    painter: &egui::Painter,
+    frame: &SectionToScreen,
+    a: SectionPoint,
+    b: SectionPoint,
+    text: &str,
+    ink: Color32,
+) {
+    let (a, b) = (frame.to_screen(a), frame.to_screen(b));
+    let stroke = Stroke::new(1.0, ink);
+    painter.line_segment([a, b], stroke);
+    let along = (b - a).normalized();
+    let across = along.rot90();
+    if (b - a).length() > 9.0 {
+        for (end, way) in [(a, along), (b, -along)] {
+            painter.line_segment([end, end + way * 5.0 + across * 2.5], stroke);
+            painter.line_segment([end, end + way * 5.0 - across * 2.5], stroke);
+        }
+    }
+    let flat = along.x.abs() > along.y.abs();
+    let (at, align) = if flat {
+        (a + (b - a) * 0.5 - egui::vec2(0.0, 1.0), Align2::CENTER_BOTTOM)
+    } else {
+        (a + (b - a) * 0.5 - egui::vec2(4.0, 0.0), Align2::RIGHT_CENTER)
+    };
+    painter.text(at, align, text, FontId::proportional(theme::MIN_TEXT_SIZE), ink);
+}
+
+/// The core's disc from above, with the stock it hits.
+fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
+    let core = view.tool.core_radius();
+    if core <= 0.0 {
+        return;
+    }
+    let radius = 22.0f32;
+    let middle = rect.left_top() + egui::vec2(radius + 8.0, radius + 8.0);
+    let visuals = ui.visuals();
+    painter.circle_filled(middle, radius, theme::overlay(visuals));
+    let deepest = view.contact_depth().max(0.1);
+    let cell = radius * 2.0 / 25.0;
+    let mut mesh = egui::Mesh::default();
+    for c in view.patch.iter().filter(|c| c.depth > 0.0) {
+        let at = middle + egui::vec2((c.x / core) as f32, (-c.across / core) as f32) * radius;
+        let strength = 0.4 + 0.6 * (c.depth / deepest) as f32;
+        let fill = Condition::Interfering.mark().gamma_multiply(strength);
+        mesh.add_colored_rect(Rect::from_center_size(at, Vec2::splat(cell)), fill);
+    }
+    painter.add(mesh);
+    painter.circle_stroke(middle, radius, Stroke::new(1.0, visuals.strong_text_color()));
+    let below = middle + egui::vec2(0.0, radius + 2.0);
+    painter.text(
+        below,
+        Align2::CENTER_TOP,
+        "core",
+        FontId::proportional(theme::MIN_TEXT_SIZE),
+        visuals.weak_text_color(),
+    );
+}
+
+/// The figures below the drawing.
+fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
+    let mut facts = vec![
+        format!("α {:.2}°", position.alpha_rad.to_degrees()),
+        format!("lead in the section {:.2}°", view.lead_rad.to_degrees()),
+    ];
+    if view.step > 0.0 {
+        facts.push(format!("step {:.2} mm", view.step));
+    }
+    facts.push(format!("max residual {:.2} mm", view.max_residual));
+    if position.lift > 0.0 {
+        facts.push(format!("ends {:.2} mm above full depth", position.lift));
+    }
+    ui.add(egui::Label::new(RichText::new(facts.join(", ")).small()).wrap());
+    if position.contact.interferes() {
+        let share = 100.0 * position.contact.area_share;
+        let depth = position.contact.depth;
+        let text = format!("Core hits stock {depth:.2} mm above the tip, {share:.0} % of its area");
+        let colour = Condition::Interfering.text(ui.visuals());
+        ui.label(RichText::new(text).small().strong().color(colour));
+    }
+}
+
+fn short(value: f64) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,0 +1,179 @@
+//! Panels "Plunge" and "Allowances": policy, limits, allowances and clearances of the setup.
+
+use egui::Ui;
+
+use crate::part::BlankShape;
+use crate::setup::{AxisPolicy, Setup};
+
+use super::fields::{self, ChoiceSpec, FieldSpec};
+use crate::app::views::command::Command;
+
+/// Label of a policy.
+pub fn policy_label(policy: AxisPolicy) -> &'static str {
+    match policy {
+        AxisPolicy::Conventional => "Isoparametric",
+        AxisPolicy::Monotone => "Progressive",
+        AxisPolicy::Minimal => "Min. stock",
+        AxisPolicy::Staircase => "Stepped",
+    }
+}
+
+fn policy_tip(policy: AxisPolicy) -> &'static str {
+    match policy {
+        AxisPolicy::Conventional => "Isoparametric axes, unchanged (conventional)",
+        AxisPolicy::Monotone => "Progressive lead: the lead angle grows from position to position (monotone)",
+        AxisPolicy::Minimal => "Minimum stock: the least stock on the hub without core contact (minimal)",
+        AxisPolicy::Staircase => "Stepped depth: isoparametric axes, plunges end above contact (staircase)",
+    }
+}
+
+const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
+    label: "Axis strategy",
+    tip: "How the tool axes of the \"after\" plan are chosen",
+    all: &[AxisPolicy::Minimal, AxisPolicy::Monotone, AxisPolicy::Staircase, AxisPolicy::Conventional],
+    name: policy_label,
+    meaning: policy_tip,
+};
+
+const STEP: FieldSpec = FieldSpec::mm(
+    "Step",
+    "Maximum distance of neighbouring axes along a row; auto: each tool's insert width",
+    0.5,
+    100.0,
+)
+.sliding(1.0, 30.0);
+const ROW_SPACING: FieldSpec = FieldSpec::mm(
+    "Stepover",
+    "Maximum distance of neighbouring rows; auto: 4/3 of each tool's radius",
+    0.5,
+    200.0,
+)
+.sliding(1.0, 60.0);
+const SCALLOP: FieldSpec =
+    FieldSpec::mm("Wall scallop", "Max scallop height between plunges along a wall", 0.01, 5.0)
+        .sliding(0.05, 2.0);
+const TILT: FieldSpec =
+    FieldSpec::degrees("Max tilt", "Maximum angle between an axis and the isoparametric one", 0.0, 90.0)
+        .sliding(0.0, 60.0);
+const MACHINE: FieldSpec = FieldSpec::degrees(
+    "Max machine tilt",
+    "Maximum angle between tool axis and wheel axis on the machine; used by Min. stock. 180: no limit",
+    1.0,
+    180.0,
+)
+.sliding(30.0, 180.0);
+const CHANGE: FieldSpec = FieldSpec::degrees(
+    "Max axis change",
+    "Maximum angle between the axes of neighbouring positions",
+    0.1,
+    90.0,
+)
+.sliding(0.5, 20.0);
+const HUB: FieldSpec =
+    FieldSpec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0).sliding(0.0, 3.0);
+const BLADE: FieldSpec =
+    FieldSpec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0).sliding(0.0, 3.0);
+const SAFETY: FieldSpec =
+    FieldSpec::mm("Rapid clearance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
+        .sliding(0.0, 20.0);
+const INLET: FieldSpec = FieldSpec::mm(
+    "Inlet overhang",
+    "Length of blank before the leading edge, along hub and shroud",
+    0.0,
+    200.0,
+)
+.sliding(0.0, 50.0);
+
+/// What the blank is, as the list of the panel shows it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum BlankChoice {
+    Edges,
+    Turned,
+    File,
+}
+
+impl BlankChoice {
+    fn of(shape: &BlankShape) -> Self {
+        match shape {
+            BlankShape::Edges => Self::Edges,
+            BlankShape::Turned => Self::Turned,
+            BlankShape::File(_) => Self::File,
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Edges => "To the edges",
+            Self::Turned => "Cylinder",
+            Self::File => "From file",
+        }
+    }
+
+    fn tip(self) -> &'static str {
+        match self {
+            Self::Edges => "Turned between hub and shroud, from the leading edges to the rim",
+            Self::Turned => "A cylinder through the trailing edges, with a plane before the leading edges",
+            Self::File => "A mesh (.stl), of which plans know the turned envelope, or an outline",
+        }
+    }
+}
+
+const BLANK: ChoiceSpec<BlankChoice> = ChoiceSpec {
+    label: "Blank",
+    tip: "Shape of the stock before the first cut",
+    all: &[BlankChoice::Edges, BlankChoice::Turned, BlankChoice::File],
+    name: BlankChoice::label,
+    meaning: BlankChoice::tip,
+};
+
+/// Rows of the blank, and of its file if it has one; whether a file is to be asked for.
+fn blank_rows(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) -> bool {
+    let mut choice = BlankChoice::of(shape);
+    fields::choice_row(ui, &mut choice, BlankChoice::of(default), &BLANK);
+    match (choice, &*shape) {
+        (BlankChoice::Edges, _) => *shape = BlankShape::Edges,
+        (BlankChoice::Turned, _) => *shape = BlankShape::Turned,
+        (BlankChoice::File, BlankShape::File(file)) => {
+            let title = ui.label("Blank file").on_hover_text(file.path.display().to_string());
+            let name =
+                file.path.file_name().map_or_else(|| file.name.clone().into(), |n| n.to_string_lossy());
+            let button = ui.button(name).labelled_by(title.id).on_hover_text(Command::OpenBlank.tip());
+            ui.end_row();
+            return button.clicked();
+        }
+        (BlankChoice::File, _) => return true,
+    }
+    false
+}
+
+/// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
+/// plan.
+pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
+    let first = chosen.and_then(|chosen| chosen.tools.first());
+    let Setup { plunge: default, machine, .. } = defaults;
+    fields::form(ui, "plunge fields", |ui| {
+        fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
+        let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
+        fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
+        fields::optional_row(ui, &mut setup.plunge.stepover, &ROW_SPACING, spacing);
+        fields::angle_row(ui, &mut setup.plunge.max_tilt_rad, default.max_tilt_rad, &TILT);
+        fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
+        fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);
+        fields::number_row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
+    });
+}
+
+/// Draws the fields of allowances and clearances; `defaults` are those of the part. Returns the command that
+/// was asked for.
+pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command> {
+    let default = &defaults.allowances;
+    let mut asks_for_file = false;
+    fields::form(ui, "stock fields", |ui| {
+        fields::number_row(ui, &mut setup.allowances.hub_allowance, default.hub_allowance, &HUB);
+        fields::number_row(ui, &mut setup.allowances.blade_allowance, default.blade_allowance, &BLADE);
+        fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
+        fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
+        asks_for_file = blank_rows(ui, &mut setup.allowances.blank, &default.blank);
+    });
+    asks_for_file.then_some(Command::OpenBlank)
+}

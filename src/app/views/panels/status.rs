@@ -1,0 +1,89 @@
+//! The status bar: latest message, device, progress and Cancel.
+
+use egui::{Button, Label, ProgressBar, RichText, Ui};
+
+use crate::app::model::look::Operation;
+use crate::app::model::state::{AppState, Tone};
+use crate::app::views::command::Command;
+use crate::app::views::theme::Condition;
+
+/// Input of the status bar besides the state.
+#[derive(Clone, Debug, Default)]
+pub struct Activity {
+    /// Name and progress (0…1) of the running task.
+    pub running: Option<(&'static str, f64)>,
+    /// What computes the drawn stock.
+    pub preview: String,
+    /// Name and driver of the graphics device.
+    pub device: String,
+}
+
+/// Width of the progress bar, points.
+const BAR: f32 = 130.0;
+
+/// Draws the bar; `true` when Cancel was pressed.
+pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
+    let mut cancel = false;
+    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let button = ui.add_enabled(activity.running.is_some(), Button::new(Command::Cancel.label()));
+        cancel = button.on_hover_text(Command::Cancel.tip_with_keys(ui.ctx())).clicked();
+        match activity.running {
+            Some((what, fraction)) => {
+                let text = RichText::new(format!("{what} {:.0} %", 100.0 * fraction)).small();
+                ui.add(ProgressBar::new(fraction as f32).desired_width(BAR).desired_height(16.0).text(text));
+            }
+            // Reserve the space, so that nothing moves when a task starts.
+            None => {
+                ui.allocate_space(egui::vec2(BAR, 16.0));
+            }
+        }
+        ui.separator();
+        let tip = format!(
+            "What computes the stock that the 3D view draws; all figures come from the CPU\n\
+             Graphics device: {}",
+            activity.device
+        );
+        ui.label(RichText::new(&activity.preview).weak()).on_hover_text(tip);
+        ui.separator();
+        ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| message(ui, state, activity));
+    });
+    cancel
+}
+
+fn flank_message(state: &AppState) -> RichText {
+    match &state.results.flank {
+        None => RichText::new("Flank milling is not calculated yet (F6)").weak(),
+        Some(_) if state.flank_is_stale() => RichText::new("Setup edited: recalculate flank (F6)"),
+        Some(outcome) => RichText::new(format!("Flank calculated in {:.1} s", outcome.elapsed)).weak(),
+    }
+}
+
+fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
+    let text = match (&state.notice, &state.results.planned) {
+        (Some(notice), _) => {
+            let colour = Condition::Interfering.text(ui.visuals());
+            match (notice.tone, state.problems.len()) {
+                (Tone::Done, _) => RichText::new(&notice.text),
+                (Tone::Fault, 0) => RichText::new(&notice.text).color(colour),
+                // The message itself is over the 3D view.
+                (Tone::Fault, 1) => RichText::new("1 problem: see the message").color(colour),
+                (Tone::Fault, n) => RichText::new(format!("{n} problems: see the messages")).color(colour),
+            }
+        }
+        (None, _) if activity.running.is_some() => RichText::new("Calculating…").weak(),
+        (None, _) if state.look.operation == Operation::Flank => flank_message(state),
+        (None, Some(_)) if state.out_of_date() => RichText::new("Setup edited: recalculate (F5)"),
+        (None, Some(planned)) if planned.is_unfinished() => {
+            RichText::new("Cancelled: the best so far; recalculate (F5)")
+        }
+        (None, Some(planned)) => {
+            RichText::new(format!("Calculated in {:.1} s", planned.outcome.elapsed)).weak()
+        }
+        (None, None) => RichText::new("Ready").weak(),
+    };
+    let tip = state.notice.as_ref().map(|notice| notice.text.clone());
+    let label = ui.add(Label::new(text).truncate());
+    if let Some(tip) = tip {
+        label.on_hover_text(tip);
+    }
+}

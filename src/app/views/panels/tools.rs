@@ -1,0 +1,334 @@
+//! Panel "Tools": tools and their sections, chosen by the program or entered by the user.
+
+use egui::{ComboBox, Grid, RichText, Ui};
+
+use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
+
+use super::fields::{self, FieldSpec};
+use crate::app::model::planned::DisplayPlan;
+use crate::app::views::theme::Condition;
+
+const DIAMETER: FieldSpec = FieldSpec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
+const CORNER: FieldSpec = FieldSpec::mm("Corner radius", "", 0.0, 100.0);
+const INSERT: FieldSpec = FieldSpec::mm(
+    "Insert width",
+    "Radial width of the cutting edges; the core inside has no edge",
+    0.1,
+    100.0,
+)
+.sliding(0.5, 25.0);
+const OVERHANG: FieldSpec = FieldSpec::mm("Stick-out", "Free length from tip to holder", 1.0, 1000.0);
+const FEED: FieldSpec = FieldSpec::plain("Feed rate", " mm/min", 10_000.0);
+const SPINDLE: FieldSpec = FieldSpec::plain("Spindle speed", " rpm", 100_000.0);
+const S: FieldSpec = FieldSpec {
+    label: "s",
+    tip: "Fraction of meridional arc length: 0 at the leading edge (LE), 1 at the rim (OD)",
+    unit: "",
+    min: 0.0,
+    max: 1.0,
+    speed: 0.005,
+    decimals: 3,
+    slide: None,
+};
+
+/// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools.
+pub fn show(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change: Option<&str>) {
+    let chosen = planned.map(|planned| &planned.outcome.setup);
+    if setup.tools.is_empty() {
+        ui.label(RichText::new("Chosen from the tool library for the part").weak());
+        rest_checkbox(ui, setup);
+        let Some((chosen, planned)) = chosen.zip(planned) else { return };
+        if let Some(change) = change {
+            let text = RichText::new(format!("Chosen anew: {change}"));
+            ui.add(egui::Label::new(text.color(Condition::Blocked.text(ui.visuals()))).wrap())
+                .on_hover_text("The last edit led to other tools; edit tools and sections to keep them");
+        }
+        summary(ui, chosen);
+        uses(ui, planned);
+        let edit = ui.button("Edit tools and sections").on_hover_text("Copies these into the setup");
+        if edit.clicked() {
+            copy_sections(setup, chosen);
+        }
+        return;
+    }
+    tools(ui, setup);
+    sections(ui, setup);
+    if let Some(planned) = planned.filter(|planned| planned.setup.tools == setup.tools) {
+        uses(ui, planned);
+    }
+    if ui.button("Reset to automatic").on_hover_text("Removes these tools and sections").clicked() {
+        setup.tools.clear();
+        setup.plunge.sections.clear();
+    }
+}
+
+fn summary(ui: &mut Ui, setup: &Setup) {
+    Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
+        for head in ["Tool", "Insert", "From s", "To s"] {
+            ui.label(RichText::new(head).weak());
+        }
+        ui.end_row();
+        for section in &setup.plunge.sections {
+            let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
+            let rest = section.kind.suffix();
+            ui.label(format!("T{} Ø{}{rest}", tool.number, tool.diameter));
+            ui.label(format!("{} mm", tool.insert_width));
+            ui.label(format!("{:.2}", section.from));
+            ui.label(format!("{:.2}", section.to));
+            ui.end_row();
+        }
+    });
+}
+
+/// Number of plunges of each section, with the reason where a tool gets none.
+fn uses(ui: &mut Ui, planned: &DisplayPlan) {
+    let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
+    for (k, section) in plan.sections.iter().enumerate() {
+        let tool = format!("T{} Ø{}", section.tool.number, section.tool.diameter);
+        let text = match plan.idle_words(k) {
+            Some(why) => RichText::new(format!("{tool}: no plunges, {why}"))
+                .color(Condition::Blocked.text(ui.visuals())),
+            None => RichText::new(format!("{tool}: {} plunges", plan.plunges_of(k))),
+        };
+        let label = ui.add(egui::Label::new(text).wrap());
+        if let Some(reason) = reasons.get(k).and_then(Option::as_deref) {
+            label.on_hover_text(reason);
+        }
+    }
+}
+
+fn tools(ui: &mut Ui, setup: &mut Setup) {
+    let mut remove = None;
+    let last_one = setup.tools.len() == 1;
+    for (k, tool) in setup.tools.iter_mut().enumerate() {
+        let name = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
+        egui::CollapsingHeader::new(name).id_salt(("tool", k)).show_unindented(ui, |ui| {
+            fields::form(ui, "tool fields", |ui| {
+                fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
+                fields::plain_row(ui, &mut tool.insert_width, &INSERT);
+                fields::plain_row(ui, &mut tool.corner_radius, &CORNER);
+                fields::plain_row(ui, &mut tool.overhang, &OVERHANG);
+                fields::plain_row(ui, &mut tool.plunge_feed, &FEED);
+                fields::plain_row(ui, &mut tool.spindle, &SPINDLE);
+            });
+            fit_to_radius(tool);
+            let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
+            if delete.clicked() {
+                remove = Some(k);
+            }
+        });
+    }
+    if let Some(k) = remove {
+        let gone = setup.tools.remove(k);
+        remove_sections(setup, |_, section| section.tool == gone.number);
+    }
+    if ui.button("Add tool").clicked() {
+        let number = setup.tools.iter().map(|tool| tool.number).max().unwrap_or(0).saturating_add(1);
+        let like = setup.tools.last();
+        setup.tools.push(Tool {
+            number,
+            diameter: like.map_or(16.0, |t| t.diameter),
+            corner_radius: like.map_or(0.0, |t| t.corner_radius),
+            insert_width: like.map_or(5.0, |t| t.insert_width),
+            overhang: like.map_or(120.0, |t| t.overhang),
+            plunge_feed: like.map_or(300.0, |t| t.plunge_feed),
+            spindle: like.map_or(1200.0, |t| t.spindle),
+            assembly: Default::default(),
+        });
+    }
+}
+
+/// Keeps what hangs on the radius of a tool within it: insert width and corner radius.
+fn fit_to_radius(tool: &mut Tool) {
+    tool.insert_width = tool.insert_width.min(tool.radius());
+    tool.corner_radius = tool.corner_radius.min(tool.radius());
+}
+
+/// Keeps the ends of a section in order, as a setup file must have them.
+fn fit_ends(section: &mut SectionSetup) {
+    section.from = section.from.max(MIN_SECTION_LENGTH);
+    section.to = section.to.min(section.from - MIN_SECTION_LENGTH).max(0.0);
+}
+
+fn sections(ui: &mut Ui, setup: &mut Setup) {
+    ui.add_space(4.0);
+    ui.label(RichText::new("Sections, outlet to inlet").strong());
+    if setup.plunge.sections.is_empty() {
+        ui.label(RichText::new("Chosen from the tools").weak());
+        rest_checkbox(ui, setup);
+    }
+    let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
+    let mut remove = None;
+    for (k, section) in setup.plunge.sections.iter_mut().enumerate() {
+        ui.push_id(("section", k), |ui| {
+            let title = ui.label(format!("Section {}", k + 1));
+            ui.horizontal(|ui| {
+                ComboBox::from_id_salt("tool")
+                    .width(46.0)
+                    .selected_text(format!("T{}", section.tool))
+                    .show_ui(ui, |ui| {
+                        for number in &numbers {
+                            ui.selectable_value(&mut section.tool, *number, format!("T{number}"));
+                        }
+                    })
+                    .response
+                    .labelled_by(title.id);
+                s_box(ui, &mut section.from).labelled_by(title.id);
+                ui.label("to");
+                s_box(ui, &mut section.to).labelled_by(title.id);
+                fit_ends(section);
+            });
+            ui.horizontal(|ui| {
+                ComboBox::from_id_salt("feed")
+                    .width(120.0)
+                    .selected_text(direction_label(section.cut_direction))
+                    .show_ui(ui, |ui| {
+                        for feed in
+                            [None, Some(CutDirection::OutletToInlet), Some(CutDirection::InletToOutlet)]
+                        {
+                            ui.selectable_value(&mut section.cut_direction, feed, direction_label(feed));
+                        }
+                    })
+                    .response
+                    .labelled_by(title.id);
+                if ui.button("Remove").clicked() {
+                    remove = Some(k);
+                }
+            });
+            if k > 0 && section.kind != SectionKind::Opening {
+                let mut rest = section.kind == SectionKind::Rest;
+                ui.checkbox(&mut rest, format!("Section {}: rest milling only", k + 1)).on_hover_text(
+                    "Single plunges where earlier sections left a thick layer; for Min. stock only",
+                );
+                section.kind = if rest { SectionKind::Rest } else { SectionKind::Rows };
+            }
+        });
+    }
+    borders(ui, &mut setup.plunge.sections);
+    if let Some(k) = remove {
+        remove_sections(setup, |index, _| index == k);
+    }
+    if ui.button("Add section").clicked() {
+        let from = setup.plunge.sections.last().map_or(1.0, |section| section.to);
+        let tool = numbers.last().copied().unwrap_or(1);
+        setup.plunge.sections.push(SectionSetup {
+            tool,
+            from,
+            to: (from - 0.3).max(0.0),
+            cut_direction: None,
+            kind: SectionKind::Rows,
+        });
+    }
+}
+
+/// Removes the sections that are `gone`. The first section in the channel cannot be rest milling, as nothing
+/// is cut before it.
+fn remove_sections(setup: &mut Setup, gone: impl Fn(usize, &SectionSetup) -> bool) {
+    let sections = std::mem::take(&mut setup.plunge.sections);
+    let kept = sections.into_iter().enumerate().filter(|(index, section)| !gone(*index, section));
+    setup.plunge.sections = kept.map(|(_, section)| section).collect();
+    if let Some(first) = setup.plunge.sections.iter_mut().find(|s| s.kind != SectionKind::Opening) {
+        first.kind = SectionKind::Rows;
+    }
+}
+
+/// Checkbox: whether smaller tools are chosen for rest milling.
+fn rest_checkbox(ui: &mut Ui, setup: &mut Setup) {
+    ui.checkbox(&mut setup.plunge.rest, "Rest milling with smaller tools").on_hover_text(
+        "Smaller tools remove the thick layer left beside overhanging walls; for Min. stock only",
+    );
+}
+
+/// Copies the tools and sections that the program chose into the setup.
+pub fn copy_sections(setup: &mut Setup, chosen: &Setup) {
+    setup.tools.clone_from(&chosen.tools);
+    setup.plunge.sections.clone_from(&chosen.plunge.sections);
+}
+
+/// Index of the section that begins where section `k` ends. Sections of rest milling lie over the others:
+/// their borders are their own.
+pub fn adjoining(sections: &[SectionSetup], k: usize) -> Option<usize> {
+    let section = sections.get(k)?;
+    let next = sections.iter().skip(k + 1).position(|next| next.kind == section.kind)? + k + 1;
+    (sections[next].from == section.to).then_some(next)
+}
+
+/// Allowed range of the end of section `k`, in s.
+pub fn border_range(sections: &[SectionSetup], k: usize) -> std::ops::RangeInclusive<f64> {
+    let low = adjoining(sections, k).map_or(0.0, |next| sections[next].to + MIN_SECTION_LENGTH);
+    low..=(sections[k].from - MIN_SECTION_LENGTH).max(low)
+}
+
+/// Moves the end of section `k` to `to`, with the start of an adjoining next section.
+pub fn move_border(sections: &mut [SectionSetup], k: usize, to: f64) {
+    let next = adjoining(sections, k);
+    sections[k].to = to;
+    if let Some(next) = next {
+        sections[next].from = to;
+    }
+}
+
+/// Sliders for the borders; adjoining sections move together.
+fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
+    for k in 0..sections.len() {
+        let name = match adjoining(sections, k) {
+            Some(next) => format!("Border {} | {}", k + 1, next + 1),
+            None => format!("End of section {}", k + 1),
+        };
+        ui.horizontal(|ui| {
+            let label = ui.label(name);
+            ui.spacing_mut().slider_width = 96.0;
+            let (response, moved) = fields::slider(ui, sections[k].to, border_range(sections, k), 0.005);
+            response.labelled_by(label.id);
+            if let Some(to) = moved {
+                move_border(sections, k, to);
+            }
+        });
+    }
+}
+
+/// Minimum length of a section at its border slider, in s.
+const MIN_SECTION_LENGTH: f64 = 0.02;
+
+fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
+    ui.spacing_mut().interact_size.x = 44.0;
+    let field = egui::DragValue::new(value).speed(S.speed).range(S.min..=S.max).max_decimals(S.decimals);
+    ui.add(field).on_hover_text(S.tip)
+}
+
+fn direction_label(feed: Option<CutDirection>) -> &'static str {
+    match feed {
+        None => "Direction: auto",
+        Some(CutDirection::OutletToInlet) => "Outlet to inlet",
+        Some(CutDirection::InletToOutlet) => "Inlet to outlet",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::setup_file::{read_setup_bytes, write_setup};
+
+    #[test]
+    fn what_the_form_allows_can_be_saved_and_opened() {
+        let mut setup = read_setup_bytes(
+            "s.toml",
+            b"[[tool]]\nnumber = 1\ndiameter = 30\ninsert_width = 10\ncorner_radius = 9\noverhang = 90\n\
+              [[plunge.section]]\ntool = 1\nfrom = 0.8\nto = 0.5\n",
+        )
+        .expect("a setup");
+        for (diameter, from, to) in [(11.0, 0.4, 0.5), (0.5, 0.0, 0.0), (200.0, 1.0, 1.0), (4.0, 0.01, 0.9)] {
+            setup.tools[0].diameter = diameter;
+            (setup.plunge.sections[0].from, setup.plunge.sections[0].to) = (from, to);
+            fit_to_radius(&mut setup.tools[0]);
+            fit_ends(&mut setup.plunge.sections[0]);
+            let tool = &setup.tools[0];
+            assert!(tool.insert_width <= tool.radius() && tool.corner_radius <= tool.radius(), "{tool:?}");
+            let read = read_setup_bytes("s.toml", write_setup(&setup).as_bytes()).expect("opens");
+            assert_eq!(
+                (read.tools, read.plunge.sections),
+                (setup.tools.clone(), setup.plunge.sections.clone())
+            );
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The verdict line: interfering plunges, residual stock, clearances, share not machined, time.
+
+use egui::{RichText, Ui};
+
+use crate::job::Summary;
+use crate::plunge::{DropReason, PlungePlan};
+
+use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, format_residual, format_times};
+use crate::app::model::planned::Side;
+use crate::app::model::state::AppState;
+use crate::app::views::theme::{self, Condition};
+
+/// Shares below this would show as 0.0 %.
+const MIN_SHOWN_SHARE: f64 = 0.0005;
+
+/// Draws the line.
+pub fn show(ui: &mut Ui, state: &AppState) {
+    // Both sides from one whole plan: figures of a running task appear only in the views.
+    let Some((before, after)) = state.last_whole_plan(Side::Before).zip(state.last_whole_plan(Side::After))
+    else {
+        ui.label(RichText::new("Not calculated yet").weak());
+        return;
+    };
+    if state.out_of_date() {
+        let text = RichText::new("Out of date:").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text("The setup was edited after this calculation");
+    }
+    let plan = after.plan();
+    if plan.is_unfinished() {
+        let text = RichText::new("Unfinished:").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text(
+            "The calculation was cancelled: the best so far. Floor not cut yet counts as not machined",
+        );
+    }
+    let planned = after.planned;
+    let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
+    interferential(ui, plan, before, after);
+    if after.blocked > 0 {
+        let text =
+            RichText::new(format!("{} blocked", after.blocked)).color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text("Positions that cannot have the axis of the strategy");
+    }
+    let dropped = plan.dropped.len();
+    if dropped > 0 {
+        let left_out = |why: DropReason| {
+            let count = plan.dropped.iter().filter(|d| d.why == why).count();
+            (count > 0).then(|| format!("{count} {}", why.words()))
+        };
+        let text = RichText::new(format!("{dropped} skipped")).color(Condition::Blocked.text(ui.visuals()));
+        let reasons: Vec<String> = DropReason::ALL.into_iter().filter_map(left_out).collect();
+        ui.label(text).on_hover_text(format!("Skipped positions: {}", reasons.join(", ")));
+    }
+    ui.separator();
+    figure(
+        ui,
+        "Residual",
+        format!("{} to {} mm", format_residual(before), format_residual(after)),
+        "Residual stock on the hub: mean and 95th percentile, before and after",
+    );
+    let stock = &planned.setup.allowances;
+    ui.separator();
+    clearance(ui, "Hub clearance", after.min_hub_clearance, stock.hub_allowance);
+    clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance);
+    ui.separator();
+    let tip = "Share of the accessible floor that is not cut";
+    ui.label(RichText::new("Not machined").weak()).on_hover_text(tip);
+    let share = RichText::new(format_percent(after.uncut_share));
+    let share = match after.uncut_share > MAX_GOOD_UNCUT_SHARE {
+        true => share.strong().color(Condition::Blocked.text(ui.visuals())),
+        false => share,
+    };
+    ui.label(share).on_hover_text(tip);
+    if after.inaccessible_share >= MIN_SHOWN_SHARE {
+        let tip = "Share of the floor under overhanging walls that no tool axis reaches";
+        figure(ui, "Inaccessible", format_percent(after.inaccessible_share), tip);
+    }
+    ui.separator();
+    figure(
+        ui,
+        "Time",
+        format_times(after.time_estimate, planned.outcome.workpiece.part.blade_count),
+        "From plunge feed rates and rapids; without tool changes",
+    );
+}
+
+/// The worst of all verdicts on a plan: what the headline is coloured by.
+fn overall(plan: &PlungePlan, summary: &Summary) -> Condition {
+    if summary.interfering > 0 {
+        Condition::Interfering
+    } else if !plan.dropped.is_empty()
+        || summary.uncut_share > MAX_GOOD_UNCUT_SHARE
+        || plan.is_unfinished()
+        || !plan.converged
+    {
+        Condition::Blocked
+    } else {
+        Condition::Sound
+    }
+}
+
+fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summary) {
+    let colour = overall(plan, after).text(ui.visuals());
+    let text = format!("Interfering {} to {}", before.interfering, after.interfering);
+    let depths = format!(
+        "Core meets stock: {} of {} plunges before (deepest {:.2} mm), {} of {} after (deepest {:.2} mm)",
+        before.interfering,
+        before.positions,
+        before.max_contact_depth,
+        after.interfering,
+        after.positions,
+        after.max_contact_depth,
+    );
+    ui.label(RichText::new(text).strong().color(colour)).on_hover_text(depths);
+    if !plan.converged {
+        let text = RichText::new("not converged").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text("The plan loop stopped at its iteration limit before it converged");
+    }
+}
+
+/// Draws a figure with its name.
+pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
+    ui.label(RichText::new(name).weak()).on_hover_text(tip);
+    ui.label(value).on_hover_text(tip);
+}
+
+/// Draws a clearance, mm; one below the allowance by more than 1 µm is a gouge and is highlighted.
+fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
+    let short = value < allowance - 1e-3;
+    let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance} mm");
+    ui.label(RichText::new(name).weak()).on_hover_text(&tip);
+    let text = if value.is_finite() { format!("{value:.2} mm") } else { "-".to_owned() };
+    let colour = Condition::Interfering.text(ui.visuals());
+    let text = if short {
+        RichText::new(text + " (too little)").strong().color(colour)
+    } else {
+        RichText::new(text)
+    };
+    ui.label(text).on_hover_text(tip);
+}
+
+/// Height of the verdict in a window `width` points wide: one line, or two where one is too narrow for all
+/// that may have to be said. It depends on nothing else, so that no verdict moves the picture.
+pub fn height(width: f32) -> f32 {
+    let lines = if width < 1300.0 { 2.0 } else { 1.0 };
+    lines * (theme::ROW_HEIGHT + 3.0) + 6.0
+}

@@ -1,0 +1,185 @@
+//! The dialog that assigns roles (hub, shroud, blade, ...) to the nodes of a mesh file, where names do not
+//! determine them or the user wants to change them.
+
+mod form;
+mod preview;
+
+use egui::{Button, Color32, Key, Modal, Modifiers, RichText, Ui};
+
+use crate::mesh::Role;
+
+use crate::app::App;
+use crate::app::model::part_source::PartSource;
+use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
+use crate::app::tasks::mesh_nodes::UnassignedRoles;
+use crate::app::tasks::opening::OpenTask;
+use crate::app::views::picture::Pictures;
+use crate::app::views::theme::{self, Condition};
+use preview::{PreviewInput, RolesPreview};
+
+/// Keys that set the role of the selected node.
+const KEYS: [(Key, Option<Role>); 6] = [
+    (Key::H, Some(Role::Hub)),
+    (Key::S, Some(Role::Shroud)),
+    (Key::B, Some(Role::Blade)),
+    (Key::P, Some(Role::Splitter)),
+    (Key::I, Some(Role::Ignored)),
+    (Key::Delete, None),
+];
+/// Width of the picture, points.
+const PICTURE: f32 = 250.0;
+
+/// A mesh file whose nodes need roles, with the picture and the choices.
+struct RolesForm {
+    unassigned: UnassignedRoles,
+    preview: RolesPreview,
+    choices: RoleChoices,
+}
+
+/// The roles dialog.
+#[derive(Default)]
+pub(in crate::app) struct RolesDialog {
+    asked: Option<RolesForm>,
+    /// Whether the part is being opened with the choices.
+    waiting: bool,
+}
+
+impl RolesDialog {
+    /// Whether it is open.
+    pub(in crate::app) fn is_open(&self) -> bool {
+        self.asked.is_some()
+    }
+
+    /// Opens the dialog for a file; if it is open for that file already, only the error is replaced.
+    pub(in crate::app) fn ask(&mut self, unassigned: UnassignedRoles) {
+        self.waiting = false;
+        match &mut self.asked {
+            Some(asked) if asked.unassigned.path == unassigned.path => {
+                asked.unassigned.fault = unassigned.fault;
+            }
+            asked => {
+                let preview = RolesPreview::new(unassigned.meshes.clone());
+                let choices = RoleChoices::new(&unassigned.nodes, &unassigned.said);
+                *asked = Some(RolesForm { unassigned, preview, choices });
+            }
+        }
+    }
+
+    /// Closes it.
+    pub(in crate::app) fn close(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Enables the dialog again after opening has ended.
+    pub(in crate::app) fn enable(&mut self) {
+        self.waiting = false;
+    }
+
+    /// Draws it; returns the opening task when the choices are confirmed.
+    fn show(&mut self, ui: &Ui, pictures: Option<&Pictures>) -> Option<OpenTask> {
+        let asked = self.asked.as_mut()?;
+        let (mut open, mut close) = (false, false);
+        let waiting = self.waiting;
+        let modal = Modal::new(egui::Id::unique("roles")).show(ui.ctx(), |ui| {
+            ui.set_width(720.0_f32.min(ui.ctx().content_rect().width() - 40.0));
+            if !waiting {
+                open = asked.handle_keys(ui);
+            }
+            let file = asked.unassigned.path.file_name().unwrap_or_default().to_string_lossy();
+            ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
+            if let Some(fault) = &asked.unassigned.fault {
+                let red = Condition::Interfering.text(ui.visuals());
+                ui.label(RichText::new(&fault.message).color(red));
+                ui.label(format!("Fix: {}", hint_for_dialog(&fault.help)));
+            }
+            ui.separator();
+            ui.add_enabled_ui(!waiting, |ui| {
+                ui.horizontal_top(|ui| {
+                    ui.vertical(|ui| {
+                        ui.set_width(PICTURE);
+                        let shown = PreviewInput {
+                            roles: &asked.choices.roles,
+                            axis: asked.choices.vertical_axis(&asked.unassigned.nodes),
+                            chosen: asked.choices.selected,
+                        };
+                        asked.preview.show(ui, pictures, egui::vec2(PICTURE, PICTURE - 40.0), &shown);
+                        form::file(ui, &asked.unassigned.nodes, &mut asked.choices);
+                    });
+                    ui.vertical(|ui| {
+                        form::nodes(ui, &asked.unassigned.nodes, &mut asked.choices, 270.0);
+                        ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes").on_hover_text(
+                            "A role applies to all nodes with the same number of triangles and the same area",
+                        );
+                        ui.label(
+                            RichText::new("Keys: up, down; H hub, S shroud, B blade, P splitter, I ignore")
+                                .weak(),
+                        );
+                    });
+                });
+            });
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                let text = RichText::new("Open the part").color(Color32::WHITE).strong();
+                open |= ui.add_enabled(!waiting, Button::new(text).fill(theme::PRIMARY)).clicked();
+                close = ui.button("Cancel").clicked();
+                if waiting {
+                    ui.label("Opening…");
+                }
+            });
+        });
+        if close || modal.should_close() && !waiting {
+            self.close();
+            return None;
+        }
+        open.then(|| {
+            self.waiting = true;
+            let options = asked.choices.options(&asked.unassigned.nodes);
+            asked.unassigned.task.clone().with_part(PartSource::Mesh(asked.unassigned.path.clone(), options))
+        })
+    }
+}
+
+impl RolesForm {
+    /// Handles the keyboard; `true` when Enter confirms the choices.
+    fn handle_keys(&mut self, ui: &Ui) -> bool {
+        if ui.memory(|memory| memory.focused().is_some()) || egui::Popup::is_any_open(ui.ctx()) {
+            return false;
+        }
+        let pressed = |key| ui.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        let (last, choices) = (self.unassigned.nodes.len() - 1, &mut self.choices);
+        for (key, role) in KEYS {
+            if pressed(key) {
+                choices.set_role(&self.unassigned.nodes, role);
+            }
+        }
+        let next = match (pressed(Key::ArrowDown), pressed(Key::ArrowUp)) {
+            (true, _) => Some(choices.selected.map_or(0, |k| (k + 1).min(last))),
+            (_, true) => Some(choices.selected.map_or(last, |k| k.saturating_sub(1))),
+            _ => None,
+        };
+        if next.is_some() {
+            (choices.selected, choices.scroll_to_selected) = (next, true);
+        }
+        pressed(Key::Enter)
+    }
+}
+
+impl App {
+    /// Opens the roles dialog for the open part's mesh file.
+    pub(in crate::app) fn assign_roles(&mut self) {
+        let source = self.state.document.part.as_ref().map(|part| part.source.clone());
+        if let Some(source) = source.filter(|source| source.mesh().is_some()) {
+            self.submit_open(OpenTask::Nodes(source));
+        }
+    }
+
+    /// Draws the dialog.
+    pub(in crate::app) fn ask_roles(&mut self, ui: &Ui) {
+        let mut dialog = std::mem::take(&mut self.roles);
+        let task = dialog.show(ui, self.pictures.as_ref());
+        self.roles = dialog;
+        if let Some(task) = task {
+            self.submit_open(task);
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! The panels at both sides of the 3D view: part, operations and the form of the selected operation at the
+//! left, its results at the right.
+
+use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
+
+use crate::app::App;
+use crate::app::model::look::{Operation, Tab};
+use crate::app::views::command::Command;
+use crate::app::views::panels;
+use crate::app::views::theme;
+
+impl App {
+    /// The left panel.
+    pub(in crate::app) fn left_panel(&mut self, ui: &mut Ui) {
+        ui.add_space(4.0);
+        let fresh = self.state.look.is_fresh;
+        let mut area = ScrollArea::vertical().auto_shrink([false, false]);
+        if fresh {
+            area = area.vertical_scroll_offset(0.0);
+        }
+        area.show(ui, |ui| {
+            // The scroll bar floats over the content; leave its width free.
+            ui.set_max_width(ui.available_width() - 8.0);
+            let part = self.state.document.part.as_ref();
+            let name = part.map_or("Part", |part| part.impeller.name.as_str()).to_owned();
+            ui.label(RichText::new(name).strong());
+            if let Some(action) = panels::part::show(ui, &self.state, &self.engine.samples) {
+                self.apply_action(ui.ctx(), action);
+            }
+            ui.separator();
+            let running = self.work.running_operation();
+            let chosen = panels::operations::show(ui, &self.state, running);
+            self.state.look.operation = chosen.unwrap_or(self.state.look.operation);
+            ui.separator();
+            match self.state.look.operation {
+                Operation::Roughing => self.roughing_form(ui, fresh),
+                Operation::Flank => self.flank_form(ui, fresh),
+            }
+        });
+    }
+
+    /// The button that calculates the selected operation, and the switch of automatic calculation.
+    fn calculate(&mut self, ui: &mut Ui, command: Command) {
+        let text = RichText::new(command.label()).color(egui::Color32::WHITE).strong();
+        let button = egui::Button::new(text).fill(theme::PRIMARY);
+        let button = ui.add_sized([ui.available_width(), 26.0], button);
+        if button.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+            self.run_command(ui.ctx(), command);
+        }
+        ui.checkbox(&mut self.state.auto_update, Command::FollowEdits.label())
+            .on_hover_text(Command::FollowEdits.tip());
+    }
+
+    fn roughing_form(&mut self, ui: &mut Ui, fresh: bool) {
+        self.calculate(ui, Command::Plan);
+        let planned = self.state.results.planned.clone();
+        let chosen = planned.as_ref().map(|planned| &planned.outcome.setup);
+        let open = self.state.document.part.as_ref();
+        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        let setup = &mut self.state.document.edited.setup;
+        heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
+        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
+        if let Some(command) =
+            heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()
+        {
+            self.run_command(ui.ctx(), command);
+        }
+        let compare = &mut self.state.compare;
+        let coming = self.state.results.preview.as_ref().and_then(|coming| coming.planned.clone());
+        heading(ui, "Axis strategies", fresh, |ui| {
+            panels::policies::show(ui, compare, planned.as_deref(), coming.as_deref());
+        });
+        let change = self.state.results.tool_change.as_deref();
+        let setup = &mut self.state.document.edited.setup;
+        heading(ui, "Tools", fresh, |ui| panels::tools::show(ui, setup, planned.as_deref(), change));
+    }
+
+    fn flank_form(&mut self, ui: &mut Ui, fresh: bool) {
+        self.calculate(ui, Command::PlanFlank);
+        let can_export = self.is_available(Command::ExportFlank);
+        let export = ui.add_enabled(can_export, egui::Button::new(Command::ExportFlank.label()));
+        if export.on_hover_text(Command::ExportFlank.tip()).clicked() {
+            self.run_command(ui.ctx(), Command::ExportFlank);
+        }
+        let open = self.state.document.part.as_ref();
+        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        let flank = self.state.results.flank.clone();
+        let setup = &mut self.state.document.edited.setup;
+        heading(ui, "Flank milling", fresh, |ui| panels::flank::show(ui, setup, &defaults, flank.as_deref()));
+        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
+        if flank.is_some() {
+            heading(ui, "Display", fresh, |ui| panels::flank::display(ui, &mut self.state.look.flank));
+        }
+    }
+
+    /// The right panel.
+    pub(in crate::app) fn right_panel(&mut self, ui: &mut Ui) {
+        ui.add_space(4.0);
+        if self.state.look.operation == Operation::Flank {
+            panels::flank_results::show(ui, &self.state);
+            return;
+        }
+        if let Some(k) = self.state.look.selected {
+            let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
+            Panel::bottom("selected position").resizable(false).frame(frame).show(ui, |ui| {
+                self.selected(ui, k);
+            });
+        }
+        let mut menu = None;
+        CentralPanel::no_frame().show(ui, |ui| menu = panels::positions::show(ui, &mut self.state));
+        self.run_for_position(ui.ctx(), menu);
+    }
+
+    /// Sectional view and figures of the selected position.
+    fn selected(&mut self, ui: &mut Ui, k: usize) {
+        let height = panels::section::height(ui.ctx().content_rect().height());
+        panels::positions::headline(ui, &self.state, k);
+        ui.horizontal(|ui| {
+            for (tab, name) in [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures")] {
+                ui.selectable_value(&mut self.state.look.tab, tab, name);
+            }
+        });
+        match self.state.look.tab {
+            Tab::Facts => panels::positions::details(ui, &self.state, k),
+            Tab::Section => {
+                let Some(position) = self.state.selected() else { return };
+                match self.inspected.section() {
+                    Some((of, view)) => panels::section::show(ui, k, &view, position, of != k, height),
+                    // Reserve the height, so that nothing jumps when the view arrives.
+                    None => {
+                        ui.allocate_space(egui::vec2(ui.available_width(), height));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A heading with its content, open for a new part; the content is not indented, so that it has the whole
+/// width.
+fn heading<R>(ui: &mut Ui, title: &str, fresh: bool, content: impl FnOnce(&mut Ui) -> R) -> Option<R> {
+    let heading = egui::CollapsingHeader::new(title).open(fresh.then_some(true)).default_open(true);
+    heading.show_unindented(ui, content).body_returned
+}

@@ -1,0 +1,427 @@
+//! The middle of the window: one or two 3D views with one camera, and the controls over them.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui};
+use glam::Vec3;
+
+use crate::gpu::camera::Camera;
+use crate::gpu::cutters::CutterFilter;
+use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
+use crate::palette::ColourMap;
+use crate::plunge::inspect::feed_direction;
+
+use crate::app::App;
+use crate::app::control::export::device_problem;
+use crate::app::model::look::{Arrangement, Operation, PlaneOrientation, SectionPlaneLook};
+use crate::app::model::planned::Side;
+use crate::app::model::solid::SolidColours;
+use crate::app::model::state::AppState;
+use crate::app::views::cube;
+use crate::app::views::legend::{self, Values};
+use crate::app::views::overlay::{self, SwitchChoice};
+use crate::app::views::panels::part;
+use crate::app::views::picture::Content;
+use crate::app::views::theme;
+use crate::app::views::view3d::{self, ViewHit, view_point};
+
+/// Delay after the last camera move until the fine picture is drawn.
+const SMOOTH_AFTER: Duration = Duration::from_millis(150);
+
+/// Properties of the screen that a picture depends on.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::app) struct ScreenInfo {
+    /// Physical pixels per point.
+    pub scale: f32,
+    /// Light or dark.
+    pub theme: crate::gpu::Theme,
+    /// Size of the middle of the window, points.
+    pub size: egui::Vec2,
+}
+
+/// A view of one side.
+pub(in crate::app) struct Pane {
+    pub(in crate::app) side: Side,
+    /// Area of mouse input and labels; the camera's picture fills it.
+    pub(in crate::app) rect: Rect,
+    /// Visible part of `rect`.
+    pub(in crate::app) visible: Rect,
+    pub(in crate::app) response: Response,
+}
+
+impl App {
+    /// Draws the middle of the window.
+    pub(in crate::app) fn viewport(&mut self, ui: &mut Ui) {
+        if self.state.document.part.is_none() {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, ui.visuals().panel_fill);
+            if let Some(action) = part::empty_state(ui, &self.state, &self.engine.samples) {
+                self.apply_action(ui.ctx(), action);
+            }
+            return;
+        }
+        let whole = ui.available_rect_before_wrap();
+        ui.allocate_rect(whole, Sense::hover());
+        let (whole, strip) = whole.split_top_bottom_at_y(whole.bottom() - legend::HEIGHT);
+        let dark = ui.visuals().dark_mode;
+        self.screen = ScreenInfo {
+            scale: ui.pixels_per_point(),
+            theme: if dark { crate::gpu::Theme::Dark } else { crate::gpu::Theme::Light },
+            size: whole.size(),
+        };
+        let panes = self.panes(ui, whole);
+        let Some(framing) = self.pictures.as_ref().and_then(|pictures| pictures.framing().cloned()) else {
+            overlay::message(ui, whole, "This device cannot draw the 3D view; everything else works");
+            return;
+        };
+        let size = panes[0].rect.size();
+        self.view.camera(&framing, size);
+        if std::mem::take(&mut self.state.look.fly) {
+            self.zoom_to_selection(ui.input(|i| i.time));
+        }
+        if self.view.advance(ui.input(|i| i.time)) {
+            ui.ctx().request_repaint();
+        }
+        let before = self.view.current();
+        for pane in &panes {
+            self.mouse(ui, pane);
+        }
+        let camera = self.view.camera(&framing, size);
+        let moving = Some(camera) != before || panes.iter().any(|pane| pane.response.dragged());
+        for pane in &panes {
+            self.draw(ui, pane, camera, moving);
+        }
+        self.note_first_picture();
+        let values = self.values_under_cursor(&panes, &camera);
+        self.draw_overlays(ui, whole, &panes, camera);
+        legend::show(ui, strip, &mut self.state, values);
+    }
+
+    /// The views of the arrangement, with their accessible names.
+    fn panes(&mut self, ui: &mut Ui, whole: Rect) -> Vec<Pane> {
+        match self.state.look.arrangement {
+            Arrangement::One => {
+                let response = view3d::view_response(ui, whole, "3D view");
+                vec![Pane { side: self.state.look.side, rect: whole, visible: whole, response }]
+            }
+            Arrangement::Both => {
+                let (left, right) = whole.split_left_right_at_fraction(0.5);
+                [(Side::Before, left, "3D view, before"), (Side::After, right, "3D view, after")]
+                    .map(|(side, rect, name)| {
+                        let rect = rect.shrink2(egui::vec2(0.5, 0.0));
+                        Pane { side, rect, visible: rect, response: view3d::view_response(ui, rect, name) }
+                    })
+                    .into()
+            }
+            Arrangement::Wipe => {
+                let response = view3d::view_response(ui, whole, "3D view");
+                let border = self.wipe_handle(ui, whole);
+                let (left, right) = whole.split_left_right_at_x(border);
+                [(Side::Before, left), (Side::After, right)]
+                    .map(|(side, visible)| Pane { side, rect: whole, visible, response: response.clone() })
+                    .into()
+            }
+        }
+    }
+
+    /// The draggable divider of the wipe; returns its x coordinate.
+    fn wipe_handle(&mut self, ui: &mut Ui, whole: Rect) -> f32 {
+        let x = egui::lerp(whole.left()..=whole.right(), self.state.look.wipe);
+        let at = Rect::from_center_size(egui::pos2(x, whole.center().y), egui::vec2(10.0, whole.height()));
+        let response = ui.interact(at, ui.scope_id().with("wipe"), Sense::drag());
+        let share = f64::from(self.state.look.wipe);
+        response.widget_info(|| egui::WidgetInfo::slider(true, share, "Wipe divider"));
+        if let Some(at) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+            let share = (at.x - whole.left()) / whole.width().max(1.0);
+            self.state.look.wipe = share.clamp(0.02, 0.98);
+        }
+        response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+        egui::lerp(whole.left()..=whole.right(), self.state.look.wipe)
+    }
+
+    fn mouse(&mut self, ui: &Ui, pane: &Pane) {
+        let here = |at: Pos2| pane.visible.contains(at);
+        if let Some(at) = ui.input(|i| i.pointer.press_origin().or(i.pointer.hover_pos()))
+            && !here(at)
+        {
+            return;
+        }
+        let options = self.options(pane.side);
+        let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
+            return;
+        };
+        let size = pane.rect.size();
+        let preset = self.state.look.mouse;
+        let clicked =
+            self.view.mouse(ui, &pane.response, preset, |camera, at| picture.hit(camera, &options, at, size));
+        let Some((at, camera)) = clicked.zip(self.view.current()) else { return };
+        let at = view_point(pane.rect, at);
+        if let Some(points) = &mut self.state.look.measure {
+            if points.len() >= 2 {
+                points.clear();
+            }
+            points.extend(picture.hit(&camera, &options, at, size).point);
+            return;
+        }
+        match picture.pick(&camera, &options, at, size) {
+            Ok(position) => {
+                if self.state.look.side != pane.side {
+                    self.state.show(pane.side);
+                }
+                self.state.look.select(position);
+            }
+            Err(error) => self.state.report_problem(device_problem(&error)),
+        }
+    }
+
+    fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
+        let content = self.content(pane.side);
+        let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
+        let flank = self.state.shown_flank().map(|(outcome, colours)| (Arc::clone(outcome), colours));
+        let is_roughing = self.state.look.operation == Operation::Roughing;
+        let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
+        let solid = self.solids[pane.side].shown().cloned();
+        let coming = self.state.preview_on(pane.side).filter(|_| is_roughing);
+        // The next stage replaces a preview soon, so draw it coarsely.
+        let moving = moving || coming.is_some();
+        // So does the next position of a timeline that plays or is dragged.
+        let held = ui.input(|input| input.pointer.any_down());
+        let look = &self.state.look;
+        let scrubs = look.playing.is_some() || (held && look.cut_count.is_some());
+        let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
+            return;
+        };
+        picture.load_flank(flank);
+        picture.load(content);
+        picture.load_cutter_colours(look.layers.cutter_colours);
+        picture.load_preview(coming);
+        picture.load_borders(borders);
+        picture.load_solid(solid);
+        // The first picture is coarse, too, to appear sooner.
+        let moving = moving || !picture.has_drawn() || (scrubs && picture.is_on_software());
+        let scale = ui.pixels_per_point();
+        let size = [(pane.rect.width() * scale).round() as u32, (pane.rect.height() * scale).round() as u32];
+        if let Some(texture) = picture.show(camera, options, size, moving) {
+            let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            ui.painter_at(pane.visible).image(texture, pane.rect, all, egui::Color32::WHITE);
+        }
+        if picture.is_draft() {
+            ui.ctx().request_repaint_after(SMOOTH_AFTER);
+        }
+    }
+
+    /// Plan content of a side's picture.
+    pub(in crate::app) fn content(&self, side: Side) -> Option<Content> {
+        let shown = self.state.shown_on(side)?;
+        // Plans of different setups have different floors.
+        let other =
+            self.state.shown_on(side.other()).filter(|other| Arc::ptr_eq(other.planned, shown.planned));
+        let other = other.map(|other| other.policy);
+        let (planned, policy) = (Arc::clone(shown.planned), shown.policy);
+        let more_than = other.filter(|_| self.state.look.difference && side == Side::After);
+        let cut = self.state.look.cut_count;
+        let heights = cut.and_then(|_| self.scrubbed.heights(&planned, policy));
+        Some(Content { planned, policy, cut, heights, more_than })
+    }
+
+    /// Draws the controls over the views.
+    fn draw_overlays(&mut self, ui: &mut Ui, whole: Rect, panes: &[Pane], camera: Camera) {
+        if panes.len() > 1 {
+            let x = panes[1].visible.left();
+            let line = Stroke::new(2.0, theme::accent(ui.visuals()));
+            ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
+        }
+        let roughing = self.state.look.operation == Operation::Roughing;
+        if !roughing && self.state.flank_is_stale() {
+            overlay::preview_badge(ui, whole, true, None);
+        }
+        for pane in panes.iter().filter(|_| roughing) {
+            let coming = self.state.preview_on(pane.side);
+            if self.state.is_stale(pane.side) || coming.is_some() {
+                overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), coming);
+            }
+        }
+        if let Some(points) = self.state.look.measure.clone() {
+            let under = self.hover.as_ref().and_then(|hover| hover.hit.point);
+            for pane in panes {
+                overlay::measurement(ui, pane.rect, &camera, &points, under);
+            }
+        }
+        if roughing {
+            self.section_borders(ui, panes, &camera);
+        }
+        if self.state.look.layers.stock && self.state.results.planned.is_some() {
+            let solid = self.solids[self.state.look.side].shown();
+            legend::solid_legend(ui, whole, solid.map(|solid| &**solid), 10.0);
+        }
+        match roughing.then(|| overlay::side_switch(ui, whole, &self.state.look)).flatten() {
+            Some(SwitchChoice::Side(side)) => {
+                self.state.look.arrangement = Arrangement::One;
+                self.state.show(side);
+            }
+            Some(SwitchChoice::Arrange(arrangement)) => self.arrange(arrangement),
+            None => {}
+        }
+        for pane in panes.iter().filter(|_| roughing) {
+            let corner = pane.visible.left_top() + egui::vec2(10.0, 44.0);
+            overlay::policy(ui, corner, &mut self.state, pane.side);
+        }
+        overlay::layers(ui, whole, &mut self.state.look);
+        if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
+            self.run_command(ui.ctx(), command);
+        }
+        self.point_menu(panes, &camera);
+        let reach = camera.bounds.1;
+        overlay::section_bar(ui, whole, &mut self.state.look, reach);
+        if let Some(command) = overlay::view_buttons(ui, whole) {
+            self.run_command(ui.ctx(), command);
+        }
+        let corner = whole.right_top() + egui::vec2(-42.0, 74.0 + overlay::layers_top(whole));
+        if whole.height() > 300.0
+            && let Some(direction) = cube::show(ui, corner, &camera)
+        {
+            self.view.look_from(direction);
+        }
+    }
+
+    /// Switches to an arrangement, or back to one view if it is active.
+    pub(in crate::app) fn arrange(&mut self, arrangement: Arrangement) {
+        let look = &mut self.state.look;
+        look.arrangement = if look.arrangement == arrangement { Arrangement::One } else { arrangement };
+        self.hover = None;
+    }
+
+    /// Values under the cursor; cached until cursor, side or camera changes.
+    fn values_under_cursor(&mut self, panes: &[Pane], camera: &Camera) -> Values {
+        let at = |pane: &&Pane| {
+            let at = pane.response.hover_pos().filter(|_| !pane.response.dragged())?;
+            pane.visible.contains(at).then_some(at)
+        };
+        let Some((pane, at)) = panes.iter().find_map(|pane| Some((pane, at(&pane)?))) else {
+            self.hover = None;
+            return Values::default();
+        };
+        let known =
+            self.hover.filter(|hover| hover.at == at && hover.side == pane.side && hover.camera == *camera);
+        let hover = known.or_else(|| {
+            let options = self.options(pane.side);
+            let pictures = self.pictures.as_mut()?;
+            let hit =
+                pictures.side(pane.side)?.hit(camera, &options, view_point(pane.rect, at), pane.rect.size());
+            let other = (panes.len() > 1)
+                .then(|| hit.point.filter(|_| hit.stock.is_some()))
+                .flatten()
+                .and_then(|point| pictures.side(pane.side.other())?.stock_at(point));
+            Some(Hover { at, side: pane.side, camera: *camera, hit, other })
+        });
+        self.hover = hover;
+        let Some(hover) = hover else { return Values::default() };
+        if let Some(position) = hover.hit.position {
+            pane.response.clone().on_hover_text_at_pointer(format!("Position {}", position + 1));
+        }
+        Values {
+            here: hover.hit.stock,
+            deviation: hover.hit.deviation,
+            other: hover.other.map(|stock| (pane.side.other(), stock)),
+        }
+    }
+
+    /// Zooms to the selected position.
+    pub(in crate::app) fn zoom_to_selection(&mut self, time: f64) {
+        let Some(shown) = self.state.shown() else { return };
+        let Some(position) = self.state.selected() else { return };
+        let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
+        let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
+        let (tip, axis): (Vec3, Vec3) = (to(position.tip.coords.into()), to(position.axis.into()));
+        let center = tip + axis * radius as f32;
+        self.view.fly_to(center, 5.0 * radius as f32, axis, time);
+    }
+
+    /// Render options of a side.
+    pub(in crate::app) fn options(&self, side: Side) -> SceneOptions {
+        let (state, look) = (&self.state, &self.state.look);
+        let layers = look.layers;
+        let walls = state.shown_deviation();
+        let roughing = look.operation == Operation::Roughing;
+        let difference = look.difference && side == Side::After && roughing;
+        let (low, high) = state.range();
+        let count = state.shown_on(side).map_or(0, |shown| shown.plan().positions.len());
+        SceneOptions {
+            show_hub: layers.hub,
+            // The blades would hide the wall values.
+            show_blades: layers.blades && walls.is_none(),
+            show_shroud: layers.shroud,
+            // The flank plan has no plunges.
+            show_cutters: match layers.cutters && roughing {
+                // Cutters that stay where they plunged would fill what they cut.
+                true if layers.stock => CutterFilter::Last,
+                true => CutterFilter::All,
+                false => CutterFilter::Hidden,
+            },
+            show_solid: layers.stock,
+            show_axes: layers.axes && roughing,
+            show_holders: layers.holders && roughing,
+            show_links: layers.links && roughing,
+            show_floor_colours: match walls {
+                // The scale is that of the floor.
+                _ if layers.stock && look.solid_colours == SolidColours::Distance => FloorColours::Residual,
+                _ if layers.stock => FloorColours::Plain,
+                Some(_) => FloorColours::Walls,
+                None if !roughing => FloorColours::Plain,
+                None if difference => FloorColours::Values,
+                None => layers.floor,
+            },
+            map: if (difference || walls.is_some()) && !layers.stock {
+                ColourMap::Difference
+            } else {
+                ColourMap::Cividis
+            },
+            range_mm: match walls {
+                _ if layers.stock => (low, high),
+                Some(most) => (-most, most),
+                None if difference => (-high, high),
+                None => (low, high),
+            },
+            theme: self.screen.theme,
+            up_to: look.cut_count.filter(|&cut| cut < count || cut == 0),
+            selected: look.selected.filter(|_| side == look.side),
+            pixel_scale: self.screen.scale,
+            section: look.section.and_then(|section| section_plane(state, section)),
+            ..SceneOptions::default()
+        }
+    }
+}
+
+/// Cached hit under the cursor, with the inputs it was computed for.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::app) struct Hover {
+    at: Pos2,
+    side: Side,
+    camera: Camera,
+    hit: ViewHit,
+    other: Option<f32>,
+}
+
+/// The section plane in the part's frame; `None` if it needs a position and there is none.
+fn section_plane(state: &AppState, section: SectionPlaneLook) -> Option<SectionPlane> {
+    let part = &state.document.part.as_ref()?.impeller;
+    let (normal, through) = match section.across {
+        PlaneOrientation::X => (Vec3::X, Vec3::ZERO),
+        PlaneOrientation::Y => (Vec3::Y, Vec3::ZERO),
+        PlaneOrientation::Z => {
+            let middle = 0.5 * (part.hub.point(0.0).z + part.hub.point(1.0).z);
+            (Vec3::Z, Vec3::Z * middle as f32)
+        }
+        PlaneOrientation::Row => {
+            let plan = state.shown()?.plan();
+            let k = state.look.selected.unwrap_or(plan.positions.len() / 2);
+            let position = plan.positions.get(k)?;
+            let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
+            let feed = to(feed_direction(part, plan, k).into());
+            (feed.cross(to(position.axis.into())), to(position.tip.coords.into()))
+        }
+    };
+    let normal = if section.flipped { -normal } else { normal };
+    let moved = if section.flipped { -section.offset } else { section.offset };
+    Some(SectionPlane { normal, offset: normal.dot(through) + moved })
+}
