@@ -7,7 +7,7 @@ use std::path::Path;
 
 use glam::{UVec2, Vec2, Vec3};
 use vanecut::cutting::contact::CoreContact;
-use vanecut::drawing::cutters::{cutter_set, preview_cutters};
+use vanecut::drawing::cutters::{cutter_set, evaluated_cutters, placed_cutters};
 use vanecut::drawing::floor::floor_meshes;
 use vanecut::drawing::scene_of_part;
 use vanecut::geometry::{Point, Vector};
@@ -17,7 +17,7 @@ use vanecut::gpu::{
 use vanecut::io::read_part;
 use vanecut::palette::{INTERFERING, SELECTED};
 use vanecut::part::Impeller;
-use vanecut::plunge::plan::{PlungePlan, Position, SectionPlan};
+use vanecut::plunge::plan::{Evaluation, PlungePlan, Position, SectionPlan, Unevaluated};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
 use vanecut::stock::FloorGrid;
 
@@ -43,20 +43,22 @@ fn plan(part: &Impeller) -> PlungePlan {
         Position {
             tip: foot + axis * 0.5,
             axis,
-            retract: foot + axis * 40.0,
             section: 0,
             row: 0,
             s,
             lambda: 0.5,
             alpha_rad: 0.0,
             contact_point: foot,
-            contact: CoreContact { depth, area_share: 0.2 },
             lift: 0.0,
             blocked: None,
             limited_by: None,
             hub_clearance: 0.5,
             blade_clearance: 5.0,
-            retract_clearance: 5.0,
+            evaluation: Evaluation {
+                contact: CoreContact { depth, area_share: 0.2 },
+                retract: foot + axis * 40.0,
+                retract_clearance: 5.0,
+            },
         }
     };
     let tool = Tool {
@@ -280,7 +282,7 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let mut red =
         |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERING);
     assert!(red(&scene) > 100, "the plan before the preview");
-    scene.set_preview(Some(preview_cutters(&plan, false)));
+    scene.set_preview(Some(placed_cutters(&plan.clone().with_evaluations(|_| Unevaluated))));
     assert_eq!(red(&scene), 0, "not evaluated");
     let size = SIZE.as_vec2();
     let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
@@ -289,7 +291,7 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let pixel = pixel.expect("in front");
     let pick = |scene: &Scene| scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
     assert_eq!(pick(&scene), None);
-    scene.set_preview(Some(preview_cutters(&plan, true)));
+    scene.set_preview(Some(evaluated_cutters(&plan)));
     assert!(red(&scene) > 100, "judged");
     scene.set_preview(None);
     assert_eq!(pick(&scene), Some(1), "the plan before can be picked again");

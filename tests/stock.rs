@@ -64,8 +64,9 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
     for (index, position) in plan.positions.iter().enumerate() {
         // Each plunge is a rapid, the plunge, and a rapid back.
         let found = cores().find(|contact| contact.number as usize == 3 * index + 1);
-        worst = worst.max((found.map_or(0.0, |contact| contact.depth) - position.contact.depth).abs());
-        deep += usize::from(position.contact.depth > spacing);
+        worst =
+            worst.max((found.map_or(0.0, |contact| contact.depth) - position.evaluation.contact.depth).abs());
+        deep += usize::from(position.evaluation.contact.depth > spacing);
     }
     assert!(deep > 10, "only {deep} of {} plunges interfere", plan.positions.len());
     assert!(worst <= 1.5 * spacing, "contact differs by {worst} mm");

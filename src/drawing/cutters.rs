@@ -2,36 +2,45 @@
 
 use glam::Vec3;
 
+use crate::geometry::Point;
 use crate::gpu::cutters::{CutterInstance, CutterSet, CutterState, DrawnCutter};
-use crate::plunge::plan::{Condition, PlungePlan};
+use crate::plunge::plan::{Condition, PlungePlan, Position, Unevaluated};
 
 /// The cutters of a plan. Positions whose section does not exist are skipped.
 pub fn cutter_set(plan: &PlungePlan) -> CutterSet {
-    CutterSet { cutters: drawn_cutters(plan), sections: plan.sections.len() }
+    CutterSet { cutters: evaluated_cutters(plan), sections: plan.sections.len() }
 }
 
-/// The cutters of the preview of a plan; `is_checked` says whether their contact has been evaluated.
-pub fn preview_cutters(plan: &PlungePlan, is_checked: bool) -> Vec<DrawnCutter> {
-    let mut cutters = drawn_cutters(plan);
-    for cutter in cutters.iter_mut().filter(|_| !is_checked) {
-        cutter.instance.state = CutterState::Unevaluated as u32;
-    }
-    cutters
-}
-
-fn drawn_cutters(plan: &PlungePlan) -> Vec<DrawnCutter> {
-    let to = |p: [f64; 3]| p.map(|x| x as f32);
-    let mut all = Vec::with_capacity(plan.positions.len());
-    for (id, position) in plan.positions.iter().enumerate() {
-        let Some(section) = plan.sections.get(position.section) else { continue };
-        let tool = &section.tool;
+/// The plunges of an evaluated plan, each in the state of its [`Condition`].
+pub fn evaluated_cutters(plan: &PlungePlan) -> Vec<DrawnCutter> {
+    drawn_cutters(plan, |position| {
         let state = match position.condition() {
             Condition::Sound => CutterState::Sound,
             Condition::Blocked => CutterState::Blocked,
             Condition::Interfering => CutterState::Interfering,
         };
+        (state, position.evaluation.retract)
+    })
+}
+
+/// The plunges of a plan that is not evaluated yet, without retracts.
+pub fn placed_cutters(plan: &PlungePlan<Unevaluated>) -> Vec<DrawnCutter> {
+    drawn_cutters(plan, |position| (CutterState::Unevaluated, position.tip))
+}
+
+/// The plunges of a plan with the state and retract point that `evaluation` gives.
+fn drawn_cutters<E>(
+    plan: &PlungePlan<E>,
+    evaluation: impl Fn(&Position<E>) -> (CutterState, Point),
+) -> Vec<DrawnCutter> {
+    let to = |p: [f64; 3]| p.map(|x| x as f32);
+    let mut all = Vec::with_capacity(plan.positions.len());
+    for (id, position) in plan.positions.iter().enumerate() {
+        let Some(section) = plan.sections.get(position.section) else { continue };
+        let tool = &section.tool;
+        let (state, retract) = evaluation(position);
         let tip = to(position.tip.into());
-        let retract = Vec3::from_array(to(position.retract.into()));
+        let retract = Vec3::from_array(to(retract.into()));
         all.push(DrawnCutter {
             instance: CutterInstance {
                 tip,

@@ -54,11 +54,16 @@ pub fn contact_mesh(grid: &FloorGrid, plan: &PlungePlan) -> Mesh {
     let contacts: Vec<(Vec3, Vec3, f32, f32)> = plan
         .positions
         .iter()
-        .filter(|p| p.contact.interferes())
+        .filter(|p| p.evaluation.contact.interferes())
         .filter_map(|p| {
             let tool = &plan.sections.get(p.section)?.tool;
             let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
-            Some((to(p.tip.into()), to(p.axis.into()), tool.core_radius() as f32, p.contact.depth as f32))
+            Some((
+                to(p.tip.into()),
+                to(p.axis.into()),
+                tool.core_radius() as f32,
+                p.evaluation.contact.depth as f32,
+            ))
         })
         .collect();
     let cells = FloorSurface::new(grid, MAX_LINES).cells;

@@ -13,7 +13,8 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, PartDescription};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::{
-    AddedPlunges, Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
+    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, PlungePlan, Position, SectionPlan,
+    StopReason,
 };
 use crate::setup::{AxisPolicy, CutDirection, Setup, tool_of};
 use crate::toolpath::ClProgram;
@@ -22,7 +23,7 @@ use crate::toolpath::ClProgram;
 const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
-struct PlanFile {
+struct PlanRecord {
     vanecut_plan: u32,
     /// The part in the native format.
     part: String,
@@ -39,7 +40,7 @@ struct PlanFile {
     /// Plunges added to each section and why adding stopped. Absent in files of earlier versions.
     #[serde(default)]
     added: Vec<Option<(usize, StopReason)>>,
-    positions: Vec<PositionFile>,
+    positions: Vec<PositionRecord>,
     dropped: Vec<(usize, usize, f64)>,
     /// Why each entry of `dropped` was left out. Absent in files of earlier versions.
     #[serde(default)]
@@ -51,7 +52,7 @@ struct PlanFile {
 
 /// One plunge; lengths in mm, angles in degrees, part frame.
 #[derive(Serialize, Deserialize)]
-struct PositionFile {
+struct PositionRecord {
     section: usize,
     row: usize,
     s: f64,
@@ -72,6 +73,56 @@ struct PositionFile {
     hub_clearance: f64,
     blade_clearance: f64,
     retract_clearance: f64,
+}
+
+impl PositionRecord {
+    fn new(p: &Position) -> Self {
+        let Evaluation { contact, retract, retract_clearance } = p.evaluation;
+        Self {
+            section: p.section,
+            row: p.row,
+            s: p.s,
+            lambda: p.lambda,
+            tip: p.tip.coords.into(),
+            axis: p.axis.into(),
+            retract: retract.coords.into(),
+            contact_point: p.contact_point.coords.into(),
+            alpha: p.alpha_rad.to_degrees(),
+            contact_depth: contact.depth,
+            contact_area: contact.area_share,
+            lift: p.lift,
+            blocked: p.blocked,
+            held: p.limited_by,
+            hub_clearance: p.hub_clearance,
+            blade_clearance: p.blade_clearance,
+            retract_clearance,
+        }
+    }
+
+    /// The position of a plan with this many sections; `None` if the record is damaged.
+    fn position(&self, sections: usize) -> Option<Position> {
+        let is_sound = are_coordinates(self.tip.iter().chain(&self.retract)) && self.section < sections;
+        Some(Position {
+            tip: stored::point(self.tip),
+            axis: stored::unit_axis(self.axis).filter(|_| is_sound)?,
+            section: self.section,
+            row: self.row,
+            s: self.s,
+            lambda: self.lambda,
+            alpha_rad: self.alpha.to_radians(),
+            contact_point: stored::point(self.contact_point),
+            lift: self.lift,
+            blocked: self.blocked,
+            limited_by: self.held,
+            hub_clearance: self.hub_clearance,
+            blade_clearance: self.blade_clearance,
+            evaluation: Evaluation {
+                contact: CoreContact { depth: self.contact_depth, area_share: self.contact_area },
+                retract: stored::point(self.retract),
+                retract_clearance: self.retract_clearance,
+            },
+        })
+    }
 }
 
 /// A plan read back.
@@ -112,7 +163,7 @@ pub fn write_plan(
     plan: &PlungePlan,
     channels: usize,
 ) -> String {
-    let file = PlanFile {
+    let file = PlanRecord {
         vanecut_plan: VERSION,
         part: write_native(description),
         setup: write_setup(setup),
@@ -123,29 +174,7 @@ pub fn write_plan(
         rows: plan.sections.iter().map(|s| s.rows).collect(),
         directions: plan.sections.iter().map(|s| s.feed).collect(),
         added: plan.sections.iter().map(|s| s.added.map(|added| (added.count, added.stopped))).collect(),
-        positions: plan
-            .positions
-            .iter()
-            .map(|p| PositionFile {
-                section: p.section,
-                row: p.row,
-                s: p.s,
-                lambda: p.lambda,
-                tip: p.tip.coords.into(),
-                axis: p.axis.into(),
-                retract: p.retract.coords.into(),
-                contact_point: p.contact_point.coords.into(),
-                alpha: p.alpha_rad.to_degrees(),
-                contact_depth: p.contact.depth,
-                contact_area: p.contact.area_share,
-                lift: p.lift,
-                blocked: p.blocked,
-                held: p.limited_by,
-                hub_clearance: p.hub_clearance,
-                blade_clearance: p.blade_clearance,
-                retract_clearance: p.retract_clearance,
-            })
-            .collect(),
+        positions: plan.positions.iter().map(PositionRecord::new).collect(),
         dropped: plan.dropped.iter().map(|d| (d.section, d.row, d.s)).collect(),
         dropped_why: plan.dropped.iter().map(|d| d.why).collect(),
         dropped_stick_out: match plan.dropped.iter().any(|d| d.stick_out.is_some()) {
@@ -163,7 +192,7 @@ pub fn write_plan(
 /// # Errors
 /// When the bytes are not a plan file of a supported version, or hold unusable values.
 pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputError> {
-    let file: PlanFile = serde_json::from_slice(bytes).map_err(|e| {
+    let file: PlanRecord = serde_json::from_slice(bytes).map_err(|e| {
         InputError::new(
             ErrorCode::PlanFile,
             name,
@@ -199,29 +228,9 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
         });
     }
     let mut positions = Vec::with_capacity(file.positions.len());
-    for (index, p) in file.positions.into_iter().enumerate() {
-        let sane = are_coordinates(p.tip.iter().chain(&p.retract)) && p.section < sections.len();
-        let Some(axis) = stored::unit_axis(p.axis).filter(|_| sane) else {
-            return Err(damaged(name, format!("position {} is damaged", index + 1)));
-        };
-        positions.push(Position {
-            tip: stored::point(p.tip),
-            axis,
-            retract: stored::point(p.retract),
-            section: p.section,
-            row: p.row,
-            s: p.s,
-            lambda: p.lambda,
-            alpha_rad: p.alpha.to_radians(),
-            contact_point: stored::point(p.contact_point),
-            contact: CoreContact { depth: p.contact_depth, area_share: p.contact_area },
-            lift: p.lift,
-            blocked: p.blocked,
-            limited_by: p.held,
-            hub_clearance: p.hub_clearance,
-            blade_clearance: p.blade_clearance,
-            retract_clearance: p.retract_clearance,
-        });
+    for (index, record) in file.positions.iter().enumerate() {
+        let position = record.position(sections.len());
+        positions.push(position.ok_or_else(|| damaged(name, format!("position {} is damaged", index + 1)))?);
     }
     let why = file.dropped_why.into_iter().chain(std::iter::repeat(DropReason::Blades));
     let stick_out = file.dropped_stick_out.into_iter().chain(std::iter::repeat(None));

@@ -166,7 +166,7 @@ impl Opener {
             Err(PlanError::Setup(_)) => return Ok(None),
             Ok(plan) => plan,
         };
-        let plunges = plan.positions.iter().map(|p| (p.retract, p.tip, p.axis)).collect();
+        let plunges = plan.positions.iter().map(|p| (p.evaluation.retract, p.tip, p.axis)).collect();
         Ok(Some(FlankOpening { tool: self.tool.clone(), plunges }))
     }
 }

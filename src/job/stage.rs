@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::PolicyResult;
 use crate::part::Workpiece;
-use crate::plunge::PlungePlan;
+use crate::plunge::{PlungePlan, Unevaluated};
 use crate::setup::Setup;
-use crate::stock::FloorGrid;
+use crate::stock::{FieldCutter, FloorGrid, field_cutters};
 
 /// An intermediate result of a planning job.
 #[derive(Clone, Debug)]
@@ -20,8 +20,8 @@ pub enum PlanStage {
         /// See [`super::PlanOutcome::reasons`].
         reasons: Vec<Option<String>>,
     },
-    /// Plan of a policy with all positions placed; contact and retracts are not evaluated yet.
-    Placed(PlungePlan),
+    /// Plan of a policy with all positions placed.
+    Placed(PlungePlan<Unevaluated>),
     /// Preview of the requested policy, evaluated: the axes of the last plan fitted to the new setup (warm
     /// start), available long before the search ends.
     Preview(PlungePlan),
@@ -32,12 +32,13 @@ pub enum PlanStage {
 }
 
 impl PlanStage {
-    /// The plan of the stage, if it has one.
-    pub fn plan(&self) -> Option<&PlungePlan> {
+    /// The plunges of the stage, if it has a plan.
+    pub fn cutters(&self) -> Option<Vec<FieldCutter>> {
         match self {
             Self::Resolved { .. } => None,
-            Self::Placed(plan) | Self::Preview(plan) | Self::Evaluated(plan) => Some(plan),
-            Self::Measured(_, result) => Some(&result.plan),
+            Self::Placed(plan) => Some(field_cutters(plan)),
+            Self::Preview(plan) | Self::Evaluated(plan) => Some(field_cutters(plan)),
+            Self::Measured(_, result) => Some(field_cutters(&result.plan)),
         }
     }
 }

@@ -3,9 +3,9 @@
 
 use std::collections::HashSet;
 
-use super::links::raise_links;
-use super::plan::{PlungePlan, Position};
-use crate::cutting::contact::core_contacts;
+use super::evaluation::evaluated;
+use super::plan::{Evaluation, PlungePlan, Position};
+use crate::cutting::contact::{CoreContact, core_contacts};
 use crate::geometry::{Point, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
@@ -36,11 +36,12 @@ pub fn plan_channels(
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
     let mut plan = repeat_for_channels(one, part, channels);
-    if channels > 1 {
-        free_cores(&mut plan, blank, monitor)?;
-        raise_links(&mut plan, blank, safety, monitor)?;
+    if channels <= 1 {
+        return Ok(plan);
     }
-    Ok(plan)
+    let contacts = free_cores(&mut plan, blank, monitor)?;
+    let retracts = plan.positions.iter().map(|p| p.evaluation.retract).collect();
+    evaluated(plan, &contacts, retracts, blank, safety, monitor)
 }
 
 /// The positions of channel 1, rotated into each channel.
@@ -58,9 +59,9 @@ fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> Pl
             plan.positions.extend(stretch.iter().filter(is_new).map(|p| Position {
                 tip: rotate_z(&p.tip, angle),
                 axis: rotate_vector_z(&p.axis, angle),
-                retract: rotate_z(&p.retract, angle),
                 contact_point: rotate_z(&p.contact_point, angle),
                 row: p.row + channel * one.sections[p.section].rows,
+                evaluation: Evaluation { retract: rotate_z(&p.evaluation.retract, angle), ..p.evaluation },
                 ..p.clone()
             }));
         }
@@ -76,15 +77,18 @@ fn place(point: &Point) -> [i64; 3] {
     [point.x, point.y, point.z].map(|x| (x / SAME_PLACE).round() as i64)
 }
 
-/// Measures contact in cutting order and lifts the plunges that interfere only in this order.
-fn free_cores(plan: &mut PlungePlan, blank: &Blank, monitor: &Monitor) -> Result<(), Cancelled> {
-    let lone: Vec<bool> = plan.positions.iter().map(|p| p.contact.interferes()).collect();
-    for round in 0..=MAX_ITERATIONS {
-        let contacts = core_contacts(&plan.columns(blank), blank, monitor)?;
+/// Contact in cutting order, after plunges that interfere only in this order are lifted.
+fn free_cores(
+    plan: &mut PlungePlan,
+    blank: &Blank,
+    monitor: &Monitor,
+) -> Result<Vec<CoreContact>, Cancelled> {
+    let lone: Vec<bool> = plan.positions.iter().map(|p| p.evaluation.contact.interferes()).collect();
+    let mut contacts = core_contacts(&plan.columns(blank), blank, monitor)?;
+    for _ in 0..MAX_ITERATIONS {
         let mut lifted = false;
-        for ((position, contact), lone) in plan.positions.iter_mut().zip(contacts).zip(&lone) {
-            position.contact = contact;
-            if contact.interferes() && !lone && round < MAX_ITERATIONS {
+        for ((position, contact), lone) in plan.positions.iter_mut().zip(&contacts).zip(&lone) {
+            if contact.interferes() && !lone {
                 let lift = contact.depth + LIFT_MARGIN;
                 position.tip += position.axis * lift;
                 position.lift += lift;
@@ -94,6 +98,8 @@ fn free_cores(plan: &mut PlungePlan, blank: &Blank, monitor: &Monitor) -> Result
         if !lifted {
             break;
         }
+        contacts = core_contacts(&plan.columns(blank), blank, monitor)?;
     }
-    monitor.check()
+    monitor.check()?;
+    Ok(contacts)
 }

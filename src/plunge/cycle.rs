@@ -9,8 +9,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assembly::{AssemblyRule, DropCause};
-use super::cut::{CutRow, SectionCut};
-use super::plan::{Dropped, PlungePlan, Position, SectionPlan};
+use super::cut::{CutRow, PlacedCutter, SectionCut};
+use super::plan::{Dropped, PlungePlan, Position, SectionPlan, Unevaluated};
+use super::row::Station;
 use super::section_cache::SectionCache;
 use super::section_layout::StretchLayout;
 use super::sections::{MAX_POSITIONS, too_many_positions};
@@ -54,14 +55,14 @@ pub struct Planner<'a> {
 /// A plan with final axes and depths; contact with stock and retract points are not computed yet.
 #[derive(Debug)]
 pub struct PlacedPlan {
-    pub(super) plan: PlungePlan,
+    pub(super) plan: PlungePlan<Unevaluated>,
     /// Its plunges.
     pub(super) columns: Columns,
 }
 
 impl PlacedPlan {
-    /// The plan without contact and retracts: contact is 0, retract points equal the tips.
-    pub fn plan(&self) -> &PlungePlan {
+    /// The plan without its evaluation.
+    pub fn plan(&self) -> &PlungePlan<Unevaluated> {
         &self.plan
     }
 }
@@ -237,13 +238,7 @@ impl<'a> Planner<'a> {
                             continue;
                         }
                     };
-                    plan.positions.push(Position {
-                        tip: placed.cutter.tip,
-                        hub_clearance: placed.hub_clearance,
-                        blade_clearance: placed.blade_clearance,
-                        lift: placed.lift,
-                        ..Position::unmeasured(station, index, row_index, row.lambda)
-                    });
+                    plan.positions.push(placed_position(station, placed, (index, row_index), row.lambda));
                 }
             }
         }
@@ -270,5 +265,30 @@ impl<'a> Planner<'a> {
             return Ok(());
         }
         Err(too_many_positions(positions as f64, &self.setup.plunge, tool, place).into())
+    }
+}
+
+/// The position of a cutter that is placed at `station`, in a section and row.
+fn placed_position(
+    station: &Station,
+    placed: &PlacedCutter,
+    (section, row): (usize, usize),
+    lambda: f64,
+) -> Position<Unevaluated> {
+    Position {
+        tip: placed.cutter.tip,
+        axis: station.axis,
+        section,
+        row,
+        s: station.ends.s_hub,
+        lambda,
+        alpha_rad: station.alpha_rad,
+        contact_point: station.contact_point,
+        lift: placed.lift,
+        blocked: station.blocked,
+        limited_by: station.limited_by,
+        hub_clearance: placed.hub_clearance,
+        blade_clearance: placed.blade_clearance,
+        evaluation: Unevaluated,
     }
 }

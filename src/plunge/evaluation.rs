@@ -1,14 +1,16 @@
 //! The second half of planning: contact of the cores, retract points and links of a plan whose axes and
-//! depths are final.
+//! depths are final. Every [`Evaluation`] of the planner is made here.
 
 use rayon::prelude::*;
 
 use super::cycle::{PlacedPlan, PlanError, Planner};
 use super::links::raise_links;
-use super::plan::{PlungePlan, Position};
-use crate::cutting::contact::{Columns, core_contact};
+use super::plan::{Evaluation, PlungePlan};
+use crate::cutting::contact::{CoreContact, core_contact};
 use crate::cutting::retract::RetractSurface;
+use crate::geometry::Point;
 use crate::monitor::{Cancelled, Monitor};
+use crate::part::Blank;
 
 /// Clearance added to the safety distance at a retract point, mm: between two samples of a link the distance
 /// may dip by some µm.
@@ -21,29 +23,21 @@ impl Planner<'_> {
     /// # Errors
     /// [`PlanError::Cancelled`] when the monitor is cancelled.
     pub fn evaluate(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
-        let PlacedPlan { mut plan, columns } = placed;
+        let PlacedPlan { plan, columns } = placed;
         let monitor = &monitor.ignoring_stop();
-        self.measure(&mut plan, &columns, monitor)?;
-        raise_links(&mut plan, &self.workpiece.blank, self.setup.allowances.safety_distance, monitor)?;
-        Ok(plan)
-    }
-
-    /// Measures contact and computes the retract point of every position.
-    fn measure(&self, plan: &mut PlungePlan, columns: &Columns, monitor: &Monitor) -> Result<(), PlanError> {
-        let stock = &self.setup.allowances;
+        let (blank, safety) = (&self.workpiece.blank, self.setup.allowances.safety_distance);
         let tops: Vec<RetractSurface> = plan
             .sections
             .iter()
-            .map(|s| RetractSurface::new(&self.workpiece.blank, stock.safety_distance + s.tool.corner_radius))
+            .map(|section| RetractSurface::new(blank, safety + section.tool.corner_radius))
             .collect();
-        let sections = &plan.sections;
-        let measured: Result<Vec<Position>, Cancelled> = plan
+        let measured: Result<Vec<(CoreContact, Point)>, Cancelled> = plan
             .positions
             .par_iter()
             .enumerate()
             .map(|(k, position)| {
                 monitor.check()?;
-                let tool = &sections[position.section].tool;
+                let tool = &plan.sections[position.section].tool;
                 let column = &columns.as_slice()[k];
                 let cutter = column.cutter;
                 let lift = tops[position.section].height(
@@ -52,13 +46,30 @@ impl Planner<'_> {
                     tool.radius() - tool.corner_radius,
                 );
                 let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
-                let mut position = position.clone();
-                position.retract = retract;
-                position.contact = core_contact(column, columns.before(k), &self.workpiece.blank);
-                Ok(position)
+                Ok((core_contact(column, columns.before(k), blank), retract))
             })
             .collect();
-        plan.positions = measured?;
-        Ok(())
+        let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
+        Ok(evaluated(plan, &contacts, retracts, blank, safety, monitor)?)
     }
+}
+
+/// `plan` with the `contacts` of its positions, and with `retracts`, their retract points, raised until links keep
+/// `safety` mm from `blank`.
+///
+/// # Errors
+/// When `monitor` is cancelled.
+pub(super) fn evaluated<E: Sync>(
+    plan: PlungePlan<E>,
+    contacts: &[CoreContact],
+    retracts: Vec<Point>,
+    blank: &Blank,
+    safety: f64,
+    monitor: &Monitor,
+) -> Result<PlungePlan, Cancelled> {
+    let raised = raise_links(&plan, retracts, blank, safety, monitor)?;
+    Ok(plan.with_evaluations(|k| {
+        let (retract, retract_clearance) = raised[k];
+        Evaluation { contact: contacts[k], retract, retract_clearance }
+    }))
 }

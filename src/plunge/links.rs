@@ -6,9 +6,10 @@
 
 use rayon::prelude::*;
 
-use super::plan::{PlungePlan, Position};
+use super::plan::PlungePlan;
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface, retract_clear};
+use crate::geometry::{CutterSolid, Point};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
@@ -17,17 +18,18 @@ const MAX_ITERATIONS: usize = 20;
 /// Depth of the tool in the blank above which a link is raised, mm.
 const MAX_TOOL_DEPTH: f64 = 1e-3;
 
-/// Moves retract points up their axes until links and retracts keep `safety` mm from `blank`, and measures
-/// the clearance of each retract point and its following link.
+/// `retracts`, the retract point of each position of `plan`, moved up its axis until links and retracts keep
+/// `safety` mm from `blank`; each with the clearance of itself and its following link, mm.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
-pub fn raise_links(
-    plan: &mut PlungePlan,
+pub(super) fn raise_links<E: Sync>(
+    plan: &PlungePlan<E>,
+    retracts: Vec<Point>,
     blank: &Blank,
     safety: f64,
     monitor: &Monitor,
-) -> Result<(), Cancelled> {
+) -> Result<Vec<(Point, f64)>, Cancelled> {
     let numbers: Vec<usize> = (0..plan.positions.len().saturating_sub(1))
         .filter(|&k| {
             // Tool changes take place at the home position, far from the part.
@@ -35,18 +37,15 @@ pub fn raise_links(
             tool(k) == tool(k + 1)
         })
         .collect();
-    let mut bottoms: Vec<NearBottom> = plan
-        .positions
-        .par_iter()
-        .map(|p| if monitor.is_cancelled() { NearBottom::NOWHERE } else { bottom_of(plan, p, blank) })
-        .collect();
     let surfaces: Vec<RetractSurface> =
         plan.sections.iter().map(|s| RetractSurface::new(blank, s.tool.corner_radius)).collect();
+    let mut links = Links { plan, retracts, bottoms: Vec::new(), blank, surfaces: &surfaces, safety };
+    let bottom = |k| if monitor.is_cancelled() { NearBottom::NOWHERE } else { links.bottom(k) };
+    links.bottoms = (0..plan.positions.len()).into_par_iter().map(bottom).collect();
     // Clearance of each link, mm.
     let mut kept = Vec::new();
     for _ in 0..MAX_ITERATIONS {
         monitor.check()?;
-        let links = Links { plan, bottoms: &bottoms, blank, surfaces: &surfaces, safety };
         let lift = |&k: &usize| if monitor.is_cancelled() { (safety, 0.0) } else { links.needed_lift(k) };
         let looks: Vec<(f64, f64)> = numbers.par_iter().map(lift).collect();
         monitor.check()?;
@@ -57,72 +56,73 @@ pub fn raise_links(
             break;
         }
         for k in low {
-            raise(plan, &mut bottoms, k, (blank, &surfaces), safety, monitor)?;
+            links.raise(k, monitor)?;
         }
     }
-    let sections = &plan.sections;
-    plan.positions.par_iter_mut().zip(bottoms).for_each(|(p, bottom)| {
-        let tool = &sections[p.section].tool;
-        let cutter = tool.placed(p.retract, p.axis);
-        (p.retract, p.retract_clearance) = retract_clear(&cutter, bottom.clearance, blank, safety);
-    });
+    let mut raised: Vec<(Point, f64)> =
+        (0..plan.positions.len()).into_par_iter().map(|k| links.clear_retract(k)).collect();
     for (k, kept) in numbers.into_iter().zip(kept) {
-        let position = &mut plan.positions[k];
-        position.retract_clearance = position.retract_clearance.min(kept);
+        raised[k].1 = raised[k].1.min(kept);
     }
-    monitor.check()
-}
-
-/// The bottom of a position at its retract point.
-fn bottom_of(plan: &PlungePlan, position: &Position, blank: &Blank) -> NearBottom {
-    let tool = &plan.sections[position.section].tool;
-    NearBottom::of(&tool.placed(position.retract, position.axis), blank)
-}
-
-/// Raises both ends of the link after position `k` until it is clear.
-fn raise(
-    plan: &mut PlungePlan,
-    bottoms: &mut [NearBottom],
-    k: usize,
-    (blank, surfaces): (&Blank, &[RetractSurface]),
-    safety: f64,
-    monitor: &Monitor,
-) -> Result<(), Cancelled> {
-    for round in 0..MAX_ITERATIONS {
-        monitor.check()?;
-        let (_, needed) = Links { plan, bottoms, blank, surfaces, safety }.needed_lift(k);
-        if needed <= 0.0 {
-            break;
-        }
-        let lift = (1.0 + 0.3 * round as f64) * needed + 0.5 * safety.max(0.1);
-        for end in k..=k + 1 {
-            let position = &mut plan.positions[end];
-            position.retract += position.axis * lift;
-            bottoms[end] = bottom_of(plan, &plan.positions[end], blank);
-        }
-    }
-    Ok(())
+    monitor.check()?;
+    Ok(raised)
 }
 
 /// The links of a plan over its blank.
-struct Links<'a> {
-    plan: &'a PlungePlan,
+struct Links<'a, E> {
+    plan: &'a PlungePlan<E>,
+    /// The retract point of every position.
+    retracts: Vec<Point>,
     /// The bottom of every position at its retract point.
-    bottoms: &'a [NearBottom],
+    bottoms: Vec<NearBottom>,
     blank: &'a Blank,
     /// Surface of the blank at the distance of the corner radius, per section.
     surfaces: &'a [RetractSurface<'a>],
     safety: f64,
 }
 
-impl Links<'_> {
+impl<E> Links<'_, E> {
+    /// The cutter of position `k` at its retract point.
+    fn retracted(&self, k: usize) -> CutterSolid {
+        let position = &self.plan.positions[k];
+        self.plan.sections[position.section].tool.placed(self.retracts[k], position.axis)
+    }
+
+    /// The bottom of position `k` at its retract point.
+    fn bottom(&self, k: usize) -> NearBottom {
+        NearBottom::of(&self.retracted(k), self.blank)
+    }
+
+    /// The retract point of position `k`, moved up until it keeps the safety distance, and its clearance, mm.
+    fn clear_retract(&self, k: usize) -> (Point, f64) {
+        retract_clear(&self.retracted(k), self.bottoms[k].clearance, self.blank, self.safety)
+    }
+
+    /// Raises both ends of the link after position `k` until it is clear.
+    fn raise(&mut self, k: usize, monitor: &Monitor) -> Result<(), Cancelled> {
+        for round in 0..MAX_ITERATIONS {
+            monitor.check()?;
+            let (_, needed) = self.needed_lift(k);
+            if needed <= 0.0 {
+                break;
+            }
+            let lift = (1.0 + 0.3 * round as f64) * needed + 0.5 * self.safety.max(0.1);
+            for end in k..=k + 1 {
+                self.retracts[end] += self.plan.positions[end].axis * lift;
+                self.bottoms[end] = self.bottom(end);
+            }
+        }
+        Ok(())
+    }
+
     /// Minimum distance of the bottom to the blank along the link after position `k`, mm, not refined further
     /// below `safety`; and what the link lacks of being clear: of the safety distance, or by the depth of the
     /// tool in the blank, mm.
     fn needed_lift(&self, k: usize) -> (f64, f64) {
         let (a, b) = (&self.plan.positions[k], &self.plan.positions[k + 1]);
         let tool = &self.plan.sections[a.section].tool;
-        let link = LinkMove { tool, blank: self.blank, from: (a.retract, a.axis), to: (b.retract, b.axis) };
+        let (from, to) = ((self.retracts[k], a.axis), (self.retracts[k + 1], b.axis));
+        let link = LinkMove { tool, blank: self.blank, from, to };
         let clearance = link.clearance([&self.bottoms[k], &self.bottoms[k + 1]], self.safety);
         if clearance < self.safety {
             return (clearance, self.safety - clearance);

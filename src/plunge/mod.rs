@@ -45,7 +45,8 @@ mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
 pub use plan::{
-    AddedPlunges, Blocked, DropReason, Dropped, LimitedBy, PlungePlan, Position, SectionPlan, StopReason,
+    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, PlungePlan, Position, SectionPlan,
+    StopReason, Unevaluated,
 };
 pub use program::MOVES_PER_PLUNGE;
 pub use section_cache::SectionCache;

@@ -14,7 +14,7 @@ use super::cut::{PlannedRow, SectionCut};
 use super::cycle::{PlacedPlan, PlanError, Planner};
 use super::lane::AxisEnds;
 use super::minimal::MAX_LIFT_OF_DEPTH;
-use super::plan::PlungePlan;
+use super::plan::{PlungePlan, Unevaluated};
 use super::row::Station;
 use super::sections::{step_limit, stepover};
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn};
@@ -173,9 +173,9 @@ impl Planner<'_> {
     /// near. `None` where it has none of them.
     pub(super) fn with_needed_opening(
         &self,
-        plan: &PlungePlan,
+        plan: &PlungePlan<Unevaluated>,
         columns: &Columns,
-    ) -> Option<(PlungePlan, Columns)> {
+    ) -> Option<(PlungePlan<Unevaluated>, Columns)> {
         let is_opening = |section: usize| plan.sections[section].kind == SectionKind::Opening;
         let count = plan.positions.iter().take_while(|p| is_opening(p.section)).count();
         if count == 0 {
@@ -218,11 +218,11 @@ fn reach_column(tool: &Tool, (tip, axis): (Point, Vector), setup: &Setup, top: &
 /// `plan` with its `columns`, of whose first `count` plunges, which are above the shroud, only those are kept
 /// that come near to one of the columns of `others`, with those before them in their rows.
 fn keep_near(
-    plan: &PlungePlan,
+    plan: &PlungePlan<Unevaluated>,
     columns: &Columns,
     count: usize,
     others: impl Iterator<Item = PlungeColumn>,
-) -> (PlungePlan, Columns) {
+) -> (PlungePlan<Unevaluated>, Columns) {
     // Number of plunges to keep of each row: up to the last one that is needed.
     let mut needed: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     let mut number_in_row = Vec::with_capacity(count);

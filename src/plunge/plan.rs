@@ -1,4 +1,8 @@
-//! The plunge plan: positions in cutting order, each with its measured contact and clearances.
+//! The plunge plan: positions in cutting order.
+//!
+//! A plan comes about in two steps, which its type tells apart. The planner decides axes and depths: that is a
+//! `PlungePlan<Unevaluated>`. [`super::Planner::evaluate`] measures what follows from all of them together, and
+//! adds an [`Evaluation`] to each position: that is a [`PlungePlan`].
 
 use rayon::prelude::*;
 
@@ -6,6 +10,22 @@ use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn};
 use crate::geometry::{Point, Vector};
 use crate::part::Blank;
 use crate::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
+
+/// What is measured of a plunge once axes and depths of all plunges are final: it depends on those before it
+/// and, for the links, on those beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evaluation {
+    /// Contact of the core with stock.
+    pub contact: CoreContact,
+    /// Position of the tip on the axis at which the cutter is clear of the blank, in the frame of the part, mm.
+    pub retract: Point,
+    /// Minimum distance of the bottom to the blank at the retract point and on the following link, mm.
+    pub retract_clearance: f64,
+}
+
+/// In place of the [`Evaluation`] of a plunge whose axis and depth are final, but not those of all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Unevaluated;
 
 /// Overall condition of a position, from good to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,15 +146,13 @@ impl LimitedBy {
     }
 }
 
-/// One plunge. Points and directions are in the frame of the part, mm.
+/// One plunge as it was planned, with its evaluation `E`. Points and directions are in the frame of the part, mm.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Position {
+pub struct Position<E = Evaluation> {
     /// Centre of the bottom at the end of the plunge.
     pub tip: Point,
     /// Unit axis, tip → holder.
     pub axis: Vector,
-    /// Position of the tip on the axis at which the cutter is clear of the blank.
-    pub retract: Point,
     /// Index into [`PlungePlan::sections`].
     pub section: usize,
     /// Row within the section, 0 at the suction wall.
@@ -147,8 +165,6 @@ pub struct Position {
     pub alpha_rad: f64,
     /// Where the bottom touches the allowance surface of the hub.
     pub contact_point: Point,
-    /// Contact of the core with stock.
-    pub contact: CoreContact,
     /// Distance by which the plunge stops short of the hub allowance so that its core is free, mm.
     pub lift: f64,
     /// Why the position lacks the axis its policy prescribes, if it does.
@@ -159,14 +175,14 @@ pub struct Position {
     pub hub_clearance: f64,
     /// Minimum distance of the cutter to the finished blades, mm.
     pub blade_clearance: f64,
-    /// Minimum distance of the bottom to the blank at the retract point and on the following link, mm.
-    pub retract_clearance: f64,
+    /// What is measured of it in the finished plan.
+    pub evaluation: E,
 }
 
 impl Position {
     /// Overall condition; contact of the core takes precedence over [`Blocked`].
     pub fn condition(&self) -> Condition {
-        if self.contact.interferes() {
+        if self.evaluation.contact.interferes() {
             Condition::Interfering
         } else if self.blocked.is_some() {
             Condition::Blocked
@@ -174,26 +190,26 @@ impl Position {
             Condition::Sound
         }
     }
+}
 
-    /// A planned position before contact and clearances are measured.
-    pub(super) fn unmeasured(station: &super::row::Station, section: usize, row: usize, lambda: f64) -> Self {
-        Self {
-            tip: station.tip,
-            axis: station.axis,
-            retract: station.tip,
-            section,
-            row,
-            s: station.ends.s_hub,
-            lambda,
-            alpha_rad: station.alpha_rad,
-            contact_point: station.contact_point,
-            contact: CoreContact::default(),
-            lift: 0.0,
-            blocked: station.blocked,
-            limited_by: station.limited_by,
-            hub_clearance: f64::NAN,
-            blade_clearance: f64::NAN,
-            retract_clearance: f64::NAN,
+impl<E> Position<E> {
+    /// The same plunge with another evaluation.
+    fn with_evaluation<F>(self, evaluation: F) -> Position<F> {
+        Position {
+            tip: self.tip,
+            axis: self.axis,
+            section: self.section,
+            row: self.row,
+            s: self.s,
+            lambda: self.lambda,
+            alpha_rad: self.alpha_rad,
+            contact_point: self.contact_point,
+            lift: self.lift,
+            blocked: self.blocked,
+            limited_by: self.limited_by,
+            hub_clearance: self.hub_clearance,
+            blade_clearance: self.blade_clearance,
+            evaluation,
         }
     }
 }
@@ -289,15 +305,15 @@ impl SectionPlan {
     }
 }
 
-/// A plunge plan of one channel.
+/// A plunge plan of one channel, with the evaluation `E` of each plunge.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PlungePlan {
+pub struct PlungePlan<E = Evaluation> {
     /// Policy that made the axes.
     pub policy: AxisPolicy,
     /// Sections in cutting order.
     pub sections: Vec<SectionPlan>,
     /// Positions in cutting order: section by section, row by row.
-    pub positions: Vec<Position>,
+    pub positions: Vec<Position<E>>,
     /// Positions that were dropped, with the reason.
     pub dropped: Vec<Dropped>,
     /// Largest number of iterations of the loop over any row ([plunge paper], fig. 16).
@@ -306,7 +322,20 @@ pub struct PlungePlan {
     pub converged: bool,
 }
 
-impl PlungePlan {
+impl<E> PlungePlan<E> {
+    /// The same plunges with other evaluations, given by number in cutting order.
+    pub fn with_evaluations<F>(self, evaluation: impl Fn(usize) -> F) -> PlungePlan<F> {
+        let evaluated = |(k, position): (usize, Position<E>)| position.with_evaluation(evaluation(k));
+        PlungePlan {
+            policy: self.policy,
+            sections: self.sections,
+            positions: self.positions.into_iter().enumerate().map(evaluated).collect(),
+            dropped: self.dropped,
+            iterations: self.iterations,
+            converged: self.converged,
+        }
+    }
+
     /// Number of plunges of section `index`.
     pub fn plunges_of(&self, index: usize) -> usize {
         self.positions.iter().filter(|position| position.section == index).count()
@@ -329,20 +358,22 @@ impl PlungePlan {
         })
     }
 
+    /// Whether planning was stopped before the plan was finished: it is valid, but leaves more stock than a
+    /// finished one.
+    pub fn is_unfinished(&self) -> bool {
+        self.sections.iter().any(SectionPlan::is_unfinished)
+    }
+}
+
+impl<E: Sync> PlungePlan<E> {
     /// The columns of its plunges in `blank`, in cutting order.
     pub fn columns(&self, blank: &Blank) -> Columns {
         let top = BlankTop::new(blank);
-        let column = |p: &Position| {
+        let column = |p: &Position<E>| {
             let tool = &self.sections[p.section].tool;
             PlungeColumn::new(tool.placed(p.tip, p.axis), tool.core_radius(), &top)
         };
         let columns: Vec<PlungeColumn> = self.positions.par_iter().map(column).collect();
         columns.into_iter().collect()
-    }
-
-    /// Whether planning was stopped before the plan was finished: it is valid, but leaves more stock than a
-    /// finished one.
-    pub fn is_unfinished(&self) -> bool {
-        self.sections.iter().any(SectionPlan::is_unfinished)
     }
 }

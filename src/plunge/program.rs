@@ -41,9 +41,9 @@ impl ClProgram {
                 program.tools.len() - 1
             });
             let plunge: [_; MOVES_PER_PLUNGE] = [
-                (Motion::Rapid, position.retract),
+                (Motion::Rapid, position.evaluation.retract),
                 (Motion::Feed(Some(tool.plunge_feed)), position.tip),
-                (Motion::Rapid, position.retract),
+                (Motion::Rapid, position.evaluation.retract),
             ];
             program.moves.extend(plunge.map(|(motion, tip)| Move {
                 motion,

@@ -1,7 +1,7 @@
 //! A plan with some of its plunges left out.
 
 use super::cycle::{PlanError, Planner};
-use super::links::raise_links;
+use super::evaluation::evaluated;
 use super::plan::{PlungePlan, Position};
 use crate::cutting::contact::{Columns, core_contacts};
 use crate::monitor::Monitor;
@@ -38,11 +38,9 @@ impl Planner<'_> {
         for (section, rows) in thinned.sections.iter_mut().zip(rows) {
             section.rows = rows;
         }
-        let contacts = core_contacts(columns, &self.workpiece.blank, monitor)?;
-        for (position, contact) in thinned.positions.iter_mut().zip(contacts) {
-            position.contact = contact;
-        }
-        raise_links(&mut thinned, &self.workpiece.blank, self.setup.allowances.safety_distance, monitor)?;
-        Ok(thinned)
+        let (blank, safety) = (&self.workpiece.blank, self.setup.allowances.safety_distance);
+        let contacts = core_contacts(columns, blank, monitor)?;
+        let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
+        Ok(evaluated(thinned, &contacts, retracts, blank, safety, monitor)?)
     }
 }

@@ -30,7 +30,7 @@ pub use tiles::TileBins;
 pub use trace::PositionTrace;
 
 /// The plunges of a plan, in cutting order, as input of the kernels.
-pub fn field_cutters(plan: &PlungePlan) -> Vec<FieldCutter> {
+pub fn field_cutters<E>(plan: &PlungePlan<E>) -> Vec<FieldCutter> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     plan.positions
         .iter()

@@ -36,7 +36,7 @@ impl<'a> Cores<'a> {
                 after[number as usize].push(k as u32);
             }
         }
-        let met_before = plan.positions.iter().map(|p| p.contact.interferes()).collect();
+        let met_before = plan.positions.iter().map(|p| p.evaluation.contact.interferes()).collect();
         let mut cores = Self { blank, columns, before, after, met_before, needed: Vec::new() };
         let all = |_| true;
         cores.needed =

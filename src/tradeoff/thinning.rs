@@ -175,13 +175,13 @@ impl ThinningInput<'_> {
         let position = &plan.positions[plunge];
         let tool_of = |p: &Position| &plan.sections[p.section].tool;
         let tool = tool_of(position);
-        let depth = (position.retract - position.tip).norm();
+        let depth = (position.evaluation.retract - position.tip).norm();
         let same_tool = |k: Option<usize>| {
             k.map(|k| &plan.positions[k]).filter(|other| tool_of(other).number == tool.number)
         };
         let (previous, next) = (same_tool(rows.before(plunge)), same_tool(rows.after(plunge)));
         let link = |a: Option<&Position>, b: Option<&Position>| {
-            a.zip(b).map_or(0.0, |(a, b)| (a.retract - b.retract).norm())
+            a.zip(b).map_or(0.0, |(a, b)| (a.evaluation.retract - b.evaluation.retract).norm())
         };
         let links = link(previous, Some(position)) + link(Some(position), next) - link(previous, next);
         60.0 * (depth / tool.plunge_feed + (depth + links) / RAPID_MM_PER_MIN)

@@ -35,7 +35,7 @@ use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Blank, Impeller, Workpiece};
-use crate::plunge::{PlungePlan, Position, SectionPlan};
+use crate::plunge::{Evaluation, PlungePlan, Position, SectionPlan};
 use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
@@ -170,20 +170,22 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
         plan.positions.push(Position {
             tip: here.tip,
             axis: here.axis,
-            retract: rotate_z(&cut.retract, -part.pitch() * turns[k] as f64),
             section: cut.section,
             row: cut.row,
             s,
             lambda: f64::NAN,
             alpha_rad: f64::NAN,
             contact_point: here.tip,
-            contact,
             lift: 0.0,
             blocked: None,
             limited_by: None,
             hub_clearance: seen.hub,
             blade_clearance: seen.blade,
-            retract_clearance: seen.retract,
+            evaluation: Evaluation {
+                contact,
+                retract: rotate_z(&cut.retract, -part.pitch() * turns[k] as f64),
+                retract_clearance: seen.retract,
+            },
         });
     }
     if !measured.iter().any(|seen| seen.in_blank) {

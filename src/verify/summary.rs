@@ -91,8 +91,8 @@ impl Summary {
             .filter(|pair| (pair[0].section, pair[0].row) == (pair[1].section, pair[1].row));
         Self {
             positions: positions.len(),
-            interfering: positions.iter().filter(|p| p.contact.interferes()).count(),
-            max_contact_depth: positions.iter().map(|p| p.contact.depth).fold(0.0, f64::max),
+            interfering: positions.iter().filter(|p| p.evaluation.contact.interferes()).count(),
+            max_contact_depth: positions.iter().map(|p| p.evaluation.contact.depth).fold(0.0, f64::max),
             residual_mean: f64::from(layer.mean),
             residual_p95: f64::from(layer.p95),
             residual_max: f64::from(layer.max),
@@ -100,7 +100,7 @@ impl Summary {
             inaccessible_share: f64::from(layer.unreachable_share),
             min_hub_clearance: least(&|p| p.hub_clearance),
             min_blade_clearance: least(&|p| p.blade_clearance),
-            min_retract_clearance: least(&|p| p.retract_clearance),
+            min_retract_clearance: least(&|p| p.evaluation.retract_clearance),
             max_axis_change_rad: turns.map(|pair| pair[0].axis.angle(&pair[1].axis)).fold(0.0, f64::max),
             cut_length: travel.cut,
             rapid_length: travel.rapid,

@@ -40,7 +40,7 @@ fn plunge_plan_of_version_1() {
     assert_eq!((plan.positions.len(), stored.channels, stored.part.name.as_str()), (28, 1, "pump6"));
     let first = &plan.positions[0];
     assert!((first.s - 0.8).abs() < 0.05, "it begins at the inlet end: {}", first.s);
-    let interfering = plan.positions.iter().filter(|p| p.contact.depth > 0.01).count();
+    let interfering = plan.positions.iter().filter(|p| p.evaluation.contact.depth > 0.01).count();
     assert_eq!(interfering, 3);
 }
 

@@ -145,7 +145,7 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
     let [all_above, all_below] = kinds_of(&all);
     assert_eq!(all_below, PUMP.blade_count * below);
     assert!(all_above < PUMP.blade_count * above, "{all_above} of {above} for one channel");
-    assert!(all.positions.iter().all(|position| !position.contact.interferes()));
+    assert!(all.positions.iter().all(|position| !position.evaluation.contact.interferes()));
 }
 
 #[test]

@@ -66,8 +66,8 @@ fn the_contact_that_is_drawn_is_the_contact_that_counts() {
         let (mut faulty, mut sound) = (0, 0);
         for (k, position) in plan.positions.iter().enumerate().step_by(7) {
             let view = section_view(part, blank, 0.5, &plan, k).expect("exists");
-            let (seen, exact) = (view.contact_depth(), position.contact.depth);
-            if position.contact.interferes() {
+            let (seen, exact) = (view.contact_depth(), position.evaluation.contact.depth);
+            if position.evaluation.contact.interferes() {
                 faulty += 1;
                 // The view samples the disc differently and leaves out its rim: hardly deeper, and similar
                 // where the contact is deep.

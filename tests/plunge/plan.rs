@@ -117,7 +117,10 @@ fn contact_agrees_with_many_points() {
         for k in (3..plan.positions.len()).step_by(57) {
             let column = &columns.as_slice()[k];
             let exact = core_contact(column, columns.before(k), &blank);
-            assert_eq!(exact, plan.positions[k].contact, "the plan tells the truth of position {k}");
+            assert_eq!(
+                exact, plan.positions[k].evaluation.contact,
+                "the plan tells the truth of position {k}"
+            );
             // Only neighbours can matter; brute force over all plunges would take minutes.
             let near: Vec<PlungeColumn> = columns.as_slice()[..k]
                 .iter()
@@ -151,12 +154,13 @@ fn plans_hold_their_allowances_on_all_samples() {
                     p.blade_clearance
                 );
                 assert!(
-                    p.retract_clearance >= stock.safety_distance - 1e-3,
+                    p.evaluation.retract_clearance >= stock.safety_distance - 1e-3,
                     "{name} {k}: retract {}",
-                    p.retract_clearance
+                    p.evaluation.retract_clearance
                 );
             }
-            let outlet = plan.positions.iter().filter(|p| p.section == 0 && p.contact.interferes()).count();
+            let outlet =
+                plan.positions.iter().filter(|p| p.section == 0 && p.evaluation.contact.interferes()).count();
             if policy == AxisPolicy::Conventional {
                 assert!(outlet > 0, "{name}: the conventional plan interferes at the outlet");
             } else {
@@ -170,7 +174,7 @@ fn plans_hold_their_allowances_on_all_samples() {
 fn paper_a_s_wheel_is_repaired_in_all_three_sections() {
     let part = sample("impeller532");
     let count = |plan: &PlungePlan, section: usize| {
-        plan.positions.iter().filter(|p| p.section == section && p.contact.interferes()).count()
+        plan.positions.iter().filter(|p| p.section == section && p.evaluation.contact.interferes()).count()
     };
     let (setup, before) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
     let (_, after) = planned(&part, &Setup::default(), AxisPolicy::Monotone);
@@ -240,7 +244,7 @@ fn axes_stay_within_what_the_machine_reaches() {
     let (setup, held) = planned(&part, &setup, AxisPolicy::Minimal);
     assert!(held.positions.iter().all(|p| tilt(&p.axis) <= limit + 1e-9), "none is tilted further");
     assert!(held.positions.len() * 2 > free.positions.len(), "and most of the floor is still cut");
-    assert!(held.positions.iter().all(|p| !p.contact.interferes()));
+    assert!(held.positions.iter().all(|p| !p.evaluation.contact.interferes()));
 
     let beyond = |plan: &PlungePlan, setup: &Setup| {
         let text = write_apt(&ClProgram::of_plan(&part.name, plan));
@@ -277,10 +281,17 @@ fn axes_that_were_found_are_carried_into_an_edited_setup_at_once() {
             "{name}: {kept} of them are there"
         );
         for position in &carried.positions {
-            assert!(!position.contact.interferes(), "{name}: {} of contact", position.contact.depth);
+            assert!(
+                !position.evaluation.contact.interferes(),
+                "{name}: {} of contact",
+                position.evaluation.contact.depth
+            );
             assert!(position.hub_clearance >= setup.allowances.hub_allowance - 1e-6, "{name}: hub");
             assert!(position.blade_clearance >= setup.allowances.blade_allowance - 1e-6, "{name}: blades");
-            assert!(position.retract_clearance >= setup.allowances.safety_distance - 1e-6, "{name}: retract");
+            assert!(
+                position.evaluation.retract_clearance >= setup.allowances.safety_distance - 1e-6,
+                "{name}: retract"
+            );
         }
         // A stopped plan does not replace the complete one: the warm start still uses that.
         let stopped = Monitor::default();
@@ -316,7 +327,7 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     setup.tools[0].plunge_feed = 111.0;
     let (holding, higher) = held(&setup);
     assert_eq!(holding, sections, "nothing that cuts has changed");
-    assert!(higher.positions.iter().all(|p| p.retract_clearance >= 5.0 - 1e-6), "but links have");
+    assert!(higher.positions.iter().all(|p| p.evaluation.retract_clearance >= 5.0 - 1e-6), "but links have");
 
     setup.plunge.sections[sections - 1].to += 0.03;
     assert_eq!(held(&setup).0, sections - 1, "an end moved");

@@ -11,7 +11,7 @@ use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, S
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
-use vanecut::plunge::{AddedPlunges, Blocked, PlungePlan, Position, SectionPlan, StopReason};
+use vanecut::plunge::{AddedPlunges, Blocked, Evaluation, PlungePlan, Position, SectionPlan, StopReason};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, SetupFault, Tool};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
@@ -127,20 +127,22 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
             positions.push(Position {
                 tip,
                 axis,
-                retract: top + axis * 6.0,
                 section: 0,
                 row,
                 s,
                 lambda,
                 alpha_rad: (2.0 + 0.4 * k as f64).to_radians() * if conventional { -1.0 } else { 1.0 },
                 contact_point: tip,
-                contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
                 lift: 0.0,
                 blocked: (!conventional && row == 1 && k == 1).then_some(Blocked::Walls),
                 limited_by: None,
                 hub_clearance: 0.5,
                 blade_clearance: 0.5,
-                retract_clearance: 2.0,
+                evaluation: Evaluation {
+                    contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
+                    retract: top + axis * 6.0,
+                    retract_clearance: 2.0,
+                },
             });
         }
     }
@@ -176,7 +178,7 @@ fn rest_tool(tool: &Tool) -> Tool {
 }
 
 fn summary(plan: &PlungePlan, mean: f64) -> Summary {
-    let faults = plan.positions.iter().filter(|p| p.contact.interferes()).count();
+    let faults = plan.positions.iter().filter(|p| p.evaluation.contact.interferes()).count();
     Summary {
         positions: plan.positions.len(),
         interfering: faults,

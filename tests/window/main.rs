@@ -209,7 +209,7 @@ fn faults_are_listed_and_can_be_stepped_through() {
     let state = window.state().state();
     let first = state.look.selected.expect("a fault is selected");
     let plan = &state.results.planned.as_ref().expect("planned").outcome.before.plan;
-    assert!(plan.positions[first].contact.interferes(), "it is one");
+    assert!(plan.positions[first].evaluation.contact.interferes(), "it is one");
     window.get_by_role_and_label(Role::ComboBox, "Positions").click();
     window.run_steps(2);
     window.get_by_label("Interfering only").click();

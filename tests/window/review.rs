@@ -30,7 +30,7 @@ fn a_click_on_a_head_sorts_and_a_second_one_turns_the_order() {
     assert_eq!(state.look.sort.column, TableColumn::Contact);
     let plan = state.shown().expect("planned").plan();
     let rows = state.rows();
-    let depth = |row: usize| plan.positions[rows[row]].contact.depth;
+    let depth = |row: usize| plan.positions[rows[row]].evaluation.contact.depth;
     assert!(depth(0) > 0.0, "the deepest contact comes first");
     assert!((1..rows.len()).all(|row| depth(row) <= depth(row - 1)), "in order");
     let first = format!("Position {}", rows[0] + 1);
@@ -41,7 +41,7 @@ fn a_click_on_a_head_sorts_and_a_second_one_turns_the_order() {
     window.run_steps(3);
     let rows = window.state().state().rows();
     let plan = window.state().state().shown().expect("planned").plan();
-    assert_eq!(plan.positions[rows[0]].contact.depth, 0.0, "the other way round");
+    assert_eq!(plan.positions[rows[0]].evaluation.contact.depth, 0.0, "the other way round");
 }
 
 #[test]

@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::planned::Side;
+use vanecut::app::model::preview::PreviewPlan;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
-use vanecut::plunge::PlungePlan;
 use vanecut::setup::AxisPolicy;
 
 use crate::harness::{Window, settle, snapshot_view, with_sample};
@@ -44,7 +44,7 @@ fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
 
 fn coming(window: &Window) -> Option<(AxisPolicy, bool, usize)> {
     let cutters = window.state().state().preview_on(Side::After)?;
-    Some((cutters.plan.policy, cutters.is_checked(), cutters.plan.positions.len()))
+    Some((cutters.policy(), cutters.is_checked(), cutters.count()))
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     window.get_by_label(&format!("New min. stock, axes as before: none of {carried} interferes"));
     window.get_by_label("Out of date");
     snapshot_view(&mut window, "carried");
-    let on = |window: &Window, side: Side| window.state().state().preview_on(side).map(|c| c.plan.policy);
+    let on = |window: &Window, side: Side| window.state().state().preview_on(side).map(|c| c.policy());
     assert_eq!(on(&window, Side::Before), None, "nothing is known of the conventional plan");
 
     allowed.store(3, Ordering::SeqCst);
@@ -78,14 +78,16 @@ fn stages_of_the_new_setup_appear_one_by_one_and_none_is_called_sound_before_it_
     window.step();
     let cutters = |window: &Window| {
         let cutters = window.state().state().preview_on(Side::Before)?;
-        Some((cutters.plan.policy, cutters.is_checked(), cutters.plan.positions.len()))
+        Some((cutters.policy(), cutters.is_checked(), cutters.count()))
     };
     let (policy, judged, positions) = cutters(&window).expect("cutters");
     assert_eq!((policy, judged), (AxisPolicy::Conventional, false));
-    let tip = |plan: &PlungePlan| plan.positions[positions / 2].tip;
-    let new =
-        window.state().state().preview_on(Side::Before).map(|cutters| tip(&cutters.plan)).expect("cutters");
-    assert!((new - tip(&old.outcome.before.plan)).norm() > 0.15, "0.2 mm higher above the hub");
+    let new = match window.state().state().preview_on(Side::Before).map(|cutters| &cutters.plan) {
+        Some(PreviewPlan::Placed(plan)) => plan.positions[positions / 2].tip,
+        other => panic!("not placed: {other:?}"),
+    };
+    let before = old.outcome.before.plan.positions[positions / 2].tip;
+    assert!((new - before).norm() > 0.15, "0.2 mm higher above the hub");
     window.step();
     window.get_by_label(&format!("New isoparametric: {positions} positions, not checked yet"));
     window.get_by_label("Out of date");

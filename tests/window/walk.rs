@@ -87,7 +87,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.get_by_label(&format!("Position {} of {count}: {word}", worst + 1));
     let why = words(&window, "Core hits stock ").expect("the reason");
     let depth = why.split_whitespace().nth(3).and_then(|depth| depth.parse::<f64>().ok());
-    let deepest = window.state().state().selected().expect("selected").contact.depth;
+    let deepest = window.state().state().selected().expect("selected").evaluation.contact.depth;
     assert!(deepest > 1.0 && depth.is_some_and(|depth| (depth - deepest).abs() < 0.006), "{why}");
 
     // Tuning: a shorter step alone is not enough, monotone axes remove most, the search removes all.

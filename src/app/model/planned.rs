@@ -6,7 +6,9 @@ use std::sync::Arc;
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup};
-use crate::stock::{FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters};
+use crate::stock::{
+    FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters,
+};
 use crate::toolpath::{ClProgram, Travel};
 
 /// One of the two plans that are compared.
@@ -114,7 +116,7 @@ impl DisplayPlan {
         let display = |result: &PolicyResult| PolicyDisplay {
             policy: result.plan.policy,
             stock: result.plan.positions.iter().map(|p| stock_under(&outcome, result, p)).collect(),
-            program: program_of(&result.plan, floor, known),
+            program: program_of(field_cutters(&result.plan), floor, known),
             clock: clock_of(&result.plan),
         };
         let policies = outcome.policies().into_iter().map(display).collect();
@@ -211,13 +213,12 @@ fn clock_of(plan: &PlungePlan) -> Vec<f64> {
     moves.chunks_exact(3).map(|plunge| plunge[2]).collect()
 }
 
-/// The plunges of a plan over a floor: one of `known`, if it has the same.
+/// The plunges `cutters` of a plan over a floor: one of `known`, if it has the same.
 pub(in crate::app) fn program_of(
-    plan: &PlungePlan,
+    cutters: Vec<FieldCutter>,
     floor: &Arc<FloorLevels>,
     known: &[Arc<FieldProgram>],
 ) -> Arc<FieldProgram> {
-    let cutters = field_cutters(plan);
     let same = |known: &&Arc<FieldProgram>| Arc::ptr_eq(&known.floor, floor) && known.cutters == cutters;
     let known = known.iter().find(same).cloned();
     known.unwrap_or_else(|| Arc::new(FieldProgram::new(floor, cutters)))

@@ -3,45 +3,93 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use crate::drawing::cutters::{evaluated_cutters, placed_cutters};
+use crate::gpu::cutters::DrawnCutter;
 use crate::job::{PlanOutcome, PlanStage, PolicyResult};
 use crate::part::Workpiece;
-use crate::plunge::PlungePlan;
+use crate::plunge::{PlungePlan, Position, Unevaluated};
 use crate::setup::{AxisPolicy, Setup};
 use crate::stock::{FieldProgram, FloorGrid, FloorLevels};
 
 use crate::app::model::planned::DisplayPlan;
 
-/// How far a plan has come before its residual stock is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PreviewStage {
-    /// The axes of the last plan, fitted to the new setup; core contact is checked.
-    WarmStart,
+/// Plan of a policy before its residual stock is computed.
+#[derive(Clone, Debug)]
+pub enum PreviewPlan {
+    /// The axes of the last plan, fitted to the new setup.
+    WarmStart(Arc<PlungePlan>),
     /// Core contact is not checked yet: no plunge may be shown as sound.
-    Placed,
+    Placed(Arc<PlungePlan<Unevaluated>>),
     /// Core contact is checked.
-    Evaluated,
+    Evaluated(Arc<PlungePlan>),
 }
 
 /// Cutters of a policy's plan before its residual stock is computed.
 #[derive(Clone, Debug)]
 pub struct PreviewCutters {
     /// The plan so far.
-    pub plan: Arc<PlungePlan>,
-    /// How far it has come.
-    pub stage: PreviewStage,
+    pub plan: PreviewPlan,
     /// The cutters over the floor of the last plan, for a preview of their stock on the device.
     pub program: Option<Arc<FieldProgram>>,
 }
 
 impl PreviewCutters {
+    /// The plan, if core contact is checked.
+    fn evaluated(&self) -> Option<&PlungePlan> {
+        match &self.plan {
+            PreviewPlan::WarmStart(plan) | PreviewPlan::Evaluated(plan) => Some(plan),
+            PreviewPlan::Placed(_) => None,
+        }
+    }
+
     /// Whether core contact is checked.
     pub fn is_checked(&self) -> bool {
-        self.stage != PreviewStage::Placed
+        self.evaluated().is_some()
+    }
+
+    /// Whether the axes are those of the last plan.
+    pub fn is_warm_start(&self) -> bool {
+        matches!(self.plan, PreviewPlan::WarmStart(_))
+    }
+
+    /// Policy of the plan.
+    pub fn policy(&self) -> AxisPolicy {
+        match &self.plan {
+            PreviewPlan::WarmStart(plan) | PreviewPlan::Evaluated(plan) => plan.policy,
+            PreviewPlan::Placed(plan) => plan.policy,
+        }
+    }
+
+    /// Number of plunges.
+    pub fn count(&self) -> usize {
+        match &self.plan {
+            PreviewPlan::WarmStart(plan) | PreviewPlan::Evaluated(plan) => plan.positions.len(),
+            PreviewPlan::Placed(plan) => plan.positions.len(),
+        }
     }
 
     /// Number of interfering plunges; `None` while contact is not checked.
     pub fn interfering_count(&self) -> Option<usize> {
-        self.is_checked().then(|| self.plan.positions.iter().filter(|p| p.contact.interferes()).count())
+        let interferes = |position: &&Position| position.evaluation.contact.interferes();
+        self.evaluated().map(|plan| plan.positions.iter().filter(interferes).count())
+    }
+
+    /// The cutters as they are drawn.
+    pub fn drawn(&self) -> Vec<DrawnCutter> {
+        match &self.plan {
+            PreviewPlan::WarmStart(plan) | PreviewPlan::Evaluated(plan) => evaluated_cutters(plan),
+            PreviewPlan::Placed(plan) => placed_cutters(plan),
+        }
+    }
+
+    /// Whether the cutters are those of the same stage of the same plan.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (&self.plan, &other.plan) {
+            (PreviewPlan::WarmStart(a), PreviewPlan::WarmStart(b))
+            | (PreviewPlan::Evaluated(a), PreviewPlan::Evaluated(b)) => Arc::ptr_eq(a, b),
+            (PreviewPlan::Placed(a), PreviewPlan::Placed(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
     }
 }
 
@@ -123,11 +171,11 @@ impl PlanPreview {
             PlanStage::Resolved { workpiece, setup, reasons } => {
                 self.resolved = Some(ResolvedRequest { workpiece, setup, reasons });
             }
-            PlanStage::Preview(plan) => self.take_cutters(plan, PreviewStage::WarmStart, program),
+            PlanStage::Preview(plan) => self.take_cutters(PreviewPlan::WarmStart(plan.into()), program),
             // The warm-start plan is shown already, and its contact is checked.
             PlanStage::Placed(plan) if self.has_warm_start(plan.policy) => {}
-            PlanStage::Placed(plan) => self.take_cutters(plan, PreviewStage::Placed, program),
-            PlanStage::Evaluated(plan) => self.take_cutters(plan, PreviewStage::Evaluated, program),
+            PlanStage::Placed(plan) => self.take_cutters(PreviewPlan::Placed(plan.into()), program),
+            PlanStage::Evaluated(plan) => self.take_cutters(PreviewPlan::Evaluated(plan.into()), program),
             // The conventional result arrives first. The requested policy is skipped: the finished plan
             // follows at once.
             PlanStage::Measured(_, result)
@@ -136,15 +184,15 @@ impl PlanPreview {
         }
     }
 
-    fn take_cutters(&mut self, plan: PlungePlan, stage: PreviewStage, program: Option<Arc<FieldProgram>>) {
-        let cutters = PreviewCutters { plan: plan.into(), stage, program };
-        self.cutters.retain(|known| known.plan.policy != cutters.plan.policy);
+    fn take_cutters(&mut self, plan: PreviewPlan, program: Option<Arc<FieldProgram>>) {
+        let cutters = PreviewCutters { plan, program };
+        self.cutters.retain(|known| known.policy() != cutters.policy());
         self.cutters.push(cutters);
     }
 
     /// Whether the cutters of a policy are those of its warm start.
     fn has_warm_start(&self, policy: AxisPolicy) -> bool {
-        self.cutters.iter().any(|known| known.stage == PreviewStage::WarmStart && known.plan.policy == policy)
+        self.cutters.iter().any(|known| known.is_warm_start() && known.policy() == policy)
     }
 
     /// Whether core contact is checked for any policy.
@@ -178,8 +226,8 @@ impl PlanPreview {
 
     /// The cutters to show where `policy` is awaited: its own as soon as there are any, else the latest.
     pub fn cutters(&self, policy: AxisPolicy) -> Option<&PreviewCutters> {
-        let own = self.cutters.iter().find(|known| known.plan.policy == policy);
-        own.or_else(|| self.cutters.iter().rfind(|known| known.stage != PreviewStage::WarmStart))
+        let own = self.cutters.iter().find(|known| known.policy() == policy);
+        own.or_else(|| self.cutters.iter().rfind(|known| !known.is_warm_start()))
     }
 }
 

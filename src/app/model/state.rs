@@ -328,7 +328,7 @@ impl AppState {
                     TableColumn::Row => p.section as f64 * 1e6 + p.row as f64,
                     TableColumn::Diameter => plan.sections.get(p.section).map_or(0.0, |s| s.tool.diameter),
                     TableColumn::Alpha => p.alpha_rad,
-                    TableColumn::Contact => p.contact.depth,
+                    TableColumn::Contact => p.evaluation.contact.depth,
                     // Without floor under the cutter: sort as the smallest.
                     TableColumn::Hub => {
                         Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from)
@@ -369,7 +369,8 @@ impl AppState {
     pub fn select_next_fault(&mut self, forward: bool) {
         let Some(shown) = self.shown() else { return };
         let positions = shown.plan().positions.iter().enumerate();
-        let faults: Vec<usize> = positions.filter(|(_, p)| p.contact.interferes()).map(|(k, _)| k).collect();
+        let faults: Vec<usize> =
+            positions.filter(|(_, p)| p.evaluation.contact.interferes()).map(|(k, _)| k).collect();
         let Some((&first, &last)) = faults.first().zip(faults.last()) else { return };
         let next = match (self.look.selected, forward) {
             (None, true) => first,

@@ -105,8 +105,7 @@ impl Engine {
                 (coming.floor_of(&stage), coming.programs())
             };
             // Sorted without the lock, so that other policies can report their stages.
-            let plan = stage.plan();
-            let program = floor.zip(plan).map(|(floor, plan)| program_of(plan, &floor, &known));
+            let program = floor.and_then(|floor| Some(program_of(stage.cutters()?, &floor, &known)));
             let mut coming = lock();
             coming.add_stage(stage, program);
             slot.put(coming.clone());

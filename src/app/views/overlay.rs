@@ -10,7 +10,7 @@ use crate::app::model::cutter_colours::CutterColours;
 use crate::app::model::look::{Arrangement, Layers, Look, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::Side;
-use crate::app::model::preview::{PreviewCutters, PreviewStage};
+use crate::app::model::preview::PreviewCutters;
 use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
@@ -103,10 +103,10 @@ pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Previ
             ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
         }
         let Some(coming) = coming else { return };
-        let is_warm_start = coming.stage == PreviewStage::WarmStart;
+        let is_warm_start = coming.is_warm_start();
         let axes = if is_warm_start { ", axes as before" } else { "" };
-        let policy = format!("{}{axes}", policy_label(coming.plan.policy).to_lowercase());
-        let count = coming.plan.positions.len();
+        let policy = format!("{}{axes}", policy_label(coming.policy()).to_lowercase());
+        let count = coming.count();
         let (words, colour) = match coming.interfering_count() {
             None => (format!("New {policy}: {count} positions, not checked yet"), ui.visuals().text_color()),
             Some(0) => {

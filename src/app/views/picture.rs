@@ -8,7 +8,7 @@ use eframe::egui_wgpu::RenderState;
 use egui::{TextureId, Vec2};
 use glam::Vec3;
 
-use crate::drawing::cutters::{cutter_set, preview_cutters};
+use crate::drawing::cutters::cutter_set;
 use crate::drawing::flank::{self, FlankColours};
 use crate::drawing::floor::{contact_mesh, floor_meshes, value_mesh};
 use crate::gpu::camera::Camera;
@@ -432,12 +432,12 @@ impl SidePicture {
     /// Shows the preview cutters of a running plan instead of the plan's; `None`: no preview.
     pub fn load_preview(&mut self, coming: Option<&PreviewCutters>) {
         let same = match (&self.coming, coming) {
-            (Some(a), Some(b)) => Arc::ptr_eq(&a.plan, &b.plan) && a.is_checked() == b.is_checked(),
+            (Some(a), Some(b)) => a.is_same(b),
             (None, None) => true,
             _ => false,
         };
         if !same {
-            self.scene.set_preview(coming.map(|coming| preview_cutters(&coming.plan, coming.is_checked())));
+            self.scene.set_preview(coming.map(PreviewCutters::drawn));
             self.coming = coming.cloned();
             self.generation += 1;
         }

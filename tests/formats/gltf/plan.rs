@@ -8,7 +8,7 @@ use vanecut::mesh::tessellate::Tessellation;
 use vanecut::palette::{ColourMap, colour_of_value};
 use vanecut::part::Impeller;
 use vanecut::plunge::PlungePlan;
-use vanecut::plunge::plan::{Blocked, Position, SectionPlan};
+use vanecut::plunge::plan::{Blocked, Evaluation, Position, SectionPlan};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use vanecut::stock::{FloorGrid, FloorSource};
 
@@ -26,20 +26,22 @@ fn position(k: usize) -> Position {
     Position {
         tip,
         axis,
-        retract: tip + axis * 40.0,
         section: k % 2,
         row: 0,
         s: 0.9,
         lambda: 0.5,
         alpha_rad: 0.1,
         contact_point: tip,
-        contact: CoreContact { depth: if k.is_multiple_of(3) { 0.4 } else { 0.0 }, area_share: 0.0 },
         lift: 0.0,
         blocked: (k == 4).then_some(Blocked::Walls),
         limited_by: None,
         hub_clearance: 0.5,
         blade_clearance: f64::NAN,
-        retract_clearance: 2.0,
+        evaluation: Evaluation {
+            contact: CoreContact { depth: if k.is_multiple_of(3) { 0.4 } else { 0.0 }, area_share: 0.0 },
+            retract: tip + axis * 40.0,
+            retract_clearance: 2.0,
+        },
     }
 }
 

@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let at = |k: usize| &plan.positions[k];
     let curves = [
         curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
-        curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).contact.depth),
+        curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).evaluation.contact.depth),
         curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
         curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
     ];

@@ -131,7 +131,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                     row.col(|ui| cell(ui, RichText::new(text)));
                 }
                 row.col(|ui| {
-                    let text = RichText::new(depth(position.contact.depth));
+                    let text = RichText::new(depth(position.evaluation.contact.depth));
                     let colour = Condition::Interfering.text(ui.visuals());
                     cell(ui, if of == Condition::Interfering { text.color(colour).strong() } else { text });
                 });
@@ -252,7 +252,7 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             let place = format!("section {}, row {}", position.section + 1, position.row + 1);
             fact("Location", format!("{place}, T{} Ø{}", tool.number, tool.diameter));
         }
-        let contact = position.contact;
+        let contact = position.evaluation.contact;
         if contact.interferes() {
             fact(
                 "Core hits stock",
@@ -286,11 +286,11 @@ fn remarks(ui: &mut Ui, position: &Position) {
 /// Tooltip of a row.
 fn row_tooltip(ui: &mut Ui, k: usize, position: &Position) {
     ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().label())).strong());
-    if position.contact.interferes() {
-        let share = 100.0 * position.contact.area_share;
+    if position.evaluation.contact.interferes() {
+        let share = 100.0 * position.evaluation.contact.area_share;
         ui.label(format!(
             "Core hits stock {:.2} mm above the tip, {share:.0} % of its area",
-            position.contact.depth
+            position.evaluation.contact.depth
         ));
     }
     remarks(ui, position);

@@ -237,9 +237,9 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
         facts.push(format!("ends {:.2} mm above full depth", position.lift));
     }
     ui.add(egui::Label::new(RichText::new(facts.join(", ")).small()).wrap());
-    if position.contact.interferes() {
-        let share = 100.0 * position.contact.area_share;
-        let depth = position.contact.depth;
+    if position.evaluation.contact.interferes() {
+        let share = 100.0 * position.evaluation.contact.area_share;
+        let depth = position.evaluation.contact.depth;
         let text = format!("Core hits stock {depth:.2} mm above the tip, {share:.0} % of its area");
         let colour = Condition::Interfering.text(ui.visuals());
         ui.label(RichText::new(text).small().strong().color(colour));

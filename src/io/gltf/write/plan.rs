@@ -181,9 +181,9 @@ fn position_facts(index: usize, p: &Position) -> Value {
         "lambda": p.lambda,
         "tip": [p.tip.x, p.tip.y, p.tip.z],
         "axis": [p.axis.x, p.axis.y, p.axis.z],
-        "retract": [p.retract.x, p.retract.y, p.retract.z],
+        "retract": [p.evaluation.retract.x, p.evaluation.retract.y, p.evaluation.retract.z],
         "condition": p.condition().word(),
-        "contact_depth": p.contact.depth,
+        "contact_depth": p.evaluation.contact.depth,
         "hub_clearance": p.hub_clearance,
         "blade_clearance": p.blade_clearance,
     })
