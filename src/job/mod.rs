@@ -22,7 +22,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
-use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, sections};
+use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, cutting_order, sections};
 use crate::setup::{AxisPolicy, Setup, SetupFault};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
@@ -140,7 +140,8 @@ impl From<PlanError> for JobError {
 /// # Errors
 /// [`SetupFault`] when part and setup are incompatible.
 pub fn resolve(setup: &Setup, workpiece: &Workpiece) -> Result<Resolved, SetupFault> {
-    sections::resolve(setup, plunge_cutters(), workpiece)
+    let resolved = sections::resolve(setup, plunge_cutters(), workpiece)?;
+    Ok(cutting_order::arrange(workpiece, resolved))
 }
 
 /// Plans one channel, without a cache of earlier plans.

@@ -3,6 +3,7 @@
 //! | stage | file |
 //! |---|---|
 //! | which tool cuts which section | [`sections`], [`survey`], [`choice`] |
+//! | which sections are cut from the inlet | [`cutting_order`] |
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
 //! | 3 axis optimisation | [`monotone`], `minimal`; rows of the policies that plan row by row: `row_plan` |
@@ -22,6 +23,7 @@ mod assembly;
 pub mod channels;
 pub mod choice;
 mod cut;
+pub mod cutting_order;
 pub mod cycle;
 mod evaluation;
 mod fit_table;

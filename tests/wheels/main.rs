@@ -12,8 +12,10 @@ use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::write_native;
+use vanecut::job::{PlanRequest, run};
+use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::setup::Setup;
+use vanecut::setup::{AxisPolicy, CutDirection, Setup};
 
 use make::Wheel;
 
@@ -75,6 +77,36 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
 
 /// Wheels of the default test run, (seed, index): several kinds, chosen for plans with few positions.
 const GATE: [(u64, usize); 4] = [(7, 9), (1, 10), (1, 11), (1, 14)];
+
+/// Blades that lean along the rows let no axis lean towards the inlet; from the outlet more than half of the
+/// floor would stay uncut.
+#[test]
+fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
+    for (seed, index) in [(9, 22), (41, 42)] {
+        let wheel = make::wheel(seed, index);
+        let part = open(&wheel);
+        let request = PlanRequest {
+            setup: Setup::for_part(&part),
+            part: part.into(),
+            policy: AxisPolicy::Minimal,
+            compare: false,
+            field_cells: 128,
+        };
+        let outcome = run(&request, &Monitor::default()).expect("a plan");
+        let place = format!("seed {seed}, {} ({})", wheel.description.name, wheel.remarks);
+        let sections = &outcome.setup.plunge.sections;
+        let from_inlet: Vec<_> = sections
+            .iter()
+            .filter(|section| section.cut_direction == Some(CutDirection::InletToOutlet))
+            .collect();
+        assert!(from_inlet.len() > 1, "{place}: {sections:?}");
+        assert_eq!(from_inlet[0].to, 0.0, "{place}: the innermost one first");
+        assert!(from_inlet.windows(2).all(|pair| pair[0].from == pair[1].to), "{place}: then outwards");
+        let summary = &outcome.after.summary;
+        assert_eq!(summary.interfering, 0, "{place}");
+        assert!(summary.uncut_share < 0.05, "{place}: {} uncut", summary.uncut_share);
+    }
+}
 
 /// A number from an environment variable.
 fn variable(name: &str) -> Option<u64> {
