@@ -164,7 +164,8 @@ fn the_model_of_the_window_knows_no_egui_and_tasks_no_views() {
 
 #[test]
 fn what_a_part_of_the_window_must_not_name_is_seen() {
-    let code = "use crate::app::views::theme;\nuse crate::app::{\n    model::state, tasks};\nfn f(c: &egui::Context) {}";
+    let code = "use crate::app::views::theme;\nuse crate::app::{\n    model::state, tasks};\n\
+        fn f(c: &egui::Context) {}";
     let names = |own| faults_of_app_part(own, code).into_iter().map(|(line, name)| format!("{line} {name}"));
     assert_eq!(names(0).collect::<Vec<_>>(), ["1 views", "2 tasks", "4 egui"]);
     assert_eq!(names(1).collect::<Vec<_>>(), ["1 views", "4 egui"]);

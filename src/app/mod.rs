@@ -2,7 +2,7 @@
 //!
 //! | folder | holds | may use |
 //! |---|---|---|
-//! | [`model`] | document, results, look, and the rules that connect them; knows no egui | the core, the meshes and colours of `gpu` |
+//! | [`model`] | document, results, look, and the rules that connect them; knows no egui | the core, meshes of `gpu` |
 //! | [`tasks`] | work in the background: reading, planning, writing, simulating; knows no egui | `model` |
 //! | [`views`] | panels, 3D views, menus, dialogs | `model`, `tasks` |
 //! | [`control`] | what connects them: commands, results of tasks, project, export | all |
@@ -41,6 +41,7 @@ use tasks::files;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
 use tasks::work::{PROGRESS_EVERY, Work};
+use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
 use views::dialogs::Dialogs;
 use views::help::Help;
@@ -77,6 +78,7 @@ pub struct App {
     session: Session,
     export: ExportSettings,
     export_dialog: ExportDialog,
+    channels_dialog: ChannelsDialog,
     /// The question about a program with something against it, while it is open.
     release: Option<ReleaseQuestion>,
     roles: RolesDialog,
@@ -120,6 +122,7 @@ impl App {
             session: Session::default(),
             export: ExportSettings::default(),
             export_dialog: ExportDialog::default(),
+            channels_dialog: ChannelsDialog::default(),
             release: None,
             roles: RolesDialog::default(),
             device,
@@ -197,7 +200,7 @@ impl App {
         let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
         match &paths[..] {
             [] => {}
-            [path] if files::is_setup(path) => self.open_file(path.clone()),
+            [path] if files::is_setup(path) || files::is_program(path) => self.open_file(path.clone()),
             [path] => self.run_guarded(ctx, Pending::Open(path.clone())),
             // A part together with its setup.
             many => {
@@ -293,6 +296,7 @@ impl eframe::App for App {
         // While a dialog or the command search is open, shortcuts are disabled.
         let asks = self.session.is_asking()
             || self.export_dialog.is_open()
+            || self.channels_dialog.is_open()
             || self.release.is_some()
             || self.roles.is_open()
             || self.dialogs.is_asking()
@@ -341,6 +345,7 @@ impl eframe::App for App {
                 ui.horizontal_wrapped(|ui| match self.state.look.operation {
                     Operation::Roughing => panels::verdict::show(ui, &self.state),
                     Operation::Flank => panels::flank_results::verdict(ui, &self.state),
+                    Operation::Program => panels::program::verdict(ui, &self.state),
                 });
             });
         }
@@ -376,10 +381,12 @@ impl eframe::App for App {
         if let Some(command) = command {
             self.run_command(ui.ctx(), command);
         }
+        self.large_section(ui);
         self.help.show(ui, &self.device);
         self.ask_unsaved(ui);
         self.ask_release(ui);
         self.ask_export(ui);
+        self.ask_channels(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.
         if !self.is_dragging_border {

@@ -11,16 +11,11 @@ use super::plan::FIELD_CELLS;
 use super::report::PlanFigures;
 use super::{Failure, open, print_stdout, report};
 use crate::error::ErrorCode;
-use crate::io::apt::read_apt_bytes;
-use crate::io::machine_file::read_machine;
-use crate::io::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
-use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::machine::PlacedPart;
+use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::part::Impeller;
 use crate::plunge::sections::check_part;
-use crate::setup::{Setup, Tool};
-use crate::toolpath::{ClProgram, ClWarning};
-use crate::verify::{Fault, FaultKind, PlungeReport, report_plunges, verify_flank};
+use crate::toolpath::ClWarning;
+use crate::verify::{Fault, PlungeReport, report_plunges, verify_flank};
 
 /// Number of faults that are printed; further ones are only counted.
 const MAX_SHOWN: usize = 20;
@@ -39,7 +34,9 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     check_part(&opened.setup, &part).map_err(|fault| opened.failure(fault))?;
     let setup = &opened.setup;
     let (name, bytes) = open::named_bytes(&args.program)?;
-    let (program, overruns) = read_program(args, &part, setup, &name, &bytes)?;
+    let target =
+        args.machine.as_deref().map(|machine| NcTarget { machine, control: args.control.as_deref() });
+    let (program, overruns) = read_program_bytes(&name, &bytes, target, &part, setup)?;
     let workpiece = setup.allowances.workpiece_of(part);
     let part = &workpiece.part;
     let unjudged = |fault: Fault| Failure::of_fault(&name, fault);
@@ -50,7 +47,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         let report = report_plunges(&workpiece, setup, &program, FIELD_CELLS).map_err(unjudged)?;
         (plunge_object(part, &report), plunge_text(&report), report.verdict.faults)
     };
-    faults.extend(overruns.iter().map(overrun_fault));
+    faults.extend(overruns);
     faults.sort_by_key(|fault| fault.line);
     if args.json {
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
@@ -76,34 +73,6 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         n => format!("{n} faults found"),
     };
     Err(Failure::work(ErrorCode::ProgramFaults, what, "correct the program").at(name))
-}
-
-/// The program to judge: APT, or with a machine the NC program posted for it, with positions beyond limits.
-fn read_program(
-    args: &VerifyArgs,
-    part: &Impeller,
-    setup: &Setup,
-    name: &str,
-    bytes: &[u8],
-) -> Result<(ClProgram, Vec<AxisOverrun>), Failure> {
-    let Some(machine) = args.machine.as_deref().filter(|_| !is_apt(bytes)) else {
-        return Ok((read_apt_bytes(name, bytes)?, Vec::new()));
-    };
-    let machine = read_machine(machine)?;
-    let post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
-    let library = [plunge_cutters(), flank_cutters()].concat();
-    let tools: Vec<Tool> = setup.tools.iter().chain(&library).cloned().collect();
-    let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
-    let context = ReadContext { machine: &machine, placed, tools: &tools };
-    let reading = read_nc(name, bytes, post.dialect, &context)?;
-    Ok((reading.program, reading.overruns))
-}
-
-/// The fault of a position beyond the limits of an axis.
-fn overrun_fault(overrun: &AxisOverrun) -> Fault {
-    let AxisOverrun { line, letter, value, limits: (low, high) } = overrun;
-    let message = format!("{letter}{value:.3} is beyond the limits {low:.1} … {high:.1} of the axis");
-    Fault { line: *line, kind: FaultKind::AxisLimit, value: Some(*value), message, help: String::new() }
 }
 
 /// The JSON object of a plunge program.

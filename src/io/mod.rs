@@ -15,6 +15,7 @@ pub mod native;
 pub mod nc;
 pub mod part_file;
 pub mod plan_file;
+pub mod program_file;
 pub mod project_file;
 pub mod setup_file;
 pub mod shop_tools;

@@ -1,10 +1,10 @@
-//! Sectional view of one position of a finished plan: the cut through its axis along its row. For display
-//! only.
+//! Sectional view of one position of a finished plan: a cut through its axis, along its row or in another
+//! plane. For display only.
 //!
 //! Earlier cutters are drawn with sharp corners, the position's own cutter with its corner radius.
 //!
-//! Frame of the view: x along the feed direction of the row, y along the axis of the cutter, tip at (0, 0);
-//! mm.
+//! Frame of the view: x along a direction perpendicular to the axis (see [`CutPlane`]), y along the axis of
+//! the cutter, tip at (0, 0); mm.
 
 use super::plan::{PlungePlan, Position};
 use crate::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector, norm2};
@@ -14,15 +14,41 @@ use crate::setup::Tool;
 /// A point of the view: (x, y), mm.
 pub type SectionPoint = [f64; 2];
 
-/// Sectional view through the axis of a position, along its row.
+/// Plane of a sectional view; each contains the axis of the cutter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CutPlane {
+    /// Along the feed direction of the row.
+    #[default]
+    Row,
+    /// Across the row.
+    Across,
+    /// Through the point of the core that meets stock highest above the bottom; without contact as
+    /// [`Self::Row`].
+    Contact,
+    /// Along the meridian of the hub, towards the inlet.
+    Meridian,
+}
+
+impl CutPlane {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Row, Self::Across, Self::Contact, Self::Meridian];
+}
+
+/// Sectional view through the axis of a position.
 #[derive(Clone, Debug)]
 pub struct SectionView {
     /// The tip, origin of the view, in the frame of the part, mm.
     pub tip: Point,
     /// Unit axis, direction of y.
     pub axis: Vector,
-    /// Unit direction of x: the feed direction, perpendicular to the axis.
+    /// Unit feed direction, perpendicular to the axis.
     pub feed: Vector,
+    /// The plane.
+    pub plane: CutPlane,
+    /// Unit direction of x in the disc of the core: its parts along and across the feed direction.
+    pub x_in_disc: [f64; 2],
+    /// Point of the core that meets stock highest above the bottom; `None` where it meets none.
+    pub deepest: Option<PatchCell>,
     /// The finished hub.
     pub hub: Vec<SectionPoint>,
     /// The finished hub raised by the hub allowance.
@@ -63,13 +89,27 @@ const SAMPLES: usize = 241;
 const REACH: f64 = 2.2;
 /// Number of cells across the core.
 const PATCH: usize = 25;
+/// Rings of points on which the deepest contact is searched: share of the core radius, number.
+const CONTACT_RINGS: [(f64, u32); 4] = [(1.0, 192), (0.75, 64), (0.5, 32), (0.25, 8)];
 /// Maximum steps and tolerance (mm) of the sphere tracing.
 const MAX_STEPS: usize = 96;
 const NEAR: f64 = 1e-4;
 
-/// Sectional view through position `index` of `plan`, with a hub allowance of `allowance` mm; `None` where
-/// the plan has no such position.
+/// Sectional view along the row through position `index` of `plan`, with a hub allowance of `allowance` mm;
+/// `None` where the plan has no such position.
 pub fn section_view(
+    part: &Impeller,
+    blank: &Blank,
+    allowance: f64,
+    plan: &PlungePlan,
+    index: usize,
+) -> Option<SectionView> {
+    section_view_in(CutPlane::Row, part, blank, allowance, plan, index)
+}
+
+/// The same in another plane.
+pub fn section_view_in(
+    plane: CutPlane,
     part: &Impeller,
     blank: &Blank,
     allowance: f64,
@@ -87,11 +127,33 @@ pub fn section_view(
     let cutter = tool.placed(tip, axis);
     let column = AxisLines { part, blank, axis, earlier: &earlier };
     let at = |x: f64, across: f64| tip + feed * x + side * across;
+    let deepest = column.deepest_contact(tool.core_radius(), reach, &at);
+    let x_in_disc = match plane {
+        CutPlane::Row => [1.0, 0.0],
+        CutPlane::Across => [0.0, 1.0],
+        CutPlane::Contact => match deepest {
+            Some(PatchCell { x, across, .. }) if norm2(x, across) > 1e-9 => {
+                // To the right where that is possible, as the row runs.
+                let length = norm2(x, across).copysign(if x < 0.0 { -1.0 } else { 1.0 });
+                [x / length, across / length]
+            }
+            _ => [1.0, 0.0],
+        },
+        CutPlane::Meridian => {
+            let inwards = towards_inlet(part, position);
+            let flat = [inwards.dot(&feed), inwards.dot(&side)];
+            let length = norm2(flat[0], flat[1]);
+            if length > 1e-9 { [flat[0] / length, flat[1] / length] } else { [1.0, 0.0] }
+        }
+    };
 
     let mut view = SectionView {
         tip,
         axis,
         feed,
+        plane,
+        x_in_disc,
+        deepest,
         hub: Vec::with_capacity(SAMPLES),
         allowance: Vec::new(),
         before: Vec::with_capacity(SAMPLES),
@@ -105,7 +167,7 @@ pub fn section_view(
     };
     for i in 0..SAMPLES {
         let x = reach * (2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0);
-        let origin = at(x, 0.0);
+        let origin = at(x * x_in_disc[0], x * x_in_disc[1]);
         let Some(hub) = column.hub(&origin, 0.0, reach) else { continue };
         view.hub.push([x, hub]);
         view.allowance.extend(column.hub(&origin, allowance, reach).map(|y| [x, y]));
@@ -149,6 +211,17 @@ impl SectionView {
         corner - (corner * corner - beyond * beyond).max(0.0).sqrt()
     }
 
+    /// Signed distance of the deepest contact from the plane of the view, mm; 0 without contact.
+    pub fn deepest_beside(&self) -> f64 {
+        let [along, across] = self.x_in_disc;
+        self.deepest.map_or(0.0, |cell| cell.across * along - cell.x * across)
+    }
+
+    /// Maximum contact depth in the plane of the view, mm.
+    pub fn contact_in_plane(&self) -> f64 {
+        self.contact.iter().map(|(_, [_, top])| *top).fold(0.0, f64::max)
+    }
+
     /// Maximum contact depth over the core, mm.
     pub fn contact_depth(&self) -> f64 {
         self.patch.iter().map(|cell| cell.depth).fold(0.0, f64::max)
@@ -168,14 +241,16 @@ pub fn feed_direction(part: &Impeller, plan: &PlungePlan, index: usize) -> Vecto
         (Some(a), None) => position.tip - a.tip,
         (None, Some(b)) => b.tip - position.tip,
         // The only position of its row: along the meridian, towards the inlet.
-        (None, None) => {
-            let theta = position.tip.y.atan2(position.tip.x);
-            let tangent = part.hub.at(position.s).tangent;
-            -tangent.direction_at_angle(theta)
-        }
+        (None, None) => towards_inlet(part, position),
     };
     let flat = along - position.axis * along.dot(&position.axis);
     if flat.norm() > 1e-9 { flat.normalize() } else { crate::geometry::frame_about(&position.axis).0 }
+}
+
+/// Unit tangent of the hub along its meridian at a position, towards the inlet.
+fn towards_inlet(part: &Impeller, position: &Position) -> Vector {
+    let theta = position.tip.y.atan2(position.tip.x);
+    -part.hub.at(position.s).tangent.direction_at_angle(theta)
 }
 
 /// Step from the previous position of the row to position `index`: the larger of the distances of the axes at
@@ -225,6 +300,25 @@ impl AxisLines<'_> {
     /// Height at which the line through `origin` meets the hub raised by `offset`, if it does within `reach`.
     fn hub(&self, origin: &Point, offset: f64, reach: f64) -> Option<f64> {
         sphere_trace(self.part.hub.curve(), offset, origin, &self.axis, reach)
+    }
+
+    /// The point of a core of `core` mm radius that meets stock highest, from points on rings; contact is
+    /// highest at the rim, where stock ends. `at` places a point of the disc.
+    fn deepest_contact(&self, core: f64, reach: f64, at: &impl Fn(f64, f64) -> Point) -> Option<PatchCell> {
+        let mut deepest: Option<PatchCell> = None;
+        for (share, lines) in CONTACT_RINGS {
+            for k in 0..lines {
+                let (sine, cosine) = (std::f64::consts::TAU * f64::from(k) / f64::from(lines)).sin_cos();
+                let (x, across) = (share * core * cosine, share * core * sine);
+                let origin = at(x, across);
+                let hub = self.hub(&origin, 0.0, reach).unwrap_or(-reach);
+                let depth = self.stock(&origin, hub, reach).last().map_or(0.0, |s| s[1].max(0.0));
+                if depth > deepest.map_or(0.0, |cell| cell.depth) {
+                    deepest = Some(PatchCell { x, across, depth });
+                }
+            }
+        }
+        deepest
     }
 
     /// Intervals of stock on the line, lowest first: from the hub up to the blank, less what earlier cutters

@@ -38,6 +38,31 @@ fn export(window: &mut Window) {
 }
 
 #[test]
+fn a_program_can_be_for_some_of_the_channels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("three.apt");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Export CL of several channels…").click();
+    window.run_steps(3);
+    window.get_by_label("of 17, from the first on");
+    window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(3.0);
+    window.run_steps(2);
+    window.get_by_label("Time 54 min, without tool changes");
+    window.get_by_label("Save as…").click();
+    window.run_steps(3);
+    settle(&mut window);
+    name_file(&mut window, &path);
+    press_enter(&mut window);
+    let program = vanecut::io::apt::read_apt(&path).expect("a CL file");
+    let positions = window.state().state().position_count();
+    assert_eq!(program.moves.len(), 3 * 3 * positions, "of three channels");
+}
+
+#[test]
 fn a_wrong_ending_is_refused_and_nothing_is_replaced_unasked() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("p.apt");

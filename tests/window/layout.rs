@@ -99,8 +99,15 @@ fn a_new_part_starts_with_its_own_scroll_places_and_open_headings() {
 }
 
 #[test]
-fn controls_over_the_picture_do_not_cover_each_other_in_a_small_window_or_at_150_percent() {
-    for (scale, size) in [(1.0, [800.0, 500.0]), (1.5, [853.0, 533.0]), (1.5, [1280.0, 720.0])] {
+fn controls_over_the_picture_do_not_cover_each_other_from_80_to_200_percent() {
+    let sizes = [
+        (0.8, [1600.0, 900.0]),
+        (1.0, [800.0, 500.0]),
+        (1.5, [853.0, 533.0]),
+        (1.5, [1280.0, 720.0]),
+        (2.0, [800.0, 500.0]),
+    ];
+    for (scale, size) in sizes {
         let (engine, _) = fake::engine();
         let mut window = sample_in(scaled(engine, scale));
         window.set_size(size.into());
@@ -136,7 +143,7 @@ fn one_operation_is_shown_at_a_time() {
     window.get_by_label("Calculate flank");
     window.get_by_role_and_label(Role::Slider, "Layer depth");
     assert!(window.query_by_role_and_label(Role::SpinButton, "Step").is_none(), "so are its fields");
-    window.get_by_role_and_label(Role::RadioButton, "Roughing: 18 min").click();
+    window.get_by_role_and_label(Role::RadioButton, "Roughing: 18 min, wheel 5.1 h").click();
     window.run_steps(3);
     window.get_by_label("Sort by contact");
     window.get_by_label("Scale maximum");

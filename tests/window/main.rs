@@ -15,6 +15,7 @@ mod layout;
 mod look;
 mod mouse;
 mod preview;
+mod program;
 mod project;
 mod real;
 mod release;
@@ -370,8 +371,8 @@ fn setup_cl_file_and_picture_are_written() {
     let path = |name: &str| folder.path().join(name);
     for (purpose, name) in [
         (Purpose::SaveSetup, "s.toml"),
-        (Purpose::ExportCl { all_channels: false }, "p.apt"),
-        (Purpose::ExportCl { all_channels: true }, "all.apt"),
+        (Purpose::ExportCl { channels: 1 }, "p.apt"),
+        (Purpose::ExportCl { channels: 17 }, "all.apt"),
         (Purpose::ExportScene, "s.glb"),
         (Purpose::SavePicture, "v.png"),
     ] {
@@ -400,11 +401,7 @@ fn setup_cl_file_and_picture_are_written() {
     let picture = std::fs::read(path("v.png")).expect("a picture");
     assert!(picture.starts_with(b"\x89PNG"), "a PNG");
     let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(
-        &ctx,
-        Purpose::ExportCl { all_channels: false },
-        path("no/such/folder/p.apt"),
-    );
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 1 }, path("no/such/folder/p.apt"));
     settle(&mut window);
     let notice = window.state().state().notice.clone().expect("a word about it");
     assert_eq!(notice.tone, Tone::Fault, "what cannot be written is said");
@@ -412,7 +409,7 @@ fn setup_cl_file_and_picture_are_written() {
     // The plan that is shown is written, not always that of "after".
     window.state_mut().look_mut().side = Side::Before;
     let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { all_channels: false }, path("before.apt"));
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 1 }, path("before.apt"));
     window.run_steps(2);
     assert!(!path("before.apt").exists(), "a plan that interferes is asked about first");
     window.get_by_label("Export anyway").click();

@@ -160,6 +160,20 @@ fn a_right_click_offers_what_can_be_done_with_the_position_there() {
 }
 
 #[test]
+fn a_cutter_under_the_pointer_says_how_and_when_it_cuts() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    let at = at_cutter(&window);
+    window.hover_at(at);
+    window.run_steps(10);
+    window.get_by_label_contains("T1 Ø30, section 1, row ");
+    window.get_by_label_contains("300 mm/min, 1200 rev/min");
+    window.get_by_label_contains("Cut after 0:");
+}
+
+#[test]
 fn beside_the_cutters_a_right_click_offers_views_and_layers() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);

@@ -153,7 +153,7 @@ fn a_crash_loses_nothing() {
     let mut second = window(engine.clone());
     second.state_mut().set_home(home.clone());
     second.run_steps(2);
-    second.get_by_label("Unsaved changes of the last session");
+    second.get_by_label("Unsaved changes of p, just now");
     second.get_by_label("Recover").click();
     second.run_steps(2);
     settle(&mut second);

@@ -4,9 +4,10 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::state::Tone;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::plunge::inspect::{CutPlane, section_view_in};
 use vanecut::setup::AxisPolicy;
 
-use crate::harness::{settle, with_sample};
+use crate::harness::{Window, settle, with_sample};
 
 #[test]
 fn the_count_of_interferential_positions_falls_to_none() {
@@ -28,6 +29,52 @@ fn the_count_of_interferential_positions_falls_to_none() {
     assert_eq!(after.interfering, 0, "the one by our policy does not");
     let verdict = format!("Interfering {} to 0", before.interfering);
     window.get_by_label(&verdict);
+}
+
+#[test]
+fn the_timeline_jumps_to_tools_and_sections_and_the_cut_explains_the_worst_contact() {
+    let mut window = with_sample(Engine::default());
+    let tool = |window: &Window| {
+        let state = window.state().state();
+        let section = state.selected().expect("selected").section;
+        state.shown().expect("planned").plan().sections[section].tool.number
+    };
+    window.key_press(egui::Key::T);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.cut_count, Some(1), "the first tool");
+    let first = tool(&window);
+    window.key_press(egui::Key::T);
+    window.run_steps(2);
+    let (second, cut) = (tool(&window), window.state().state().look.cut_count.expect("a place"));
+    assert!(second != first && cut > 1, "{first}, then {second} at {cut}");
+    window.key_press(egui::Key::ArrowLeft);
+    window.run_steps(2);
+    assert_eq!(tool(&window), first, "the plunge before is of the tool before");
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::T);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.cut_count, Some(1));
+    window.key_press(egui::Key::C);
+    window.run_steps(2);
+    assert!(window.state().state().look.cut_count.is_some_and(|at| at > 1 && at <= cut), "a section");
+
+    let state = window.state().state();
+    let planned = state.results.planned.as_ref().expect("planned");
+    let (plan, workpiece) = (&planned.outcome.before.plan, &planned.outcome.workpiece);
+    let depth = |k: &usize| plan.positions[*k].evaluation.contact.depth;
+    let worst = (0..plan.positions.len()).max_by(|a, b| depth(a).total_cmp(&depth(b))).expect("a position");
+    let view = |plane| {
+        section_view_in(plane, &workpiece.part, &workpiece.blank, 0.5, plan, worst).expect("a position")
+    };
+    let through = view(CutPlane::Contact);
+    let exact = depth(&worst);
+    assert!(through.deepest_beside().abs() < 1e-9, "in the plane");
+    assert!(through.contact_in_plane() > 0.9 * exact, "{} of {exact}", through.contact_in_plane());
+    let along = view(CutPlane::Row);
+    let shown = along.contact_in_plane();
+    assert!(
+        shown > 0.9 * exact || along.deepest_beside().abs() > 0.3,
+        "or it lies beside: {shown} of {exact}"
+    );
 }
 
 #[test]

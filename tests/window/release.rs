@@ -8,7 +8,7 @@ use vanecut::app::model::planned::Side;
 use crate::fake;
 use crate::harness::{settle, with_sample};
 
-const ONE_CHANNEL: Purpose = Purpose::ExportCl { all_channels: false };
+const ONE_CHANNEL: Purpose = Purpose::ExportCl { channels: 1 };
 
 #[test]
 fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {

@@ -1,10 +1,10 @@
 //! Sectional view, plots along the row and timeline.
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::fake;
-use crate::harness::{press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, press, settle, snapshot_view, with_sample};
 
 #[test]
 fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
@@ -23,6 +23,51 @@ fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
     window.get_by_label("Figures").click();
     window.run_steps(3);
     window.get_by_label("Tool tip X Y Z");
+}
+
+#[test]
+fn the_cut_can_be_chosen_zoomed_and_enlarged() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 760.0));
+    window.run_steps(3);
+    window.key_press(egui::Key::B);
+    window.key_press(egui::Key::N);
+    window.run_steps(4);
+    settle(&mut window);
+    let k = window.state().state().look.selected.expect("a fault");
+    let cut = |window: &Window| {
+        window.get_by_role_and_label(Role::ComboBox, "Cut").accesskit_node().value().expect("a plane")
+    };
+    assert_eq!(cut(&window), "Through contact", "where the core meets stock");
+    window.get_by_role_and_label(Role::ComboBox, "Cut").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, "Across the row").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(cut(&window), "Across the row");
+    let name = format!("Sectional view through position {}", k + 1);
+    let at = window.get_by_label(&name).rect().center();
+    window.hover_at(at);
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, 240.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    window.run_steps(12);
+    let zoom = window.state().state().look.sectional.zoom;
+    assert!(zoom > 1.5, "zoomed: {zoom}");
+    window.get_by_label("Fit cut").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.sectional.zoom, 1.0);
+    let small = window.get_by_label(&name).rect();
+    window.get_by_label("Enlarge").click();
+    window.run_steps(4);
+    let large = window.get_by_label(&format!("Enlarged sectional view through position {}", k + 1)).rect();
+    assert!(large.area() > 2.0 * small.area(), "{large} for {small}");
+    snapshot_view(&mut window, "section_enlarged");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, with_sample};
+use crate::harness::{Window, press, settle, snapshot_view, with_sample};
 
 /// A window with many plunges in small steps.
 fn with_many() -> Window {
@@ -72,6 +72,38 @@ fn playing_can_loop_and_has_a_clock() {
 }
 
 #[test]
+fn a_click_on_a_class_of_the_legend_hides_its_cutters() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 700.0));
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    let tip = window.state().state().shown().expect("planned").plan().positions[8].clone();
+    let inside = tip.tip + tip.axis * 3.0;
+    let pick = |window: &mut Window| {
+        let rect = window.get_by_label("3D view").rect();
+        let camera = window.state().camera().expect("a camera");
+        let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
+        let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");
+        window.state_mut().look_mut().selected = None;
+        press(window, rect.min + egui::vec2(pixel.x, pixel.y));
+        window.run_steps(3);
+        window.state().state().look.selected
+    };
+    assert!(pick(&mut window).is_some(), "a cutter is there");
+    window.get_by_role_and_label(Role::Button, "blocked, 3 %");
+    window.get_by_role_and_label(Role::Button, "OK, 97 %").click();
+    window.run_steps(4);
+    settle(&mut window);
+    assert_eq!(pick(&mut window), None, "hidden");
+    snapshot_view(&mut window, "class_hidden");
+    window.get_by_role_and_label(Role::Button, "OK, 97 %").click();
+    window.run_steps(4);
+    assert!(pick(&mut window).is_some(), "shown again");
+}
+
+#[test]
 fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
@@ -89,6 +121,10 @@ fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
     };
     choose(&mut window, "Tool");
     window.get_by_label("T1 Ø30, 100 %");
+    choose(&mut window, "Section");
+    window.get_by_label("Section 1, 100 %");
+    choose(&mut window, "Feed rate");
+    window.get_by_label("300 mm/min");
     choose(&mut window, "Lead angle");
     let plan = window.state().state().shown().expect("planned").plan();
     let last = plan.positions[plan.positions.len() - 1].alpha_rad.to_degrees();

@@ -44,7 +44,9 @@ impl App {
     /// Opens a project, setup or part, depending on the file.
     pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
         self.dialogs.note_folder(&path);
-        if files::is_project(&path) {
+        if files::is_program(&path) {
+            self.check_program(path);
+        } else if files::is_project(&path) {
             self.submit_open(OpenTask::Project(path, None));
         } else if files::is_setup(&path) {
             self.open_files(None, Some(path));
@@ -84,6 +86,7 @@ impl App {
     /// will follow.
     pub(in crate::app) fn plan_edits(&mut self, held: bool) {
         self.plan_flank_edits(held);
+        self.check_edits(held);
         let (true, Some(asked)) = (self.state.auto_update, &self.work.asked) else { return };
         let same = asked.setup.equals_except_flank(&self.state.document.edited.setup);
         let enough = held || (!asked.draft && asked.compare == self.state.compare);
@@ -122,6 +125,7 @@ impl App {
         self.work.opener.cancel();
         self.work.planner.stop();
         self.work.flanker.cancel();
+        self.work.checker.cancel();
     }
 
     /// Plans flank milling passes with the current setup.
@@ -200,6 +204,9 @@ impl App {
         self.collect_coming();
         if let Some((_, end)) = self.work.flanker.take_outcome() {
             self.take_flank(end);
+        }
+        if let Some((_, end)) = self.work.checker.take_outcome() {
+            self.take_checked(end);
         }
         if let Some((_, end)) = self.work.writer.take_outcome() {
             match end {
@@ -306,15 +313,16 @@ impl App {
             Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
             Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
+            Purpose::CheckProgram => self.check_program(path),
             Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
             Purpose::SaveSetup => {
                 self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }
-            Purpose::ExportCl { all_channels } => {
+            Purpose::ExportCl { channels } => {
                 if let Some(ShownPlan { planned, policy }) = self.state.last_whole_plan(self.state.look.side)
                 {
                     let planned = planned.clone();
-                    self.write(WriteTask::Cl(path, ClTask { planned, policy, all_channels }));
+                    self.write(WriteTask::Cl(path, ClTask { planned, policy, channels }));
                 }
             }
             Purpose::ExportFlank => {

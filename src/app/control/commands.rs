@@ -12,6 +12,7 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Arrangement, Operation, Tab};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::Side;
+use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
 use crate::app::views::help::HelpPage;
 
@@ -25,6 +26,10 @@ impl App {
             C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::PlanFlank => open,
+            C::CheckProgram => open,
+            C::CheckAgain | C::CloseProgram => {
+                self.state.results.checked.is_some() || self.work.asked_check.is_some()
+            }
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::ExportScene
             | C::SaveSetup
@@ -39,13 +44,20 @@ impl App {
             C::ExportStock
             | C::Stock
             | C::ExportCl
+            | C::ExportClSome
             | C::ExportClAll
             | C::BeforeAfter
             | C::SideBySide
             | C::Wipe
             | C::Difference
             | C::ViewSection => self.state.results.planned.is_some(),
+            C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow if self.is_program() => {
+                self.state.results.checked.as_ref().is_some_and(|checked| !checked.findings.is_empty())
+            }
             C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow | C::Play | C::StepForward => {
+                self.state.position_count() > 0
+            }
+            C::NextTool | C::PreviousTool | C::NextSection | C::PreviousSection => {
                 self.state.position_count() > 0
             }
             C::StepBack | C::LeapForward | C::LeapBack | C::ToBlank | C::ToEnd => {
@@ -82,8 +94,16 @@ impl App {
             C::SaveSetup => {
                 self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
             }
-            C::ExportCl => self.ask_for_cl_file(ctx, false),
-            C::ExportClAll => self.ask_for_cl_file(ctx, true),
+            C::CheckProgram => self.dialogs.open_dialog(ctx, Purpose::CheckProgram, String::new()),
+            C::CheckAgain => self.check_again(),
+            C::CloseProgram => self.close_program(),
+            C::ExportCl => self.ask_for_cl_file(ctx, 1),
+            C::ExportClSome => self.channels_dialog.open(self.channel_count()),
+            C::ExportClAll => self.ask_for_cl_file(ctx, self.channel_count()),
+            C::NextTool => self.state.jump_to_boundary(Boundary::Tool, true),
+            C::PreviousTool => self.state.jump_to_boundary(Boundary::Tool, false),
+            C::NextSection => self.state.jump_to_boundary(Boundary::Section, true),
+            C::PreviousSection => self.state.jump_to_boundary(Boundary::Section, false),
             C::ExportScene => {
                 self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
             }
@@ -181,16 +201,26 @@ impl App {
     }
 
     /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the
-    /// side "before" is shown, and whether the program is for all channels.
-    fn ask_for_cl_file(&mut self, ctx: &Context, all_channels: bool) {
+    /// side "before" is shown, and of how many channels the program is.
+    pub(in crate::app) fn ask_for_cl_file(&mut self, ctx: &Context, channels: usize) {
         let side = self.state.look.side;
         let policy = match self.state.last_whole_plan(side) {
             Some(shown) if side == Side::Before => format!("-{}", shown.policy.name()),
             _ => String::new(),
         };
-        let channels = if all_channels { "-all-channels" } else { "" };
-        let name = self.suggest_file_name(&format!("plunge{policy}{channels}.apt"));
-        self.dialogs.open_dialog(ctx, Purpose::ExportCl { all_channels }, name);
+        let all = self.channel_count();
+        let of_channels = match channels {
+            1 => String::new(),
+            n if n == all => "-all-channels".to_owned(),
+            n => format!("-{n}-channels"),
+        };
+        let name = self.suggest_file_name(&format!("plunge{policy}{of_channels}.apt"));
+        self.dialogs.open_dialog(ctx, Purpose::ExportCl { channels }, name);
+    }
+
+    /// Number of channels of the open part; 1 without one.
+    pub(in crate::app) fn channel_count(&self) -> usize {
+        self.state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count.max(1))
     }
 
     /// Proposed name of a file saved from the part.
@@ -199,6 +229,11 @@ impl App {
             Some(part) => format!("{}_{ending}", part.impeller.name),
             None => ending.to_owned(),
         }
+    }
+
+    /// Whether a checked program is shown.
+    fn is_program(&self) -> bool {
+        self.state.look.operation == Operation::Program
     }
 
     /// Index of the section of the selected position, else 0.

@@ -56,6 +56,15 @@ impl App {
         &mut self.export
     }
 
+    /// Asks how many channels a program is for, while that is due.
+    pub(in crate::app) fn ask_channels(&mut self, ui: &Ui) {
+        let shown = self.state.last_whole_plan(self.state.look.side);
+        let time = shown.map(|shown| shown.planned.result(shown.policy).summary.time_estimate);
+        if let Some(channels) = self.channels_dialog.show(ui, time) {
+            self.ask_for_cl_file(ui.ctx(), channels);
+        }
+    }
+
     /// Draws the picture dialog.
     pub(in crate::app) fn ask_export(&mut self, ui: &Ui) {
         let screen = self.screen_size();
@@ -89,14 +98,17 @@ impl App {
         let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
+        let program = self.state.shown_program().cloned();
         let flank =
             self.state.shown_flank().map(|(outcome, colours)| (std::sync::Arc::clone(outcome), colours));
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
-        picture.load_cutter_colours(self.state.look.layers.cutter_colours);
+        let look = &self.state.look;
+        picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
         // A file cannot show the badge of a preview, so leave the preview out.
         picture.load_preview(None);
         picture.load_flank(flank);
+        picture.load_program(program.as_ref());
         match picture.export(&camera, &options, size) {
             Ok(mut picture) => {
                 if settings.legend {

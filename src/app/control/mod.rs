@@ -1,6 +1,7 @@
 //! What connects model, tasks and views: commands, results of tasks, project, export, lost devices.
 
 pub(in crate::app) mod background;
+pub(in crate::app) mod check;
 pub(in crate::app) mod commands;
 pub(in crate::app) mod export;
 pub mod handover;

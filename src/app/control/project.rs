@@ -62,7 +62,7 @@ impl App {
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
         self.state.recents = home.recents();
-        self.state.recoverable = home.recovery_copies();
+        self.state.recoverable = home.recovery_copies().into_iter().map(home::recovery_copy).collect();
         self.state.look.mouse = home.preferences().mouse;
         self.session.home = Some(home);
     }
@@ -209,7 +209,7 @@ impl App {
                 "check setup and variants, then save the project again",
             ));
         }
-        let recovered = self.state.recoverable.contains(&path);
+        let recovered = self.state.recoverable.iter().any(|copy| copy.path == path);
         if recovered {
             self.state.document.path.clone_from(&project.original);
             self.state.document.mark_unsaved();
@@ -227,7 +227,7 @@ impl App {
 
     /// Discards a recovery copy of another session.
     pub(in crate::app) fn drop_recoverable(&mut self, path: &Path) {
-        self.state.recoverable.retain(|known| known != path);
+        self.state.recoverable.retain(|copy| copy.path != path);
         home::remove_copy(path);
     }
 

@@ -1,9 +1,21 @@
 //! Figures of plans as texts, and the limits of what counts as good.
 
 use crate::job::Summary;
+use crate::plunge::plan::Condition;
 
 /// Largest share of the accessible floor that may stay uncut without a warning.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
+
+impl Condition {
+    /// Name on screen.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Sound => "OK",
+            Self::Blocked => "blocked",
+            Self::Interfering => "interfering",
+        }
+    }
+}
 
 /// Mean and 95th percentile of the residual stock, mm.
 pub fn format_residual(summary: &Summary) -> String {
@@ -33,4 +45,10 @@ pub fn format_duration(seconds: f64) -> String {
 pub fn format_times(seconds: f64, channels: usize) -> String {
     let wheel = format_duration(seconds * channels as f64);
     format!("{} per channel, {wheel} wheel", format_duration(seconds))
+}
+
+/// Time as h:mm:ss, from seconds.
+pub fn format_clock(seconds: f64) -> String {
+    let whole = seconds.round().clamp(0.0, 1e9) as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
 }

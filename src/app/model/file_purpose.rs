@@ -4,6 +4,10 @@ use std::path::Path;
 
 use crate::io::project_file::EXTENSION;
 
+/// Endings of programs: APT, and NC code of the known controls.
+pub const PROGRAM_ENDINGS: &[&str] =
+    &["apt", "cl", "aptsource", "nc", "ngc", "mpf", "spf", "h", "i", "tap", "cnc", "iso", "gcode"];
+
 /// Purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -21,8 +25,8 @@ pub enum Purpose {
     SaveSetup,
     /// Target of the CL file of the shown plunge plan.
     ExportCl {
-        /// Whether the program is for all channels, or for the first only.
-        all_channels: bool,
+        /// Number of channels that the program mills, from the first on.
+        channels: usize,
     },
     /// Target of the flank plan's CL file.
     ExportFlank,
@@ -30,6 +34,8 @@ pub enum Purpose {
     ExportScene,
     /// Target of the stock as a solid.
     ExportStock,
+    /// A program to check.
+    CheckProgram,
     /// Target of the picture.
     SavePicture,
 }
@@ -44,11 +50,12 @@ impl Purpose {
             Self::OpenSetup => "Open setup",
             Self::OpenBlank => "Open blank",
             Self::SaveSetup => "Save setup",
-            Self::ExportCl { all_channels: false } => "Export CL (APT)",
-            Self::ExportCl { all_channels: true } => "Export CL of all channels (APT)",
+            Self::ExportCl { channels: 1 } => "Export CL (APT)",
+            Self::ExportCl { .. } => "Export CL of several channels (APT)",
             Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportScene => "Export scene",
             Self::ExportStock => "Export stock",
+            Self::CheckProgram => "Check program",
             Self::SavePicture => "Save picture",
         }
     }
@@ -81,6 +88,7 @@ impl Purpose {
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::OpenBlank => ("Blanks", &["stl", "txt"]),
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),
             Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::ExportStock => ("Solids", &["stl", "glb"]),
             Self::SavePicture => ("Pictures", &["png"]),

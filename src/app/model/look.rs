@@ -3,9 +3,10 @@
 
 use crate::drawing::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
+use crate::plunge::inspect::CutPlane;
 use crate::setup::AxisPolicy;
 
-use crate::app::model::cutter_colours::CutterColours;
+use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::{PerSide, Side};
 use crate::app::model::solid::SolidColours;
@@ -60,6 +61,8 @@ pub enum Operation {
     Roughing,
     /// Flank milling.
     Flank,
+    /// A program from anywhere that is checked.
+    Program,
 }
 
 impl Operation {
@@ -68,6 +71,7 @@ impl Operation {
         match self {
             Self::Roughing => "Roughing",
             Self::Flank => "Flank",
+            Self::Program => "Program",
         }
     }
 }
@@ -200,6 +204,9 @@ pub enum Arrangement {
     Wipe,
 }
 
+/// Machine for which NC code is read unless another is chosen: that of `vanecut post`.
+const DEFAULT_MACHINE: &str = "ac-trunnion";
+
 /// Number of frames; see [`Look::reveal_selection`].
 pub const REVEAL: u8 = 3;
 
@@ -239,6 +246,8 @@ pub struct Look {
     pub play_speed: f64,
     /// Whether playing starts again at the end.
     pub play_loop: bool,
+    /// Classes of cutters that are hidden while the colours show them.
+    pub hidden_classes: Vec<CutterClass>,
     /// Scrolling of the table of positions.
     pub table: TableScroll,
     /// Whether the panels have not been drawn for this part yet: their scroll places and open headings are
@@ -248,6 +257,10 @@ pub struct Look {
     pub range: Option<(f32, f32)>,
     /// Whether the floor of the after side shows residual stock after minus before.
     pub difference: bool,
+    /// Selected fault of the checked program.
+    pub finding: Option<usize>,
+    /// Machine that checked NC code was posted for, by name.
+    pub check_machine: String,
     /// Whether the camera zooms to the selection in the next frame.
     pub fly: bool,
     /// Section plane, if shown.
@@ -258,6 +271,8 @@ pub struct Look {
     pub plots: bool,
     /// Tab of the selected position.
     pub tab: Tab,
+    /// Display of the sectional view.
+    pub sectional: SectionalLook,
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
 }
@@ -287,12 +302,31 @@ impl TableScroll {
         self.offset.min(top).max(top + pitch - height.max(pitch))
     }
 
-    /// Whether row `index` of `pitch` points was in view, but is not in a table of `height` points: the panel below
-    /// grew over it.
+    /// Whether row `index` of `pitch` points was in view, but is not in a table of `height` points: the panel
+    /// below grew over it.
     pub fn loses(&self, index: usize, pitch: f32, height: f32) -> bool {
         let top = index as f32 * pitch;
         let within = |height: f32| top >= self.offset && top + pitch <= self.offset + height + 0.5;
         within(self.height) && !within(height)
+    }
+}
+
+/// Display of the sectional view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SectionalLook {
+    /// Its plane; `None`: through the deepest contact where the core meets stock, else along the row.
+    pub plane: Option<CutPlane>,
+    /// Magnification; 1 shows all that matters.
+    pub zoom: f64,
+    /// Shift of the drawing to the right and down, points at zoom 1.
+    pub pan: [f64; 2],
+    /// Whether it is shown in a window of its own, too.
+    pub is_large: bool,
+}
+
+impl Default for SectionalLook {
+    fn default() -> Self {
+        Self { plane: None, zoom: 1.0, pan: [0.0; 2], is_large: false }
     }
 }
 
@@ -365,15 +399,19 @@ impl Default for Look {
             playing: None,
             play_speed: 1.0,
             play_loop: false,
+            hidden_classes: Vec::new(),
             table: TableScroll::default(),
             is_fresh: true,
             range: None,
             difference: false,
+            finding: None,
+            check_machine: DEFAULT_MACHINE.to_owned(),
             fly: false,
             section: None,
             measure: None,
             plots: true,
             tab: Tab::Section,
+            sectional: SectionalLook::default(),
             mouse: MousePreset::default(),
         }
     }
@@ -382,8 +420,9 @@ impl Default for Look {
 impl Look {
     /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
     pub fn begin(&mut self) {
+        let check_machine = std::mem::take(&mut self.check_machine);
         let Self { layers, plots, tab, mouse, play_speed, .. } = *self;
-        *self = Self { layers, plots, tab, mouse, play_speed, ..Self::default() };
+        *self = Self { layers, plots, tab, mouse, play_speed, check_machine, ..Self::default() };
     }
 
     /// Selects a position and zooms to it.

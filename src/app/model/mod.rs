@@ -1,6 +1,7 @@
 //! What the window knows: document, results, look, and the rules that connect them. Nothing here draws, runs
 //! in the background, or knows egui.
 
+pub mod checked;
 pub mod cutter_colours;
 pub mod document;
 pub mod figures;

@@ -1,5 +1,5 @@
-//! Parser of typed numbers: arithmetic (`30/4`), units, decimal comma. Recursive descent over sum, product and
-//! atom.
+//! Parser of typed numbers: arithmetic (`30/4`), units, decimal comma. Recursive descent over sum, product
+//! and atom.
 
 /// What a typed number measures, which decides the units that may follow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,6 +10,8 @@ pub enum Topic {
     Plan,
     /// The flank plan: solved by the next flank plan.
     Flank,
+    /// The checked program: solved by the next check.
+    Program,
     /// The stock as a solid: solved by the next plan.
     Stock,
     /// Anything else: stays until it is dismissed.

@@ -7,6 +7,7 @@ use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
 use crate::setup::Setup;
 
+use crate::app::model::checked::CheckedProgram;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::PlanPreview;
 
@@ -41,6 +42,8 @@ pub struct Results {
     pub preview: Option<Arc<PlanPreview>>,
     /// Latest successful flank plan.
     pub flank: Option<Arc<FlankOutcome>>,
+    /// The program that was checked last.
+    pub checked: Option<Arc<CheckedProgram>>,
     figures: Vec<(Setup, SetFigures)>,
 }
 

@@ -8,6 +8,7 @@ use crate::job::flank::FlankOutcome;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
 
+use crate::app::model::checked::{CheckRequest, CheckedProgram, ProgramFinding};
 use crate::app::model::document::{Document, Edited, OpenPart};
 use crate::app::model::look::{Arrangement, Filter, Look, Operation, REVEAL, TableColumn};
 use crate::app::model::part_source::PartSource;
@@ -15,6 +16,7 @@ use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::preview::PreviewCutters;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::results::Results;
+use crate::plunge::inspect::CutPlane;
 use crate::plunge::plan::Condition;
 
 /// Positions that a playing timeline cuts per second at speed 1.
@@ -38,6 +40,15 @@ pub struct Notice {
     pub text: String,
 }
 
+/// A recovery copy of a session that ended without closing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RecoveryCopy {
+    /// Its file.
+    pub path: PathBuf,
+    /// Project or part, and when it was changed last.
+    pub title: String,
+}
+
 /// The state of the window, apart from drawing.
 pub struct AppState {
     /// What is edited.
@@ -53,7 +64,7 @@ pub struct AppState {
     /// Problems not dismissed yet, oldest first.
     pub problems: Vec<Problem>,
     /// Recovery copies of sessions that ended without closing.
-    pub recoverable: Vec<PathBuf>,
+    pub recoverable: Vec<RecoveryCopy>,
     /// Recently opened projects, latest first.
     pub recents: Vec<PathBuf>,
     /// Latest message.
@@ -83,6 +94,15 @@ impl Default for AppState {
             opening: None,
         }
     }
+}
+
+/// Where a timeline jumps to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Boundary {
+    /// The first plunge of a tool.
+    Tool,
+    /// The first plunge of a section.
+    Section,
 }
 
 /// A plan that is shown.
@@ -197,7 +217,70 @@ impl AppState {
         match self.look.operation {
             Operation::Roughing => self.out_of_date(),
             Operation::Flank => self.flank_is_stale(),
+            Operation::Program => self.program_is_stale(),
         }
+    }
+
+    /// Stores a checked program and shows it, with its first fault selected.
+    pub fn take_checked(&mut self, checked: CheckedProgram) {
+        self.look.operation = Operation::Program;
+        self.look.finding = None;
+        self.solve(Topic::Program);
+        self.notice = None;
+        self.results.checked = Some(Arc::new(checked));
+    }
+
+    /// The check of the program of the last check against the present setup.
+    pub fn check_request(&self) -> Option<CheckRequest> {
+        let checked = self.results.checked.as_ref()?;
+        self.check_request_of(checked.request.path.clone())
+    }
+
+    /// The check of a program against the present setup; `None` without a part.
+    pub fn check_request_of(&self, path: PathBuf) -> Option<CheckRequest> {
+        let part = Arc::clone(&self.document.part.as_ref()?.impeller);
+        let machine = self.look.check_machine.clone();
+        Some(CheckRequest { path, machine, part, setup: self.document.edited.setup.clone() })
+    }
+
+    /// Whether the setup was edited after the program was checked.
+    pub fn program_is_stale(&self) -> bool {
+        let checked = self.results.checked.as_ref().zip(self.check_request());
+        checked.is_some_and(|(checked, now)| !checked.request.is_same(&now))
+    }
+
+    /// The checked program, while it is shown.
+    pub fn shown_program(&self) -> Option<&Arc<CheckedProgram>> {
+        self.results.checked.as_ref().filter(|_| self.look.operation == Operation::Program)
+    }
+
+    /// The selected fault of the shown program.
+    pub fn selected_finding(&self) -> Option<&ProgramFinding> {
+        self.shown_program()?.findings.get(self.look.finding?)
+    }
+
+    /// Selects a fault of the shown program, and zooms to it.
+    pub fn select_finding(&mut self, index: Option<usize>) {
+        self.look.finding = index;
+        self.look.fly = index.is_some();
+    }
+
+    /// Selects the fault `step` after the selected one, with wrap-around if `wraps`.
+    fn select_next_finding(&mut self, step: isize, wraps: bool) {
+        let count = self.shown_program().map_or(0, |checked| checked.findings.len());
+        let Some(last) = count.checked_sub(1) else { return };
+        let next = match self.look.finding {
+            None => {
+                if step < 0 {
+                    last
+                } else {
+                    0
+                }
+            }
+            Some(now) if wraps => now.wrapping_add_signed(step + count as isize) % count,
+            Some(now) => now.saturating_add_signed(step).min(last),
+        };
+        self.select_finding(Some(next));
     }
 
     /// Whether allowances, tool or flank fields were edited after the flank plan was requested.
@@ -271,6 +354,13 @@ impl AppState {
     /// The selected position.
     pub fn selected(&self) -> Option<&Position> {
         self.shown()?.plan().positions.get(self.look.selected?)
+    }
+
+    /// Plane of the sectional view: the chosen one, else the one that explains the selected position.
+    pub fn cut_plane(&self) -> CutPlane {
+        let interferes = self.selected().is_some_and(|position| position.evaluation.contact.interferes());
+        let explaining = if interferes { CutPlane::Contact } else { CutPlane::Row };
+        self.look.sectional.plane.unwrap_or(explaining)
     }
 
     /// Number of positions of the shown plan.
@@ -355,6 +445,10 @@ impl AppState {
 
     /// Selects the row `step` below the selected one in table order, clamped to the first and last row.
     pub fn select_next_row(&mut self, step: isize) {
+        if self.look.operation == Operation::Program {
+            self.select_next_finding(step, false);
+            return;
+        }
         let rows = self.rows();
         let Some(last) = rows.len().checked_sub(1) else { return };
         let now = self.look.selected.and_then(|k| rows.iter().position(|&row| row == k));
@@ -367,6 +461,10 @@ impl AppState {
 
     /// Selects the next or previous interfering plunge in cutting order, with wrap-around.
     pub fn select_next_fault(&mut self, forward: bool) {
+        if self.look.operation == Operation::Program {
+            self.select_next_finding(if forward { 1 } else { -1 }, true);
+            return;
+        }
         let Some(shown) = self.shown() else { return };
         let positions = shown.plan().positions.iter().enumerate();
         let faults: Vec<usize> =
@@ -393,6 +491,35 @@ impl AppState {
             None => count,
         });
         self.set_timeline(Some(now.saturating_add_signed(step).min(count)));
+    }
+
+    /// Indices of the first positions of each section, or after each tool change.
+    pub fn boundaries(&self, of: Boundary) -> Vec<usize> {
+        let Some(shown) = self.shown() else { return Vec::new() };
+        let plan = shown.plan();
+        let key = |position: &Position| match of {
+            Boundary::Section => position.section as u32,
+            Boundary::Tool => plan.sections.get(position.section).map_or(0, |s| s.tool.number),
+        };
+        let keys: Vec<u32> = plan.positions.iter().map(key).collect();
+        (0..keys.len()).filter(|&k| k == 0 || keys[k - 1] != keys[k]).collect()
+    }
+
+    /// Moves the timeline to the first plunge of the next or previous tool or section, and selects it. At the
+    /// end of the timeline it starts from the selected position, else forward from the blank, backward from
+    /// the end.
+    pub fn jump_to_boundary(&mut self, of: Boundary, forward: bool) {
+        let now = self.look.cut_count.or(self.look.selected.map(|k| k + 1));
+        let mut cuts = self.boundaries(of).into_iter().map(|k| k + 1);
+        let next = match (now, forward) {
+            (None, true) => cuts.next(),
+            (None, false) => cuts.next_back(),
+            (Some(now), true) => cuts.find(|&cut| cut > now),
+            (Some(now), false) => cuts.rfind(|&cut| cut < now),
+        };
+        if next.is_some() {
+            self.set_timeline(next);
+        }
     }
 
     /// Sets the timeline to after `cut` positions; `None`: the end, with the selection unchanged.

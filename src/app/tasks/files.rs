@@ -21,6 +21,7 @@ use crate::setup::{AxisPolicy, Setup};
 use crate::toolpath::ClProgram;
 
 use crate::app::model::document::Edited;
+use crate::app::model::file_purpose::PROGRAM_ENDINGS;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::SolidSource;
@@ -97,6 +98,12 @@ pub fn is_setup(path: &Path) -> bool {
 /// thread.
 const LARGEST_SETUP: u64 = 256 * 1024;
 
+/// Whether a file is a program, by its ending.
+pub fn is_program(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    extension.is_some_and(|extension| PROGRAM_ENDINGS.contains(&extension.as_str()))
+}
+
 /// Whether a file is a project.
 pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
@@ -126,8 +133,8 @@ pub struct ClTask {
     pub planned: Arc<DisplayPlan>,
     /// The policy whose plan is written.
     pub policy: AxisPolicy,
-    /// Whether the program is for all channels of the part, or for the first only.
-    pub all_channels: bool,
+    /// Number of channels that it mills, from the first on.
+    pub channels: usize,
 }
 
 /// A file to write, with its path.
@@ -178,7 +185,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
 
 fn cl_text(content: &ClTask) -> String {
     let outcome = &content.planned.outcome;
-    let channels = if content.all_channels { outcome.workpiece.part.blade_count } else { 1 };
+    let channels = content.channels.clamp(1, outcome.workpiece.part.blade_count.max(1));
     let result = content.planned.result(content.policy);
     // Nothing cancels a file that is being written.
     outcome

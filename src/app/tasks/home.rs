@@ -4,16 +4,17 @@
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
 use crate::io::InputError;
-use crate::io::project_file::EXTENSION;
+use crate::io::project_file::{EXTENSION, PartLocation, read_project};
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 
 use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::state::RecoveryCopy;
 
 /// File of the preferences.
 const HABITS: &str = "habits.json";
@@ -64,8 +65,8 @@ impl Home {
         write_atomically(&self.copy, text.as_bytes())
     }
 
-    /// Locks the file beside the recovery copy that says that its session runs. The system unlocks it however the
-    /// session ends.
+    /// Locks the file beside the recovery copy that says that its session runs. The system unlocks it however
+    /// the session ends.
     fn hold_lock(&self) {
         if self.lock.get().is_some() {
             return;
@@ -145,6 +146,32 @@ impl Home {
     }
 }
 
+/// The recovery copy at `path`, with what a user knows it by.
+pub fn recovery_copy(path: PathBuf) -> RecoveryCopy {
+    let project = read_project(&path).ok();
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = project.map_or_else(
+        || stem(&path),
+        |project| match (&project.original, &project.part) {
+            (Some(original), _) => stem(original),
+            (None, PartLocation::Sample(name)) => name.clone(),
+            (None, PartLocation::File(file) | PartLocation::Mesh { file, .. }) => stem(file),
+        },
+    );
+    let age = std::fs::metadata(&path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
+    RecoveryCopy { title: format!("{name}, {}", age_in_words(age.unwrap_or_default())), path }
+}
+
+fn age_in_words(age: Duration) -> String {
+    const HOUR_S: u64 = 3600;
+    match age.as_secs() {
+        s if s < 60 => "just now".to_owned(),
+        s if s < 2 * HOUR_S => format!("{} min ago", s / 60),
+        s if s < 48 * HOUR_S => format!("{} h ago", s / HOUR_S),
+        s => format!("{} days ago", s / (24 * HOUR_S)),
+    }
+}
+
 /// Removes the recovery copy at `path` of another session, with its lock.
 pub fn remove_copy(path: &Path) {
     // Either may be gone already.
@@ -171,8 +198,8 @@ fn lock_of(copy: &Path) -> PathBuf {
     home.join("locks").join(copy.file_stem().unwrap_or_default()).with_extension("lock")
 }
 
-/// Whether the session that wrote the recovery copy at `path` still runs: it holds its lock. The system releases it
-/// however the session ends, at once.
+/// Whether the session that wrote the recovery copy at `path` still runs: it holds its lock. The system
+/// releases it however the session ends, at once.
 fn is_in_use(path: &Path) -> bool {
     File::open(lock_of(path)).is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
 }
@@ -208,6 +235,19 @@ mod tests {
         assert!(!killed.exists());
         home.drop_copy();
         assert!(!home.copy().exists());
+    }
+
+    #[test]
+    fn ages_are_in_the_unit_that_is_read_best() {
+        for (seconds, words) in [
+            (5, "just now"),
+            (90, "1 min ago"),
+            (7_199, "119 min ago"),
+            (7_200, "2 h ago"),
+            (200_000, "2 days ago"),
+        ] {
+            assert_eq!(age_in_words(Duration::from_secs(seconds)), words);
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::part::Workpiece;
-use crate::plunge::inspect::{SectionView, section_view};
+use crate::plunge::inspect::{CutPlane, SectionView, section_view_in};
 use crate::setup::AxisPolicy;
 use crate::stock::{field_cutters, residual_field};
 
@@ -73,17 +73,17 @@ impl TimelineStock {
 }
 
 /// The sectional view through the selected position.
-pub(in crate::app) struct InspectedSection(Latest<PlanPosition, Option<Arc<SectionView>>>);
+pub(in crate::app) struct InspectedSection(Latest<(PlanPosition, CutPlane), Option<Arc<SectionView>>>);
 
 impl InspectedSection {
     /// Starts the thread.
     pub(in crate::app) fn new(repaint: &Repaint) -> Self {
-        let look = |place: &PlanPosition| {
+        let look = |(place, plane): &(PlanPosition, CutPlane)| {
             let outcome = &place.planned.outcome;
             let allowance = outcome.setup.allowances.hub_allowance;
             let Workpiece { part, blank, .. } = &*outcome.workpiece;
             let plan = place.planned.plan(place.policy);
-            section_view(part, blank, allowance, plan, place.count).map(Arc::new)
+            section_view_in(*plane, part, blank, allowance, plan, place.count).map(Arc::new)
         };
         Self(Latest::new("section", repaint, look))
     }
@@ -95,7 +95,7 @@ impl InspectedSection {
             policy: shown.policy,
             count,
         });
-        self.0.request(place);
+        self.0.request(place.map(|place| (place, state.cut_plane())));
     }
 
     /// Whether a request is being computed.
@@ -105,7 +105,7 @@ impl InspectedSection {
 
     /// The latest finished sectional view, and the index of its position.
     pub(in crate::app) fn section(&self) -> Option<(usize, Arc<SectionView>)> {
-        let (place, view) = self.0.answer()?;
+        let ((place, _), view) = self.0.answer()?;
         view.as_ref().map(|view| (place.count, Arc::clone(view)))
     }
 }

@@ -4,9 +4,11 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Repaint;
+use super::check::check;
 use super::engine::{Engine, PlanTask};
 use super::files::{self, WriteTask, Written};
 use super::opening::{OpenTask, Opened, open};
+use crate::app::model::checked::{CheckRequest, CheckedProgram};
 use crate::app::model::look::Operation;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::PreviewSlot;
@@ -22,6 +24,7 @@ pub(in crate::app) struct Work {
     pub opener: Worker<OpenTask, Opened, InputError>,
     pub planner: Worker<PlanTask, DisplayPlan, JobError>,
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
+    pub checker: Worker<CheckRequest, CheckedProgram, InputError>,
     pub writer: Worker<WriteTask, Written, InputError>,
     /// Slot through which the planner passes its preview.
     pub coming: PreviewSlot,
@@ -29,6 +32,8 @@ pub(in crate::app) struct Work {
     pub asked: Option<PlanKey>,
     /// Setup of the last request to the flank planner.
     pub asked_flank: Option<Setup>,
+    /// The last request to the checker.
+    pub asked_check: Option<CheckRequest>,
     /// Number of the planner's last task.
     pub tasks: u64,
 }
@@ -57,10 +62,12 @@ impl Work {
                 move |request, monitor| (to_flank.flank)(request, monitor),
                 repaint(),
             ),
+            checker: Worker::new("check", |request, _| check(request), repaint()),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
             coming,
             asked: None,
             asked_flank: None,
+            asked_check: None,
             tasks: 0,
         }
     }
@@ -71,8 +78,11 @@ impl Work {
         let _ = self.planner.take_outcome();
         self.flanker.cancel();
         let _ = self.flanker.take_outcome();
+        self.checker.cancel();
+        let _ = self.checker.take_outcome();
         self.asked = None;
         self.asked_flank = None;
+        self.asked_check = None;
     }
 
     /// Whether the planner is running.
@@ -83,7 +93,8 @@ impl Work {
     /// The operation that is being calculated.
     pub(in crate::app) fn running_operation(&self) -> Option<Operation> {
         let planning = self.planner.is_busy().then_some(Operation::Roughing);
-        planning.or(self.flanker.is_busy().then_some(Operation::Flank))
+        let flank = self.flanker.is_busy().then_some(Operation::Flank);
+        planning.or(flank).or(self.checker.is_busy().then_some(Operation::Program))
     }
 
     /// Name and progress (0…1) of the running task.
@@ -93,7 +104,8 @@ impl Work {
         let planning = || self.planner.progress().map(|fraction| (what, fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let curves = || self.flanker.progress().map(|fraction| ("Calculating flank", fraction));
-        opening.or_else(planning).or_else(curves).or_else(writing)
+        let checking = || self.checker.progress().map(|fraction| ("Checking program", fraction));
+        opening.or_else(planning).or_else(curves).or_else(checking).or_else(writing)
     }
 }
 

@@ -64,14 +64,20 @@ commands! {
         "Sets which node of the part's mesh file is hub, shroud, blade or splitter" [];
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     OpenBlank "Open blank…"
-        "Takes the stock before the first cut from a file: a mesh (.stl) or an outline of lines r z (.txt)" [];
+        "Takes the stock before the first cut from a file: a mesh (.stl) or an outline, lines r z (.txt)" [];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
         "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];
+    ExportClSome "Export CL of several channels…"
+        "Writes the shown plan, for as many channels as you say, as an APT cutter-location file" [];
     ExportClAll "Export CL of all channels…"
         "Writes the shown plan, for every channel of the part, as an APT cutter-location file" [];
     ExportFlank "Export flank CL…"
         "Writes the flank plan as an APT cutter-location file" [];
+    CheckProgram "Check program…"
+        "Opens an APT or NC program and checks it against part and setup: faults with line and place" [];
+    CheckAgain "Check again" "Reads the program again and checks it with the current setup" [NONE, F7];
+    CloseProgram "Close program" "Closes the checked program" [];
     ExportScene "Export scene…"
         "Writes the part, with the shown plan, as a glTF scene (.glb)" [];
     ExportStock "Export stock…"
@@ -89,8 +95,9 @@ commands! {
         "Plans the flank milling toolpath of the channel with the current setup" [NONE, F6];
     Cancel "Cancel"
         "Stops and keeps the best plan so far; pressed again: the last finished plan" [NONE, Escape];
-    NextFault "Next interfering plunge" "Selects the next interfering plunge in cutting order" [NONE, N];
-    PreviousFault "Previous interfering plunge" "Selects the previous interfering plunge" [SHIFT, N];
+    NextFault "Next fault"
+        "Selects the next interfering plunge in cutting order, or fault of a checked program" [NONE, N];
+    PreviousFault "Previous fault" "Selects the interfering plunge or the fault before" [SHIFT, N];
     NextRow "Next row of the table"
         "Selects the row below in the filtered and sorted table" [NONE, ArrowDown];
     PreviousRow "Previous row of the table" "Selects the row above" [NONE, ArrowUp];
@@ -98,6 +105,12 @@ commands! {
     StepBack "Step back" "Undoes the position cut last" [NONE, ArrowLeft];
     LeapForward "Step forward by 100" "Cuts 100 more positions" [SHIFT, ArrowRight];
     LeapBack "Step back by 100" "Undoes the last 100 positions" [SHIFT, ArrowLeft];
+    NextTool "Next tool change" "Moves the timeline to the first plunge of the next tool" [NONE, T];
+    PreviousTool "Previous tool change"
+        "Moves the timeline to the first plunge of the tool before" [SHIFT, T];
+    NextSection "Next section" "Moves the timeline to the first plunge of the next section" [NONE, C];
+    PreviousSection "Previous section"
+        "Moves the timeline to the first plunge of the section before" [SHIFT, C];
     Play "Play" "Plays the positions in cutting order, or stops" [NONE, Space];
     ToBlank "Go to start" "Shows the channel before the first position" [NONE, Home];
     ToEnd "Go to end" "Shows the channel after the last position" [NONE, End];
@@ -155,7 +168,7 @@ impl Command {
     /// Whether a focused widget takes precedence: without Ctrl the keys also type, move or press there.
     fn yields_to_focus(shortcut: &KeyboardShortcut) -> bool {
         !shortcut.modifiers.command
-            && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::Escape)
+            && !matches!(shortcut.logical_key, Key::F1 | Key::F5 | Key::F6 | Key::F7 | Key::Escape)
     }
 
     /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field

@@ -6,7 +6,7 @@ use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 use crate::gpu::scene::FloorColours;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 
-use crate::app::model::cutter_colours::CutterLegend;
+use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
 use crate::app::model::look::Operation;
 use crate::app::model::planned::Side;
 use crate::app::model::solid::SolidColours;
@@ -88,7 +88,10 @@ fn scale(state: &AppState) -> Option<Scale> {
     if let Some(most) = state.shown_deviation() {
         return of("Residual on walls", ColourMap::Difference, true, Some(most));
     }
-    if state.look.operation == Operation::Flank || state.results.planned.is_none() || !state.look.layers.hub {
+    if state.look.operation != Operation::Roughing
+        || state.results.planned.is_none()
+        || !state.look.layers.hub
+    {
         return None;
     }
     match state.look.layers.floor {
@@ -107,8 +110,8 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         ui.horizontal_centered(|ui| {
             ui.spacing_mut().item_spacing.x = 5.0;
-            if let Some(legend) = cutter_legend(state) {
-                show_cutter_legend(ui, &legend);
+            if let Some(legend) = cutter_legend(state, ui.available_width()) {
+                show_cutter_legend(ui, &legend, &mut state.look.hidden_classes);
                 // In a narrow view the colours that were asked for have priority over those of the floor.
                 if ui.available_width() < MIN_SCALE_WIDTH {
                     return;
@@ -127,24 +130,39 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
     });
 }
 
-/// What the cutters are coloured by; `None` while they are hidden or coloured by their state.
-fn cutter_legend(state: &AppState) -> Option<CutterLegend> {
+/// What the cutters are coloured by; `None` while they are hidden. The states, which table and verdict name,
+/// only where the legend of `width` points has room for them beside the scale of the floor.
+fn cutter_legend(state: &AppState, width: f32) -> Option<CutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
-    let shown = state.shown().filter(|_| in_view)?;
+    let has_room = layers.cutter_colours != CutterColours::State || width > MIN_STATES_WIDTH;
+    let shown = state.shown().filter(|_| in_view && has_room)?;
     layers.cutter_colours.legend(shown.planned, shown.policy)
 }
 
 /// Width below which the scale of the floor is left out beside that of the cutters, points.
 const MIN_SCALE_WIDTH: f32 = 270.0;
+/// Width from which the states have room, points.
+const MIN_STATES_WIDTH: f32 = 620.0;
 
-fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend) {
+/// Draws the legend of the cutters; a click on a class hides it, or shows it again.
+fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, hidden: &mut Vec<CutterClass>) {
     match legend {
         CutterLegend::Classes(classes) => {
-            for (colour, name, share) in classes {
+            for ClassShare { class, colour, name, share } in classes {
+                let is_hidden = hidden.contains(class);
                 swatch(ui, *colour, 10.0);
-                let text = format!("{name}, {:.0} %", 100.0 * share);
-                ui.label(text).on_hover_text("Share of the time of the program");
+                let text = RichText::new(format!("{name}, {:.0} %", 100.0 * share));
+                let text = if is_hidden { text.strikethrough().weak() } else { text };
+                let button = egui::Button::new(text).frame(false);
+                let does = if is_hidden { "show" } else { "hide" };
+                let tip = format!("Share of the time of the program; a click {does}s these cutters");
+                if ui.add(button).on_hover_text(tip).clicked() {
+                    match is_hidden {
+                        true => hidden.retain(|known| known != class),
+                        false => hidden.push(*class),
+                    }
+                }
             }
         }
         CutterLegend::Scale(low, high) => {

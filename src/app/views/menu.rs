@@ -20,10 +20,12 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::OpenSetup,
                 Command::OpenBlank,
             ],
+            &[Command::CheckProgram, Command::CheckAgain, Command::CloseProgram],
             &[Command::SaveProject, Command::SaveProjectAs],
             &[
                 Command::SaveSetup,
                 Command::ExportCl,
+                Command::ExportClSome,
                 Command::ExportClAll,
                 Command::ExportFlank,
                 Command::ExportScene,
@@ -46,7 +48,14 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::LeapForward,
                 Command::LeapBack,
             ],
-            &[Command::ToBlank, Command::ToEnd],
+            &[
+                Command::NextTool,
+                Command::PreviousTool,
+                Command::NextSection,
+                Command::PreviousSection,
+                Command::ToBlank,
+                Command::ToEnd,
+            ],
         ],
     ),
 ];

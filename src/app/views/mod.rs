@@ -2,6 +2,7 @@
 //! edits, and returns commands; [`super::control`] carries them out.
 
 mod borders;
+pub mod channels_dialog;
 pub mod command;
 mod cube;
 pub mod dialogs;

@@ -6,6 +6,7 @@ use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui};
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
+use crate::app::model::checked::ProgramFinding;
 use crate::app::model::cutter_colours::CutterColours;
 use crate::app::model::look::{Arrangement, Layers, Look, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
@@ -305,6 +306,22 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
 pub fn format_distance(a: glam::Vec3, b: glam::Vec3) -> String {
     let d = b - a;
     format!("{:.2} mm  Δx {:.2}  Δy {:.2}  Δz {:.2}", d.length(), d.x, d.y, d.z)
+}
+
+/// A ring with the line number at the place of a fault.
+pub fn fault_mark(ui: &Ui, visible: Rect, rect: Rect, camera: &Camera, finding: &ProgramFinding) {
+    let Some(place) = &finding.place else { return };
+    let tip = glam::vec3(place.tip.x as f32, place.tip.y as f32, place.tip.z as f32);
+    let Some(pixel) = camera.project(tip, glam::vec2(rect.width(), rect.height())) else { return };
+    let at = rect.min + egui::vec2(pixel.x, pixel.y);
+    let painter = ui.painter_at(visible);
+    let colour = Condition::Interfering.mark();
+    painter.circle_stroke(at, 14.0, Stroke::new(2.5, colour));
+    let text = format!("Line {}", finding.fault.line);
+    let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
+    let back = Rect::from_min_size(at + egui::vec2(18.0, -10.0), galley.size() + egui::vec2(10.0, 4.0));
+    painter.rect_filled(back, 3.0, theme::overlay(ui.visuals()));
+    painter.galley(back.min + egui::vec2(5.0, 2.0), galley, Color32::PLACEHOLDER);
 }
 
 /// A message in the middle of the view, e.g. why there is no picture.

@@ -115,10 +115,13 @@ fn synonyms(command: Command) -> &'static str {
     match command {
         C::Plan => "plan compute generate toolpath plunge roughing",
         C::PlanFlank => "plan compute generate toolpath swarf finish",
+        C::CheckProgram => "verify simulate collision gcode g-code nc apt open import",
         C::Play => "simulate simulation animate run verify",
         C::ScrubHere => "simulation",
         C::Stock => "simulate simulation solid material removal ipw blank",
-        C::ExportCl | C::ExportClAll | C::ExportFlank => {
+        C::NextTool | C::PreviousTool => "toolchange m6 jump",
+        C::NextSection | C::PreviousSection => "zone jump",
+        C::ExportCl | C::ExportClSome | C::ExportClAll | C::ExportFlank => {
             "gcode g-code nc cnc post program output apt cl write"
         }
         C::ExportStock => "stl ipw rest",

@@ -24,7 +24,8 @@ use crate::io::flank_file::{shown_passes, shown_walls};
 use crate::job::flank::FlankOutcome;
 use crate::setup::AxisPolicy;
 
-use crate::app::model::cutter_colours::CutterColours;
+use crate::app::model::checked::CheckedProgram;
+use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::planned::{DisplayPlan, PerSide, Side};
 use crate::app::model::preview::PreviewCutters;
 use crate::app::model::solid::SolidColours;
@@ -231,6 +232,23 @@ struct Drawn {
     generation: u64,
 }
 
+/// Colours of the cutters of a plan, and the classes that are left out.
+#[derive(Clone, Debug)]
+struct ColouredCutters {
+    colours: CutterColours,
+    hidden: Vec<CutterClass>,
+    planned: Arc<DisplayPlan>,
+    policy: AxisPolicy,
+}
+
+impl PartialEq for ColouredCutters {
+    /// Plans are immutable, so pointer equality suffices.
+    fn eq(&self, other: &Self) -> bool {
+        (self.colours, &self.hidden, self.policy) == (other.colours, &other.hidden, other.policy)
+            && Arc::ptr_eq(&self.planned, &other.planned)
+    }
+}
+
 /// A picture of one side.
 pub struct SidePicture {
     egui: RenderState,
@@ -241,9 +259,10 @@ pub struct SidePicture {
     content: Option<Content>,
     coming: Option<PreviewCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
+    program: Option<Arc<CheckedProgram>>,
     borders: Vec<Segment>,
-    /// What the cutters are coloured by, and the plan.
-    coloured: Option<(CutterColours, Arc<DisplayPlan>, AxisPolicy)>,
+    /// Colours of the cutters, and which are left out.
+    coloured: Option<ColouredCutters>,
     /// The stock as a solid.
     solid: Option<Arc<SolidPicture>>,
     /// Computes and draws the stock on the device; `None` where the core's heights are drawn.
@@ -264,6 +283,7 @@ impl SidePicture {
             content: None,
             coming: None,
             flank: None,
+            program: None,
             borders: Vec::new(),
             coloured: None,
             solid: None,
@@ -274,19 +294,29 @@ impl SidePicture {
         }
     }
 
-    /// Colours the cutters of the loaded content; does nothing if they are coloured so already.
-    pub fn load_cutter_colours(&mut self, colours: CutterColours) {
-        let wanted = self.content.as_ref().map(|c| (colours, Arc::clone(&c.planned), c.policy));
-        let same = match (&self.coloured, &wanted) {
-            (Some(old), Some(new)) => old.0 == new.0 && old.2 == new.2 && Arc::ptr_eq(&old.1, &new.1),
-            (None, None) => true,
-            _ => false,
-        };
-        if same {
+    /// Colours the cutters of the loaded content, and leaves out those of the hidden classes of these
+    /// colours; does nothing if that is so already.
+    pub fn load_cutter_colours(&mut self, colours: CutterColours, hidden: &[CutterClass]) {
+        let wanted = self.content.as_ref().map(|content| ColouredCutters {
+            colours,
+            hidden: hidden.to_vec(),
+            planned: Arc::clone(&content.planned),
+            policy: content.policy,
+        });
+        if self.coloured == wanted {
             return;
         }
-        let of_plan =
-            wanted.as_ref().and_then(|(colours, planned, policy)| colours.of_plan(planned, *policy));
+        if let Some(ColouredCutters { hidden, planned, policy, .. }) = &wanted {
+            let hid = self.coloured.as_ref().is_some_and(|coloured| !coloured.hidden.is_empty());
+            if hid || !hidden.is_empty() {
+                let plan = planned.plan(*policy);
+                let mut set = cutter_set(plan);
+                let is_hidden = |index| colours.class_of(plan, index).is_some_and(|c| hidden.contains(&c));
+                set.cutters.retain(|cutter| !is_hidden(cutter.instance.id as usize));
+                self.scene.set_cutters(set);
+            }
+        }
+        let of_plan = wanted.as_ref().and_then(|wanted| colours.of_plan(&wanted.planned, wanted.policy));
         self.scene.set_cutter_colours(of_plan.as_deref());
         self.coloured = wanted;
         self.generation += 1;
@@ -407,6 +437,23 @@ impl SidePicture {
             let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &shown_walls(&outcome.plan));
             self.scene.set_values(&self.gpu, mesh);
         }
+        self.generation += 1;
+    }
+
+    /// Shows the moves of a checked program, or none; does nothing if they are shown already. Call after
+    /// [`Self::load_flank`], whose lines they replace.
+    pub fn load_program(&mut self, shown: Option<&Arc<CheckedProgram>>) {
+        let same = match (&self.program, shown) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        if same {
+            return;
+        }
+        if shown.is_some() || self.flank.is_none() {
+            self.scene.set_paths(&self.gpu, shown.map_or(&[], |checked| &checked.lines));
+        }
+        self.program = shown.cloned();
         self.generation += 1;
     }
 

@@ -35,6 +35,7 @@ impl App {
             match self.state.look.operation {
                 Operation::Roughing => self.roughing_form(ui, fresh),
                 Operation::Flank => self.flank_form(ui, fresh),
+                Operation::Program => self.program_form(ui, fresh),
             }
         });
     }
@@ -99,11 +100,34 @@ impl App {
         }
     }
 
+    fn program_form(&mut self, ui: &mut Ui, fresh: bool) {
+        self.calculate(ui, Command::CheckAgain);
+        ui.horizontal(|ui| {
+            for command in [Command::CheckProgram, Command::CloseProgram] {
+                if ui.button(command.label()).on_hover_text(command.tip()).clicked() {
+                    self.run_command(ui.ctx(), command);
+                }
+            }
+        });
+        heading(ui, "Program", fresh, |ui| panels::program::form(ui, &mut self.state));
+        let open = self.state.document.part.as_ref();
+        let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
+        let setup = &mut self.state.document.edited.setup;
+        let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
+    }
+
     /// The right panel.
     pub(in crate::app) fn right_panel(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
         if self.state.look.operation == Operation::Flank {
             panels::flank_results::show(ui, &self.state);
+            return;
+        }
+        if self.state.look.operation == Operation::Program {
+            panels::program::faults(ui, &mut self.state);
             return;
         }
         if let Some(k) = self.state.look.selected {
@@ -129,9 +153,16 @@ impl App {
         match self.state.look.tab {
             Tab::Facts => panels::positions::details(ui, &self.state, k),
             Tab::Section => {
-                let Some(position) = self.state.selected() else { return };
+                let plane = self.state.cut_plane();
+                panels::section::controls(ui, &mut self.state.look.sectional, plane);
+                let Some(position) = self.state.selected().cloned() else { return };
                 match self.inspected.section() {
-                    Some((of, view)) => panels::section::show(ui, k, &view, position, of != k, height),
+                    Some((of, view)) => {
+                        let name = format!("Sectional view through position {}", k + 1);
+                        let stale = of != k || view.plane != plane;
+                        let look = &mut self.state.look.sectional;
+                        panels::section::show(ui, &name, (&view, &position), look, stale, height);
+                    }
                     // Reserve the height, so that nothing jumps when the view arrives.
                     None => {
                         ui.allocate_space(egui::vec2(ui.available_width(), height));
@@ -139,6 +170,28 @@ impl App {
                 }
             }
         }
+    }
+}
+
+impl App {
+    /// The sectional view in a window of its own, while it is enlarged.
+    pub(in crate::app) fn large_section(&mut self, ui: &Ui) {
+        let shown = self.state.look.selected.zip(self.state.selected().cloned());
+        let Some((k, position)) = shown.filter(|_| self.state.look.sectional.is_large) else { return };
+        let mut open = true;
+        let window = egui::Window::new("Sectional view, enlarged").open(&mut open).collapsible(false);
+        window.default_size([620.0, 460.0]).min_size([300.0, 240.0]).show(ui.ctx(), |ui| {
+            let plane = self.state.cut_plane();
+            panels::section::controls(ui, &mut self.state.look.sectional, plane);
+            let Some((of, view)) = self.inspected.section() else { return };
+            let name = format!("Enlarged sectional view through position {}", k + 1);
+            let stale = of != k || view.plane != plane;
+            // The figures below take three lines.
+            let height = (ui.available_height() - 3.0 * theme::ROW_HEIGHT).max(120.0);
+            let look = &mut self.state.look.sectional;
+            panels::section::show(ui, &name, (&view, &position), look, stale, height);
+        });
+        self.state.look.sectional.is_large = open;
     }
 }
 

@@ -8,15 +8,6 @@ use egui::{Color32, Context, CornerRadius, FontId, Stroke, TextStyle, Theme, Vis
 pub use crate::plunge::plan::Condition;
 
 impl Condition {
-    /// Name on screen.
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Sound => "OK",
-            Self::Blocked => "blocked",
-            Self::Interfering => "interfering",
-        }
-    }
-
     /// Colour of the mark: bluish green, orange or vermilion.
     pub fn mark(self) -> Color32 {
         match self {

@@ -21,7 +21,7 @@ use crate::app::model::state::AppState;
 use crate::app::views::cube;
 use crate::app::views::legend::{self, Values};
 use crate::app::views::overlay::{self, SwitchChoice};
-use crate::app::views::panels::part;
+use crate::app::views::panels::{self, part};
 use crate::app::views::picture::Content;
 use crate::app::views::theme;
 use crate::app::views::view3d::{self, ViewHit, view_point};
@@ -184,6 +184,9 @@ impl App {
         let coming = self.state.preview_on(pane.side).filter(|_| is_roughing);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
+        let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
+        let coming = coming.or(faulty.map(|place| &place.cutter));
+        let program = self.state.shown_program();
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());
         let look = &self.state.look;
@@ -192,8 +195,9 @@ impl App {
             return;
         };
         picture.load_flank(flank);
+        picture.load_program(program);
         picture.load(content);
-        picture.load_cutter_colours(look.layers.cutter_colours);
+        picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
         picture.load_preview(coming);
         picture.load_borders(borders);
         picture.load_solid(solid);
@@ -232,8 +236,11 @@ impl App {
             ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
         }
         let roughing = self.state.look.operation == Operation::Roughing;
-        if !roughing && self.state.flank_is_stale() {
+        if !roughing && self.state.operation_is_stale() {
             overlay::preview_badge(ui, whole, true, None);
+        }
+        if let Some(finding) = self.state.selected_finding() {
+            overlay::fault_mark(ui, panes[0].visible, panes[0].rect, &camera, finding);
         }
         for pane in panes.iter().filter(|_| roughing) {
             let coming = self.state.preview_on(pane.side);
@@ -317,7 +324,10 @@ impl App {
         self.hover = hover;
         let Some(hover) = hover else { return Values::default() };
         if let Some(position) = hover.hit.position {
-            pane.response.clone().on_hover_text_at_pointer(format!("Position {}", position + 1));
+            let state = &self.state;
+            pane.response.clone().on_hover_ui_at_pointer(|ui| {
+                panels::positions::cutter_tooltip(ui, state, pane.side, position);
+            });
         }
         Values {
             here: hover.hit.stock,
@@ -328,10 +338,18 @@ impl App {
 
     /// Zooms to the selected position.
     pub(in crate::app) fn zoom_to_selection(&mut self, time: f64) {
+        let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
+        if self.state.look.operation == Operation::Program {
+            let place = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
+            if let Some(place) = place {
+                let (tip, axis) = (to(place.tip.coords.into()), to(place.axis.into()));
+                self.view.fly_to(tip, 5.0 * place.radius as f32, axis, time);
+            }
+            return;
+        }
         let Some(shown) = self.state.shown() else { return };
         let Some(position) = self.state.selected() else { return };
         let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
-        let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
         let (tip, axis): (Vec3, Vec3) = (to(position.tip.coords.into()), to(position.axis.into()));
         let center = tip + axis * radius as f32;
         self.view.fly_to(center, 5.0 * radius as f32, axis, time);
@@ -356,6 +374,8 @@ impl App {
                 // Cutters that stay where they plunged would fill what they cut.
                 true if layers.stock => CutterFilter::Last,
                 true => CutterFilter::All,
+                // The tool at the selected fault.
+                false if state.selected_finding().is_some() => CutterFilter::All,
                 false => CutterFilter::Hidden,
             },
             show_solid: layers.stock,

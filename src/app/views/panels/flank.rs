@@ -15,11 +15,22 @@ use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
 use crate::app::views::legend::swatch;
 
-const DEPTH: FieldSpec =
-    FieldSpec::mm("Layer depth", "Axial depth (ap) of a layer, from the hub up", 0.1, 100.0)
-        .sliding(0.5, 10.0);
-const ERROR: FieldSpec =
-    FieldSpec::mm("Scallop height", "Maximum scallop height between passes", 0.001, 10.0).sliding(0.02, 1.0);
+const DEPTH: FieldSpec = FieldSpec::mm(
+    "Layer depth",
+    "Axial depth (ap) of a layer, from the hub up.\n\
+     Smaller: less load on the cutter, but more layers and time",
+    0.1,
+    100.0,
+)
+.sliding(0.5, 10.0);
+const ERROR: FieldSpec = FieldSpec::mm(
+    "Scallop height",
+    "Maximum scallop height between passes.\n\
+     Smaller: a smoother floor, but narrower and more passes",
+    0.001,
+    10.0,
+)
+.sliding(0.02, 1.0);
 const EXTENSION: FieldSpec =
     FieldSpec::mm("Lead-in/out", "Length of passes beyond the leading and trailing edge", 0.0, 200.0);
 

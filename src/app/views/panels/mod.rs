@@ -10,6 +10,7 @@ pub mod plots;
 pub mod policies;
 pub mod positions;
 pub mod problems;
+pub mod program;
 pub mod section;
 pub mod setup;
 pub mod status;

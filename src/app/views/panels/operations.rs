@@ -17,6 +17,13 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
             let summary = &shown.planned.result(shown.policy).summary;
             (summary.time_estimate, summary.interfering, state.out_of_date())
         }
+        Operation::Program => {
+            let Some(checked) = &state.results.checked else {
+                let words = if running { "checking…" } else { "not checked" };
+                return (words.to_owned(), None);
+            };
+            (checked.time, checked.findings.len(), state.program_is_stale())
+        }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };
             (outcome.plan.times.total(), outcome.faults.len(), state.flank_is_stale())
@@ -29,7 +36,16 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
     } else if faults > 0 {
         (format!("{faults} faults"), Some(Condition::Interfering))
     } else {
-        (format_duration(time), Some(Condition::Sound))
+        (times(state, operation, time), Some(Condition::Sound))
+    }
+}
+
+/// Time of a channel, and of the wheel; a checked program has its own number of channels.
+fn times(state: &AppState, operation: Operation, time: f64) -> String {
+    let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
+    match operation {
+        Operation::Program => format_duration(time),
+        _ => format!("{}, wheel {}", format_duration(time), format_duration(time * channels as f64)),
     }
 }
 
@@ -40,8 +56,16 @@ fn unplanned(running: bool) -> (String, Option<Condition>) {
 /// Draws the list; returns the operation that was clicked. `running`: the operation that is being calculated.
 pub fn show(ui: &mut Ui, state: &AppState, running: Option<Operation>) -> Option<Operation> {
     let mut clicked = None;
-    for (operation, command) in [(Operation::Roughing, Command::Plan), (Operation::Flank, Command::PlanFlank)]
-    {
+    let all = [
+        (Operation::Roughing, Command::Plan),
+        (Operation::Flank, Command::PlanFlank),
+        (Operation::Program, Command::CheckAgain),
+    ];
+    let has_program = state.results.checked.is_some() || state.look.operation == Operation::Program;
+    for (operation, command) in all {
+        if operation == Operation::Program && !has_program {
+            continue;
+        }
         let selected = state.look.operation == operation;
         let (words, condition) = status(state, operation, running == Some(operation));
         let visuals = ui.visuals();

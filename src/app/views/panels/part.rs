@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::{Grid, RichText, Ui};
 
 use crate::app::model::part_source::{PartSource, Sample};
-use crate::app::model::state::AppState;
+use crate::app::model::state::{AppState, RecoveryCopy};
 use crate::app::views::command::Command;
 
 /// Action that the panel requests.
@@ -83,8 +83,8 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
             ui.label(format!("Opening {}…", source.shown()));
             return;
         }
-        for path in &state.recoverable {
-            ui.label(RichText::new("Unsaved changes of the last session").strong());
+        for RecoveryCopy { path, title } in &state.recoverable {
+            ui.label(RichText::new(format!("Unsaved changes of {title}")).strong());
             ui.horizontal(|ui| {
                 let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
                 ui.add_space(room);

@@ -6,7 +6,7 @@ use crate::job::Summary;
 use crate::setup::AxisPolicy;
 
 use super::setup::policy_label;
-use crate::app::model::figures::{format_duration, format_percent, format_residual};
+use crate::app::model::figures::{format_percent, format_residual, format_times};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
 
@@ -20,12 +20,13 @@ pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, comi
         let Some(summary) = of.map(|planned| &planned.result(policy).summary) else { continue };
         let name = RichText::new(policy_label(policy));
         let is_asked = policy == whole.outcome.after.plan.policy;
-        lines(ui, if is_asked { name.strong() } else { name }, summary);
+        let channels = whole.outcome.workpiece.part.blade_count;
+        lines(ui, if is_asked { name.strong() } else { name }, summary, channels);
     }
 }
 
-/// Figures of a policy in two lines; a table would be wider than the panel.
-fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
+/// Figures of a policy in three lines; a table would be wider than the panel.
+fn lines(ui: &mut Ui, policy: RichText, summary: &Summary, channels: usize) {
     ui.horizontal(|ui| {
         ui.label(policy);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -46,9 +47,10 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary) {
                 format!("{} uncut", format_percent(summary.uncut_share)),
                 "Share of the accessible floor that is not machined",
             ),
-            (format_duration(summary.time_estimate), "Time per channel, from plunge feed rates and rapids"),
         ] {
             ui.label(RichText::new(figure).weak()).on_hover_text(tip);
         }
     });
+    let tip = "From plunge feed rates and rapids; without tool changes";
+    ui.label(RichText::new(format_times(summary.time_estimate, channels)).weak()).on_hover_text(tip);
 }

@@ -5,7 +5,9 @@ use egui_extras::{Column, TableBuilder};
 
 use crate::plunge::{Blocked, Position};
 
+use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
+use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
@@ -280,6 +282,28 @@ fn remarks(ui: &mut Ui, position: &Position) {
     }
     if position.lift > 0.02 {
         ui.label(format!("Ends {:.2} mm above full depth", position.lift));
+    }
+}
+
+/// Tooltip of a cutter in the view of a side: what is cut there, with what, how fast and when.
+pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
+    ui.label(RichText::new(format!("Position {}", k + 1)).strong());
+    let Some(shown) = state.shown_on(side) else { return };
+    let plan = shown.plan();
+    // The cutters of a running plan may be other ones.
+    let Some(position) = plan.positions.get(k).filter(|_| state.preview_on(side).is_none()) else { return };
+    let Some(section) = plan.sections.get(position.section) else { return };
+    let tool = &section.tool;
+    let place = format!("section {}, row {}", position.section + 1, position.row + 1);
+    ui.label(format!("{}; T{} Ø{}, {place}", position.condition().label(), tool.number, tool.diameter));
+    ui.label(format!(
+        "α {:.1}°, {:.0} mm/min, {:.0} rev/min",
+        position.alpha_rad.to_degrees(),
+        tool.plunge_feed,
+        tool.spindle
+    ));
+    if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
+        ui.label(format!("Cut after {}", format_clock(time)));
     }
 }
 

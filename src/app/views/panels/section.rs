@@ -1,32 +1,76 @@
-//! Sectional view through the selected position along its row, with dimensions.
+//! Sectional view through the selected position, with dimensions: plane to choose, zoom, pan.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
+use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
-use crate::plunge::Position;
-use crate::plunge::inspect::{SectionPoint, SectionView};
-
+use crate::app::model::look::SectionalLook;
 use crate::app::views::theme::{self, Condition};
+use crate::plunge::Position;
+use crate::plunge::inspect::{CutPlane, SectionPoint, SectionView};
 
 /// Half width of the view, in cutter radii.
 const HALF_WIDTH_IN_RADII: f64 = 1.75;
 
 /// Height of the drawing in a window of `window` points; the rest is for the table above it.
 pub fn height(window: f32) -> f32 {
-    (0.24 * window).clamp(110.0, 230.0)
+    (0.24 * window - CONTROLS).clamp(96.0, 210.0)
 }
 
+/// Height of the line of controls, points.
+const CONTROLS: f32 = 26.0;
 /// Height of the dimensions at the top, points.
-const DIMENSIONS: f32 = 50.0;
+const DIMENSIONS: f32 = 54.0;
+/// Largest magnification.
+const MAX_ZOOM: f64 = 40.0;
+/// Points of scrolling that double or halve the magnification.
+const SCROLL_PER_OCTAVE: f64 = 240.0;
+/// Distance from the plane beyond which the deepest contact does not count as shown, mm.
+const BESIDE: f64 = 0.3;
+
+/// Label of a plane.
+fn plane_label(plane: CutPlane) -> &'static str {
+    match plane {
+        CutPlane::Row => "Along the row",
+        CutPlane::Across => "Across the row",
+        CutPlane::Contact => "Through contact",
+        CutPlane::Meridian => "Meridional",
+    }
+}
+
+/// The line of controls: plane, fit, enlarge. `now`: the plane that is shown.
+pub fn controls(ui: &mut Ui, look: &mut SectionalLook, now: CutPlane) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Cut");
+        let list = ComboBox::from_id_salt("cut plane").width(112.0).selected_text(plane_label(now));
+        let list = list.show_ui(ui, |ui| {
+            let automatic = "Automatic: through the contact where the core meets stock, else along the row";
+            ui.selectable_value(&mut look.plane, None, "Automatic").on_hover_text(automatic);
+            for plane in CutPlane::ALL {
+                ui.selectable_value(&mut look.plane, Some(plane), plane_label(plane));
+            }
+        });
+        list.response.labelled_by(label.id).on_hover_text("Plane of the cut; each contains the tool axis");
+        let moved = look.zoom != 1.0 || look.pan != [0.0; 2];
+        let fit = ui.add_enabled(moved, egui::Button::new("Fit cut").small());
+        if fit.on_hover_text("Shows the whole cut again; so does a double-click").clicked() {
+            (look.zoom, look.pan) = (1.0, [0.0; 2]);
+        }
+        if !look.is_large && ui.small_button("Enlarge").on_hover_text("Shows the cut in a window").clicked() {
+            look.is_large = true;
+        }
+    });
+}
 
 /// Transformation from mm in the section plane to the screen.
 struct SectionToScreen {
     rect: Rect,
     scale: f64,
     low: f64,
+    /// Shift on the screen, points.
+    shift: [f64; 2],
 }
 
 impl SectionToScreen {
-    fn new(rect: Rect, view: &SectionView) -> Self {
+    fn new(rect: Rect, view: &SectionView, look: &SectionalLook) -> Self {
         let radius = view.tool.radius();
         let (width, height) = (f64::from(rect.width()), f64::from(rect.height()));
         let near = view.hub.iter().filter(|p| p[0].abs() < radius);
@@ -34,16 +78,25 @@ impl SectionToScreen {
         // From the bottom: a strip of hub, the cutter with its core contact, the dimensions.
         let (below, dimensions) = (0.12 * height, f64::from(DIMENSIONS));
         let room = (height - below - dimensions).max(0.3 * height);
-        let shown = view.contact_depth().max(0.25 * radius) - lowest;
-        let scale = (width / (2.0 * HALF_WIDTH_IN_RADII * radius)).min(room / shown);
-        Self { rect, scale, low: lowest - below / scale }
+        let shown = view.contact_in_plane().max(0.25 * radius) - lowest;
+        let fitting = (width / (2.0 * HALF_WIDTH_IN_RADII * radius)).min(room / shown);
+        let low = lowest - below / fitting;
+        // Zoomed about the middle of the drawing.
+        let (scale, middle) = (fitting * look.zoom, low + 0.5 * height / fitting);
+        let shift = look.pan.map(|part| part * look.zoom);
+        Self { rect, scale, low: middle - 0.5 * height / scale, shift }
     }
 
     fn to_screen(&self, [x, y]: SectionPoint) -> Pos2 {
         egui::pos2(
-            self.rect.center().x + (x * self.scale) as f32,
-            self.rect.bottom() - ((y - self.low) * self.scale) as f32,
+            self.rect.center().x + (x * self.scale + self.shift[0]) as f32,
+            self.rect.bottom() - ((y - self.low) * self.scale - self.shift[1]) as f32,
         )
+    }
+
+    /// Heights at the lower and upper edge of the drawing, mm.
+    fn bottom(&self) -> f64 {
+        self.low + self.shift[1] / self.scale
     }
 
     fn line(&self, points: &[SectionPoint]) -> Vec<Pos2> {
@@ -51,17 +104,49 @@ impl SectionToScreen {
     }
 
     fn top(&self) -> f64 {
-        self.low + f64::from(self.rect.height()) / self.scale
+        self.bottom() + f64::from(self.rect.height()) / self.scale
+    }
+}
+
+/// Moves the drawing with the mouse: drag pans, the wheel zooms to the pointer, a double-click fits.
+fn mouse(ui: &Ui, response: &egui::Response, look: &mut SectionalLook) {
+    if response.double_clicked() {
+        (look.zoom, look.pan) = (1.0, [0.0; 2]);
+    }
+    if response.dragged() {
+        let by = response.drag_delta();
+        look.pan[0] += f64::from(by.x) / look.zoom;
+        look.pan[1] += f64::from(by.y) / look.zoom;
+    }
+    let Some(at) = response.hover_pos() else { return };
+    let scroll = ui.input(|input| f64::from(input.smooth_scroll_delta.y));
+    if scroll != 0.0 {
+        let zoom = (look.zoom * 2f64.powf(scroll / SCROLL_PER_OCTAVE)).clamp(1.0, MAX_ZOOM);
+        // The point under the pointer stays: its distance from the middle grows with the zoom.
+        let from_middle = at - response.rect.center();
+        for (pan, offset) in look.pan.iter_mut().zip([from_middle.x, from_middle.y]) {
+            *pan += f64::from(offset) * (1.0 / zoom - 1.0 / look.zoom);
+        }
+        look.zoom = zoom;
     }
 }
 
 /// Draws the sectional view through `position` with index `k`, `height` points high. `stale`: `view` still
-/// shows another position.
-pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stale: bool, height: f32) {
-    let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
-    let name = format!("Sectional view through position {}", k + 1);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &name));
-    let frame = SectionToScreen::new(rect, view);
+/// shows another position or plane. `name`: that of the drawing.
+pub fn show(
+    ui: &mut Ui,
+    name: &str,
+    shown: (&SectionView, &Position),
+    look: &mut SectionalLook,
+    stale: bool,
+    height: f32,
+) {
+    let (view, position) = shown;
+    let size = Vec2::new(ui.available_width(), height);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
+    mouse(ui, &response, look);
+    let frame = SectionToScreen::new(rect, view, look);
     let painter = ui.painter_at(rect);
     let visuals = ui.visuals();
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
@@ -112,15 +197,15 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
     let contact = Condition::Interfering.mark();
     columns(&mut view.contact.iter().copied(), contact.gamma_multiply(0.8));
     // The hub and its allowance.
-    columns(&mut view.hub.iter().map(|p| (p[0], [frame.low, p[1]])), grey(190, 75));
+    columns(&mut view.hub.iter().map(|p| (p[0], [frame.bottom().min(p[1]), p[1]])), grey(190, 75));
     painter.line(frame.line(&view.hub), Stroke::new(1.8, grey(40, 220)));
     let dashes = Shape::dashed_line(&frame.line(&view.allowance), Stroke::new(1.0, grey(60, 190)), 5.0, 3.0);
     painter.extend(dashes);
     painter.line(frame.line(&view.before), Stroke::new(1.4, Condition::Blocked.text(visuals)));
     painter.line(frame.line(&view.after), Stroke::new(1.4, Condition::Sound.text(visuals)));
-    let axis = [frame.to_screen([0.0, frame.low]), frame.to_screen([0.0, high])];
+    let axis = [frame.to_screen([0.0, frame.bottom()]), frame.to_screen([0.0, high])];
     painter.extend(Shape::dashed_line(&axis, Stroke::new(0.8, grey(90, 160)), 8.0, 4.0));
-    dimensions(ui, &painter, &frame, view);
+    dimensions(ui, &painter, &frame, view, position);
     patch(ui, &painter, rect, view);
     if stale {
         painter.rect_filled(rect, 2.0, visuals.panel_fill.gamma_multiply(0.5));
@@ -129,49 +214,52 @@ pub fn show(ui: &mut Ui, k: usize, view: &SectionView, position: &Position, stal
 }
 
 /// Dimension lines, mm.
-fn dimensions(ui: &Ui, painter: &egui::Painter, frame: &SectionToScreen, view: &SectionView) {
+fn dimensions(
+    ui: &Ui,
+    painter: &egui::Painter,
+    frame: &SectionToScreen,
+    view: &SectionView,
+    position: &Position,
+) {
     let ink = ui.visuals().strong_text_color();
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
     let high = frame.top();
     let under = |points: f32| high - f64::from(points) / frame.scale;
-    span(
-        painter,
-        frame,
-        [-radius, under(15.0)],
-        [radius, under(15.0)],
-        &format!("D {}", view.tool.diameter),
-        ink,
-    );
+    let mut lines =
+        vec![([-radius, under(16.0)], [radius, under(16.0)], format!("Ø{}", view.tool.diameter), ink)];
     if core > 0.0 {
-        let text = format!("core {}", short(2.0 * core));
-        span(painter, frame, [-core, under(30.0)], [core, under(30.0)], &text, ink);
+        let text = format!("core Ø{}", short(2.0 * core));
+        lines.push(([-core, under(32.0)], [core, under(32.0)], text, ink));
     }
-    let text = format!("w {}", short(view.tool.insert_width));
-    span(painter, frame, [core, under(45.0)], [radius, under(45.0)], &text, ink);
-    let depth = view.contact_depth();
+    let text = format!("insert {}", short(view.tool.insert_width));
+    lines.push(([core, under(48.0)], [radius, under(48.0)], text, ink));
+    let depth = view.contact_in_plane();
     if depth > 0.0 {
+        // Where the deepest contact lies in this plane, its exact depth.
+        let depth =
+            if view.deepest_beside().abs() < BESIDE { position.evaluation.contact.depth } else { depth };
         // Beside the core, as text over the contact would be unreadable.
-        let text = format!("{} mm", short(depth));
         let ink = Condition::Interfering.text(ui.visuals());
         let x = -core - 6.0 / frame.scale;
-        span(painter, frame, [x, 0.0], [x, depth], &text, ink);
+        lines.push(([x, 0.0], [x, depth], format!("{} mm", short(depth)), ink));
     }
     // The step from the previous position lies behind the axis.
-    if view.step > 0.0 {
-        let y = frame.low + 9.0 / frame.scale;
-        span(painter, frame, [-view.step, y], [0.0, y], &format!("step {}", short(view.step)), ink);
+    if view.step > 0.0 && view.plane == CutPlane::Row {
+        let y = frame.bottom() + 11.0 / frame.scale;
+        lines.push(([-view.step, y], [0.0, y], format!("step {}", short(view.step)), ink));
+    }
+    for (a, b, _, ink) in &lines {
+        span(painter, frame, *a, *b, *ink);
+    }
+    // The texts come last, on a ground of their own: no line runs through them.
+    let ground = ui.visuals().extreme_bg_color;
+    for (a, b, text, ink) in lines {
+        span_text(painter, (frame.to_screen(a), frame.to_screen(b)), text, ink, ground);
     }
 }
 
-/// A dimension line with arrows at both ends and its text beside it.
-fn span(
-    painter: &egui::Painter,
-    frame: &SectionToScreen,
-    a: SectionPoint,
-    b: SectionPoint,
-    text: &str,
-    ink: Color32,
-) {
+/// A dimension line with arrows at both ends.
+fn span(painter: &egui::Painter, frame: &SectionToScreen, a: SectionPoint, b: SectionPoint, ink: Color32) {
     let (a, b) = (frame.to_screen(a), frame.to_screen(b));
     let stroke = Stroke::new(1.0, ink);
     painter.line_segment([a, b], stroke);
@@ -183,13 +271,20 @@ fn span(
             painter.line_segment([end, end + way * 5.0 - across * 2.5], stroke);
         }
     }
-    let flat = along.x.abs() > along.y.abs();
-    let (at, align) = if flat {
-        (a + (b - a) * 0.5 - egui::vec2(0.0, 1.0), Align2::CENTER_BOTTOM)
-    } else {
-        (a + (b - a) * 0.5 - egui::vec2(4.0, 0.0), Align2::RIGHT_CENTER)
+}
+
+/// The text of a dimension line: in a gap of it where it is long enough, else after its end.
+fn span_text(painter: &egui::Painter, (a, b): (Pos2, Pos2), text: String, ink: Color32, ground: Color32) {
+    let galley = painter.layout_no_wrap(text, FontId::proportional(theme::MIN_TEXT_SIZE), ink);
+    let size = galley.size() + egui::vec2(6.0, 0.0);
+    let flat = (b - a).x.abs() > (b - a).y.abs();
+    let at = match flat {
+        true if (b - a).x.abs() > size.x + 16.0 => Align2::CENTER_CENTER.anchor_size(a + (b - a) * 0.5, size),
+        true => Align2::LEFT_CENTER.anchor_size(egui::pos2(a.x.max(b.x) + 3.0, a.y), size),
+        false => Align2::RIGHT_CENTER.anchor_size(a + (b - a) * 0.5 - egui::vec2(4.0, 0.0), size),
     };
-    painter.text(at, align, text, FontId::proportional(theme::MIN_TEXT_SIZE), ink);
+    painter.rect_filled(at, 2.0, ground);
+    painter.galley(at.min + egui::vec2(3.0, 0.0), galley, ink);
 }
 
 /// The core's disc from above, with the stock it hits.
@@ -213,6 +308,10 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
     }
     painter.add(mesh);
     painter.circle_stroke(middle, radius, Stroke::new(1.0, visuals.strong_text_color()));
+    // The plane of the cut.
+    let [along, across] = view.x_in_disc.map(|part| part as f32);
+    let way = egui::vec2(along, -across) * radius;
+    painter.line_segment([middle - way, middle + way], Stroke::new(1.5, theme::accent(visuals)));
     let below = middle + egui::vec2(0.0, radius + 2.0);
     painter.text(
         below,
@@ -227,7 +326,7 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
 fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
     let mut facts = vec![
         format!("α {:.2}°", position.alpha_rad.to_degrees()),
-        format!("lead in the section {:.2}°", view.lead_rad.to_degrees()),
+        format!("tilt in this cut {:.2}°", view.lead_rad.to_degrees()),
     ];
     if view.step > 0.0 {
         facts.push(format!("step {:.2} mm", view.step));
@@ -242,7 +341,12 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
         let depth = position.evaluation.contact.depth;
         let text = format!("Core hits stock {depth:.2} mm above the tip, {share:.0} % of its area");
         let colour = Condition::Interfering.text(ui.visuals());
-        ui.label(RichText::new(text).small().strong().color(colour));
+        ui.add(egui::Label::new(RichText::new(text).small().strong().color(colour)).wrap());
+        let beside = view.deepest_beside().abs();
+        if beside >= BESIDE {
+            let text = format!("The deepest contact lies {beside:.1} mm beside this cut");
+            ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
+        }
     }
 }
 

@@ -37,48 +37,80 @@ const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
 
 const STEP: FieldSpec = FieldSpec::mm(
     "Step",
-    "Maximum distance of neighbouring axes along a row; auto: each tool's insert width",
+    "Maximum distance of neighbouring axes along a row; auto: each tool's insert width.\n\
+     Smaller: less stock between plunges and less core contact, but more plunges and time",
     0.5,
     100.0,
 )
 .sliding(1.0, 30.0);
 const ROW_SPACING: FieldSpec = FieldSpec::mm(
     "Stepover",
-    "Maximum distance of neighbouring rows; auto: 4/3 of each tool's radius",
+    "Maximum distance of neighbouring rows; auto: 4/3 of each tool's radius.\n\
+     Smaller: lower scallops between rows, but more rows and time",
     0.5,
     200.0,
 )
 .sliding(1.0, 60.0);
-const SCALLOP: FieldSpec =
-    FieldSpec::mm("Wall scallop", "Max scallop height between plunges along a wall", 0.01, 5.0)
-        .sliding(0.05, 2.0);
-const TILT: FieldSpec =
-    FieldSpec::degrees("Max tilt", "Maximum angle between an axis and the isoparametric one", 0.0, 90.0)
-        .sliding(0.0, 60.0);
+const SCALLOP: FieldSpec = FieldSpec::mm(
+    "Wall scallop",
+    "Max scallop height between plunges along a wall.\n\
+     Smaller: smoother walls for flank milling, but more plunges along them",
+    0.01,
+    5.0,
+)
+.sliding(0.05, 2.0);
+const TILT: FieldSpec = FieldSpec::degrees(
+    "Max tilt",
+    "Maximum angle between an axis and the isoparametric one.\n\
+     Larger: cores get free of stock at more positions; smaller: less turning of the rotary axes",
+    0.0,
+    90.0,
+)
+.sliding(0.0, 60.0);
 const MACHINE: FieldSpec = FieldSpec::degrees(
     "Max machine tilt",
-    "Maximum angle between tool axis and wheel axis on the machine; used by Min. stock. 180: no limit",
+    "Maximum angle between tool axis and wheel axis on the machine; used by Min. stock. 180: no limit.\n\
+     Smaller: no axis beyond what the machine reaches, but more stock where it would be needed",
     1.0,
     180.0,
 )
 .sliding(30.0, 180.0);
 const CHANGE: FieldSpec = FieldSpec::degrees(
     "Max axis change",
-    "Maximum angle between the axes of neighbouring positions",
+    "Maximum angle between the axes of neighbouring positions.\n\
+     Smaller: smoother motion of the rotary axes, but the lead angle follows the hub more slowly",
     0.1,
     90.0,
 )
 .sliding(0.5, 20.0);
-const HUB: FieldSpec =
-    FieldSpec::mm("Hub allowance", "Stock that must stay on the hub", 0.0, 20.0).sliding(0.0, 3.0);
-const BLADE: FieldSpec =
-    FieldSpec::mm("Blade allowance", "Stock that must stay on the blades", 0.0, 20.0).sliding(0.0, 3.0);
-const SAFETY: FieldSpec =
-    FieldSpec::mm("Rapid clearance", "Distance of the cutter above the blank before a rapid", 0.0, 100.0)
-        .sliding(0.0, 20.0);
+const HUB: FieldSpec = FieldSpec::mm(
+    "Hub allowance",
+    "Stock that must stay on the hub.\n\
+     Larger: safer for finishing, and the plunges end higher",
+    0.0,
+    20.0,
+)
+.sliding(0.0, 3.0);
+const BLADE: FieldSpec = FieldSpec::mm(
+    "Blade allowance",
+    "Stock that must stay on the blades.\n\
+     Larger: safer for finishing, but less room for the cutter between the blades",
+    0.0,
+    20.0,
+)
+.sliding(0.0, 3.0);
+const SAFETY: FieldSpec = FieldSpec::mm(
+    "Rapid clearance",
+    "Distance of the cutter above the blank before a rapid.\n\
+     Larger: safer links, but longer retracts",
+    0.0,
+    100.0,
+)
+.sliding(0.0, 20.0);
 const INLET: FieldSpec = FieldSpec::mm(
     "Inlet overhang",
-    "Length of blank before the leading edge, along hub and shroud",
+    "Length of blank before the leading edge, along hub and shroud.\n\
+     It is cut too: the plunges begin that far in front of the blades",
     0.0,
     200.0,
 )

@@ -3,8 +3,9 @@
 use egui::containers::menu::MenuButton;
 use egui::{Button, Rect, RichText, Sense, Slider, Stroke, Ui};
 
+use crate::app::model::figures::{format_clock, format_duration};
 use crate::app::model::look::Look;
-use crate::app::model::state::{AppState, PLAY_RATE};
+use crate::app::model::state::{AppState, Boundary, PLAY_RATE};
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
 
@@ -52,9 +53,13 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         if let Some((now, whole)) = clock {
             ui.add_space(6.0);
             let text = format!("{} of {}", format_clock(now), format_clock(whole));
-            ui.label(RichText::new(text).weak()).on_hover_text(
-                "Time of one channel up to here, from feed rates and rapids; without tool changes",
-            );
+            let part = state.document.part.as_ref();
+            let wheel = part.map_or(1.0, |part| part.impeller.blade_count as f64) * whole;
+            ui.label(RichText::new(text).weak()).on_hover_text(format!(
+                "Time of one channel up to here, from feed rates and rapids; without tool changes\n\
+                 Whole wheel: {}",
+                format_duration(wheel)
+            ));
         }
     });
     chosen
@@ -85,19 +90,24 @@ fn play_menu(ui: &mut Ui, look: &mut Look) {
     menu.on_hover_text("Speed and loop of playing");
 }
 
-/// Time as h:mm:ss, from seconds.
-fn format_clock(seconds: f64) -> String {
-    let whole = seconds.round().clamp(0.0, 1e9) as u64;
-    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
-}
-
-/// Marks above the slider at positions that are not sound.
+/// Marks above the slider at positions that are not sound; below it where a section begins, longer at a
+/// change of the tool.
 fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
     let Some(shown) = state.shown() else { return };
     let positions = &shown.plan().positions;
     let inset = rect.height() * 0.2;
     let place =
         |k: usize| egui::lerp(rect.left() + inset..=rect.right() - inset, k as f32 / positions.len() as f32);
+    let ink = ui.visuals().text_color();
+    for (of, length) in [(Boundary::Section, 4.0), (Boundary::Tool, 7.0)] {
+        for k in state.boundaries(of).into_iter().filter(|&k| k > 0) {
+            let line = [
+                egui::pos2(place(k), rect.bottom() - 2.0),
+                egui::pos2(place(k), rect.bottom() - 2.0 + length),
+            ];
+            ui.painter().line_segment(line, Stroke::new(1.5, ink));
+        }
+    }
     for (k, position) in positions.iter().enumerate() {
         let of = position.condition();
         if of != Condition::Sound {

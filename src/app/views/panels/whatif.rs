@@ -25,14 +25,15 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         ("Pos.", "Number of plunges"),
         ("Interf.", "Plunges whose core meets stock"),
         ("Stock mm", "Residual stock on the hub: mean and 95th percentile"),
-        ("Time", "Time per channel, from plunge feed rates and rapids"),
+        ("Wheel", "Time of all channels, from plunge feed rates and rapids; without tool changes"),
     ];
     row(ui, |ui, k| {
         let (head, tip) = heads[k];
         ui.label(RichText::new(head).weak()).on_hover_text(tip);
     });
     ui.label(RichText::new("Current setup").weak());
-    cells(ui, state.results.figures(&state.document.edited.setup));
+    let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
+    cells(ui, state.results.figures(&state.document.edited.setup), channels);
     let edited = &mut state.document.edited;
     for (k, set) in edited.sets.iter_mut().enumerate() {
         ui.separator();
@@ -48,7 +49,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
                 removed = Some(k);
             }
         });
-        cells(ui, state.results.figures(&set.setup));
+        cells(ui, state.results.figures(&set.setup), channels);
     }
     let edited = &mut state.document.edited;
     if let Some(set) = used.and_then(|k| edited.sets.get(k)) {
@@ -83,7 +84,7 @@ fn row(ui: &mut Ui, mut cell: impl FnMut(&mut Ui, usize)) {
     });
 }
 
-fn cells(ui: &mut Ui, figures: Option<SetFigures>) {
+fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
     let Some(f) = figures else {
         ui.label(RichText::new("Not calculated yet").weak()).on_hover_text("Load it to calculate it");
         return;
@@ -94,9 +95,12 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>) {
             0 => RichText::new(f.positions.to_string()),
             1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
             2 => RichText::new(format!("{:.2}/{:.2}", f.residual_mean, f.residual_p95)),
-            _ => RichText::new(format_duration(f.time)),
+            _ => RichText::new(format_duration(f.time * channels as f64)),
         };
-        ui.label(text);
+        let label = ui.label(text);
+        if k == 3 {
+            label.on_hover_text(format!("{} per channel", format_duration(f.time)));
+        }
     });
 }
 

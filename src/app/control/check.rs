@@ -1,0 +1,89 @@
+//! Checking of programs from anywhere.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::app::App;
+use crate::app::model::checked::{CheckRequest, CheckedProgram};
+use crate::app::model::look::Operation;
+use crate::app::model::problem::{Problem, Topic};
+use crate::io::InputError;
+use crate::job::worker::Outcome;
+
+impl App {
+    /// Checks a program against the open part.
+    pub(in crate::app) fn check_program(&mut self, path: PathBuf) {
+        self.dialogs.note_folder(&path);
+        match self.state.check_request_of(path) {
+            Some(request) => {
+                self.state.look.operation = Operation::Program;
+                self.submit_check(request);
+            }
+            None => self.state.report_problem(Problem::new(
+                "A program is checked against a part, and none is open",
+                "open the part, then the program",
+            )),
+        }
+    }
+
+    /// Checks the last program again.
+    pub(in crate::app) fn check_again(&mut self) {
+        // One that was not read at all is tried again, too.
+        let path = self.work.asked_check.as_ref().map(|asked| asked.path.clone());
+        let request = path.and_then(|path| self.state.check_request_of(path)).or(self.state.check_request());
+        if let Some(request) = request {
+            self.submit_check(request);
+        }
+    }
+
+    fn submit_check(&mut self, request: CheckRequest) {
+        self.state.notice = None;
+        self.work.asked_check = Some(request.clone());
+        self.work.checker.submit(request);
+    }
+
+    /// Checks a program again that was checked against an older setup, if auto-update is on. As flank plans,
+    /// only once the mouse is released.
+    pub(in crate::app) fn check_edits(&mut self, held: bool) {
+        let follows = self.state.auto_update && !held && self.state.look.operation == Operation::Program;
+        if !(follows && self.state.program_is_stale()) {
+            return;
+        }
+        let now = self.state.check_request();
+        let is_asked = self.work.asked_check.as_ref().zip(now.as_ref()).is_some_and(|(a, b)| a.is_same(b));
+        if let Some(request) = now.filter(|_| !is_asked) {
+            self.submit_check(request);
+        }
+    }
+
+    /// Handles the result of a check.
+    pub(in crate::app) fn take_checked(&mut self, outcome: Outcome<CheckedProgram, InputError>) {
+        match outcome {
+            Outcome::Done(checked) => {
+                let part = self.state.document.part.as_ref();
+                if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &checked.request.part)) {
+                    self.state.take_checked(checked);
+                }
+            }
+            Outcome::Cancelled => self.state.report_done("Check cancelled"),
+            Outcome::Failed(error) => {
+                let problem = Problem::from(&error);
+                self.state.report_problem(Problem { topic: Topic::Program, ..problem });
+            }
+            Outcome::Panicked(what) => self.state.report_problem(Problem::of(
+                Topic::Program,
+                &format!("Check failed unexpectedly ({what})"),
+                "report this with part and program",
+            )),
+        }
+    }
+
+    /// Closes the checked program.
+    pub(in crate::app) fn close_program(&mut self) {
+        self.work.checker.cancel();
+        self.work.asked_check = None;
+        self.state.results.checked = None;
+        self.state.look.operation = Operation::Roughing;
+        self.state.look.finding = None;
+    }
+}

@@ -1,0 +1,228 @@
+//! Checks a program from anywhere against the part, as `vanecut verify` does, and prepares what is shown of
+//! it.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::app::model::checked::{CheckRequest, CheckedProgram, FaultPlace, ProgramFigure, ProgramFinding};
+use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
+use crate::app::model::preview::{PreviewCutters, PreviewPlan};
+use crate::cutting::contact::CoreContact;
+use crate::drawing::flank::RAPID_COLOUR;
+use crate::error::ErrorCode;
+use crate::gpu::mesh::Segment;
+use crate::io::InputError;
+use crate::io::program_file::{NcTarget, read_program_bytes};
+use crate::io::source::{name_of, read_bytes};
+use crate::palette::{CUTTER_CATEGORIES, INTERFERING};
+use crate::plunge::sections::check_part;
+use crate::plunge::{Evaluation, PlungePlan, Position, SectionPlan};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
+use crate::toolpath::{ClProgram, Motion, Move};
+use crate::verify::{
+    Fault, FaultKind, FlankVerdict, PlungeReport, count_by_kind, report_plunges, verify_flank,
+};
+
+/// Cells of the floor along s and λ.
+const FLOOR_CELLS: usize = 192;
+/// Widths of the lines of rapids, cuts and faults, pixels.
+const WIDTHS: [f32; 3] = [0.8, 1.6, 3.0];
+/// Faults that are shown at their place; further ones are only listed.
+const MAX_PLACES: usize = 5000;
+
+/// Reads and checks a program.
+///
+/// # Errors
+/// [`InputError`] when the program cannot be read, or cannot be judged at all.
+pub(in crate::app) fn check(request: &CheckRequest) -> Result<CheckedProgram, InputError> {
+    let CheckRequest { path, machine, part, setup } = request;
+    let name = name_of(path);
+    check_part(setup, part)
+        .map_err(|fault| InputError::new(fault.code, "", 0, fault.message.clone(), fault.help.clone()))?;
+    let bytes = read_bytes(path)?;
+    let target = NcTarget { machine: Path::new(machine), control: None };
+    let (program, overruns) = read_program_bytes(&name, &bytes, Some(target), part, setup)?;
+    let workpiece = setup.allowances.workpiece_of(Arc::clone(part));
+    let unjudged =
+        |fault: Fault| InputError::new(ErrorCode::ProgramTool, &name, fault.line, fault.message, fault.help);
+    let judged = if program.mills_along_curves() {
+        Judged::of_flank(verify_flank(&workpiece, setup, &program).map_err(unjudged)?)
+    } else {
+        Judged::of_plunges(report_plunges(&workpiece, setup, &program, FLOOR_CELLS).map_err(unjudged)?)
+    };
+    let mut faults = judged.faults;
+    faults.extend(overruns);
+    faults.sort_by_key(|fault| fault.line);
+    let reader = program.warnings.iter().map(|w| format!("Line {}: {}", w.line, w.message));
+    Ok(CheckedProgram {
+        request: request.clone(),
+        kind: judged.kind,
+        summary: count_by_kind(&faults),
+        lines: lines_of(&program, &faults),
+        findings: findings_of(&program, setup, &String::from_utf8_lossy(&bytes), faults),
+        figures: judged.figures,
+        notes: judged.notes.into_iter().chain(reader).collect(),
+        time: judged.time,
+        is_complete: judged.is_complete,
+    })
+}
+
+/// What both kinds of programs have in common.
+struct Judged {
+    kind: &'static str,
+    faults: Vec<Fault>,
+    figures: Vec<ProgramFigure>,
+    notes: Vec<String>,
+    time: f64,
+    is_complete: bool,
+}
+
+impl Judged {
+    fn of_plunges(report: PlungeReport) -> Self {
+        let (summary, verdict) = (&report.summary, report.verdict);
+        let figures = vec![
+            ("Plunges", summary.positions.to_string(), "Moves under feed"),
+            ("Channels", verdict.channels.to_string(), "Channels with cuts"),
+            ("Core contact", summary.interfering.to_string(), "Plunges whose core meets stock"),
+            ("Residual", residual(summary.residual_mean, summary.residual_p95), RESIDUAL_TIP),
+            ("Not machined", format_percent(summary.uncut_share), UNCUT_TIP),
+            (
+                "Hub clearance",
+                mm(summary.min_hub_clearance),
+                "Least distance of a cutter to the finished hub",
+            ),
+            ("Blade clearance", mm(summary.min_blade_clearance), "Least distance to a finished blade"),
+            ("Rapid clearance", mm(summary.min_retract_clearance), "Least distance of rapids to the blank"),
+        ];
+        Self {
+            kind: "Plunge program",
+            figures,
+            time: summary.time_estimate,
+            is_complete: summary.uncut_share <= MAX_GOOD_UNCUT_SHARE,
+            notes: report.notes,
+            faults: verdict.faults,
+        }
+    }
+
+    fn of_flank(verdict: FlankVerdict) -> Self {
+        let uncut = f64::from(verdict.layer.uncut_share);
+        let figures = vec![
+            ("Cutting moves", verdict.positions.to_string(), "Moves under feed"),
+            ("Channels", verdict.channels.to_string(), "Channels with cuts"),
+            ("Gouge of walls", mm(verdict.max_overcut), "Cut below the allowance of the blades"),
+            ("Left on walls", mm(verdict.max_undercut), "Stock left above the allowance of the blades"),
+            ("Residual", residual(verdict.layer.mean.into(), verdict.layer.p95.into()), RESIDUAL_TIP),
+            ("Not machined", format_percent(uncut), UNCUT_TIP),
+            (
+                "Hub clearance",
+                mm(verdict.min_hub_clearance),
+                "Least distance of a cutter to the finished hub",
+            ),
+            ("Blade clearance", mm(verdict.min_blade_clearance), "Least distance to a finished blade"),
+        ];
+        Self {
+            kind: "Flank program",
+            figures,
+            time: verdict.time_estimate,
+            is_complete: uncut <= MAX_GOOD_UNCUT_SHARE,
+            notes: verdict.notes,
+            faults: verdict.faults,
+        }
+    }
+}
+
+const RESIDUAL_TIP: &str = "Residual stock on the hub: mean and 95th percentile";
+const UNCUT_TIP: &str = "Share of the accessible floor that is not cut";
+
+fn mm(value: f64) -> String {
+    if value.is_finite() { format!("{value:.3} mm") } else { "-".to_owned() }
+}
+
+fn residual(mean: f64, p95: f64) -> String {
+    if mean.is_finite() { format!("{mean:.2}/{p95:.2} mm") } else { "-".to_owned() }
+}
+
+/// The moves as lines: rapids grey, cuts in the colour of their tool, those with a fault in that of faults.
+fn lines_of(program: &ClProgram, faults: &[Fault]) -> Vec<Segment> {
+    let to = |p: &crate::geometry::Point| [p.x as f32, p.y as f32, p.z as f32];
+    let is_faulty = |line: usize| {
+        line > 0
+            && faults.binary_search_by_key(&line, |fault| fault.line).is_ok_and(|at| faults[at].line == line)
+    };
+    let same_tool = |pair: &&[Move]| pair[1].tool.is_some() && pair[0].tool == pair[1].tool;
+    let line = |pair: &[Move]| {
+        let step = &pair[1];
+        let (colour, width) = match step.motion {
+            _ if is_faulty(step.line) => (INTERFERING, WIDTHS[2]),
+            Motion::Rapid => (RAPID_COLOUR, WIDTHS[0]),
+            Motion::Feed(_) => {
+                let tool = step.tool.unwrap_or_default();
+                (CUTTER_CATEGORIES[tool % CUTTER_CATEGORIES.len()], WIDTHS[1])
+            }
+        };
+        Segment::coloured(to(&pair[0].tip), to(&step.tip), width, colour)
+    };
+    program.moves.windows(2).filter(same_tool).map(line).collect()
+}
+
+fn findings_of(program: &ClProgram, setup: &Setup, text: &str, faults: Vec<Fault>) -> Vec<ProgramFinding> {
+    let lines: Vec<&str> = text.lines().collect();
+    let mut moves: HashMap<usize, &Move> = HashMap::new();
+    for step in &program.moves {
+        moves.entry(step.line).or_insert(step);
+    }
+    let finding = |(index, fault): (usize, Fault)| {
+        let step = moves.get(&fault.line).copied().filter(|_| fault.line > 0 && index < MAX_PLACES);
+        let tool = step.and_then(|step| program.tools.get(step.tool?)).map(|tool| tool.completed(setup));
+        let place = step.zip(tool).map(|(step, tool)| place_of(step, tool, &fault));
+        let text = fault.line.checked_sub(1).and_then(|line| lines.get(line));
+        ProgramFinding { place, text: text.map_or_else(String::new, |text| text.trim().to_owned()), fault }
+    };
+    faults.into_iter().enumerate().map(finding).collect()
+}
+
+/// The tool at the end of a move.
+fn place_of(step: &Move, tool: Tool, fault: &Fault) -> FaultPlace {
+    let depth = fault.value.filter(|_| fault.kind == FaultKind::CoreContact).unwrap_or_default();
+    let position = Position {
+        tip: step.tip,
+        axis: step.axis,
+        section: 0,
+        row: 0,
+        s: f64::NAN,
+        lambda: f64::NAN,
+        alpha_rad: f64::NAN,
+        contact_point: step.tip,
+        lift: 0.0,
+        blocked: None,
+        limited_by: None,
+        hub_clearance: f64::INFINITY,
+        blade_clearance: f64::INFINITY,
+        evaluation: Evaluation {
+            retract: step.tip + step.axis * tool.overhang,
+            contact: CoreContact { depth: depth.max(1.0), area_share: 1.0 },
+            retract_clearance: f64::INFINITY,
+        },
+    };
+    let radius = tool.radius();
+    let section = SectionPlan {
+        tool,
+        from: 1.0,
+        to: 0.0,
+        feed: CutDirection::OutletToInlet,
+        rows: 1,
+        kind: SectionKind::Rows,
+        added: None,
+    };
+    let plan = PlungePlan {
+        policy: AxisPolicy::Conventional,
+        sections: vec![section],
+        positions: vec![position],
+        dropped: Vec::new(),
+        iterations: 0,
+        converged: true,
+    };
+    let cutter = PreviewCutters { plan: PreviewPlan::Evaluated(Arc::new(plan)), program: None };
+    FaultPlace { tip: step.tip, axis: step.axis, radius, cutter }
+}

@@ -1,0 +1,54 @@
+//! The question of how many channels a program is for.
+
+use egui::{DragValue, Modal, RichText, Ui};
+
+use crate::app::model::figures::format_duration;
+
+/// The dialog.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ChannelsDialog {
+    /// Chosen number of channels, and that of the part, while it is open.
+    asked: Option<(usize, usize)>,
+}
+
+impl ChannelsDialog {
+    /// Opens it for a part of `count` channels.
+    pub fn open(&mut self, count: usize) {
+        self.asked = Some((count, count));
+    }
+
+    /// Whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.asked.is_some()
+    }
+
+    /// Draws it; returns the number of channels once. `time`: that of one channel, s.
+    pub fn show(&mut self, ui: &Ui, time: Option<f64>) -> Option<usize> {
+        let (chosen, count) = self.asked.as_mut()?;
+        let (mut save, mut cancel) = (false, false);
+        let modal = Modal::new(egui::Id::unique("channels")).show(ui.ctx(), |ui| {
+            ui.set_width(300.0);
+            ui.label(RichText::new("Export CL of several channels").strong());
+            ui.add_space(4.0);
+            ui.horizontal(|ui| {
+                let label = ui.label("Channels");
+                ui.add(DragValue::new(chosen).range(1..=*count)).labelled_by(label.id);
+                ui.label(format!("of {count}, from the first on"));
+            });
+            if let Some(time) = time {
+                let whole = format_duration(time * *chosen as f64);
+                ui.label(RichText::new(format!("Time {whole}, without tool changes")).weak());
+            }
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                save = ui.button("Save as…").clicked();
+                cancel = ui.button("Cancel").clicked();
+            });
+        });
+        let chosen = *chosen;
+        if save || cancel || modal.should_close() {
+            self.asked = None;
+        }
+        save.then_some(chosen)
+    }
+}

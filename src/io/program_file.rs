@@ -1,0 +1,56 @@
+//! Programs of any kind: APT, or NC code that was posted for a machine.
+
+use std::path::Path;
+
+use super::InputError;
+use super::apt::read_apt_bytes;
+use super::machine_file::read_machine;
+use super::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
+use super::tool_library::{flank_cutters, plunge_cutters};
+use crate::machine::PlacedPart;
+use crate::part::Impeller;
+use crate::setup::{Setup, Tool};
+use crate::toolpath::ClProgram;
+use crate::verify::{Fault, FaultKind};
+
+/// For what an NC program was posted.
+#[derive(Clone, Copy, Debug)]
+pub struct NcTarget<'a> {
+    /// Name of a machine, or its file.
+    pub machine: &'a Path,
+    /// Control; `None`: that of the machine.
+    pub control: Option<&'a str>,
+}
+
+/// Reads the program `bytes` of file `name` for `part`: APT, or with a `target` the NC code that was posted
+/// for it. The faults are positions beyond the limits of an axis. Tools of NC code are those of `setup`, or
+/// else of the library.
+///
+/// # Errors
+/// When the program is not valid, or machine or control are not known.
+pub fn read_program_bytes(
+    name: &str,
+    bytes: &[u8],
+    target: Option<NcTarget<'_>>,
+    part: &Impeller,
+    setup: &Setup,
+) -> Result<(ClProgram, Vec<Fault>), InputError> {
+    let Some(target) = target.filter(|_| !is_apt(bytes)) else {
+        return Ok((read_apt_bytes(name, bytes)?, Vec::new()));
+    };
+    let machine = read_machine(target.machine)?;
+    let post = read_post(target.control.unwrap_or(&machine.control))?;
+    let library = [plunge_cutters(), flank_cutters()].concat();
+    let tools: Vec<Tool> = setup.tools.iter().chain(&library).cloned().collect();
+    let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
+    let context = ReadContext { machine: &machine, placed, tools: &tools };
+    let reading = read_nc(name, bytes, post.dialect, &context)?;
+    Ok((reading.program, reading.overruns.iter().map(overrun_fault).collect()))
+}
+
+/// The fault of a position beyond the limits of an axis.
+fn overrun_fault(overrun: &AxisOverrun) -> Fault {
+    let AxisOverrun { line, letter, value, limits: (low, high) } = overrun;
+    let message = format!("{letter}{value:.3} is beyond the limits {low:.1} … {high:.1} of the axis");
+    Fault { line: *line, kind: FaultKind::AxisLimit, value: Some(*value), message, help: String::new() }
+}
