@@ -185,6 +185,10 @@ pub fn section_view_in(
             view.max_residual = view.max_residual.max(top - hub);
         }
     }
+    // The deepest contact is often a sliver at the rim, between two samples.
+    if let Some(cell) = deepest.filter(|_| plane == CutPlane::Contact) {
+        view.contact.push((view.deepest_along(), [0.0, cell.depth]));
+    }
     view.lead_rad = lead_angle(&view.hub);
     let core = tool.core_radius();
     for i in 0..PATCH {
@@ -215,6 +219,12 @@ impl SectionView {
     pub fn deepest_beside(&self) -> f64 {
         let [along, across] = self.x_in_disc;
         self.deepest.map_or(0.0, |cell| cell.across * along - cell.x * across)
+    }
+
+    /// x of the deepest contact, mm; 0 without contact.
+    pub fn deepest_along(&self) -> f64 {
+        let [along, across] = self.x_in_disc;
+        self.deepest.map_or(0.0, |cell| cell.x * along + cell.across * across)
     }
 
     /// Maximum contact depth in the plane of the view, mm.

@@ -180,7 +180,9 @@ impl App {
         let Some((k, position)) = shown.filter(|_| self.state.look.sectional.is_large) else { return };
         let mut open = true;
         let window = egui::Window::new("Sectional view, enlarged").open(&mut open).collapsible(false);
-        window.default_size([620.0, 460.0]).min_size([300.0, 240.0]).show(ui.ctx(), |ui| {
+        let size = egui::vec2(620.0, 460.0);
+        let corner = ui.ctx().content_rect().center() - 0.5 * size;
+        window.default_pos(corner).default_size(size).min_size([300.0, 240.0]).show(ui.ctx(), |ui| {
             let plane = self.state.cut_plane();
             panels::section::controls(ui, &mut self.state.look.sectional, plane);
             let Some((of, view)) = self.inspected.section() else { return };

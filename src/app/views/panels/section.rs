@@ -235,12 +235,15 @@ fn dimensions(
     lines.push(([core, under(48.0)], [radius, under(48.0)], text, ink));
     let depth = view.contact_in_plane();
     if depth > 0.0 {
-        // Where the deepest contact lies in this plane, its exact depth.
-        let depth =
-            if view.deepest_beside().abs() < BESIDE { position.evaluation.contact.depth } else { depth };
-        // Beside the core, as text over the contact would be unreadable.
         let ink = Condition::Interfering.text(ui.visuals());
-        let x = -core - 6.0 / frame.scale;
+        let (x, depth) = if view.deepest_beside().abs() < BESIDE {
+            // At the deepest contact, on the side of the axis; with its exact depth.
+            let at = view.deepest_along();
+            (at - at.signum() * 5.0 / frame.scale, position.evaluation.contact.depth)
+        } else {
+            // Beside the core, as text over the contact would be unreadable.
+            (-core - 6.0 / frame.scale, depth)
+        };
         lines.push(([x, 0.0], [x, depth], format!("{} mm", short(depth)), ink));
     }
     // The step from the previous position lies behind the axis.
