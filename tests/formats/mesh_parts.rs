@@ -313,7 +313,7 @@ fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
     let meshes = vec![named("Solid1".into(), 0, body.whole())];
     let error =
         describe("back", meshes, LengthUnit::Millimetre, &MeshOptions::default()).map(|_| ()).unwrap_err();
-    assert_eq!(error.code, ErrorCode::MeshRoles, "{error}");
+    assert_eq!(error.code, ErrorCode::MeshInOne, "{error}");
 }
 
 #[test]
