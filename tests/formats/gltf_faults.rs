@@ -94,7 +94,7 @@ fn broken_files_are_refused_in_one_line() {
             d["accessors"][0]["bufferView"] = json!(8);
         }),
         ("no such buffer", ErrorCode::GltfReference, "buffer 4", |d, _| {
-            d["bufferViews"][0]["buffer"] = json!(4)
+            d["bufferViews"][0]["buffer"] = json!(4);
         }),
         ("no data", ErrorCode::GltfAccessor, "accessor 0", |d, _| {
             drop(d["accessors"][0].as_object_mut().unwrap().remove("bufferView"));
