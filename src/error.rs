@@ -89,8 +89,32 @@ error_codes! {
             "A native, GeomTurbo or TurboGrid part does not describe curves and blades as its format asks.",
             "Correct the line, or export the part again.";
         MeshFile "mesh-file",
-            "A glTF or STL file is damaged, or uses something that is not supported.",
-            "Export it again as the message says.";
+            "A glTF or STL file breaks its format.",
+            "Export it again.";
+        GltfVersion "gltf-version",
+            "A glTF file is of another version than 2.",
+            "Export it as glTF 2.0.";
+        GltfExtension "gltf-extension",
+            "A glTF file needs an extension that is not supported.",
+            "Export it without that extension.";
+        GltfReference "gltf-reference",
+            "An element of a glTF file refers to one that does not exist, or that is taken already.",
+            "Export it again; repair it if you wrote it by hand.";
+        GltfAccessor "gltf-accessor",
+            "The data of a glTF accessor are missing, or of a type that does not suit their use.",
+            "Export it again.";
+        MeshCompressed "mesh-compressed",
+            "The meshes of a file are compressed.",
+            "Export it without mesh compression (Draco, meshopt).";
+        MeshBuffer "mesh-buffer",
+            "A buffer of a glTF file is not in its folder, or cannot be opened with it.",
+            "Put the buffer beside the file and name it without a path, or save as .glb.";
+        MeshValues "mesh-values",
+            "A corner of a mesh is not at a finite place, or a triangle has a corner that the mesh does not have.",
+            "Repair the mesh and export it again.";
+        NoTriangles "no-triangles",
+            "A file holds no triangles.",
+            "Export the surfaces of the impeller as meshes of triangles.";
         StepFile "step-file",
             "A STEP file breaks its format, or an entity of it is not valid.",
             "Repair the model, or export it again as AP203, AP214 or AP242.";
@@ -147,6 +171,15 @@ error_codes! {
         MeshRoles "mesh-roles",
             "Hub, shroud and blades cannot be identified in the meshes of the file.",
             "Export them as separate meshes, or name them with --role NODE=hub, shroud, blade or ignore.";
+        MeshInOne "mesh-in-one",
+            "Hub and blades of a wheel in a single mesh cannot be separated.",
+            "Export hub and blades as separate meshes, or name them with --role NODE=hub and NODE=blade.";
+        NoShroud "no-shroud",
+            "No shroud curve can be fitted to the tips of the blades.",
+            "Give a shroud with --role NODE=shroud.";
+        NoRotationAxis "no-rotation-axis",
+            "The hub of a mesh has no axis of rotation.",
+            "Give it with --rotation-axis x, y or z.";
         MeshUnit "mesh-unit",
             "With its unit the wheel would not have a plausible size.",
             "Give the unit of the file with --unit.";

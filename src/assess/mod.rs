@@ -65,6 +65,21 @@ pub struct Assessment {
 
 impl Assessment {
     /// Assesses the part of `workpiece`, and the reach of the tools of `stretches`.
+    ///
+    /// ```
+    /// use vanecut::{assess::{Assessment, reach::ReachLimits}, setup::Setup};
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/pump6.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let setup = Setup::for_part(&part);
+    /// let limits = ReachLimits {
+    ///     hub_allowance: setup.allowances.hub_allowance,
+    ///     blade_allowance: setup.allowances.blade_allowance,
+    ///     max_tilt_rad: setup.plunge.max_tilt_rad,
+    /// };
+    /// let assessment = Assessment::of(&setup.allowances.workpiece_of(part), &[], &limits);
+    /// assert!(assessment.largest_cutter() < assessment.width_range().1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of(workpiece: &Workpiece, stretches: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
         let Workpiece { part, channel, .. } = workpiece;
         let blades =

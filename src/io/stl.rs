@@ -44,7 +44,7 @@ pub fn read_stl_bytes(name: &str, bytes: &[u8]) -> Result<TriangleMesh, InputErr
         }
     };
     if mesh.triangles.is_empty() {
-        return Err(source.fault(0, "has no triangles", "export it again"));
+        return Err(source.fault(0, "has no triangles", "export it again").with_code(ErrorCode::NoTriangles));
     }
     Ok(mesh)
 }
@@ -83,7 +83,8 @@ fn read_binary(source: Source<'_>, bytes: &[u8], count: usize) -> Result<Triangl
         let corners = [corner(), corner(), corner()];
         if corners.iter().any(|p| !p.iter().all(|x| x.abs() <= MAX_COORDINATE)) {
             let what = format!("triangle {} has a corner that is not within 1,000,000 mm", index + 1);
-            return Err(source.fault(0, what, "check its units, or export it again"));
+            let error = source.fault(0, what, "check its units, or export it again");
+            return Err(error.with_code(ErrorCode::MeshValues));
         }
         push(&mut mesh, corners);
     }
@@ -207,16 +208,18 @@ mod tests {
                      endfacet\n";
         let good = format!("solid a\n{facet}endsolid a\n");
         assert_eq!(read_stl_bytes("a.stl", good.as_bytes()).expect("sound").triangles.len(), 1);
-        for (from, to, expected) in [
-            ("vertex 1 0 0\n", "", "a.stl:7: a facet has 2 corners"),
-            ("1 0 0", "1 0 nan", "a.stl:5: `nan` is not a finite number"),
-            ("1 0 0", "1 0", "a.stl:5: vertex has fewer than three numbers"),
-            ("endloop", "loopend", "a.stl:7: `loopend` is not a word of STL"),
-            ("endsolid a", "", "lacks `endsolid`"),
+        for (from, to, line, code) in [
+            ("vertex 1 0 0\n", "", 7, ErrorCode::MeshFile),
+            ("1 0 0", "1 0 nan", 5, ErrorCode::MeshFile),
+            ("1 0 0", "1 0", 5, ErrorCode::MeshFile),
+            ("endloop", "loopend", 7, ErrorCode::MeshFile),
+            ("endsolid a", "", 10, ErrorCode::FileCutOff),
         ] {
             let error = read_stl_bytes("a.stl", good.replacen(from, to, 1).as_bytes()).expect_err(to);
-            assert!(error.to_string().contains(expected), "{error}");
+            assert_eq!((error.line, error.code), (line, code), "{error}");
         }
+        let empty = read_stl_bytes("a.stl", b"solid a\nendsolid a\n").expect_err("holds nothing");
+        assert_eq!(empty.code, ErrorCode::NoTriangles, "{empty}");
     }
 
     #[test]
@@ -228,10 +231,11 @@ mod tests {
         }
         let mut huge = whole.clone();
         huge[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-        assert!(read_stl_bytes("a.stl", &huge).is_err());
+        assert_eq!(read_stl_bytes("a.stl", &huge).expect_err("too short").code, ErrorCode::FileCutOff);
         let mut endless = whole;
         endless[96..100].copy_from_slice(&f32::INFINITY.to_le_bytes());
         let error = read_stl_bytes("a.stl", &endless).expect_err("a corner is infinite");
+        assert_eq!(error.code, ErrorCode::MeshValues, "{error}");
         assert!(error.message.contains("triangle 1"), "{error}");
     }
 }

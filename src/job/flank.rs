@@ -66,6 +66,16 @@ pub struct FlankJob {
 impl FlankJob {
     /// Plans one channel.
     ///
+    /// ```no_run
+    /// use vanecut::{job::flank::{FlankJob, FlankRequest}, monitor::Monitor, setup::Setup};
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/pump6.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let request = FlankRequest { setup: Setup::for_part(&part), part: part.into() };
+    /// let outcome = FlankJob::default().run(&request, &Monitor::default())?;
+    /// assert!(outcome.faults.is_empty() && !outcome.plan.moves.is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`JobError::Cancelled`] after a stop or cancel of `monitor`; [`JobError::Setup`] when part and setup
     /// are incompatible.

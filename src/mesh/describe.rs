@@ -119,7 +119,7 @@ pub fn describe_source(
         (None, Some((through, along))) => PartFromFile::about(&(through * scale), &along),
         (None, None) => axis_of_bodies(&bodies).or_else(|| find_axis(&hub)).ok_or_else(|| {
             PartError::new(
-                ErrorCode::NotRevolved,
+                ErrorCode::NoRotationAxis,
                 0,
                 "the hub has no axis of rotation",
                 "give it with --rotation-axis x, y or z",
@@ -196,7 +196,7 @@ pub fn describe_source(
             };
             let tips = tips.ok_or_else(|| {
                 PartError::new(
-                    ErrorCode::MeshRoles,
+                    ErrorCode::NoShroud,
                     0,
                     "no shroud curve can be fitted to the blade tips",
                     "give one with --role NODE=shroud",
@@ -266,7 +266,7 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
     };
     if !meshes.iter().any(|m| !m.mesh.triangles.is_empty()) {
         return Err(PartError::new(
-            ErrorCode::MeshFile,
+            ErrorCode::NoTriangles,
             0,
             "holds no triangles",
             "export the impeller's surfaces as meshes",

@@ -138,7 +138,7 @@ pub fn assign_roles(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Ve
     for (name, _) in given {
         if !meshes.iter().any(|m| is(m, name)) {
             return Err(PartError::new(
-                ErrorCode::MeshRoles,
+                ErrorCode::UnknownName,
                 0,
                 format!("no mesh is called `{name}`"),
                 format!("name one of {}", listed(meshes)),

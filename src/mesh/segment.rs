@@ -74,7 +74,7 @@ struct RevolvedFace {
 pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartError> {
     let unclear = |why: &str| {
         PartError::new(
-            ErrorCode::MeshRoles,
+            ErrorCode::MeshInOne,
             0,
             format!("hub and blades of the single mesh `{name}` cannot be separated: {why}"),
             "export hub and blades as separate meshes, or name them with --role NODE=hub and NODE=blade",

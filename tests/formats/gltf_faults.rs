@@ -81,20 +81,22 @@ type Edit = fn(&mut Value, &mut Vec<u8>);
 fn broken_files_are_refused_in_one_line() {
     let broken: [(&str, ErrorCode, &str, Edit); 31] = [
         ("no asset", ErrorCode::MeshFile, "asset", |d, _| drop(d.as_object_mut().unwrap().remove("asset"))),
-        ("old version", ErrorCode::MeshFile, "1.0", |d, _| d["asset"]["version"] = json!("1.0")),
-        ("cycle", ErrorCode::MeshFile, "node 0", |d, _| d["nodes"][0]["children"] = json!([0])),
-        ("two parents", ErrorCode::MeshFile, "node 0", |d, _| d["scenes"][0]["nodes"] = json!([0, 0])),
-        ("no such node", ErrorCode::MeshFile, "node 7", |d, _| d["scenes"][0]["nodes"] = json!([7])),
-        ("no such scene", ErrorCode::MeshFile, "scene 3", |d, _| d["scene"] = json!(3)),
-        ("no such mesh", ErrorCode::MeshFile, "mesh 9", |d, _| d["nodes"][0]["mesh"] = json!(9)),
-        ("no such accessor", ErrorCode::MeshFile, "accessor 5", |d, _| {
+        ("old version", ErrorCode::GltfVersion, "1.0", |d, _| d["asset"]["version"] = json!("1.0")),
+        ("cycle", ErrorCode::GltfReference, "node 0", |d, _| d["nodes"][0]["children"] = json!([0])),
+        ("two parents", ErrorCode::GltfReference, "node 0", |d, _| d["scenes"][0]["nodes"] = json!([0, 0])),
+        ("no such node", ErrorCode::GltfReference, "node 7", |d, _| d["scenes"][0]["nodes"] = json!([7])),
+        ("no such scene", ErrorCode::GltfReference, "scene 3", |d, _| d["scene"] = json!(3)),
+        ("no such mesh", ErrorCode::GltfReference, "mesh 9", |d, _| d["nodes"][0]["mesh"] = json!(9)),
+        ("no such accessor", ErrorCode::GltfReference, "accessor 5", |d, _| {
             d["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(5);
         }),
-        ("no such view", ErrorCode::MeshFile, "buffer view 8", |d, _| {
+        ("no such view", ErrorCode::GltfReference, "buffer view 8", |d, _| {
             d["accessors"][0]["bufferView"] = json!(8);
         }),
-        ("no such buffer", ErrorCode::MeshFile, "buffer 4", |d, _| d["bufferViews"][0]["buffer"] = json!(4)),
-        ("no data", ErrorCode::MeshFile, "accessor 0", |d, _| {
+        ("no such buffer", ErrorCode::GltfReference, "buffer 4", |d, _| {
+            d["bufferViews"][0]["buffer"] = json!(4);
+        }),
+        ("no data", ErrorCode::GltfAccessor, "accessor 0", |d, _| {
             drop(d["accessors"][0].as_object_mut().unwrap().remove("bufferView"));
         }),
         ("view too long", ErrorCode::FileCutOff, "buffer 0", |d, _| {
@@ -104,7 +106,7 @@ fn broken_files_are_refused_in_one_line() {
             d["bufferViews"][0]["byteOffset"] = json!(u64::MAX);
         }),
         ("accessor too long", ErrorCode::FileCutOff, "4000", |d, _| d["accessors"][0]["count"] = json!(4000)),
-        ("absurd count", ErrorCode::MeshFile, "18446744073709551615", |d, _| {
+        ("absurd count", ErrorCode::FileTooLarge, "18446744073709551615", |d, _| {
             d["accessors"][0]["count"] = json!(u64::MAX);
         }),
         ("offset overflows", ErrorCode::FileCutOff, "18446744073709551615", |d, _| {
@@ -114,13 +116,13 @@ fn broken_files_are_refused_in_one_line() {
             d["bufferViews"][0]["byteStride"] = json!(4);
         }),
         ("negative count", ErrorCode::MeshFile, "-1", |d, _| d["accessors"][0]["count"] = json!(-1)),
-        ("wrong type", ErrorCode::MeshFile, "VEC2", |d, _| d["accessors"][0]["type"] = json!("VEC2")),
-        ("unknown component", ErrorCode::MeshFile, "5126", |d, _| {
+        ("wrong type", ErrorCode::GltfAccessor, "VEC2", |d, _| d["accessors"][0]["type"] = json!("VEC2")),
+        ("unknown component", ErrorCode::GltfAccessor, "5126", |d, _| {
             d["accessors"][1]["componentType"] = json!(5126);
         }),
-        ("index out of range", ErrorCode::MeshFile, "200", |_, b| b[48] = 200),
-        ("NaN", ErrorCode::MeshFile, "element 0", |_, b| b[..4].copy_from_slice(&f32::NAN.to_le_bytes())),
-        ("infinite scale", ErrorCode::MeshFile, "node 0", |d, _| {
+        ("index out of range", ErrorCode::MeshValues, "200", |_, b| b[48] = 200),
+        ("NaN", ErrorCode::MeshValues, "element 0", |_, b| b[..4].copy_from_slice(&f32::NAN.to_le_bytes())),
+        ("infinite scale", ErrorCode::MeshValues, "node 0", |d, _| {
             d["nodes"][0]["matrix"] = json!([1e308, 0, 0, 0, 0, 1e308, 0, 0, 0, 0, 1, 0, 1e308, 0, 0, 1]);
             d["nodes"].as_array_mut().unwrap().push(json!({ "scale": [1e308, 1, 1], "children": [0] }));
             d["scenes"][0]["nodes"] = json!([1]);
@@ -131,22 +133,22 @@ fn broken_files_are_refused_in_one_line() {
         ("absurd buffer", ErrorCode::FileTooLarge, "", |d, _| {
             d["buffers"][0] = json!({ "byteLength": u64::MAX, "uri": "data:;base64,AAAA" });
         }),
-        ("missing buffer", ErrorCode::MeshFile, "buffer 0", |d, _| {
+        ("missing buffer", ErrorCode::MeshBuffer, "buffer 0", |d, _| {
             d["buffers"][0]["uri"] = json!("there.bin");
         }),
         ("bad data URI", ErrorCode::MeshFile, "buffer 0", |d, _| {
             d["buffers"][0]["uri"] = json!("data:;base64,***");
         }),
-        ("Draco", ErrorCode::MeshFile, "Draco", |d, _| {
+        ("Draco", ErrorCode::MeshCompressed, "Draco", |d, _| {
             d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
         }),
-        ("meshopt", ErrorCode::MeshFile, "meshopt", |d, _| {
+        ("meshopt", ErrorCode::MeshCompressed, "meshopt", |d, _| {
             d["bufferViews"][0]["extensions"] = json!({ "EXT_meshopt_compression": { "buffer": 0 } });
         }),
-        ("unknown extension", ErrorCode::MeshFile, "ACME_x", |d, _| {
+        ("unknown extension", ErrorCode::GltfExtension, "ACME_x", |d, _| {
             d["extensionsRequired"] = json!(["ACME_x"]);
         }),
-        ("too many instances", ErrorCode::MeshFile, "node 0", |d, _| {
+        ("too many instances", ErrorCode::FileTooLarge, "node 0", |d, _| {
             d["accessors"].as_array_mut().unwrap().push(json!(
                 { "bufferView": 0, "componentType": 5126, "count": 4_000_000_000_u64, "type": "VEC3" }
             ));
@@ -211,7 +213,7 @@ fn buffers_stay_in_the_folder_of_the_file() {
     for uri in refused.into_iter().chain([absolute.as_str(), "..\\secret.bin", "", "."]).chain(links) {
         let error = open(uri).map(|m| m.len()).expect_err(uri);
         // The folder itself is in the folder, but no file.
-        let expected = if uri == "." { ErrorCode::FileUnreadable } else { ErrorCode::MeshFile };
+        let expected = if uri == "." { ErrorCode::FileUnreadable } else { ErrorCode::MeshBuffer };
         assert_eq!(error.code, expected, "{uri}: {error}");
     }
     assert_eq!(open("missing.bin").unwrap_err().code, ErrorCode::FileUnreadable);

@@ -51,7 +51,7 @@ impl UnassignedRoles {
         if nodes.is_empty() {
             let file = path.display().to_string();
             return Err(InputError::new(
-                ErrorCode::MeshFile,
+                ErrorCode::NoTriangles,
                 &file,
                 0,
                 "holds no triangles",

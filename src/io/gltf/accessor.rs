@@ -2,6 +2,7 @@
 //! memory is allocated; values must be finite.
 
 use super::container::Container;
+use crate::error::ErrorCode;
 use crate::io::InputError;
 
 /// Maximum number of elements of an accessor: corners or indices of one mesh.
@@ -112,7 +113,7 @@ fn elements<const N: usize>(
     may: impl Fn(Component) -> bool,
 ) -> Result<Vec<[f64; N]>, InputError> {
     let Some(described) = container.document.accessors.get(accessor) else {
-        return Err(container.fault(format!("{what}: accessor {accessor} does not exist"), EXPORT_AGAIN));
+        return Err(container.missing(format!("{what}: accessor {accessor}")));
     };
     let what = format!("{what} (accessor {accessor})");
     let shape = match N {
@@ -126,7 +127,7 @@ fn elements<const N: usize>(
             "{what} holds {} of type {}, which does not suit it",
             described.shape, described.component_type
         );
-        return Err(container.fault(text, EXPORT_AGAIN));
+        return Err(container.fault(text, EXPORT_AGAIN).with_code(ErrorCode::GltfAccessor));
     };
     let (count, normalized) = (described.count, described.normalized);
     let run = described.buffer_view.map(|view| ElementRun {
@@ -154,7 +155,7 @@ fn elements<const N: usize>(
     if count > max_count || sparse.as_ref().is_some_and(|(_, values)| values.count > count) {
         let text =
             format!("{what} has {count} elements, more than {max_count} or fewer than its sparse ones");
-        return Err(container.fault(text, "export it with fewer triangles"));
+        return Err(container.too_large(text));
     }
     let mut found: Vec<[f64; N]> = match (&run, &sparse) {
         (Some(run), _) => {
@@ -166,18 +167,20 @@ fn elements<const N: usize>(
         }
         (None, Some(_)) => vec![[0.0; N]; count],
         (None, None) => {
-            return Err(container.fault(format!("{what} has no data"), EXPORT_AGAIN));
+            let error = container.fault(format!("{what} has no data"), EXPORT_AGAIN);
+            return Err(error.with_code(ErrorCode::GltfAccessor));
         }
     };
     if let Some((indices, values)) = sparse {
         let Some(indices) = indices else {
-            return Err(container.fault(format!("{what} has sparse indices of unknown type"), EXPORT_AGAIN));
+            let error = container.fault(format!("{what} has sparse indices of unknown type"), EXPORT_AGAIN);
+            return Err(error.with_code(ErrorCode::GltfAccessor));
         };
         let mut places = Vec::new();
         indices.each(container, &what, |[place]: [f64; 1]| places.push(place as usize))?;
         if let Some(place) = places.iter().find(|place| **place >= count) {
             let text = format!("{what} replaces element {place} of {count}");
-            return Err(container.fault(text, EXPORT_AGAIN));
+            return Err(container.fault(text, EXPORT_AGAIN).with_code(ErrorCode::GltfAccessor));
         }
         let mut places = places.into_iter();
         values.each(container, &what, |element| {
@@ -188,7 +191,9 @@ fn elements<const N: usize>(
     }
     if let Some(place) = found.iter().position(|e| e.iter().any(|x| !x.is_finite())) {
         let text = format!("{what}: element {place} is not a finite number");
-        return Err(container.fault(text, "repair the mesh and export it again"));
+        return Err(container
+            .fault(text, "repair the mesh and export it again")
+            .with_code(ErrorCode::MeshValues));
     }
     Ok(found)
 }
@@ -222,7 +227,7 @@ pub fn indices(
     let found = elements::<1>(container, accessor, what, is_index)?;
     if let Some(place) = found.iter().position(|[i]| *i >= corners as f64) {
         let text = format!("{what}: index {place} is {}, but there are {corners} corners", found[place][0]);
-        return Err(container.fault(text, EXPORT_AGAIN));
+        return Err(container.fault(text, EXPORT_AGAIN).with_code(ErrorCode::MeshValues));
     }
     Ok(found.into_iter().map(|[i]| i as u32).collect())
 }

@@ -64,6 +64,16 @@ impl<'a> Container<'a> {
         self.source.fault(0, what, help)
     }
 
+    /// The error of a file that refers to `what`, which it does not have.
+    pub fn missing(&self, what: impl std::fmt::Display) -> InputError {
+        self.fault(format!("{what} does not exist"), EXPORT_AGAIN).with_code(ErrorCode::GltfReference)
+    }
+
+    /// The error of a file with more than the program takes.
+    pub fn too_large(&self, what: impl Into<String>) -> InputError {
+        self.fault(what, "export the impeller alone, with fewer triangles").with_code(ErrorCode::FileTooLarge)
+    }
+
     fn check_extensions(&self) -> Result<(), InputError> {
         for name in &self.document.extensions_required {
             if name == "KHR_draco_mesh_compression" {
@@ -75,7 +85,9 @@ impl<'a> Container<'a> {
             let known = SUPPORTED_EXTENSIONS.contains(&name.as_str());
             if !known && !APPEARANCE_PREFIXES.iter().any(|start| name.starts_with(start)) {
                 let what = format!("needs the extension {}, which is not supported", quote_for_message(name));
-                return Err(self.fault(what, "export it without that extension"));
+                return Err(self
+                    .fault(what, "export it without that extension")
+                    .with_code(ErrorCode::GltfExtension));
             }
         }
         Ok(())
@@ -84,6 +96,7 @@ impl<'a> Container<'a> {
     /// The error for a compressed file.
     pub fn compressed(&self, how: &str) -> InputError {
         self.fault(format!("its meshes are compressed with {how}"), "export it without mesh compression")
+            .with_code(ErrorCode::MeshCompressed)
     }
 
     /// Bytes of a buffer view; loads its buffer if necessary.
@@ -92,7 +105,7 @@ impl<'a> Container<'a> {
     /// When the view or its buffer does not exist, is compressed, too large or too short, or cannot be read.
     pub fn view(&mut self, view: usize) -> Result<&[u8], InputError> {
         let Some(described) = self.document.buffer_views.get(view) else {
-            return Err(self.fault(format!("buffer view {view} does not exist"), EXPORT_AGAIN));
+            return Err(self.missing(format!("buffer view {view}")));
         };
         let (buffer, offset, length) = (described.buffer, described.byte_offset, described.byte_length);
         if described.extensions.as_ref().is_some_and(|e| e.meshopt.is_some()) {
@@ -112,20 +125,20 @@ impl<'a> Container<'a> {
 
     fn load(&mut self, index: usize) -> Result<(), InputError> {
         let Some(buffer) = self.document.buffers.get(index) else {
-            return Err(self.fault(format!("buffer {index} does not exist"), EXPORT_AGAIN));
+            return Err(self.missing(format!("buffer {index}")));
         };
         if self.buffers[index].is_some() {
             return Ok(());
         }
         let taken: usize = self.buffers.iter().flatten().map(Vec::len).sum();
         if taken.saturating_add(buffer.byte_length) > MAX_MESH_BYTES {
-            return Err(self
-                .fault("its buffers hold more than 512 MiB", "export it with fewer triangles")
-                .with_code(ErrorCode::FileTooLarge));
+            return Err(self.too_large("its buffers hold more than 512 MiB"));
         }
         let bytes = match &buffer.uri {
             None => {
-                return Err(self.fault(format!("buffer {index} has no data"), EXPORT_AGAIN));
+                return Err(self
+                    .fault(format!("buffer {index} has no data"), EXPORT_AGAIN)
+                    .with_code(ErrorCode::MeshBuffer));
             }
             Some(uri) => match uri.strip_prefix("data:") {
                 Some(data) => self.embedded(index, data)?,
@@ -153,6 +166,7 @@ impl<'a> Container<'a> {
             let what =
                 format!("buffer {index} lies outside the file's folder, at {}", quote_for_message(uri));
             self.fault(what, "put it beside the file and name it without a path, or save as .glb")
+                .with_code(ErrorCode::MeshBuffer)
         };
         let path = unescaped(uri).ok_or_else(outside)?;
         let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
@@ -162,7 +176,9 @@ impl<'a> Container<'a> {
         }
         let Some(folder) = self.folder else {
             let what = format!("buffer {index} is in another file, {}", quote_for_message(uri));
-            return Err(self.fault(what, "open the file from the folder that holds both"));
+            return Err(self
+                .fault(what, "open the file from the folder that holds both")
+                .with_code(ErrorCode::MeshBuffer));
         };
         let full = folder.join(&path);
         if let (Ok(folder), Ok(real)) = (folder.canonicalize(), full.canonicalize())
@@ -187,7 +203,7 @@ fn chunks(source: Source<'_>, bytes: &[u8]) -> Result<Chunks, InputError> {
         2 => {}
         other => {
             let what = format!("is version {other} of binary glTF");
-            return Err(source.fault(0, what, "export it as glTF 2.0"));
+            return Err(source.fault(0, what, "export it as glTF 2.0").with_code(ErrorCode::GltfVersion));
         }
     }
     let length = word(8).ok_or_else(cut)? as usize;
@@ -215,7 +231,8 @@ fn chunks(source: Source<'_>, bytes: &[u8]) -> Result<Chunks, InputError> {
 
 fn parse(source: Source<'_>, json: &[u8]) -> Result<GltfDocument, InputError> {
     if json.len() > MAX_BYTES {
-        return Err(source.fault(0, "its JSON is larger than 64 MiB", "save it as .glb"));
+        let error = source.fault(0, "its JSON is larger than 64 MiB", "save it as .glb");
+        return Err(error.with_code(ErrorCode::FileTooLarge));
     }
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let document: GltfDocument = serde_json::from_slice(json).map_err(|e| {
@@ -223,7 +240,7 @@ fn parse(source: Source<'_>, json: &[u8]) -> Result<GltfDocument, InputError> {
     })?;
     if !document.asset.version.starts_with("2.") {
         let what = format!("is glTF {}", quote_for_message(&document.asset.version));
-        return Err(source.fault(0, what, "export it as glTF 2.0"));
+        return Err(source.fault(0, what, "export it as glTF 2.0").with_code(ErrorCode::GltfVersion));
     }
     Ok(document)
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::accessor;
 use super::container::Container;
 use super::document::GltfNode;
+use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
@@ -21,7 +22,6 @@ pub const MAX_TRIANGLES: usize = 8_000_000;
 const MAX_CORNERS: usize = 24_000_000;
 
 const EXPORT_AGAIN: &str = "export the file again";
-const FEWER: &str = "export the impeller alone, with fewer triangles";
 
 /// Corners and triangles of a primitive, in the frame of its mesh.
 struct PrimitiveMesh {
@@ -80,16 +80,16 @@ pub fn read_scene(container: &mut Container<'_>) -> Result<SceneMeshes, InputErr
         .collect();
     while let Some(PendingNode { node, parent, above }) = waiting.pop() {
         let Some(described) = walk.container.document.nodes.get(node) else {
-            return Err(walk.container.fault(format!("node {node} does not exist"), EXPORT_AGAIN));
+            return Err(walk.container.missing(format!("node {node}")));
         };
         if std::mem::replace(&mut seen[node], true) {
             let what = format!("node {node} is in the node graph twice or below itself");
-            return Err(walk.container.fault(what, EXPORT_AGAIN));
+            return Err(walk.container.fault(what, EXPORT_AGAIN).with_code(ErrorCode::GltfReference));
         }
         let here = parent * own_transform(described);
         if here.iter().any(|x| !x.is_finite()) {
             let what = format!("the transform of node {node} is not finite");
-            return Err(walk.container.fault(what, EXPORT_AGAIN));
+            return Err(walk.container.fault(what, EXPORT_AGAIN).with_code(ErrorCode::MeshValues));
         }
         if let Some(rotation) = described.extras.rotation {
             let mirrored = here.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
@@ -115,9 +115,7 @@ fn roots(container: &Container<'_>) -> Result<Vec<usize>, InputError> {
     let scene = document.scene.unwrap_or(0);
     match document.scenes.get(scene) {
         Some(scene) => Ok(scene.nodes.clone()),
-        None if document.scene.is_some() => {
-            Err(container.fault(format!("scene {scene} does not exist"), EXPORT_AGAIN))
-        }
+        None if document.scene.is_some() => Err(container.missing(format!("scene {scene}"))),
         None => {
             let mut is_child = vec![false; document.nodes.len()];
             for child in document.nodes.iter().flat_map(|n| &n.children) {
@@ -173,7 +171,7 @@ impl Walk<'_, '_> {
                  the limits are {MAX_INSTANCES} and {MAX_TRIANGLES}",
                 self.triangles
             );
-            return Err(self.container.fault(what.replace(';', ","), FEWER));
+            return Err(self.container.too_large(what.replace(';', ",")));
         }
         let (name, names) = self.names(node, mesh, visited);
         for (k, own) in instances.unwrap_or_else(|| vec![Matrix4::identity()]).iter().enumerate() {
@@ -224,7 +222,7 @@ impl Walk<'_, '_> {
             let count = self.container.document.accessors.get(accessor).map_or(0, |a| a.count);
             if count > MAX_INSTANCES {
                 let what = format!("node {node} has {count} instances, more than {MAX_INSTANCES}");
-                return Err(self.container.fault(what, FEWER));
+                return Err(self.container.too_large(what));
             }
         }
         let what = |which: &str| format!("the {which} of the instances of node {node}");
@@ -242,7 +240,7 @@ impl Walk<'_, '_> {
         let count = lengths.iter().flatten().min().copied().unwrap_or(0);
         if lengths.iter().flatten().any(|&l| l != count) {
             let what = format!("the instances of node {node} have different counts of their attributes");
-            return Err(self.container.fault(what, EXPORT_AGAIN));
+            return Err(self.container.fault(what, EXPORT_AGAIN).with_code(ErrorCode::GltfAccessor));
         }
         let places = (0..count).map(|i| {
             transform(
@@ -260,7 +258,7 @@ impl Walk<'_, '_> {
             return Ok(pieces.clone());
         }
         let Some(described) = self.container.document.meshes.get(mesh) else {
-            return Err(self.container.fault(format!("mesh {mesh} does not exist"), EXPORT_AGAIN));
+            return Err(self.container.missing(format!("mesh {mesh}")));
         };
         let called = described.name.as_deref().map_or_else(|| format!("mesh {mesh}"), quote_for_message);
         let primitives: Vec<_> = described
@@ -299,7 +297,7 @@ impl Walk<'_, '_> {
             let triangles = triangles(mode, order.as_deref(), corners.len());
             let held: usize = self.pieces.values().flat_map(|p| p.iter()).map(|p| p.corners.len()).sum();
             if held + corners.len() > MAX_CORNERS || triangles.len() > MAX_TRIANGLES {
-                return Err(self.container.fault("has too many triangles", FEWER));
+                return Err(self.container.too_large("has too many triangles"));
             }
             pieces.push(PrimitiveMesh { material, corners, triangles });
         }
@@ -333,7 +331,8 @@ fn placed(
     let points: Vec<Point> =
         piece.corners.iter().map(|c| place.transform_point(&Point::new(c[0], c[1], c[2]))).collect();
     if points.iter().any(|p| p.iter().any(|x| !x.is_finite())) {
-        return Err(container.fault("a node's transform gives non-finite coordinates", EXPORT_AGAIN));
+        let error = container.fault("a node's transform gives non-finite coordinates", EXPORT_AGAIN);
+        return Err(error.with_code(ErrorCode::MeshValues));
     }
     let mirrored = place.fixed_view::<3, 3>(0, 0).determinant() < 0.0;
     let mut triangles = piece.triangles.clone();

@@ -28,6 +28,24 @@ pub struct NcProgram {
 
 /// Writes `motion` of `program` on `machine` by `post`.
 ///
+/// ```
+/// use vanecut::io::{apt::read_apt_bytes, machine_file::read_machine, nc::{read_post, write_nc}};
+/// use vanecut::machine::{MotionOptions, PlacedPart, machine_program};
+/// use vanecut::monitor::Monitor;
+/// let text = b"LOADTL/1\nCUTTER/20\nSPINDL/1200,CLW\nRAPID\nGOTO/0,0,50,0,0,1\n\
+///     FEDRAT/300,MMPM\nGOTO/0,0,9,0,0,1\nFINI";
+/// let program = read_apt_bytes("plunge.apt", text)?;
+/// let machine = read_machine("ac-trunnion".as_ref())?;
+/// let post = read_post(&machine.control)?;
+/// let options = MotionOptions::new(machine.output, post.format.angle_decimals);
+/// let placed = PlacedPart::new(&machine.part, true);
+/// let motion = machine_program(&machine, &placed, &program, &options, &Monitor::default());
+/// let motion = motion.map_err(|fault| fault.explained())?;
+/// let written = write_nc(&program, &machine, &motion, &post, machine.output)?;
+/// assert!(written.text.lines().count() > 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the control does not take `output`, or a tool has no number or spindle speed.
 pub fn write_nc(

@@ -110,6 +110,17 @@ pub struct SolidStock {
 impl SolidStock {
     /// The blank, with rays at a spacing in mm.
     ///
+    /// ```
+    /// use vanecut::{setup::Setup, stock::solid::{SolidBlank, SolidStock}};
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/pump6.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let workpiece = Setup::for_part(&part).allowances.workpiece_of(part);
+    /// let blank = SolidBlank::of(&workpiece.part, &workpiece.blank);
+    /// let stock = SolidStock::new(&blank, 1.0)?;
+    /// assert!((stock.volume() / blank.volume() - 1.0).abs() < 0.02);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// When the spacing is not possible or would take too much memory.
     pub fn new(blank: &SolidBlank, spacing: f64) -> Result<Self, SolidError> {

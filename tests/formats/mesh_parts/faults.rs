@@ -5,7 +5,7 @@ use vanecut::error::ErrorCode;
 use vanecut::geometry::{Point, Vector};
 use vanecut::mesh::solid::FaceKind;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
-use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, TriangleMesh, describe};
+use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, describe};
 use vanecut::part::Impeller;
 
 use super::body::Body;
@@ -98,6 +98,27 @@ fn holes_are_filled_or_refused_with_their_place() {
     let error = describe("back", meshes, LengthUnit::Millimetre, &turning(&part)).unwrap_err();
     assert_eq!(error.code, ErrorCode::MeshNotClosed, "{error}");
     assert!(error.message.contains("z ="), "{error}");
+}
+
+#[test]
+fn what_makes_no_wheel_has_a_code_by_what_is_missing() {
+    let part = sample("pump6.toml");
+    let whole = || separate(&part);
+    let without = |gone: &str| whole().into_iter().filter(|m| !m.name.starts_with(gone)).collect::<Vec<_>>();
+    let refused = |meshes: Vec<NamedMesh>, options: &MeshOptions| {
+        let name = meshes.iter().map(|m| m.name.as_str()).collect::<Vec<_>>().join(", ");
+        describe("back", meshes, LengthUnit::Millimetre, options).map(|_| ()).expect_err(&name)
+    };
+    let named_other = MeshOptions { roles: vec![("hat".into(), Role::Hub)], ..turning(&part) };
+    assert_eq!(refused(whole(), &named_other).code, ErrorCode::UnknownName);
+    assert_eq!(refused(without("Hub"), &turning(&part)).code, ErrorCode::MeshRoles);
+    assert_eq!(refused(without("Blade"), &turning(&part)).code, ErrorCode::MeshRoles);
+    let empty = vec![named("Hub".into(), 0, TriangleMesh::default())];
+    assert_eq!(refused(empty, &turning(&part)).code, ErrorCode::NoTriangles);
+    let mut meshes = without("Hub");
+    meshes.push(named("Hub".into(), 99, TriangleMesh::default()));
+    let error = refused(meshes, &turning(&part));
+    assert_eq!(error.code, ErrorCode::NoRotationAxis, "{error}");
 }
 
 /// Blades with only their two sides, open at foot, tip and blunt edges, without the triangles whose corners

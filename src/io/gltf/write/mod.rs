@@ -30,6 +30,17 @@ pub struct GltfScene {
 
 impl GltfScene {
     /// Scene of a part alone.
+    ///
+    /// ```
+    /// use vanecut::io::gltf::{GltfScene, read_bytes};
+    /// use vanecut::mesh::{MeshOptions, tessellate::{Fineness, Tessellation}};
+    /// # let part = vanecut::io::part_file::read_part("assets/parts/pump6.toml".as_ref())?;
+    /// # let part = vanecut::part::Impeller::build(&part)?;
+    /// let shape = Tessellation::new(&part, &Fineness::default());
+    /// let bytes = GltfScene::of_part(&part, &shape).glb();
+    /// assert_eq!(read_bytes("pump6.glb", &bytes, &MeshOptions::default())?.blade_count, 6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn of_part(part: &Impeller, shape: &Tessellation) -> Self {
         let mut builder = GltfBuilder::default();
         let nodes = part_nodes(&mut builder, part, shape, WallColours::Alike);
