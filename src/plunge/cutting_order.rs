@@ -13,7 +13,7 @@ use crate::part::Workpiece;
 use crate::setup::{CutDirection, SectionKind, SectionSetup};
 
 /// Share of the open floor that must gain an axis by it for sections to be cut from the inlet.
-const WORTHWHILE_SHARE: f64 = 0.1;
+const WORTHWHILE_SHARE: f64 = 0.25;
 /// Added to the reason of a section that is cut from the inlet.
 const FROM_INLET: &str = "cut from the inlet, as the blades let no axis lean that way in the other direction";
 
