@@ -159,8 +159,15 @@ fn is_destructive(command: Command) -> bool {
     matches!(command, Command::NewProject | Command::Quit)
 }
 
+/// Whether a command moves the timeline to a place that its label names: who types the name of a thing looks
+/// for the thing before a jump to it.
+fn is_jump(command: Command) -> bool {
+    use Command as C;
+    matches!(command, C::NextTool | C::PreviousTool | C::NextSection | C::PreviousSection)
+}
+
 /// Place of the best match of a typed word in a command: a word of its label, a synonym, a word of its tip;
-/// in each, a whole word comes before the beginning of one.
+/// in each, a whole word comes before the beginning of one. The label of a jump comes after synonyms.
 /// Only beginnings of words match: "tool" is not to find "stool".
 fn place_of(word: &str, command: Command) -> Option<usize> {
     let places = [command.label(), synonyms(command), command.tip()];
@@ -168,7 +175,8 @@ fn place_of(word: &str, command: Command) -> Option<usize> {
         let text = text.to_lowercase();
         let words = || text.split(|c: char| !c.is_alphanumeric() && c != '-');
         let begins = words().any(|known| known.starts_with(word));
-        begins.then(|| 2 * place + usize::from(!words().any(|known| known == word)))
+        let after = if is_jump(command) { 3 } else { 0 };
+        begins.then(|| 2 * place + after + usize::from(!words().any(|known| known == word)))
     })
 }
 
