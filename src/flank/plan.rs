@@ -21,7 +21,9 @@ use super::chart::WallName;
 
 /// Allowed overcuts of the axes along a wall, mm: the first with a small undercut is used; if none has one,
 /// the smallest.
-const WALL_TOLERANCES: [f64; 3] = [5e-4, 0.0025, 0.0045];
+const WALL_TOLERANCES: [f64; 3] = [MIN_WALL_TOLERANCE, 0.0025, 0.0045];
+/// The least of them, mm.
+pub(super) const MIN_WALL_TOLERANCE: f64 = 5e-4;
 /// Undercut that counts as small, mm.
 const MAX_SMALL_UNDERCUT: f64 = 0.005;
 /// Maximum distance between positions along a wall, mm, and maximum chord error of the straight moves between

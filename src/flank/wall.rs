@@ -5,6 +5,7 @@
 //! wall that the layer forms, up to where the flank begins on the layer above, and do not cut what is formed
 //! above it.
 
+mod clearance;
 mod fit;
 mod stations;
 mod strip;
@@ -16,6 +17,7 @@ use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{FinishedPart, Passage, SideProbe};
 use crate::setup::Tool;
+use clearance::own_side;
 use fit::{AxisLine, FittedAxis, OffsetSide};
 use stations::{evenly, station_parameters};
 use strip::WallStrip;
@@ -96,8 +98,6 @@ const MAX_UNFORMED: f64 = 0.9;
 const ROWS_PER_STRIP: usize = 4;
 /// Maximum angle of an axis along the feed to the plain offset, rad.
 const MAX_LEAD_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Turn between neighbouring axes that the wall cannot cause, rad: a jump between two local optima.
-const JUMP: f64 = 2.0 * MAX_STATION_TURN;
 /// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
 const CORRECTIONS: usize = 8;
 /// Tolerance of distances, mm.
@@ -116,8 +116,10 @@ pub struct WallFit<'a> {
     places: Vec<f64>,
     /// Surfaces that the tool rests on, hub first.
     layers: &'a [DepthSurface<'a>],
-    /// One strip per layer, or one that all layers share.
+    /// One strip per layer.
     strips: Vec<WallStrip>,
+    /// Index of the wall's own side among the blades.
+    own_side: Option<usize>,
 }
 
 /// Positions along a wall that cut at most a tolerance below the allowance, and the deviation they leave.
@@ -147,32 +149,17 @@ impl<'a> WallFit<'a> {
         let sign = if pu.cross(&pv).dot(&into_passage) < 0.0 { -1.0 } else { 1.0 };
         let face = OffsetSide { side, sign, reach: milling.tool.radius() + milling.blade_allowance };
         let places = station_parameters(&face, milling)?;
-        let jumps = |pair: &[FittedAxis]| pair[0].line().axis().angle(&pair[1].line().axis()) > JUMP;
         let mut whole = WallStrip::whole(&face, &places, milling);
-        let is_smooth = |fitted: &Vec<FittedAxis>| !fitted.windows(2).any(jumps);
-        let tilted = Some(whole.fit_axes(&face, &places, None, MAX_LEAD_ANGLE)).filter(is_smooth);
-        let strips = match tilted {
-            Some(tilted) => {
-                whole.fitted = tilted;
-                let mut strips = whole.by_layer(&face, &places, milling, layers);
-                for strip in &mut strips {
-                    let own = strip.fit_axes(&face, &places, Some(&whole.fitted), MAX_LEAD_ANGLE);
-                    strip.fitted = if is_smooth(&own) {
-                        own
-                    } else {
-                        whole.fitted.iter().zip(&own).map(|(whole, own)| whole.instead_of(own)).collect()
-                    };
-                }
-                strips
-            }
-            // A strongly bowed wall has several locally best tilts, between which neighbours jump, and the
-            // best for its strips turn far from layer to layer: use plain axes, shared by all layers.
-            None => {
-                whole.fitted = whole.fit_axes(&face, &places, None, 0.0);
-                vec![whole]
-            }
-        };
-        Some(Self { finished, milling, face, places, layers, strips })
+        let tilted =
+            Some(whole.fit_axes(&face, &places, None, MAX_LEAD_ANGLE)).filter(|axes| whole.is_smooth(axes));
+        // A strongly bowed wall has several locally best tilts, between which neighbours jump.
+        whole.fitted = tilted.unwrap_or_else(|| whole.fit_axes(&face, &places, None, 0.0));
+        let mut strips = whole.by_layer(&face, &places, milling, layers);
+        strips.iter_mut().for_each(|strip| strip.fit_beside(&face, &places, &whole.fitted));
+        let own_side = own_side(finished.blades(), side);
+        let mut fit = Self { finished, milling, face, places, layers, strips, own_side };
+        fit.strips = (0..layers.len()).map(|layer| fit.give_way(layer, &whole.fitted)).collect();
+        Some(fit)
     }
 
     /// Forced deviation of the wall, mm: the maximum over its positions of the minimax deviation of a
@@ -198,7 +185,7 @@ impl<'a> WallFit<'a> {
         let (face, places) = (&self.face, &self.places);
         let columns = self.columns();
         let rows = self.rows();
-        let swept = |strip: &WallStrip| {
+        let swept = |(layer, strip): (usize, &WallStrip)| {
             let mut lines = strip.moved_off(face, places, tolerance);
             let judged = |column: &MapColumn, row: usize| strip.is_evaluated(column, row, &rows);
             let mut found = deviations(face, &lines, &columns, &rows, judged);
@@ -213,17 +200,22 @@ impl<'a> WallFit<'a> {
                 push_off(face, places, &mut lines, &spares);
                 found = deviations(face, &lines, &columns, &rows, judged);
             }
+            if self.clear_own_blade(layer, &mut lines, tolerance) {
+                found = deviations(face, &lines, &columns, &rows, judged);
+            }
             (lines, found)
         };
-        let swept: Vec<_> = self.strips.par_iter().map(swept).collect();
+        let swept: Vec<_> = self.strips.par_iter().enumerate().map(swept).collect();
         let mut deviation = vec![f64::INFINITY; columns.len() * rows.len()];
         let mut lines = Vec::with_capacity(swept.len());
-        for (strip_lines, found) in swept {
+        for (strip, (strip_lines, found)) in self.strips.iter().zip(swept) {
+            let found = if self.has_rays(strip) { Vec::new() } else { found };
             for (least, found) in deviation.iter_mut().zip(found) {
                 *least = found.map_or(*least, |(here, _)| f64::min(*least, here));
             }
             lines.push(strip_lines);
         }
+        self.form_by_rays(&lines, &columns, &rows, &mut deviation);
         // Below the corner of the cutter its flank neither leaves nor removes stock.
         deviation.iter_mut().filter(|d| d.is_infinite()).for_each(|d| *d = 0.0);
         let u = columns.iter().map(|column| column.u).collect();
@@ -263,7 +255,7 @@ impl<'a> WallFit<'a> {
         };
         let comes = |column: &MapColumn, v: f64| {
             (0..by_layer.len()).any(|layer| {
-                let strip = &self.strips[layer.min(self.strips.len() - 1)];
+                let strip = &self.strips[layer];
                 strip.holds(column, v)
                     && free(layer, column.station)
                     && (column.share == 0.0 || free(layer, column.station + 1))
@@ -283,7 +275,6 @@ impl<'a> WallFit<'a> {
     fn stations(&self, layer: usize, swept: &SweptWall) -> Vec<WallStation> {
         let hub = self.finished.hub.curve();
         let tool = self.milling.tool;
-        let strip = layer.min(self.strips.len() - 1);
         let wanted = self.milling.blade_allowance - swept.tolerance;
         let station = |(k, line): (usize, &AxisLine)| {
             let axis = line.axis();
@@ -291,10 +282,10 @@ impl<'a> WallFit<'a> {
             let s = self.finished.hub.s_at(hub.project(Meridional::of(&line.low)).0);
             let blocked =
                 tip.and_then(|tip| obstacle(self.finished.blades(), &tool.placed(tip, axis), wanted));
-            let (u, forced) = (self.places[k], self.strips[strip].fitted[k].level);
+            let (u, forced) = (self.places[k], self.strips[layer].fitted[k].level);
             WallStation { u, s, foot: line.low, axis, tip, forced, blocked }
         };
-        swept.lines[strip].par_iter().enumerate().map(station).collect()
+        swept.lines[layer].par_iter().enumerate().map(station).collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! Passes along walls, with the axes fitted to the wall.
 
+use super::stretches::pieces_between;
 use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::AxisObstacle;
@@ -16,6 +17,13 @@ const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
 const NEAR_FLOOR: &str = "the axis along the wall is within 10° of the floor";
 /// Least cosine of the angle of the axis along a wall to the normal of the layer: 80°.
 const MIN_NORMAL_COSINE: f64 = 0.17;
+
+/// Distance from the blades beyond the allowance at which the round end runs along a wall, mm.
+const OFF_BLADE: f64 = 0.01;
+/// Maximum number of steps that move a position off the blades, and the sine of the angle between layer and
+/// wall below which it is not moved.
+const MOVES_OFF: usize = 12;
+const MIN_SLOPE: f64 = 0.1;
 
 /// The obstacle to a tool position, as a message; `None` if it is free.
 pub(super) type ObstacleMessage = Option<&'static str>;
@@ -52,8 +60,8 @@ impl LayerPose {
 pub(super) enum WallStep {
     /// The pass continues to this position.
     To(LayerPose),
-    /// A collision: `length` mm are not cut.
-    Uncut { length: f64, why: &'static str },
+    /// A collision between two x of the layer, mm.
+    Blocked { from: f64, to: f64, why: &'static str },
     /// The layer ends here and begins again further on; nothing of it is lost in between.
     Apart,
 }
@@ -148,19 +156,82 @@ impl LayerPassMaker<'_> {
         let from = points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
         let to = points.iter().map(|p| p.x).fold(f64::NEG_INFINITY, f64::max);
         let steps = self.wall_steps(wall, region, (from, to));
-        self.record_uncut_steps(&steps, region, made);
+        self.cut_otherwise(&steps, region, points, made);
         for positions in split_into_runs(&steps) {
             self.push_wall(wall, region, &positions, made);
         }
     }
 
-    /// Records the lengths along a wall that are not cut.
-    pub(super) fn record_uncut_steps(&self, steps: &[WallStep], region: Region, made: &mut PlannedLayer) {
-        for step in steps {
-            if let WallStep::Uncut { length, why } = step {
-                self.record_uncut(made, region, *length, why);
+    /// Cuts the stretches of a curve along a wall where the axes fitted to it are blocked with fixed axes, under
+    /// which the round end touches the wall.
+    pub(super) fn cut_otherwise(
+        &self,
+        steps: &[WallStep],
+        region: Region,
+        curve: &[LayerPoint],
+        made: &mut PlannedLayer,
+    ) {
+        let mut lines = Vec::new();
+        let blocked = |step: &WallStep| match step {
+            WallStep::Blocked { from, to, why } => Some((*from, *to, *why)),
+            _ => None,
+        };
+        let mut ranges: Vec<(f64, f64, &'static str)> = Vec::new();
+        for (from, to, why) in steps.iter().filter_map(blocked) {
+            // There is nothing to cut beyond the ends of the layer.
+            let (from, to) = (from.max(self.layer.from), to.min(self.layer.to));
+            match ranges.last_mut().filter(|last| from <= last.1 + 1e-9) {
+                _ if from >= to => {}
+                Some(last) => last.1 = to,
+                None => ranges.push((from, to, why)),
             }
         }
+        for (from, to, why) in ranges {
+            for piece in pieces_between(curve, from, to) {
+                let length = self.layer.length(&piece);
+                let free = self.pieces_off_blades(&piece);
+                let kept: f64 = free.iter().map(|line| self.layer.length(line)).sum();
+                self.record_uncut(made, region, (length - kept).max(0.0), why);
+                lines.extend(free);
+            }
+        }
+        if !lines.is_empty() {
+            self.make_passes_beside_wall(region, lines, made);
+        }
+    }
+
+    /// The pieces of a line along which the round end of the cutter has room, moved over the layer until it
+    /// keeps the allowance from all blades.
+    fn pieces_off_blades(&self, line: &[LayerPoint]) -> Vec<Vec<LayerPoint>> {
+        let moved: Vec<Option<LayerPoint>> =
+            self.densify(line).into_iter().map(|p| self.moved_off_blades(p)).collect();
+        let runs = moved.split(Option::is_none).map(|run| run.iter().flatten().copied().collect());
+        runs.filter(|run: &Vec<LayerPoint>| run.len() >= 2).collect()
+    }
+
+    /// The layer point nearest to `p` at which the round end keeps the allowance from all blades; `None` where
+    /// none is found.
+    fn moved_off_blades(&self, p: LayerPoint) -> Option<LayerPoint> {
+        let (tool, finished) = (self.maker.tool, self.maker.finished);
+        let wanted = tool.radius() + self.maker.setup.allowances.blade_allowance + OFF_BLADE;
+        let mut place = p;
+        for _ in 0..MOVES_OFF {
+            let contact = self.contact(place);
+            let centre = contact.point + contact.normal * tool.corner_radius;
+            let near = finished.nearest_blade(&centre)?;
+            let lacking = wanted - near.distance;
+            if lacking <= 0.0 {
+                return Some(place);
+            }
+            let away = (centre - near.point).try_normalize(1e-9)?;
+            let along = away - contact.normal * away.dot(&contact.normal);
+            if along.norm() < MIN_SLOPE {
+                return None;
+            }
+            let moved = contact.point + along * (1.02 * lacking / along.norm_squared());
+            place = self.layer.project(&moved, place.y, Some(place.x)).0;
+        }
+        None
     }
 
     pub(super) fn push_wall(
@@ -187,7 +258,7 @@ impl LayerPassMaker<'_> {
                 continue;
             }
             if let Some(why) = a_blocked.or(*b_blocked) {
-                result.push(WallStep::Uncut { length: self.layer.segment_length(a.place, b.place), why });
+                result.push(WallStep::Blocked { from: low, to: high, why });
                 continue;
             }
             let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));

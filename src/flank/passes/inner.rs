@@ -18,6 +18,8 @@ const NEAR: f64 = 0.05;
 /// Maximum number of searches for axes, and the share of the last remaining length at which they end.
 const ROUNDS: usize = 4;
 const MAX_REMAINING_SHARE: f64 = 0.95;
+/// Number of the first round of a search for passes along a wall.
+const BESIDE_WALL: usize = ROUNDS;
 /// Maximum number of contacts across a region per station.
 const ACROSS: usize = 5;
 /// Distance from the pass along a wall, in stepovers, below which the axis blends towards the wall's.
@@ -41,16 +43,37 @@ impl LayerPassMaker<'_> {
         lines: Vec<Vec<LayerPoint>>,
         made: &mut PlannedLayer,
     ) {
+        self.search_in_rounds(region, lines, 0, made);
+    }
+
+    /// Adds passes along a wall whose own axes are blocked, with fixed axes.
+    pub(super) fn make_passes_beside_wall(
+        &self,
+        region: Region,
+        lines: Vec<Vec<LayerPoint>>,
+        made: &mut PlannedLayer,
+    ) {
+        self.search_in_rounds(region, lines, BESIDE_WALL, made);
+    }
+
+    /// Adds the passes of `lines`, searched for from round `first` on; what remains is recorded as uncut.
+    fn search_in_rounds(
+        &self,
+        region: Region,
+        lines: Vec<Vec<LayerPoint>>,
+        first: usize,
+        made: &mut PlannedLayer,
+    ) {
         let length = |lines: &[Vec<LayerPoint>]| lines.iter().map(|l| self.layer.length(l)).sum::<f64>();
         let mut rest = lines;
-        for round in 0..ROUNDS {
+        for round in first..first + ROUNDS {
             let before = length(&rest);
             let (lost, why) = self.search_inner_passes(region, &rest, round, made);
             let left = length(&lost);
             if left <= 0.0 {
                 return;
             }
-            if round + 1 == ROUNDS || round > 0 && left > MAX_REMAINING_SHARE * before {
+            if round + 1 == first + ROUNDS || round > first && left > MAX_REMAINING_SHARE * before {
                 self.record_uncut(made, region, left, obstacle_message(why));
                 return;
             }
@@ -160,7 +183,7 @@ impl LayerPassMaker<'_> {
             let cut = !open.is_empty();
             // Next to a wall the pass along it cuts what an inner pass leaves out.
             if let Some((q, before)) = last.filter(|(_, before)| !(cut && *before))
-                && self.wall_weight(p) < 1.0
+                && (round >= BESIDE_WALL || self.wall_weight(p) < 1.0)
             {
                 match lost.last_mut().filter(|piece| !before && piece.last() == Some(&q)) {
                     Some(piece) => piece.push(p),

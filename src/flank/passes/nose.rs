@@ -32,8 +32,8 @@ impl LayerPassMaker<'_> {
         };
         let (down, up) = (&points[..=foremost], &points[foremost..]);
         let (low, high) = (side(Region::LowSide, down), side(Region::HighSide, up));
-        self.record_uncut_steps(&low, Region::LowSide, made);
-        self.record_uncut_steps(&high, Region::HighSide, made);
+        self.cut_otherwise(&low, Region::LowSide, down, made);
+        self.cut_otherwise(&high, Region::HighSide, up, made);
         let (mut low, mut high) = (split_into_runs(&low).into_iter(), split_into_runs(&high).into_iter());
         // The stretch of each side next to the nose joins the arc; the others are passes of their own.
         let mut around = low.next().unwrap_or_default();

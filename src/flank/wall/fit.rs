@@ -66,13 +66,10 @@ pub(super) struct FittedAxis {
 /// Maximum number of steps of the fit, and of the Newton search for the nearest point of a line of the wall.
 const FIT_STEPS: usize = 24;
 const NEAREST_STEPS: usize = 8;
-/// Maximum shift of an axis from the one it is fitted from, at the foot of the wall and at its tip, mm: on a
-/// strongly bowed wall the best axis for a strip would incline into the passage and turn far from layer to
-/// layer.
-const MAX_SHIFT: f64 = 0.5;
 /// Maximum distance of an axis from the plain offset at its foot and tip, as a share of the height of the
-/// wall, added to the reach.
+/// wall, added to the reach: of the axis of a whole wall, and of one of a strip, which follows a bowed wall.
 const MAX_STRAY: f64 = 0.15;
+const MAX_STRIP_STRAY: f64 = 0.6;
 /// Maximum number of exchanges per minimax step.
 const EXCHANGES: usize = 40;
 /// Step of the free parameters below which the fit has converged, mm.
@@ -89,6 +86,12 @@ impl AxisLine {
     /// Unit direction, from the low point to the high one.
     pub(super) fn axis(&self) -> Vector {
         (self.high - self.low).normalize()
+    }
+
+    /// Moves both points off the wall at `u`, along its normals, by `out` mm.
+    pub(super) fn shift(&mut self, face: &OffsetSide, u: f64, out: f64) {
+        self.low += face.frame(u, 0.0).1 * out;
+        self.high += face.frame(u, 1.0).1 * out;
     }
 
     /// The axis to which a controller interpolates between this one and `next`: points linear, direction
@@ -114,9 +117,26 @@ impl FittedAxis {
         self.at(&self.x)
     }
 
-    /// This axis with the forced deviation of `other`.
-    pub(super) fn instead_of(&self, other: &Self) -> Self {
-        Self { level: other.level, ..*self }
+    /// This axis, moved towards the one `beside` it until both are at most `max_shift` mm apart at the foot
+    /// of the wall and at its tip.
+    pub(super) fn within(&self, beside: &Self, max_shift: f64) -> Self {
+        let step = self.x - beside.x;
+        Self { x: beside.x + step * (max_shift / step.xy().amax().max(max_shift)), ..*self }
+    }
+
+    /// This axis, moved by `share` of the way to the one `beside` it.
+    pub(super) fn towards(&self, beside: &Self, share: f64) -> Self {
+        Self { x: self.x + (beside.x - self.x) * share, ..*self }
+    }
+
+    /// Distance from the one `beside` it, at the foot of the wall or at its tip, mm.
+    pub(super) fn distance(&self, beside: &Self) -> f64 {
+        (self.x - beside.x).amax()
+    }
+
+    /// Distance of the foot of the wall from its tip along the plain offset, mm.
+    pub(super) fn height(&self) -> f64 {
+        (self.start.high - self.start.low).norm()
     }
 
     /// The axis with other free parameters.
@@ -219,8 +239,7 @@ impl OffsetSide<'_> {
     }
 
     /// Minimax fit of the axis at `u` over the `heights`, started from the axis `beside` it or from the plain
-    /// offset. Its angle along the feed to the plain offset is at most `max_tilt` (rad), its shift from the
-    /// one beside it at most [`MAX_SHIFT`].
+    /// offset. Its angle along the feed to the plain offset is at most `max_tilt` (rad).
     pub(super) fn fit(
         &self,
         u: f64,
@@ -231,8 +250,9 @@ impl OffsetSide<'_> {
         let (start, freedoms) = self.start(u);
         let rest = beside.map_or(Vector3::zeros(), |beside| beside.x);
         let mut fitted = FittedAxis { start, freedoms, x: rest, level: 0.0 };
-        let max_stray = self.reach + MAX_STRAY * (start.high - start.low).norm();
-        let max_shift = max_tilt.tan() * (start.high - start.low).norm();
+        let height = (start.high - start.low).norm();
+        let max_stray = self.reach + if beside.is_some() { MAX_STRIP_STRAY } else { MAX_STRAY } * height;
+        let max_shift = max_tilt.tan() * height;
         let mut seen = [LineDeviation::at(u); MAX_LINES];
         // Twice: the first search at an inclined axis starts far from the nearest point and does not quite
         // converge.
@@ -260,11 +280,16 @@ impl OffsetSide<'_> {
                 break;
             }
         }
-        if beside.is_some() {
-            let step = fitted.x - rest;
-            fitted.x = rest + step * (MAX_SHIFT / step.xy().amax().max(MAX_SHIFT));
-        }
         fitted
+    }
+
+    /// Maximum deviation of an axis fitted at `u` over the `heights`, mm.
+    pub(super) fn max_deviation(&self, u: f64, fitted: &FittedAxis, heights: &Heights) -> f64 {
+        let mut seen = [LineDeviation::at(u); MAX_LINES];
+        for _ in 0..2 {
+            self.update_deviations(&fitted.line(), &heights.v, &mut seen);
+        }
+        heights.max_deviation(&seen)
     }
 
     /// An axis fitted at `u`, moved along the normals until the minimum deviation over the `heights` is

@@ -72,10 +72,7 @@ pub(super) fn push_off(face: &OffsetSide, places: &[f64], lines: &mut [AxisLine]
         let around = [i.checked_sub(1), Some(i)].into_iter().flatten().filter_map(|k| spares.get(k));
         let out = -around.fold(0.0, |a, &b| f64::min(a, b));
         if out > 0.0 {
-            let (_, low, _) = face.frame(places[i], 0.0);
-            let (_, high, _) = face.frame(places[i], 1.0);
-            line.low += low * out;
-            line.high += high * out;
+            line.shift(face, places[i], out);
         }
     }
 }
@@ -145,7 +142,9 @@ pub(super) fn deviations(
 const SEED_STEP: usize = 8;
 
 /// Distance of `point` from the nearest axis, mm, and the segment that holds it. Descends from the station
-/// `from`, on a bowed wall from a nearer seed, then minimises over the two adjacent segments.
+/// `from`, on a bowed wall from a nearer seed, then minimises over the two adjacent segments. On a bowed wall
+/// those at `from` are searched as well: where axes turn much from one station to the next, one between them
+/// may be nearer than those of all stations.
 fn nearest(lines: &[AxisLine], axes: &[Vector], from: usize, point: &Point, is_bowed: bool) -> (f64, usize) {
     let last = lines.len() - 1;
     let at = |i: usize| lines[i].distance(point, &axes[i]);
@@ -167,8 +166,7 @@ fn nearest(lines: &[AxisLine], axes: &[Vector], from: usize, point: &Point, is_b
             here = (i, distance);
         }
     }
-    let mut least = (here.1, here.0.min(last - 1));
-    for i in [here.0.checked_sub(1), Some(here.0).filter(|&i| i < last)].into_iter().flatten() {
+    let within = |i: usize| {
         let (a, b) = (&lines[i], &lines[i + 1]);
         let along = |share: f64| {
             let low = a.low + (b.low - a.low) * share;
@@ -177,7 +175,13 @@ fn nearest(lines: &[AxisLine], axes: &[Vector], from: usize, point: &Point, is_b
             let height = d.dot(&axis);
             (d.norm_squared() - height * height / axis.norm_squared()).max(0.0)
         };
-        let distance = search::minimum(along, 0.0, 1.0, SHARE_TOLERANCE).1.sqrt();
+        search::minimum(along, 0.0, 1.0, SHARE_TOLERANCE).1.sqrt()
+    };
+    let around = |i: usize| [i.checked_sub(1), Some(i).filter(|&i| i < last)].into_iter().flatten();
+    let own = (is_bowed && from != here.0).then(|| around(from)).into_iter().flatten();
+    let mut least = (here.1, here.0.min(last - 1));
+    for i in around(here.0).chain(own) {
+        let distance = within(i);
         if distance < least.0 {
             least = (distance, i);
         }
