@@ -10,7 +10,7 @@ use super::cycle::Planner;
 use super::minimal::LeadBlockage;
 use super::sections::Resolved;
 use crate::part::Workpiece;
-use crate::setup::{CutDirection, SectionKind, SectionSetup};
+use crate::setup::{CutDirection, SectionKind};
 
 /// Share of the open floor that must gain an axis by it for sections to be cut from the inlet.
 const WORTHWHILE_SHARE: f64 = 0.25;
@@ -31,21 +31,15 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     // A section whose tool is missing is reported when it is planned.
     let blockages: Option<Vec<LeadBlockage>> = rows.iter().map(|&i| planner.lead_blockage(i).ok()).collect();
     let from_outlet = blockages.map_or(rows.len(), |blockages| sections_from_outlet(&blockages));
-    let changed: Vec<(SectionSetup, Option<String>)> = rows[from_outlet..]
-        .iter()
-        .rev()
-        .map(|&index| {
-            let section = SectionSetup {
-                cut_direction: Some(CutDirection::InletToOutlet),
-                ..resolved.setup.plunge.sections[index].clone()
-            };
-            let reason = resolved.reasons[index].as_ref().map(|reason| format!("{reason}; {FROM_INLET}"));
-            (section, reason)
-        })
-        .collect();
-    for (&index, (section, reason)) in rows[from_outlet..].iter().zip(changed) {
-        resolved.setup.plunge.sections[index] = section;
-        resolved.reasons[index] = reason;
+    // Chosen sections of rows stand one after the other, between the opening and rest milling.
+    let Resolved { setup, reasons } = &mut resolved;
+    if let Some(inner) = rows.get(from_outlet..).and_then(|inner| Some(*inner.first()?..=*inner.last()?)) {
+        setup.plunge.sections[inner.clone()].reverse();
+        reasons[inner.clone()].reverse();
+        for index in inner {
+            setup.plunge.sections[index].cut_direction = Some(CutDirection::InletToOutlet);
+            reasons[index] = reasons[index].as_ref().map(|reason| format!("{reason}; {FROM_INLET}"));
+        }
     }
     resolved
 }

@@ -6,8 +6,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use crate::fake;
 use crate::harness::{Window, press, settle, snapshot_view, with_sample};
 
-#[test]
-fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
+/// A window with the conventional plan and its first fault selected, and the index of that position.
+fn with_fault_selected() -> (Window, usize) {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1100.0, 760.0));
@@ -17,6 +17,12 @@ fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
     window.run_steps(4);
     settle(&mut window);
     let k = window.state().state().look.selected.expect("a fault");
+    (window, k)
+}
+
+#[test]
+fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
+    let (mut window, k) = with_fault_selected();
     window.get_by_label(&format!("Sectional view through position {}", k + 1));
     window.get_by_label_contains("step ");
     snapshot_view(&mut window, "section");
@@ -27,15 +33,7 @@ fn the_section_of_the_selected_position_is_drawn_with_its_figures() {
 
 #[test]
 fn the_cut_can_be_chosen_zoomed_and_enlarged() {
-    let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1100.0, 760.0));
-    window.run_steps(3);
-    window.key_press(egui::Key::B);
-    window.key_press(egui::Key::N);
-    window.run_steps(4);
-    settle(&mut window);
-    let k = window.state().state().look.selected.expect("a fault");
+    let (mut window, k) = with_fault_selected();
     let cut = |window: &Window| {
         window.get_by_role_and_label(Role::ComboBox, "Cut").accesskit_node().value().expect("a plane")
     };
