@@ -1,6 +1,7 @@
 //! Intersection of the lines of one core with earlier plunges.
 
 use super::columns::PlungeColumn;
+use super::remainder::LineRemainder;
 use crate::geometry::cutter::column_interval;
 use crate::geometry::{CutterSolid, Point, Vector, norm2};
 
@@ -34,6 +35,8 @@ impl CoreLine {
 #[derive(Clone, Copy, Debug)]
 pub struct CrossedPlunge {
     cutter: CutterSolid,
+    /// Its number among the gathered plunges, 0 for the latest.
+    number: usize,
     /// Cosine of the angle between both axes.
     along: f64,
     /// Height above the bottom of the earlier plunge: constant, by x, by y.
@@ -46,12 +49,14 @@ pub struct CrossedPlunge {
 }
 
 impl CrossedPlunge {
-    fn new(cutter: &CutterSolid, tip: &Point, axis: &Vector, [e1, e2]: &[Vector; 2]) -> Self {
+    fn new(number: usize, cutter: &CutterSolid, frame: &CoreFrame) -> Self {
+        let CoreFrame { tip, axis, across: [e1, e2] } = frame;
         let across = |v: &Vector| v - cutter.axis * v.dot(&cutter.axis);
         let from_tip = tip - cutter.tip;
         let (d, p, p1, p2) = (across(axis), across(&from_tip), across(e1), across(e2));
         Self {
             cutter: *cutter,
+            number,
             along: axis.dot(&cutter.axis),
             height: [&from_tip, e1, e2].map(|v| v.dot(&cutter.axis)),
             a: d.norm_squared(),
@@ -70,11 +75,29 @@ impl CrossedPlunge {
     /// Interval of the line that the plunge would remove with a sharp corner.
     #[inline]
     pub fn removed_by_sharp(&self, line: &CoreLine) -> Option<(f64, f64)> {
+        self.removed_by_sharp_below(f64::INFINITY, line)
+    }
+
+    /// As [`Self::removed_by_sharp`], if the interval begins below `reach` and ends above the bottom of the core.
+    /// Most of those that do not are told by the signs of the quadratic and its slope at these heights.
+    #[inline]
+    pub fn removed_by_sharp_below(&self, reach: f64, line: &CoreLine) -> Option<(f64, f64)> {
         let CoreLine { x, y, .. } = *line;
+        let height = self.height[0] + self.height[1] * x + self.height[2] * y;
+        if self.along > 0.0 && height + self.along * reach <= 0.0 {
+            return None;
+        }
         let b = self.b[0] + self.b[1] * x + self.b[2] * y;
         let [c0, cx, cy, cxx, cxy, cyy] = self.c;
         let c = c0 + (cx + cxx * x + cxy * y) * x + (cy + cyy * y) * y;
-        let height = self.height[0] + self.height[1] * x + self.height[2] * y;
+        // Outside at the bottom, and further away above it.
+        if c >= 0.0 && b >= 0.0 {
+            return None;
+        }
+        // Outside up to `reach`.
+        if reach.is_finite() && self.a * reach + b <= 0.0 && (self.a * reach + 2.0 * b) * reach + c >= 0.0 {
+            return None;
+        }
         column_interval([self.a, b, c], height, self.along)
     }
 
@@ -90,16 +113,43 @@ impl CrossedPlunge {
     }
 }
 
-/// The earlier plunges that may meet a core column, latest first.
-#[derive(Debug, Default)]
-pub struct Neighbours {
-    columns: Vec<CrossedPlunge>,
-    /// Plunges cut after all of `columns`.
-    passed: Vec<CrossedPlunge>,
-    /// Centre of the core's bottom, its axis, and two directions perpendicular to it.
+/// Where a core is at the end of its plunge: the centre of its bottom, its axis, and two directions
+/// perpendicular to it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CoreFrame {
     tip: Point,
     axis: Vector,
     across: [Vector; 2],
+}
+
+impl CoreFrame {
+    /// The frame of the core of `cutter`. It turns with the plunge about Z, so that all channels give the same
+    /// result.
+    fn of(cutter: &CutterSolid) -> Self {
+        let CutterSolid { tip, axis, .. } = *cutter;
+        let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
+        let helper = if axis.z.abs() < 0.9 { Vector::z() } else { outwards };
+        let e1 = helper.cross(&axis).normalize();
+        let e2 = axis.cross(&e1);
+        Self { tip, axis, across: [e1, e2] }
+    }
+
+    /// The line of the core `rho` mm from its axis at angle `phi`.
+    pub fn line(&self, rho: f64, phi: f64) -> CoreLine {
+        let (sin, cos) = phi.sin_cos();
+        let (x, y) = (rho * cos, rho * sin);
+        CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
+    }
+}
+
+/// The earlier plunges that may meet a core column.
+#[derive(Debug, Default)]
+pub struct Neighbours {
+    /// Latest first, until lines move those that they met to the front.
+    columns: Vec<CrossedPlunge>,
+    /// Plunges cut after all of `columns`.
+    passed: Vec<CrossedPlunge>,
+    frame: CoreFrame,
 }
 
 impl Neighbours {
@@ -110,11 +160,9 @@ impl Neighbours {
         near
     }
 
-    /// The line of the core `rho` mm from its axis at angle `phi`.
-    pub fn line(&self, rho: f64, phi: f64) -> CoreLine {
-        let (sin, cos) = phi.sin_cos();
-        let (x, y) = (rho * cos, rho * sin);
-        CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
+    /// Where the core is.
+    pub fn frame(&self) -> CoreFrame {
+        self.frame
     }
 
     /// As [`Self::of`], reusing the existing allocation.
@@ -123,34 +171,62 @@ impl Neighbours {
         column: &PlungeColumn,
         earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     ) {
-        // The lines rotate with the plunge about Z, so that all channels give the same result.
-        let CutterSolid { tip, axis, .. } = column.cutter;
-        let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
-        let helper = if axis.z.abs() < 0.9 { Vector::z() } else { outwards };
-        let e1 = helper.cross(&axis).normalize();
-        let e2 = axis.cross(&e1);
-        (self.tip, self.axis, self.across) = (column.cutter.tip, column.cutter.axis, [e1, e2]);
+        self.frame = CoreFrame::of(&column.cutter);
         self.columns.clear();
         self.passed.clear();
-        let crossed = |c: &PlungeColumn| CrossedPlunge::new(&c.cutter, &self.tip, &self.axis, &self.across);
-        self.columns.extend(earlier.rev().map(crossed));
+        let crossed =
+            |(number, c): (usize, &PlungeColumn)| CrossedPlunge::new(number, &c.cutter, &self.frame);
+        self.columns.extend(earlier.rev().enumerate().map(crossed));
     }
 
     /// Replaces the plunges cut after the gathered ones by `passed`, in cutting order.
     pub fn set_passed<'c>(&mut self, passed: impl DoubleEndedIterator<Item = &'c PlungeColumn>) {
         self.passed.clear();
-        let crossed = |c: &PlungeColumn| CrossedPlunge::new(&c.cutter, &self.tip, &self.axis, &self.across);
-        self.passed.extend(passed.rev().map(crossed));
+        let crossed =
+            |(number, c): (usize, &PlungeColumn)| CrossedPlunge::new(number, &c.cutter, &self.frame);
+        self.passed.extend(passed.rev().enumerate().map(crossed));
     }
 
-    /// The gathered plunges, latest first.
-    pub fn columns(&self) -> &[CrossedPlunge] {
-        &self.columns
+    /// Number of gathered plunges.
+    pub fn count(&self) -> usize {
+        self.columns.len()
     }
 
-    /// The plunges cut after the gathered ones, latest first.
-    pub fn passed(&self) -> &[CrossedPlunge] {
-        &self.passed
+    /// What the gathered plunges leave of `left`; stops as soon as further ones change nothing relevant. `note`
+    /// gets the numbers of those that mattered, 0 for the latest.
+    ///
+    /// The order of the plunges does not matter. Those that did are moved to the front: the next line is mostly
+    /// beside this one, and the same few plunges leave nothing of it.
+    pub fn cut_line(
+        &mut self,
+        mut left: LineRemainder,
+        line: &CoreLine,
+        deep: f64,
+        mut note: impl FnMut(usize),
+    ) -> LineRemainder {
+        let mut front = 0;
+        for index in 0..self.columns.len() {
+            if left.is_complete(deep) {
+                break;
+            }
+            if left.remove(&self.columns[index], line) {
+                note(self.columns[index].number);
+                self.columns.swap(index, front);
+                front += 1;
+            }
+        }
+        left
+    }
+
+    /// What the plunges cut after the gathered ones leave of `left`, as [`Self::cut_line`].
+    pub fn cut_line_by_passed(&self, mut left: LineRemainder, line: &CoreLine, deep: f64) -> LineRemainder {
+        for crossed in &self.passed {
+            if left.is_complete(deep) {
+                break;
+            }
+            left.remove(crossed, line);
+        }
+        left
     }
 
     /// Lowest height at which the line enters removed stock, mm; infinite if it does not.

@@ -5,9 +5,11 @@
 mod columns;
 mod crossed;
 mod index;
+mod remainder;
 
 pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
-use crossed::{CoreLine, CrossedPlunge, Neighbours};
+use crossed::{CoreLine, Neighbours};
+use remainder::LineRemainder;
 
 use rayon::prelude::*;
 
@@ -43,8 +45,6 @@ const FIRST_RINGS: [(f64, usize); 5] = [(1.0, 48), (0.75, 24), (0.5, 16), (0.25,
 const SEARCH_RINGS: [(f64, usize); 3] = [(1.0, 24), (0.55, 8), (0.0, 1)];
 /// Number of rim lines of the quick test, which are evaluated first.
 const QUICK_LINES: usize = 8;
-/// Maximum number of disjoint uncut intervals of one line.
-const MAX_INTERVALS: usize = 12;
 /// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
 /// or the samples of another checker do not exceed it.
 pub const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
@@ -55,7 +55,7 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
-    contact_among(column, &Neighbours::of(column, earlier.near(column)), blank, None)
+    contact_among(column, &mut Neighbours::of(column, earlier.near(column)), blank, None)
 }
 
 /// [`core_contact`] of each of `columns` after those before it.
@@ -81,9 +81,9 @@ pub fn core_contact_by<'c>(
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     blank: &Blank,
 ) -> (f64, Vec<bool>) {
-    let near = Neighbours::of(column, earlier);
-    let mut removed = vec![false; near.columns().len()];
-    let depth = contact_among(column, &near, blank, Some(&mut removed)).depth;
+    let mut near = Neighbours::of(column, earlier);
+    let mut removed = vec![false; near.count()];
+    let depth = contact_among(column, &mut near, blank, Some(&mut removed)).depth;
     // The neighbours are latest first.
     removed.reverse();
     (depth, removed)
@@ -92,7 +92,7 @@ pub fn core_contact_by<'c>(
 /// Notes in `removed`, if given, which neighbours removed anything from a line.
 fn contact_among(
     column: &PlungeColumn,
-    near: &Neighbours,
+    near: &mut Neighbours,
     blank: &Blank,
     removed: Option<&mut [bool]>,
 ) -> CoreContact {
@@ -108,8 +108,8 @@ pub fn core_interferes<'c>(
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     blank: &Blank,
 ) -> bool {
-    let near = Neighbours::of(column, earlier);
-    contact_up_to(column, StockLines::new(column, &near, blank), &FIRST_RINGS, PLANNED_CONTACT).depth
+    let mut near = Neighbours::of(column, earlier);
+    contact_up_to(column, StockLines::new(column, &mut near, blank), &FIRST_RINGS, PLANNED_CONTACT).depth
         > PLANNED_CONTACT
 }
 
@@ -191,7 +191,7 @@ impl SearchLines<'_> {
         for k in 0..QUICK_LINES {
             let number = k * (lines / QUICK_LINES);
             let phi = std::f64::consts::TAU * number as f64 / lines as f64;
-            let line = stock.near.line(self.column.core_radius, phi);
+            let line = stock.near.frame().line(self.column.core_radius, phi);
             deepest = deepest.max(stock.on_cached_line(number, &line, DEEP_ENTRY).1);
             if deepest > enough.max(PLANNED_CONTACT) {
                 break;
@@ -211,8 +211,8 @@ fn contact_up_to(
     if column.top <= 0.0 {
         return CoreContact::default();
     }
-    let near = stock.near;
-    let line = |rho: f64, phi: f64| near.line(rho, phi);
+    let frame = stock.near.frame();
+    let line = |rho: f64, phi: f64| frame.line(rho, phi);
     let mut depth = 0.0f64;
     let mut area = 0.0;
     // (entry, angle) of the rim lines: height at which the line enters removed stock, negative below the
@@ -262,7 +262,7 @@ fn contact_up_to(
         }
         let angle = rim[i].1;
         let around = [angle - step, angle, angle + step].map(|phi| line(column.core_radius, phi));
-        let entered = near.entered_below(most, &around);
+        let entered = stock.near.entered_below(most, &around);
         let (phi, _) = search::minimum(
             |phi| -entered.first_entry(&line(column.core_radius, phi)),
             angle - step,
@@ -282,90 +282,9 @@ fn ring_weight(rings: &[(f64, usize)], ring: usize) -> f64 {
     outer * outer - inner * inner
 }
 
-/// What plunges left of a line: uncut intervals and the first entry.
-#[derive(Clone, Copy, Debug)]
-struct LineRemainder {
-    /// Intervals of height that none of them removed, mm.
-    open: [(f64, f64); MAX_INTERVALS],
-    count: usize,
-    /// Lowest height at which one of them removed something, mm; infinite where none did.
-    first: f64,
-}
-
-impl LineRemainder {
-    /// The line from the bottom of the core up to `top`.
-    fn whole(top: f64) -> Self {
-        Self { open: [(0.0, top); MAX_INTERVALS], count: 1, first: f64::INFINITY }
-    }
-
-    /// Whether nothing is left and `first` is at most `deep`, so that further plunges change nothing
-    /// relevant.
-    fn is_complete(&self, deep: f64) -> bool {
-        self.count == 0 && self.first <= deep
-    }
-
-    /// What `plunges`, latest first, leave of it; stops as soon as further ones change nothing relevant.
-    fn after(self, plunges: &[CrossedPlunge], line: &CoreLine, deep: f64) -> Self {
-        self.after_noting(plunges, line, deep, |_| {})
-    }
-
-    /// As [`Self::after`]; `note` gets the indices of the plunges that mattered.
-    #[inline]
-    fn after_noting(
-        mut self,
-        plunges: &[CrossedPlunge],
-        line: &CoreLine,
-        deep: f64,
-        mut note: impl FnMut(usize),
-    ) -> Self {
-        for (index, crossed) in plunges.iter().enumerate() {
-            if self.is_complete(deep) {
-                break;
-            }
-            if self.remove(crossed, line) {
-                note(index);
-            }
-        }
-        self
-    }
-
-    /// Removes the interval that a plunge cut; whether it may have mattered.
-    #[inline]
-    fn remove(&mut self, crossed: &CrossedPlunge, line: &CoreLine) -> bool {
-        let Some((low, high)) = crossed.removed_by_sharp(line) else { return false };
-        // A rounded corner removes less than a sharp one, so the sharp interval is a quick reject.
-        let matters = low < self.first || self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
-        if !matters {
-            return false;
-        }
-        let Some((low, high)) = crossed.round_corner(line, low, high) else { return false };
-        if high > 0.0 {
-            self.first = self.first.min(low);
-        }
-        let mut kept = [(0.0, 0.0); MAX_INTERVALS];
-        let mut n = 0;
-        for &(a, b) in &self.open[..self.count] {
-            for piece in [(a, b.min(low)), (a.max(high), b)] {
-                if piece.0 >= piece.1 {
-                    continue;
-                }
-                if n < MAX_INTERVALS {
-                    kept[n] = piece;
-                    n += 1;
-                } else {
-                    // On the safe side: the gap before the piece counts as stock.
-                    kept[n - 1].1 = piece.1;
-                }
-            }
-        }
-        (self.open, self.count) = (kept, n);
-        true
-    }
-}
-
 /// Finds stock on lines of one core.
 struct StockLines<'a> {
-    near: &'a Neighbours,
+    near: &'a mut Neighbours,
     blank: &'a Blank,
     top: f64,
     /// Warm start: shroud position of the last query.
@@ -377,7 +296,7 @@ struct StockLines<'a> {
 }
 
 impl<'a> StockLines<'a> {
-    fn new(column: &PlungeColumn, near: &'a Neighbours, blank: &'a Blank) -> Self {
+    fn new(column: &PlungeColumn, near: &'a mut Neighbours, blank: &'a Blank) -> Self {
         Self { near, blank, top: column.top, warm: None, kept: None, removed: None }
     }
 
@@ -388,12 +307,10 @@ impl<'a> StockLines<'a> {
     /// (first entry into removed stock, highest stock) on the line, mm above the bottom; infinite and 0 where
     /// there is none. Where no stock is left, an entry below `deep` may be any such value.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
-        let left = LineRemainder::whole(self.top).after(self.near.passed(), line, deep);
+        let left = self.near.cut_line_by_passed(LineRemainder::whole(self.top), line, deep);
         let left = match &mut self.removed {
-            Some(removed) => {
-                left.after_noting(self.near.columns(), line, deep, |index| removed[index] = true)
-            }
-            None => left.after(self.near.columns(), line, deep),
+            Some(removed) => self.near.cut_line(left, line, deep, |number| removed[number] = true),
+            None => self.near.cut_line(left, line, deep, |_| {}),
         };
         (left.first, self.highest(&left, line))
     }
@@ -401,9 +318,9 @@ impl<'a> StockLines<'a> {
     /// As [`Self::on_line`], for line `number` of the cache.
     fn on_cached_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
         let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
-        let gathered = kept[number]
-            .get_or_insert_with(|| LineRemainder::whole(self.top).after(self.near.columns(), line, deep));
-        let left = gathered.after(self.near.passed(), line, deep);
+        let (near, whole) = (&mut *self.near, LineRemainder::whole(self.top));
+        let gathered = *kept[number].get_or_insert_with(|| near.cut_line(whole, line, deep, |_| {}));
+        let left = near.cut_line_by_passed(gathered, line, deep);
         (left.first, self.highest(&left, line))
     }
 
