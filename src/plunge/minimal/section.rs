@@ -345,7 +345,7 @@ impl Planner<'_> {
     }
 
     /// Floor that row `row` has to clear at `s`: from half way to the previous row (or the wall's foot) to
-    /// half way to the next, as angles about Z from its M, rad.
+    /// half way to the next, as angles about Z from its M, rad. Rows without an axis at `s` are passed over.
     fn floor_of_row(
         &self,
         stretch: &PassageStretch,
@@ -366,8 +366,8 @@ impl Planner<'_> {
             let inward = if wall == 0 { margin } else { -margin };
             Some(wrap_angle(walls[wall] + inward - here))
         };
-        let from = if row == 0 { foot(0)? } else { half_way(row - 1)? };
-        let to = if row + 1 == rows.len() { foot(1)? } else { half_way(row + 1)? };
+        let from = (0..row).rev().find_map(half_way).or_else(|| foot(0))?;
+        let to = (row + 1..rows.len()).find_map(half_way).or_else(|| foot(1))?;
         Some([from, to])
     }
 
