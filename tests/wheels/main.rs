@@ -108,6 +108,27 @@ fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
     }
 }
 
+/// Between walls that the cutter just passes the rows in the middle have no axis at all, those beside the walls do:
+/// these end where their own axes do, not where those of their neighbours end.
+#[test]
+fn rows_beside_walls_go_on_where_those_between_them_end() {
+    let wheel = make::wheel(83, 34);
+    let part = open(&wheel);
+    let request = PlanRequest {
+        setup: Setup::for_part(&part),
+        part: part.into(),
+        policy: AxisPolicy::Minimal,
+        compare: false,
+        field_cells: 128,
+    };
+    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    let summary = &outcome.after.summary;
+    assert_eq!(summary.interfering, 0, "{}", wheel.remarks);
+    assert!(summary.uncut_share < 0.03, "{}: {} uncut", wheel.remarks, summary.uncut_share);
+    let before_throat = outcome.after.plan.positions.iter().filter(|p| p.s < 0.1).count();
+    assert!(before_throat > 20, "{}: {before_throat} plunges", wheel.remarks);
+}
+
 /// A number from an environment variable.
 fn variable(name: &str) -> Option<u64> {
     let text = std::env::var(name).ok()?;
