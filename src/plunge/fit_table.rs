@@ -42,9 +42,13 @@ pub struct FitTable {
 
 const S_FROM: f64 = -0.6;
 const S_TO: f64 = 1.8;
-const SHIFT_LIMIT: f64 = 1.0;
+/// Axes shift by more than the length of the channel where it is deeper than long.
+const SHIFT_LIMIT: f64 = 2.0;
 const SHIFT_SPACING: f64 = 0.05;
 const COLUMNS: usize = (2.0 * SHIFT_LIMIT / SHIFT_SPACING) as usize + 1;
+/// Shift from which columns are counted, and the index of its column.
+const SHIFT_ORIGIN: f64 = -1.0;
+const ORIGIN: isize = ((SHIFT_LIMIT + SHIFT_ORIGIN) / SHIFT_SPACING) as isize;
 
 /// Computes one node from (s of M, shift).
 type FitFn<'a> = &'a dyn Fn(f64, f64) -> Option<FitNode>;
@@ -62,14 +66,14 @@ impl FitTable {
     pub fn look_up(&self, s: f64, shift: f64, fit: FitFn) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
         let x = (s - S_FROM) / self.spacing;
-        let y = (shift + SHIFT_LIMIT) / SHIFT_SPACING;
+        let y = (shift - SHIFT_ORIGIN) / SHIFT_SPACING;
         let row = (x.floor() as isize - 1).clamp(0, rows as isize - 4);
-        let column = (y.round() as isize - 1).clamp(0, COLUMNS as isize - 3);
+        let column = (y.round() as isize - 1).clamp(-ORIGIN, COLUMNS as isize - 3 - ORIGIN);
         let (fx, fy) = (x - row as f64, y - column as f64);
         if !(0.0..=3.0).contains(&fx) || !(-0.5..=2.5).contains(&fy) {
             return Reading::Outside;
         }
-        match self.interpolated((row as usize, column as usize), (fx, fy), fit) {
+        match self.interpolated((row as usize, (column + ORIGIN) as usize), (fx, fy), fit) {
             Some(angles) => Reading::Fitted(angles),
             None => self.beside(x, y, fit),
         }
@@ -111,8 +115,10 @@ impl FitTable {
     /// (`x`, `y`) that have an axis.
     fn beside(&self, x: f64, y: f64, fit: FitFn) -> Reading {
         let rows = self.nodes.len() / COLUMNS;
-        let (row, column) = (x.floor() as usize, (y.max(0.0).floor() as usize).min(COLUMNS - 2));
-        let (fx, fy) = (x - row as f64, y - column as f64);
+        let (row, from) =
+            (x.floor() as usize, (y.floor() as isize).clamp(-ORIGIN, COLUMNS as isize - 2 - ORIGIN));
+        let (fx, fy) = (x - row as f64, y - from as f64);
+        let column = (from + ORIGIN) as usize;
         let (mut weights, mut sum, mut all_fitted) = (0.0, [0.0; 2], true);
         for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let weight =
@@ -133,7 +139,7 @@ impl FitTable {
     fn node(&self, row: usize, column: usize, fit: FitFn) -> Option<FitNode> {
         *self.nodes[row * COLUMNS + column].get_or_init(|| {
             let s = S_FROM + self.spacing * row as f64;
-            let shift = SHIFT_SPACING * column as f64 - SHIFT_LIMIT;
+            let shift = SHIFT_SPACING * (column as isize - ORIGIN) as f64 + SHIFT_ORIGIN;
             fit(s, shift)
         })
     }
