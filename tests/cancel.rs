@@ -27,8 +27,8 @@ fn request(policy: AxisPolicy) -> PlanRequest {
     PlanRequest { part, setup: Setup::default(), policy, compare: false, field_cells: 256 }
 }
 
-/// Plans, and stops the job as soon as it reports a progress (0…1) of `share`: unlike a time, this hits the same
-/// stage on a machine of any load.
+/// Plans, and stops the job as soon as it reports a progress (0…1) of `share`: unlike a time, this hits the
+/// same stage on a machine of any load.
 fn stopped_at(
     share: f64,
     job: &PlanJob,

@@ -49,8 +49,8 @@ pub enum Command {
 /// `vanecut explain`.
 #[derive(Debug, Args)]
 pub struct ExplainArgs {
-    /// Code, such as unknown-key; absent: all codes. With VANECUT_ERROR_CODES=1 the line of an error ends with
-    /// its code
+    /// Code, such as unknown-key; absent: all codes. With VANECUT_ERROR_CODES=1 the line of an error ends
+    /// with its code
     pub code: Option<String>,
 }
 
@@ -272,8 +272,8 @@ pub struct RenderArgs {
     /// View: iso, front, top, channel or section:K
     #[arg(long, default_value = "iso")]
     pub view: String,
-    /// Colours: residual, interference or plain, or solid: the stock as a solid; absent: residual for a plan, plain
-    /// for a part. For a flank plan: layer, region, feed, walls or solid; absent: layer
+    /// Colours: residual, interference or plain, or solid: the stock as a solid; absent: residual for a plan,
+    /// plain for a part. For a flank plan: layer, region, feed, walls or solid; absent: layer
     #[arg(long)]
     pub show: Option<String>,
     /// State after this many positions; for a flank plan with --show feed or solid, moves

@@ -12,7 +12,8 @@ use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, SceneOptions, Theme, Vi
 use crate::io::flank_file::StoredFlank;
 
 /// PNG file of a flank plan: passes coloured by layer or region, moves by feed rate (`--show feed`), or walls
-/// by the residual stock (`--show walls`), or the stock as a solid (`--show solid`). `--at` limits the number of moves.
+/// by the residual stock (`--show walls`), or the stock as a solid (`--show solid`). `--at` limits the number
+/// of moves.
 ///
 /// # Errors
 /// [`Failure::input`] for an unknown `--show`, [`Failure::work`] when drawing fails.

@@ -21,12 +21,12 @@ use crate::toolpath::ClProgram;
 /// Upper end of the colour scale unless one is given, in allowances of the hub.
 const RANGE_IN_ALLOWANCES: f64 = 8.0;
 
-/// PNG file of the blank of `part` after the first `count` moves of `program`, coloured by the distance of what is
-/// cut to the finished part.
+/// PNG file of the blank of `part` after the first `count` moves of `program`, coloured by the distance of
+/// what is cut to the finished part.
 ///
 /// # Errors
-/// [`Failure::input`] when the program cannot be simulated or the scale is invalid, [`Failure::work`] when cancelled
-/// or when drawing fails.
+/// [`Failure::input`] when the program cannot be simulated or the scale is invalid, [`Failure::work`] when
+/// cancelled or when drawing fails.
 pub fn picture(
     args: &RenderArgs,
     part: &Impeller,

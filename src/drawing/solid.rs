@@ -14,8 +14,9 @@ const GOUGE: (f64, f64) = (0.02, 0.1);
 /// Vertices between two looks at the monitor.
 const CHUNK: usize = 1 << 14;
 
-/// The triangles of `surface`, on rays at `spacing` mm. `paint` gives the colour of what a move has cut, by its
-/// number; with `excess` the vertices carry the distance to the finished part, mm, and gouges their own colour.
+/// The triangles of `surface`, on rays at `spacing` mm. `paint` gives the colour of what a move has cut, by
+/// its number; with `excess` the vertices carry the distance to the finished part, mm, and gouges their own
+/// colour.
 ///
 /// # Errors
 /// When `monitor` is cancelled.

@@ -411,8 +411,8 @@ impl Scene {
         self.contact = mesh.filter(|mesh| !mesh.indices.is_empty()).map(|mesh| MeshBuffers::new(gpu, mesh));
     }
 
-    /// Sets the stock as a solid, closed and with corners by [`super::mesh::Vertex::painted`], or removes it. See
-    /// [`SceneOptions::show_solid`].
+    /// Sets the stock as a solid, closed and with corners by [`super::mesh::Vertex::painted`], or removes it.
+    /// See [`SceneOptions::show_solid`].
     pub fn set_solid(&mut self, gpu: &Gpu, solid: Option<Arc<Mesh>>) {
         let some = solid.filter(|mesh| !mesh.indices.is_empty());
         self.solid = some.map(|mesh| (MeshBuffers::new(gpu, &mesh), mesh));

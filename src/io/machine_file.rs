@@ -1,4 +1,5 @@
-//! Machine files: TOML; mm, degrees, mm/min, degrees/min, mm/s², degrees/s². `docs/formats.md` lists the keys.
+//! Machine files: TOML; mm, degrees, mm/min, degrees/min, mm/s², degrees/s². `docs/formats.md` lists the
+//! keys.
 
 use std::path::Path;
 

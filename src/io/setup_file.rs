@@ -287,8 +287,8 @@ fn check_section_order(sections: &[SectionSetup], tables: &[TomlTable<'_>]) -> R
     }
 }
 
-/// Reads `[machine]`. A machine without `max_axis_tilt` beside it gives its own; with both the file is not read:
-/// setups within plans stay readable where the machine file is not.
+/// Reads `[machine]`. A machine without `max_axis_tilt` beside it gives its own; with both the file is not
+/// read: setups within plans stay readable where the machine file is not.
 fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputError> {
     table.check_keys(&["file", "max_axis_tilt"])?;
     let file = table.string("file")?;

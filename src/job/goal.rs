@@ -10,8 +10,8 @@ use crate::tradeoff::{Thinning, ThinningInput, choose_point, max_mean_rise};
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
 
-/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`; `None` where
-/// that is the whole plan. An unfinished plan stays as it is.
+/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`;
+/// `None` where that is the whole plan. An unfinished plan stays as it is.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
@@ -54,8 +54,8 @@ fn weighing_grid(grid: &FloorGrid) -> FloorGrid {
 }
 
 impl PlanOutcome {
-    /// At most `count` plans from the one with the least stock of this outcome to the fastest that still cuts the
-    /// floor, by falling time; one plan where it has no choice.
+    /// At most `count` plans from the one with the least stock of this outcome to the fastest that still cuts
+    /// the floor, by falling time; one plan where it has no choice.
     ///
     /// # Errors
     /// [`PlanError::Cancelled`] when `monitor` is cancelled.

@@ -65,12 +65,13 @@ pub(super) struct Choice {
     pub rewinds: usize,
 }
 
-/// Chooses the rotary positions of all `stretches`; `tips` are those of all moves. Between the two solutions the
-/// axes may only change where the tool axis deviates by at most `axis_tolerance` (rad) from its planned turn.
+/// Chooses the rotary positions of all `stretches`; `tips` are those of all moves. Between the two solutions
+/// the axes may only change where the tool axis deviates by at most `axis_tolerance` (rad) from its planned
+/// turn.
 ///
 /// # Errors
-/// When the machine does not reach a direction, or only beyond its limits, no sequence of positions connects the
-/// stretches, or on a cancel.
+/// When the machine does not reach a direction, or only beyond its limits, no sequence of positions connects
+/// the stretches, or on a cancel.
 pub(super) fn choose(
     machine: &MachineTool,
     stretches: &[Stretch],

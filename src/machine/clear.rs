@@ -1,9 +1,9 @@
 //! Links that leave the part: out along the axis to a sphere, around it while the axes turn, in again.
 //!
 //! On the sphere the way from its centre to the tip never points against the tool's axis, so that shank and
-//! holder, further out along the axis, are further from the centre than the tip. Seen from the tool, such ways
-//! fill a half-sphere, in which the shorter great circle from one to another stays: the tip follows it while
-//! the rotary axes turn, whatever they do, and the tool keeps clear all the way.
+//! holder, further out along the axis, are further from the centre than the tip. Seen from the tool, such
+//! ways fill a half-sphere, in which the shorter great circle from one to another stays: the tip follows it
+//! while the rotary axes turn, whatever they do, and the tool keeps clear all the way.
 
 use super::course::{Pose, even_turn, mixed_angles};
 use super::model::MachineTool;

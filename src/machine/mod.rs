@@ -12,9 +12,9 @@
 //! | [`motion`](machine_program) | the blocks of a program |
 //! | [`time`](section_times) | how long they take |
 //!
-//! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with all
-//! rotary axes at 0. **Machine coordinates** are those of the gauge point (the spindle's nose). Angles are
-//! positions of rotary axes in rad; which way a positive one turns, the machine file says.
+//! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with
+//! all rotary axes at 0. **Machine coordinates** are those of the gauge point (the spindle's nose). Angles
+//! are positions of rotary axes in rad; which way a positive one turns, the machine file says.
 
 mod choice;
 mod clear;

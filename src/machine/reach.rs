@@ -14,8 +14,8 @@ const BISECTIONS: usize = 12;
 
 impl MachineTool {
     /// The largest angle between tool axis and the part's axis, out of the inlet, up to which the rotary axes
-    /// reach every direction within their limits, rad; π where they reach all. Linear axes are not considered:
-    /// how far they must go depends on part and tool.
+    /// reach every direction within their limits, rad; π where they reach all. Linear axes are not
+    /// considered: how far they must go depends on part and tool.
     pub fn max_axis_tilt_rad(&self) -> f64 {
         let up = if self.part.inlet_up { 1.0 } else { -1.0 };
         let reaches_all = |tilt: f64| {

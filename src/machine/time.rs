@@ -1,9 +1,9 @@
 //! How long the machine takes: every block in joint space, under speed, acceleration and jerk of each axis.
 //!
-//! A control looks ahead: at each corner between two blocks the speed is the highest at which no axis jumps by
-//! more than its acceleration allows within the control's corner time; a forward and a backward pass over the
-//! blocks make all corner speeds reachable (as LinuxCNC and Grbl plan). Within a block the speed follows an
-//! S-curve: up, steady, down.
+//! A control looks ahead: at each corner between two blocks the speed is the highest at which no axis jumps
+//! by more than its acceleration allows within the control's corner time; a forward and a backward pass over
+//! the blocks make all corner speeds reachable (as LinuxCNC and Grbl plan). Within a block the speed follows
+//! an S-curve: up, steady, down.
 
 use super::model::MachineTool;
 use super::motion::{MachineProgram, StepMotion, gauge_length};

@@ -109,8 +109,8 @@ pub fn describe_source(
     bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
     let hub = MeshSurface::of(&hub);
     let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::of(&mesh) };
-    // Only the bodies of CAD models decide roles by themselves. Nodes of other files get theirs by name, or the user
-    // is asked.
+    // Only the bodies of CAD models decide roles by themselves. Nodes of other files get theirs by name, or
+    // the user is asked.
     let is_cad = !normals.is_empty() || axis.is_some();
     let bodies: Vec<Body> =
         if is_cad && bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
@@ -189,7 +189,8 @@ pub fn describe_source(
                 fit_tip_curve(std::slice::from_ref(&main), &hub, &course)
             };
             let by_border = || fit_tip_border(&main, &hub_curve.points, &course);
-            // Meshes show their tips by sharp edges; models from CAD, which know their normals, often have none.
+            // Meshes show their tips by sharp edges; models from CAD, which know their normals, often have
+            // none.
             let tips = match normals.is_empty() {
                 true => by_edges().or_else(by_border),
                 false => by_border().or_else(by_edges),

@@ -1,5 +1,5 @@
-//! The shroud of an open wheel by the border of its blades in the meridional plane: for blades whose tip merges
-//! smoothly with leading and trailing edge, as in models from CAD.
+//! The shroud of an open wheel by the border of its blades in the meridional plane: for blades whose tip
+//! merges smoothly with leading and trailing edge, as in models from CAD.
 //!
 //! Projected into the meridional plane, the blades cover a region that hub, leading edge, tip and trailing
 //! edge bound. The tip is the stretch of its border opposite the hub that runs along the channel: it ends at
@@ -14,8 +14,8 @@ use crate::geometry::{Meridional, MeridionalCurve};
 
 /// Distance from the border within which a corner is on the tip, mm per mm of the channel's height.
 const NEAR: f64 = 2e-3;
-/// Multiples of [`NEAR`] that are tried until the corners cover the tip: with the smallest, only the higher side
-/// of a tip that is not turned counts, so that the curve does not zigzag between both.
+/// Multiples of [`NEAR`] that are tried until the corners cover the tip: with the smallest, only the higher
+/// side of a tip that is not turned counts, so that the curve does not zigzag between both.
 const WIDER: [f64; 4] = [0.1, 1.0, 2.0, 4.0];
 /// Widest stretch of the tip without corners, as a share of it.
 const WIDEST_GAP: f64 = 0.15;

@@ -1,5 +1,5 @@
-//! The shroud of an open wheel: the surface of revolution through the blade tips, which are known by their sharp
-//! edges. See `tip_border` for tips that have none.
+//! The shroud of an open wheel: the surface of revolution through the blade tips, which are known by their
+//! sharp edges. See `tip_border` for tips that have none.
 
 use super::profile::{Course, FittedProfile};
 use super::surface::{MeshSurface, NONE};

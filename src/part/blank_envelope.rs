@@ -4,7 +4,8 @@ use super::blank_shape::BlankMesh;
 use super::meridional_outline::{MeridionalOutline, OutlineFault};
 use crate::geometry::{Meridional, Point, norm2};
 
-/// Circles over which the heights are taken: fewer for meshes whose triangles cross too many of them together.
+/// Circles over which the heights are taken: fewer for meshes whose triangles cross too many of them
+/// together.
 const CIRCLES: (usize, usize) = (50, 1000);
 const MAX_CROSSINGS: f64 = 1e8;
 /// Least difference between the largest and the least radius, mm.

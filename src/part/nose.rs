@@ -7,8 +7,8 @@ const PIECES: usize = 96;
 /// Length of a nose below which there is none, mm.
 const MIN_LENGTH: f64 = 1e-3;
 
-/// The body of revolution under the hub curve upstream of the blank, closed by its front plane. A bore counts as
-/// filled: an arbor or a screw is in it.
+/// The body of revolution under the hub curve upstream of the blank, closed by its front plane. A bore counts
+/// as filled: an arbor or a screw is in it.
 #[derive(Clone, Debug)]
 pub(super) struct HubNose {
     /// The meridional outline from the axis at the front along the hub to where the blank begins.
@@ -34,7 +34,8 @@ impl HubNose {
         Some(Self { outline, r_max, z_range })
     }
 
-    /// Distance from `point` to the nose with its nearest point, if it is less than `limit` mm; negative inside.
+    /// Distance from `point` to the nose with its nearest point, if it is less than `limit` mm; negative
+    /// inside.
     pub(super) fn nearer_than(&self, point: Meridional, limit: f64) -> Option<(f64, Meridional)> {
         let dz = (self.z_range.0 - point.z).max(point.z - self.z_range.1).max(0.0);
         let dr = (point.r - self.r_max).max(0.0);

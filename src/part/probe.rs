@@ -168,8 +168,8 @@ impl SideProbe {
         self.nearest_within(&PointQuery { point }, FULL_V_RANGE, cutoff, NO_EARLY_EXIT)
     }
 
-    /// Signed distance from the whole side to a piece of shank or holder, mm; `None` when it is certainly more
-    /// than `cutoff` mm.
+    /// Signed distance from the whole side to a piece of shank or holder, mm; `None` when it is certainly
+    /// more than `cutoff` mm.
     pub fn frustum_distance_below(&self, frustum: &Frustum, cutoff: f64) -> Option<f64> {
         let query = FrustumQuery { frustum };
         self.nearest_within(&query, FULL_V_RANGE, cutoff, NO_EARLY_EXIT).map(|near| near.distance)

@@ -1,10 +1,10 @@
 //! Order and cutting direction of chosen sections.
 //!
 //! Sections are cut from the outlet inwards, each from its outlet end, so that every one begins beside floor
-//! that is already cut. Where strongly wrapped blades lean along the rows, no axis may lean towards the inlet,
-//! and every core would land in the step of the plunge before it; such sections are cut from the open inlet
-//! outwards instead, the innermost one first. Where both kinds are in one channel, the sections cut from either
-//! end meet.
+//! that is already cut. Where strongly wrapped blades lean along the rows, no axis may lean towards the
+//! inlet, and every core would land in the step of the plunge before it; such sections are cut from the open
+//! inlet outwards instead, the innermost one first. Where both kinds are in one channel, the sections cut
+//! from either end meet.
 
 use super::cycle::Planner;
 use super::minimal::LeadBlockage;

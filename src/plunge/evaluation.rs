@@ -54,8 +54,8 @@ impl Planner<'_> {
     }
 }
 
-/// `plan` with the `contacts` of its positions, and with `retracts`, their retract points, raised until links keep
-/// `safety` mm from `blank`.
+/// `plan` with the `contacts` of its positions, and with `retracts`, their retract points, raised until links
+/// keep `safety` mm from `blank`.
 ///
 /// # Errors
 /// When `monitor` is cancelled.

@@ -1,8 +1,8 @@
 //! The plunge plan: positions in cutting order.
 //!
-//! A plan comes about in two steps, which its type tells apart. The planner decides axes and depths: that is a
-//! `PlungePlan<Unevaluated>`. [`super::Planner::evaluate`] measures what follows from all of them together, and
-//! adds an [`Evaluation`] to each position: that is a [`PlungePlan`].
+//! A plan comes about in two steps, which its type tells apart. The planner decides axes and depths: that is
+//! a `PlungePlan<Unevaluated>`. [`super::Planner::evaluate`] measures what follows from all of them together,
+//! and adds an [`Evaluation`] to each position: that is a [`PlungePlan`].
 
 use rayon::prelude::*;
 
@@ -17,7 +17,8 @@ use crate::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
 pub struct Evaluation {
     /// Contact of the core with stock.
     pub contact: CoreContact,
-    /// Position of the tip on the axis at which the cutter is clear of the blank, in the frame of the part, mm.
+    /// Position of the tip on the axis at which the cutter is clear of the blank, in the frame of the part,
+    /// mm.
     pub retract: Point,
     /// Minimum distance of the bottom to the blank at the retract point and on the following link, mm.
     pub retract_clearance: f64,
@@ -146,7 +147,8 @@ impl LimitedBy {
     }
 }
 
-/// One plunge as it was planned, with its evaluation `E`. Points and directions are in the frame of the part, mm.
+/// One plunge as it was planned, with its evaluation `E`. Points and directions are in the frame of the part,
+/// mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Position<E = Evaluation> {
     /// Centre of the bottom at the end of the plunge.

@@ -212,9 +212,9 @@ impl Planner<'_> {
         Ok(Some(row))
     }
 
-    /// Moves the start of a row, with a lead angle of at least `lead_rad` (rad), out of the stock until its first
-    /// core column is free; unmoved where no retreat frees it. `None` where there is no axis. `moved` holds
-    /// the shifts of W for a smaller lead angle, in s, and is updated.
+    /// Moves the start of a row, with a lead angle of at least `lead_rad` (rad), out of the stock until its
+    /// first core column is free; unmoved where no retreat frees it. `None` where there is no axis. `moved`
+    /// holds the shifts of W for a smaller lead angle, in s, and is updated.
     fn find_free_start(
         &self,
         attempts: &RowAttempts,

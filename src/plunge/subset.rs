@@ -7,9 +7,10 @@ use crate::cutting::contact::{Columns, core_contacts};
 use crate::monitor::Monitor;
 
 impl Planner<'_> {
-    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is measured
-    /// anew, links are raised where they must be, and a row is split where the axes of the plunges left in it differ
-    /// by more than the setup allows. What the sections say of added plunges stays that of the search.
+    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is
+    /// measured anew, links are raised where they must be, and a row is split where the axes of the plunges
+    /// left in it differ by more than the setup allows. What the sections say of added plunges stays that of
+    /// the search.
     ///
     /// # Errors
     /// [`PlanError::Cancelled`] when the monitor is cancelled.

@@ -59,8 +59,8 @@ impl From<SetupFault> for UserError {
     }
 }
 
-/// The greatest number of `decimals` decimals that is not above `x`, for a limit in a message: a user who enters
-/// what the message says stays within it.
+/// The greatest number of `decimals` decimals that is not above `x`, for a limit in a message: a user who
+/// enters what the message says stays within it.
 pub fn round_down(x: f64, decimals: i32) -> f64 {
     let scale = 10f64.powi(decimals);
     (x * scale).floor() / scale

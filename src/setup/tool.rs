@@ -51,8 +51,8 @@ impl Tool {
         CutterSolid { tip, axis, radius: self.radius(), corner_radius: self.corner_radius }
     }
 
-    /// The holder with the cutter at `tip` and its unit `axis`, as a cylinder of its largest diameter, unbounded
-    /// towards the spindle: it contains the holder.
+    /// The holder with the cutter at `tip` and its unit `axis`, as a cylinder of its largest diameter,
+    /// unbounded towards the spindle: it contains the holder.
     pub fn holder(&self, tip: Point, axis: Vector) -> CutterSolid {
         let radius = 0.5 * self.holder_diameter();
         CutterSolid { tip: tip + axis * self.overhang, axis, radius, corner_radius: 0.0 }

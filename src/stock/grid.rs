@@ -70,8 +70,8 @@ impl FloorGrid {
         self.picked(&lines(self.rows), &lines(self.columns))
     }
 
-    /// The cells where the lines `rows` along s and `columns` across meet; areas grow so that these cells stand for
-    /// all.
+    /// The cells where the lines `rows` along s and `columns` across meet; areas grow so that these cells
+    /// stand for all.
     pub(super) fn picked(&self, rows: &[usize], columns: &[usize]) -> Self {
         let cells: Vec<usize> =
             rows.iter().flat_map(|i| columns.iter().map(move |j| i * self.columns + j)).collect();

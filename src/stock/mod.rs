@@ -1,5 +1,6 @@
 //! The residual stock as a heightfield over one channel's hub floor: a fast estimate of what a plan leaves.
-//! Single precision, same arithmetic as the WGSL kernel. And the stock of a whole wheel as a solid ([`solid`]).
+//! Single precision, same arithmetic as the WGSL kernel. And the stock of a whole wheel as a solid
+//! ([`solid`]).
 
 use crate::plunge::PlungePlan;
 use crate::plunge::plan::SectionPlan;

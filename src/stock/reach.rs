@@ -246,8 +246,8 @@ impl<'a> WallCorner<'a> {
         distance
     }
 
-    /// Distance from the foot at which the bottom begins, for the axis (`slope`, `tan_tilt`) beside the wall, mm,
-    /// with a penalty where opposite walls leave too little clearance.
+    /// Distance from the foot at which the bottom begins, for the axis (`slope`, `tan_tilt`) beside the wall,
+    /// mm, with a penalty where opposite walls leave too little clearance.
     fn bottom_begin(
         &self,
         cutter: &ReachCutter,

@@ -16,8 +16,8 @@ pub(super) struct Cores<'a> {
     after: Vec<Vec<u32>>,
     /// Whether the core met stock in the whole plan already.
     met_before: Vec<bool>,
-    /// The kept plunges that clear the way of each core, ascending: while they stay, the others make no difference to
-    /// it. Found with the last test of that core, as the watched literals of a solver are.
+    /// The kept plunges that clear the way of each core, ascending: while they stay, the others make no
+    /// difference to it. Found with the last test of that core, as the watched literals of a solver are.
     needed: Vec<Vec<u32>>,
 }
 
@@ -55,8 +55,8 @@ impl<'a> Cores<'a> {
             .collect()
     }
 
-    /// Leaves `plunge` out of those that are `kept` unless the core of a later one would meet stock then: by the quick
-    /// test of planning, and what passes it by the one that plans are judged by.
+    /// Leaves `plunge` out of those that are `kept` unless the core of a later one would meet stock then: by
+    /// the quick test of planning, and what passes it by the one that plans are judged by.
     ///
     /// # Errors
     /// The first plunge whose core would.

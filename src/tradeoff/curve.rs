@@ -38,7 +38,8 @@ impl Thinning<'_> {
         }
     }
 
-    /// `count` points from the whole plan to the thinnest one, evenly in time; fewer where they fall together.
+    /// `count` points from the whole plan to the thinnest one, evenly in time; fewer where they fall
+    /// together.
     pub fn points(&self, count: usize) -> Vec<CurvePoint> {
         let (slow, fast) = (self.time_without(0), self.time_without(self.len()));
         let mut counts: Vec<usize> = (0..count)
@@ -58,8 +59,8 @@ impl Thinning<'_> {
         if too_long(0) { (self.last_where(too_long) + 1).min(self.len()) } else { 0 }
     }
 
-    /// The most plunges that can go before mean or 95th percentile of the stock above the allowance rise by more
-    /// than [`AS_GOOD`].
+    /// The most plunges that can go before mean or 95th percentile of the stock above the allowance rise by
+    /// more than [`AS_GOOD`].
     fn last_as_good(&self) -> usize {
         let whole = self.stock_without(0);
         let limit = |figure: f32| {

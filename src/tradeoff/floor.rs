@@ -4,8 +4,8 @@ use crate::stock::cover::CellCover;
 use crate::stock::statistics::UNCUT_SHARE_OF_BLANK;
 use crate::stock::{FieldCutter, FloorGrid};
 
-/// Cost of stock of `height` mm over one mm² beyond `allowance`: its square, so that few thick places weigh more
-/// than many thin ones, as the 95th percentile has it.
+/// Cost of stock of `height` mm over one mm² beyond `allowance`: its square, so that few thick places weigh
+/// more than many thin ones, as the 95th percentile has it.
 fn cost_per_area(height: f32, allowance: f32) -> f64 {
     let excess = f64::from((height - allowance).max(0.0));
     excess * excess
@@ -27,8 +27,8 @@ pub(super) struct ThinnedFloor<'a> {
     first_volumes: [f64; BANDS],
 }
 
-/// Bands of the floor along s whose stock is kept within its limit on its own: small sections are not to pay for
-/// large ones.
+/// Bands of the floor along s whose stock is kept within its limit on its own: small sections are not to pay
+/// for large ones.
 const BANDS: usize = 8;
 
 /// The band of `cell` along s.
@@ -111,8 +111,8 @@ impl<'a> ThinnedFloor<'a> {
         if self.reachable_area > 0.0 { (self.uncut_area + more) / self.reachable_area } else { 0.0 }
     }
 
-    /// Largest share by which the stock above the allowance on a band of the floor rises with `change`, compared to
-    /// the whole plan.
+    /// Largest share by which the stock above the allowance on a band of the floor rises with `change`,
+    /// compared to the whole plan.
     pub fn rise_with(&self, change: &FloorChange) -> f64 {
         let rise = |band: usize| match self.first_volumes[band] {
             first if first > 0.0 => (self.volumes[band] + change.volumes[band]) / first - 1.0,

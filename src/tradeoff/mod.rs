@@ -1,10 +1,10 @@
 //! Time against stock: which plunges of a finished plan are worth their time.
 //!
-//! `minimal` adds plunges as long as each removes something worth removing. From its plan plunges are left out one
-//! by one, the one first that leaves the least stock per second saved (lazy greedy on a supermodular cost). What
-//! is left out must not be missed: no core may meet stock, the floor stays cut, and the scallop along walls stays
-//! within its limit. The order in which plunges go is the curve of time against stock, and every point of it is a
-//! plan.
+//! `minimal` adds plunges as long as each removes something worth removing. From its plan plunges are left
+//! out one by one, the one first that leaves the least stock per second saved (lazy greedy on a supermodular
+//! cost). What is left out must not be missed: no core may meet stock, the floor stays cut, and the scallop
+//! along walls stays within its limit. The order in which plunges go is the curve of time against stock, and
+//! every point of it is a plan.
 //!
 //! | file | contents |
 //! |---|---|

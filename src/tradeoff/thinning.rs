@@ -33,8 +33,8 @@ pub struct ThinningInput<'a> {
     pub blank: &'a Blank,
     /// The floor of the channel.
     pub grid: &'a FloorGrid,
-    /// Largest share by which the stock above the allowance may rise on any band of the floor; infinite: as many
-    /// plunges go as can.
+    /// Largest share by which the stock above the allowance may rise on any band of the floor; infinite: as
+    /// many plunges go as can.
     pub max_mean_rise: f64,
 }
 
@@ -62,8 +62,8 @@ impl<'a> Thinning<'a> {
     }
 
     /// Lazy greedy: the price of a plunge, stock per second, only rises as others go, so the cheapest of the
-    /// queue is the cheapest of all once its price is up to date. A plunge that the core of a later one needs waits
-    /// until that one goes; one that floor or wall need stays.
+    /// queue is the cheapest of all once its price is up to date. A plunge that the core of a later one needs
+    /// waits until that one goes; one that floor or wall need stays.
     fn find_order(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
         let plunges = self.input.plan.positions.len();
         let mut kept = vec![true; plunges];

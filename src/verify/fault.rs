@@ -28,13 +28,14 @@ pub enum FaultKind {
     RapidInStock,
     /// In a rapid the tool above its bottom runs into the blank; value: how far above the bottom, mm.
     ToolInBlank,
-    /// The shank comes too near to the finished part, or runs into stock; value: the clearance that is missing,
-    /// mm.
+    /// The shank comes too near to the finished part, or runs into stock; value: the clearance that is
+    /// missing, mm.
     ShankCollision,
-    /// The holder comes too near to the finished part, or runs into stock; value: the clearance that is missing,
-    /// mm. An assumed holder collides with a blade, its allowance, or the hub; no value.
+    /// The holder comes too near to the finished part, or runs into stock; value: the clearance that is
+    /// missing, mm. An assumed holder collides with a blade, its allowance, or the hub; no value.
     HolderCollision,
-    /// The holder collides with remaining stock; value: how deep the stock gets into it, mm; none for a thin layer.
+    /// The holder collides with remaining stock; value: how deep the stock gets into it, mm; none for a thin
+    /// layer.
     HolderInStock,
     /// The axis tilts beyond the machine's limit; value: the tilt, degrees.
     AxisTilt,
@@ -216,8 +217,8 @@ pub(super) fn missing_feed(lines: &[usize]) -> Option<Fault> {
     cuts_in_error(FaultKind::NoFeed, lines, "without a feed rate", "give FEDRAT")
 }
 
-/// The fault of cuts with a stopped spindle, by the lines of all cuts and those of the moves under feed while it
-/// is stopped (ascending).
+/// The fault of cuts with a stopped spindle, by the lines of all cuts and those of the moves under feed while
+/// it is stopped (ascending).
 pub(super) fn stopped_spindle(cuts: impl Iterator<Item = usize>, stopped: &[usize]) -> Option<Fault> {
     let lines: Vec<usize> = cuts.filter(|line| stopped.binary_search(line).is_ok()).collect();
     cuts_in_error(FaultKind::SpindleStopped, &lines, "with the spindle stopped", "give SPINDL with a speed")

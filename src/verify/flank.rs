@@ -1,8 +1,8 @@
 //! Checks flank milling programs along all their moves: gouges, collisions of cutter and holder, stock left
 //! on walls and floor.
 //!
-//! Stock is tracked twice: over the floor of a channel by the heightfield, which resolves thin layers, and by the solid,
-//! which holds everything else that stands.
+//! Stock is tracked twice: over the floor of a channel by the heightfield, which resolves thin layers, and by
+//! the solid, which holds everything else that stands.
 
 mod gouge;
 mod standing;
@@ -152,8 +152,8 @@ impl<'a> FlankVerifier<'a> {
         Self { workpiece, setup, tools: Vec::new(), cache: HashMap::new(), last: None }
     }
 
-    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing stock are
-    /// searched for only in a program without other faults.
+    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing
+    /// stock are searched for only in a program without other faults.
     ///
     /// # Errors
     /// As [`verify_flank`].

@@ -37,8 +37,8 @@ pub struct Summary {
     pub cut_length: f64,
     /// Rapid length, mm.
     pub rapid_length: f64,
-    /// Estimated time, s: cuts at their feed rates and rapids at [`crate::toolpath::RAPID_MM_PER_MIN`], without
-    /// tool changes and accelerations.
+    /// Estimated time, s: cuts at their feed rates and rapids at [`crate::toolpath::RAPID_MM_PER_MIN`],
+    /// without tool changes and accelerations.
     pub time_estimate: f64,
     /// Positions blocked by the blades, including those that were left out.
     pub blocked: usize,
@@ -60,8 +60,8 @@ impl Summary {
         Self::summarize(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
     }
 
-    /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and time
-    /// are those of its plunges and the links between them.
+    /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and
+    /// time are those of its plunges and the links between them.
     pub fn of_section(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, index: usize) -> Self {
         let floors = Floors { grid, heights: &[(&field.heights, 1)] };
         let positions = plan.positions.iter().filter(|p| p.section == index).cloned().collect();

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::sync::LazyLock;
-use std::time::{Duration, Instant};
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -13,9 +12,6 @@ use vanecut::io::{InputError, read_part};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{MeshOptions, NamedMesh};
 use vanecut::part::Impeller;
-
-/// What takes longer to read a small file hangs, on however busy a machine.
-const LONGEST: Duration = Duration::from_secs(60);
 
 /// Two triangles in one mesh on one node, with the buffer in a separate file.
 fn square() -> (Value, Vec<u8>) {
@@ -63,10 +59,7 @@ fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
 fn edited(edit: impl FnOnce(&mut Value, &mut Vec<u8>)) -> Result<Vec<NamedMesh>, InputError> {
     let (mut document, mut binary) = square();
     edit(&mut document, &mut binary);
-    let start = Instant::now();
-    let read = read_meshes_bytes("a.glb", &glb(&document, &binary));
-    assert!(start.elapsed() < LONGEST, "took {:?}", start.elapsed());
-    read
+    read_meshes_bytes("a.glb", &glb(&document, &binary))
 }
 
 fn is_clear(error: &InputError) {
@@ -289,13 +282,11 @@ static WHEEL: LazyLock<Vec<u8>> = LazyLock::new(|| {
     GltfScene::of_part(&part, &Tessellation::new(&part, &coarse)).glb()
 });
 
-fn soon(bytes: &[u8]) -> Result<(), TestCaseError> {
-    let start = Instant::now();
+/// Reads a file and builds its part; a panic is the only failure.
+fn read_and_build(bytes: &[u8]) {
     if let Ok(description) = read_bytes("a.glb", bytes, &MeshOptions::default()) {
         let _ = Impeller::build(&description);
     }
-    prop_assert!(start.elapsed() < LONGEST, "took {:?}", start.elapsed());
-    Ok(())
 }
 
 #[test]
@@ -320,7 +311,7 @@ proptest! {
             let at = if in_json { at.index(20 + json) } else { at.index(bytes.len()) };
             bytes[at] = to;
         }
-        soon(&bytes)?;
+        read_and_build(&bytes);
     }
 
     #[test]
@@ -344,9 +335,9 @@ proptest! {
         let binary = &WHEEL[20 + json + 8..];
         let document = serde_json::from_str::<Value>(&changed);
         if let Ok(document) = document {
-            soon(&glb(&document, binary))?;
+            read_and_build(&glb(&document, binary));
         } else {
-            soon(changed.as_bytes())?;
+            read_and_build(changed.as_bytes());
         }
     }
 

@@ -1,5 +1,5 @@
-//! The general solver against closed forms of LinuxCNC's kinematics modules (`xyzac-trt-kins`, `xyzbc-trt-kins`,
-//! `5axiskins`, `maxkins`), rewritten from their formulas; and its own inverse.
+//! The general solver against closed forms of LinuxCNC's kinematics modules (`xyzac-trt-kins`,
+//! `xyzbc-trt-kins`, `5axiskins`, `maxkins`), rewritten from their formulas; and its own inverse.
 
 use vanecut::geometry::{Point, Vector, wrap_angle};
 use vanecut::machine::{MachineTool, RotaryAxis, Side};

@@ -16,8 +16,8 @@ fn line(from: [f64; 2], to: [f64; 2]) -> CurveDescription {
     CurveDescription::Points((0..=20).map(point).collect())
 }
 
-/// A disc with a flat hub from r = 40 to the rim and `count` main blades under a shroud that falls from `heights.0`
-/// at r = 62 to `heights.1` at the rim, mm.
+/// A disc with a flat hub from r = 40 to the rim and `count` main blades under a shroud that falls from
+/// `heights.0` at r = 62 to `heights.1` at the rim, mm.
 pub fn disc(
     heights: (f64, f64),
     count: usize,

@@ -1,4 +1,5 @@
-//! Contact that is narrower than the lines of a core are apart, and corners of the blank: against other methods.
+//! Contact that is narrower than the lines of a core are apart, and corners of the blank: against other
+//! methods.
 
 use vanecut::geometry::{Meridional, Point, Vector};
 use vanecut::monitor::Monitor;

@@ -231,7 +231,8 @@ struct BruteBlank {
     top: Vec<Meridional>,
     /// The top and the hub under it.
     outline: Vec<Meridional>,
-    /// From the axis along the front plane and the hub to the blank; empty where the blank begins with the hub.
+    /// From the axis along the front plane and the hub to the blank; empty where the blank begins with the
+    /// hub.
     nose: Vec<Meridional>,
 }
 
@@ -270,7 +271,8 @@ impl BruteBlank {
         inside
     }
 
-    /// Distance from the top and the nose, negative in the blank (from the top) and in the nose (from the nose).
+    /// Distance from the top and the nose, negative in the blank (from the top) and in the nose (from the
+    /// nose).
     fn clearance(&self, p: Meridional) -> f64 {
         let distance =
             |line: &[Meridional]| line.iter().map(|q| p.distance(*q)).fold(f64::INFINITY, f64::min);

@@ -23,7 +23,8 @@ const VARIABLES: [&str; 9] = [
 ];
 
 impl Study {
-    /// Seven runs of a small wheel: one has inserts wider than the cutter's radius, conventional ones have faults.
+    /// Seven runs of a small wheel: one has inserts wider than the cutter's radius, conventional ones have
+    /// faults.
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");

@@ -2,8 +2,8 @@
 //!
 //! A post is data (`assets/posts/*.toml`, a shop copies and changes one) over a dialect in code. The writer
 //! knows words, no geometry: it gets the motion of a machine. The readers are written from the grammar of the
-//! controls and share nothing with the writer but the machine's kinematics: what a program says is run through
-//! the chain of axes and comes out as a [`ClProgram`](crate::toolpath::ClProgram).
+//! controls and share nothing with the writer but the machine's kinematics: what a program says is run
+//! through the chain of axes and comes out as a [`ClProgram`](crate::toolpath::ClProgram).
 
 mod format;
 pub mod post;

@@ -150,7 +150,8 @@ fn mill(entry: &Value, width: f64) -> Result<LibraryTool, String> {
     });
     let segments = entry.get("shaft").and_then(|shaft| shaft.get("segments"));
     let rows = segments.map(|rows| read_segments(rows, mm)).transpose()?.unwrap_or_default();
-    // The neck reaches from the flutes to the shoulder; above it are the segments of the shaft, or its diameter.
+    // The neck reaches from the flutes to the shoulder; above it are the segments of the shaft, or its
+    // diameter.
     let mut shank: Vec<[f64; 2]> = Vec::new();
     let end_of_flutes = flute.unwrap_or(0.0);
     let end_of_neck = shoulder.unwrap_or(end_of_flutes).min(overhang);
@@ -314,7 +315,8 @@ fn preset_of(entry: &Value, mm: f64, notes: &mut Vec<String>) -> Result<Preset, 
     })
 }
 
-/// Writes a library in mm. Tools without a name are called by number and diameter; Fusion has no insert width.
+/// Writes a library in mm. Tools without a name are called by number and diameter; Fusion has no insert
+/// width.
 pub fn write_fusion(library: &ToolLibrary) -> String {
     let data: Vec<Value> = library.tools.iter().map(|tool| entry_of(&tool.tool)).collect();
     let mut text = serde_json::to_string_pretty(&json!({"data": data, "version": 36})).unwrap_or_default();

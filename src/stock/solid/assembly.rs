@@ -56,8 +56,8 @@ pub struct SolidTool {
 }
 
 impl SolidTool {
-    /// The assembly of a tool as setups describe it. Without a shank it cuts over its overhang; without a holder a
-    /// cylinder of [`Tool::holder_diameter`] begins there.
+    /// The assembly of a tool as setups describe it. Without a shank it cuts over its overhang; without a
+    /// holder a cylinder of [`Tool::holder_diameter`] begins there.
     pub fn of(tool: &Tool) -> Self {
         Self::assembled(tool, true)
     }

@@ -69,7 +69,8 @@ impl NearStock {
         in_box.max(outside.sqrt() * self.side)
     }
 
-    /// Whether stock may be in what `piece` sweeps: steps along its axis by the free distance (sphere tracing).
+    /// Whether stock may be in what `piece` sweeps: steps along its axis by the free distance (sphere
+    /// tracing).
     pub fn may_meet(&self, piece: &Piece) -> bool {
         let wide = piece.outline.radius + piece.travel.norm();
         let mut height = 0.0;
@@ -84,8 +85,8 @@ impl NearStock {
     }
 }
 
-/// The pass along coordinate `axis` of the squared Euclidean distance transform, in cells: the lower envelope of
-/// parabolas (Felzenszwalb and Huttenlocher, "Distance transforms of sampled functions", 2012).
+/// The pass along coordinate `axis` of the squared Euclidean distance transform, in cells: the lower envelope
+/// of parabolas (Felzenszwalb and Huttenlocher, "Distance transforms of sampled functions", 2012).
 fn transform(squares: &mut [f32], counts: [usize; 3], axis: usize) {
     let stride: usize = counts[axis + 1..].iter().product();
     let count = counts[axis];

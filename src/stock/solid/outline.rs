@@ -1,7 +1,8 @@
 //! Outlines of the slices of a tool.
 
 /// Outline of a slice of a body of revolution over heights 0 to `length` above its lower end. With x, y
-/// across the axis and z along it, its inside is x² + y² + α z² + 2 β z + γ ≤ 0: a cylinder, a cone or a ball.
+/// across the axis and z along it, its inside is x² + y² + α z² + 2 β z + γ ≤ 0: a cylinder, a cone or a
+/// ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outline {
     pub(super) alpha: f64,
@@ -36,8 +37,8 @@ impl Outline {
         Self { alpha: 1.0, beta: -radius, gamma: 0.0, length, radius: widest, corner: None }
     }
 
-    /// A flat disc of radius `flat` with a rounded corner of radius `corner` around it, up to `length`. It can
-    /// stand still only.
+    /// A flat disc of radius `flat` with a rounded corner of radius `corner` around it, up to `length`. It
+    /// can stand still only.
     pub fn rounded(flat: f64, corner: f64, length: f64) -> Self {
         let up = (corner - length).max(0.0);
         let widest = flat + (corner * corner - up * up).max(0.0).sqrt();

@@ -76,8 +76,8 @@ impl SweptInterval {
     }
 }
 
-/// Bounds of the origins of rays that can meet a piece: three directions in its frame, each with the least and
-/// the greatest coordinate along it.
+/// Bounds of the origins of rays that can meet a piece: three directions in its frame, each with the least
+/// and the greatest coordinate along it.
 pub struct Reach {
     bounds: [([f64; 3], f64, f64); 3],
 }

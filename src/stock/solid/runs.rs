@@ -1,7 +1,8 @@
 //! Runs of short cuts that count as one move.
 //!
-//! Programs of curved passes have moves much shorter than the cutter, and what neighbouring ones sweep is nearly the
-//! same. A run of cuts is one straight move as long as every pose in it stays within a tolerance of that move.
+//! Programs of curved passes have moves much shorter than the cutter, and what neighbouring ones sweep is
+//! nearly the same. A run of cuts is one straight move as long as every pose in it stays within a tolerance
+//! of that move.
 
 use super::assembly::SolidTool;
 use super::motion::SolidMove;
@@ -9,8 +10,8 @@ use super::motion::SolidMove;
 /// Largest number of moves in a run.
 const MAX_RUN: usize = 64;
 
-/// The cut that stands for the longest run at the beginning of `moves`, and the length of the run; 1 where the first
-/// move stands for itself: rapids, moves along the axis, tight curves.
+/// The cut that stands for the longest run at the beginning of `moves`, and the length of the run; 1 where
+/// the first move stands for itself: rapids, moves along the axis, tight curves.
 ///
 /// No point of the cutter is further than `tolerance` mm from its place in one of the two.
 pub(super) fn next_run(moves: &[SolidMove], tools: &[SolidTool], tolerance: f64) -> (SolidMove, usize) {
@@ -36,8 +37,8 @@ pub(super) fn next_run(moves: &[SolidMove], tools: &[SolidTool], tolerance: f64)
     best
 }
 
-/// Whether the ends of all `moves` are within `tolerance` of poses of `merged`, one after the other, over a cutter of
-/// `height` mm.
+/// Whether the ends of all `moves` are within `tolerance` of poses of `merged`, one after the other, over a
+/// cutter of `height` mm.
 fn stays_near(merged: &SolidMove, moves: &[SolidMove], height: f64, tolerance: f64) -> bool {
     let travel = merged.to.tip - merged.from.tip;
     let squared = travel.norm_squared();

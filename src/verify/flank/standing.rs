@@ -119,8 +119,8 @@ fn judge_cores(
     Ok(judged)
 }
 
-/// Indices of the steps that plunge. A plunge is followed by its retract; what a pass follows is the approach to
-/// it, by a cutter for passes.
+/// Indices of the steps that plunge. A plunge is followed by its retract; what a pass follows is the approach
+/// to it, by a cutter for passes.
 fn plunges_of(steps: &[CutterStep]) -> Vec<usize> {
     let goes_in = |step: &CutterStep| step.feed.is_some() && step.is_axial() && !step.is_retract();
     let mut plunges = Vec::new();
