@@ -26,6 +26,9 @@ const WALL_TOLERANCES: [f64; 3] = [MIN_WALL_TOLERANCE, 0.0025, 0.0045];
 pub(super) const MIN_WALL_TOLERANCE: f64 = 5e-4;
 /// Undercut that counts as small, mm.
 const MAX_SMALL_UNDERCUT: f64 = 0.005;
+/// Reduction of the undercut per increase of the allowed overcut beyond which none is expected: the axes move
+/// by the increase, and by their lever a little more.
+const MAX_GAIN: f64 = 10.0;
 /// Maximum distance between positions along a wall, mm, and maximum chord error of the straight moves between
 /// them, mm.
 const WALL_STEP: f64 = 4.0;
@@ -309,10 +312,15 @@ fn fit_walls(
             let least = fit.sweep(WALL_TOLERANCES[0]);
             let is_small = |swept: &SweptWall| swept.map.max_undercut() <= MAX_SMALL_UNDERCUT;
             let others = || {
-                let mut more = WALL_TOLERANCES[1..].iter().take_while(|_| !monitor.is_cancelled());
+                let worth = |tolerance: f64| {
+                    let gain = MAX_GAIN * (tolerance - WALL_TOLERANCES[0]);
+                    least.map.max_undercut() - gain <= MAX_SMALL_UNDERCUT && !monitor.is_cancelled()
+                };
+                let mut more = WALL_TOLERANCES[1..].iter().filter(|&&tolerance| worth(tolerance));
                 more.find_map(|&tolerance| Some(fit.sweep(tolerance)).filter(is_small))
             };
-            let swept = if is_small(&least) { least } else { others().unwrap_or(least) };
+            let better = if is_small(&least) { None } else { others() };
+            let swept = better.unwrap_or(least);
             Some(MilledWall { wall, region, axes: fit.axes(swept) })
         })
         .collect()

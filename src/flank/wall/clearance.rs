@@ -143,21 +143,25 @@ impl WallFit<'_> {
         if !self.strips.iter().any(|strip| self.has_rays(strip)) {
             return;
         }
-        let all: Vec<(usize, Vec<Option<AxisRay>>)> = lines.iter().enumerate().map(with_rays).collect();
+        let point = |column: &MapColumn, v: &f64| self.face.side.point(column.u, *v);
+        let points: Vec<Point> =
+            columns.par_iter().flat_map_iter(|column| rows.iter().map(move |v| point(column, v))).collect();
+        let all = lines.iter().enumerate().map(with_rays);
+        let all: Vec<_> = all.map(|(layer, rays)| (layer, RaySweep::new(rays, &points))).collect();
         for below in [false, true] {
             for (layer, rays) in &all {
                 let strip = &self.strips[*layer];
                 if !below && !self.has_rays(strip) {
                     continue;
                 }
-                deviation.par_chunks_mut(rows.len()).zip(columns).for_each(|(deviations, column)| {
-                    for (row, (deviation, &v)) in deviations.iter_mut().zip(rows).enumerate() {
+                let of_columns = deviation.par_chunks_mut(rows.len()).zip(points.par_chunks(rows.len()));
+                of_columns.zip(columns).for_each(|((deviations, points), column)| {
+                    for (row, (deviation, point)) in deviations.iter_mut().zip(points).enumerate() {
                         let formed = strip.is_evaluated(column, row, rows);
                         if below == formed || below && !deviation.is_finite() {
                             continue;
                         }
-                        let point = self.face.side.point(column.u, v);
-                        let left = distance_from_sweep(rays, column.station, &point) - self.face.reach;
+                        let left = rays.distance(column.station, point) - self.face.reach;
                         *deviation = deviation.min(left);
                     }
                 });
@@ -191,19 +195,68 @@ impl AxisRay {
     }
 }
 
-/// Distance of a point at station `from` from the sweep of `rays`, mm; infinite where there is none.
-fn distance_from_sweep(rays: &[Option<AxisRay>], from: usize, point: &Point) -> f64 {
-    let at = |k: usize| rays[k].map(|ray| (ray.distance(point), k));
-    // Inclined axes have several that are locally nearest.
-    let nearest = (0..rays.len()).filter_map(at).min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((distance, near)) = nearest else { return f64::INFINITY };
-    let segment = |k: usize| {
-        let (a, b) = (rays[k]?, (*rays.get(k + 1)?)?);
-        Some(search::minimum(|share: f64| a.towards(&b, share).distance(point), 0.0, 1.0, 1e-3).1)
-    };
-    let around = |k: usize| [k.checked_sub(1), Some(k)].into_iter().flatten();
-    let own = (from != near).then(|| around(from)).into_iter().flatten();
-    around(near).chain(own).filter_map(segment).fold(distance, f64::min)
+/// The sweep of an axis from ray to ray.
+struct RaySweep {
+    /// By station; `None` where the cutter misses the layer.
+    rays: Vec<Option<AxisRay>>,
+    /// By station, the most by which the rays from the first on may have come nearer to a point of the wall,
+    /// mm; beside a missing ray [`MISSING`].
+    travel: Vec<f64>,
+}
+
+/// Travel from or to a missing ray, mm: more than any distance on a part.
+const MISSING: f64 = 1e6;
+
+impl RaySweep {
+    /// The sweep of `rays` along a wall with these `points`.
+    fn new(rays: Vec<Option<AxisRay>>, points: &[Point]) -> Self {
+        let centre = points.first().copied().unwrap_or_else(Point::origin);
+        let radius = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let mut travel = vec![0.0; rays.len()];
+        for k in 1..rays.len() {
+            let step = match (&rays[k - 1], &rays[k]) {
+                // The point of the next ray that is nearest to a point of the wall is at most that far along it.
+                (Some(a), Some(b)) => {
+                    let along = b.from.max((b.low - centre).norm() + radius);
+                    (b.low - a.low).norm() + (b.axis - a.axis).norm() * along + (b.from - a.from).abs()
+                }
+                _ => MISSING,
+            };
+            travel[k] = travel[k - 1] + step;
+        }
+        Self { rays, travel }
+    }
+
+    /// Distance of a point at station `from`, mm; infinite where there is no ray.
+    fn distance(&self, from: usize, point: &Point) -> f64 {
+        let rays = &self.rays;
+        let at = |k: usize| rays[k].map_or(f64::INFINITY, |ray| ray.distance(point));
+        // Inclined axes have several that are locally nearest. Those that cannot have come near enough yet are
+        // passed over.
+        let (mut near, mut distance) = (from, at(from));
+        let mut k = 0;
+        while k < rays.len() {
+            let here = at(k);
+            if here < distance {
+                (near, distance) = (k, here);
+            }
+            let reached = self.travel[k] + if here.is_finite() { here - distance } else { 0.0 };
+            k += 1;
+            while k < rays.len() && self.travel[k] < reached {
+                k += 1;
+            }
+        }
+        if distance.is_infinite() {
+            return distance;
+        }
+        let segment = |k: usize| {
+            let (a, b) = (rays[k]?, (*rays.get(k + 1)?)?);
+            Some(search::minimum(|share: f64| a.towards(&b, share).distance(point), 0.0, 1.0, 1e-3).1)
+        };
+        let around = |k: usize| [k.checked_sub(1), Some(k)].into_iter().flatten();
+        let own = (from != near).then(|| around(from)).into_iter().flatten();
+        around(near).chain(own).filter_map(segment).fold(distance, f64::min)
+    }
 }
 
 /// Index of the blade side that a wall is part of.
