@@ -4,10 +4,12 @@
 
 mod columns;
 mod crossed;
+mod engagement;
 mod index;
 
 pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
 use crossed::{CoreLine, CrossedPlunge, Neighbours};
+pub use engagement::{Engagement, engagement};
 
 use rayon::prelude::*;
 
