@@ -109,7 +109,7 @@ impl ShopLibrary {
 pub fn describe(tool: &Tool) -> String {
     let name = tool.assembly.name.as_deref().map_or(String::new(), |name| format!(" {name}"));
     let corner = if tool.corner_radius > 0.0 { format!(" R{}", tool.corner_radius) } else { String::new() };
-    format!("T{} ⌀{}{corner} L{}{name}", tool.number, tool.diameter, tool.overhang)
+    format!("T{} Ø{}{corner} L{}{name}", tool.number, tool.diameter, tool.overhang)
 }
 
 #[cfg(test)]
@@ -129,7 +129,7 @@ mod tests {
         (library.form, library.diameters) = (ToolForm::Any, [20.0, 25.0]);
         let between = library.shown();
         assert!(!between.is_empty() && between.len() < all);
-        library.search = "⌀25 l125".to_owned();
+        library.search = "Ø25 l125".to_owned();
         assert_eq!(library.shown().len(), 1);
         library.selected = library.shown().first().copied();
         let mut setup = Setup::default();

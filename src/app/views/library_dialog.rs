@@ -104,7 +104,7 @@ fn head(ui: &mut Ui, library: &ShopLibrary, answer: &mut Option<LibraryAnswer>) 
 fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
     ui.horizontal(|ui| {
         let label = ui.label("Search");
-        let field = TextEdit::singleline(&mut library.search).hint_text("name, T, ⌀, L").desired_width(200.0);
+        let field = TextEdit::singleline(&mut library.search).hint_text("name, T, Ø, L").desired_width(200.0);
         ui.add(field).labelled_by(label.id);
     });
     ui.horizontal(|ui| {
@@ -120,7 +120,7 @@ fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
             })
             .response
             .labelled_by(label.id);
-        let label = ui.label("⌀").on_hover_text("Diameters shown, mm");
+        let label = ui.label("Ø").on_hover_text("Diameters shown, mm");
         let [least, most] = &mut library.diameters;
         let [lowest, highest] = ALL_DIAMETERS;
         ui.add(DragValue::new(least).speed(0.2).range(lowest..=*most)).labelled_by(label.id);

@@ -63,14 +63,14 @@ pub fn show(ui: &mut Ui, tool: &Tool) {
     }
     let insert = if core > 0.0 { format!(", insert {}", number(tool.insert_width)) } else { String::new() };
     let below = egui::pos2(inner.center().x, inner.bottom() + 3.0);
-    dimensions.text(below, Align2::CENTER_TOP, &format!("⌀{}{insert}", number(tool.diameter)));
+    dimensions.text(below, Align2::CENTER_TOP, &format!("Ø{}{insert}", number(tool.diameter)));
     let holder = outline.iter().flat_map(|piece| match piece.kind {
         OutlineKind::Holder => piece.radii.to_vec(),
         _ => Vec::new(),
     });
     let gauge: f64 = tool.assembly.holder.iter().map(|[.., length]| length).sum();
     let holder = match holder.reduce(f64::max) {
-        Some(radius) => format!("holder ⌀{} × {}", number(2.0 * radius), number(gauge)),
+        Some(radius) => format!("holder Ø{} × {}", number(2.0 * radius), number(gauge)),
         None => "holder not described".to_owned(),
     };
     dimensions.text(egui::pos2(rect.center().x, rect.top() + 2.0), Align2::CENTER_TOP, &holder);

@@ -83,7 +83,7 @@ fn segments<const N: usize>(
             for (value, head) in row.iter_mut().zip(heads) {
                 length_box(ui, value, head).labelled_by(label.id);
             }
-            let button = ui.small_button("✖").on_hover_text("Removes this piece");
+            let button = ui.small_button("×").on_hover_text("Removes this piece");
             let name = format!("Remove {} {}", what.to_lowercase(), k + 1);
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {
