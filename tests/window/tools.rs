@@ -6,7 +6,7 @@ use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, press, settle, with_sample};
 
 fn set_step(window: &mut Window, step: f64) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
@@ -107,7 +107,6 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     window.get_by_label("1 of 2 tools");
     click(&mut window, "T12 Ø16 L90 roughing cutter");
     window.get_by_label("Drawing of T12");
-    snapshot_view(&mut window, "tool_library");
     click(&mut window, "Take into setup");
     let tools = &window.state().state().document.edited.setup.tools;
     assert_eq!(tools.len(), 1);
