@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 /// The modules, innermost first, as in the table of `src/lib.rs`.
 const MODULES: [&str; 23] = [
-    "error", "monitor", "palette", "geometry", "part", "setup", "mesh", "assess", "toolpath", "machine",
-    "cutting", "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "drawing",
+    "error", "monitor", "palette", "geometry", "part", "setup", "mesh", "toolpath", "machine", "cutting",
+    "assess", "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "drawing",
     "app", "cli",
 ];
 /// Modules of the core are those before this one.

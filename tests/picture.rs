@@ -58,6 +58,8 @@ fn plan(part: &Impeller) -> PlungePlan {
                 contact: CoreContact { depth, area_share: 0.2 },
                 retract: foot + axis * 40.0,
                 retract_clearance: 5.0,
+                engagement: Default::default(),
+                motion: Default::default(),
             },
         }
     };

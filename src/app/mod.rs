@@ -45,6 +45,7 @@ use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
 use views::dialogs::Dialogs;
 use views::help::Help;
+use views::library_dialog::{LibraryAnswer, LibraryDialog};
 use views::palette::Palette;
 use views::panels::{self, part::PartAction};
 use views::picture::{Pictures, PreviewSource};
@@ -79,6 +80,7 @@ pub struct App {
     export: ExportSettings,
     export_dialog: ExportDialog,
     channels_dialog: ChannelsDialog,
+    library: LibraryDialog,
     /// The question about a program with something against it, while it is open.
     release: Option<ReleaseQuestion>,
     roles: RolesDialog,
@@ -123,6 +125,7 @@ impl App {
             export: ExportSettings::default(),
             export_dialog: ExportDialog::default(),
             channels_dialog: ChannelsDialog::default(),
+            library: LibraryDialog::default(),
             release: None,
             roles: RolesDialog::default(),
             device,
@@ -246,6 +249,19 @@ impl App {
                 self.run_command(ui.ctx(), command);
             }
         });
+    }
+
+    /// The tool library, while it is open.
+    fn tool_library(&mut self, ui: &Ui) {
+        let document = &mut self.state.document;
+        let setup = document.part.is_some().then_some(&mut document.edited.setup);
+        match self.library.show(ui, setup) {
+            Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
+            Some(LibraryAnswer::Taken(number)) => {
+                self.state.report_done(format!("T{number} is in the setup"));
+            }
+            None => {}
+        }
     }
 
     fn note_first_picture(&mut self) {
@@ -387,6 +403,7 @@ impl eframe::App for App {
         self.ask_release(ui);
         self.ask_export(ui);
         self.ask_channels(ui);
+        self.tool_library(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.
         if !self.is_dragging_border {

@@ -75,6 +75,7 @@ impl Assessment {
     ///     hub_allowance: setup.allowances.hub_allowance,
     ///     blade_allowance: setup.allowances.blade_allowance,
     ///     max_tilt_rad: setup.plunge.max_tilt_rad,
+    ///     clearances: setup.clearances,
     /// };
     /// let assessment = Assessment::of(&setup.allowances.workpiece_of(part), &[], &limits);
     /// assert!(assessment.largest_cutter() < assessment.width_range().1);

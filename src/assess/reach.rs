@@ -2,7 +2,8 @@
 //!
 //! A point of the hub floor is a *centre* when a tool can be placed on it: there is an axis whose cylinder
 //! keeps the blade allowance from every blade side, whose cutter stays out of the hub further up, and whose
-//! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid.
+//! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid: a given
+//! shank and holder by their clearances, an assumed one without.
 //! Floor is *reached* where the bottom of a tool on some centre covers it.
 //!
 //! An axis comes **from the outlet** when it is inclined by [`MIN_INCLINATION`] or more from the hub normal
@@ -21,7 +22,7 @@ use rayon::prelude::*;
 use super::tool_placement::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{Channel, Impeller, Passage, Workpiece};
-use crate::setup::Tool;
+use crate::setup::{ClearanceSetup, Tool};
 
 /// A section of the channel and its tool.
 #[derive(Clone, Debug)]
@@ -43,6 +44,8 @@ pub struct ReachLimits {
     pub blade_allowance: f64,
     /// Maximum angle between axis and hub normal along the flow, rad.
     pub max_tilt_rad: f64,
+    /// Clearances of a given shank and holder beyond the allowances, mm.
+    pub clearances: ClearanceSetup,
 }
 
 /// The sides from which a point is reached.

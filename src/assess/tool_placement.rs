@@ -3,8 +3,9 @@
 //! and the holder everything.
 
 use super::reach::{MIN_INCLINATION, ReachLimits, ReachSides};
+use crate::cutting::assembly::AssemblySurroundings;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
-use crate::part::{Blank, Impeller, Passage, SideProbe, Workpiece};
+use crate::part::{Blank, FinishedPart, Impeller, Passage, SideProbe, Workpiece};
 use crate::setup::Tool;
 
 /// Maximum number of pushes of an axis between the walls before it counts as blocked.
@@ -30,6 +31,7 @@ pub struct Inclinations {
 pub struct ReachObstacles<'a> {
     part: &'a Impeller,
     sides: Vec<SideProbe>,
+    finished: &'a FinishedPart,
     blank: &'a Blank,
     limits: ReachLimits,
 }
@@ -37,9 +39,10 @@ pub struct ReachObstacles<'a> {
 impl<'a> ReachObstacles<'a> {
     /// The collision geometry of `workpiece`.
     pub fn new(workpiece: &'a Workpiece, limits: &ReachLimits) -> Self {
-        let Workpiece { part, channel, blank, .. } = workpiece;
+        let Workpiece { part, channel, blank, finished } = workpiece;
         Self {
             part,
+            finished,
             sides: channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect(),
             blank,
             limits: *limits,
@@ -151,8 +154,25 @@ impl<'a> ReachObstacles<'a> {
         })
     }
 
-    /// Whether the holder clears the blades, the hub and the turned blank.
+    /// Whether shank and holder clear the blades, the hub and the turned blank.
     fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
+        let segments = tool.assembly.segments(tool.overhang);
+        if !segments.is_empty() {
+            let around = AssemblySurroundings {
+                finished: self.finished,
+                blank: Some(self.blank),
+                earlier: None,
+                allowances: [self.limits.hub_allowance, self.limits.blade_allowance],
+                clearances: self.limits.clearances,
+            };
+            let found = around.at(tool, &segments, (*foot, *axis), 0.0);
+            if found.shank.collides() || found.holder.collides() {
+                return false;
+            }
+        }
+        if !tool.assembly.holder.is_empty() {
+            return true;
+        }
         let holder = tool.holder(*foot, *axis);
         let radius = holder.radius;
         let (e1, e2) = frame_about(axis);

@@ -42,6 +42,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
         hub_allowance: setup.allowances.hub_allowance,
         blade_allowance: setup.allowances.blade_allowance,
         max_tilt_rad: setup.plunge.max_tilt_rad,
+        clearances: setup.clearances,
     };
     let assessment = Assessment::of(&workpiece, &stretches(&setup), &limits);
     let found = AssessedPart { workpiece: &workpiece, setup: &setup, assessment: &assessment };

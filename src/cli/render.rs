@@ -20,7 +20,7 @@ use crate::io::write::write_atomically;
 use crate::job::PlanOutcome;
 use crate::monitor::Monitor;
 use crate::part::Impeller;
-use crate::plunge::{MOVES_PER_PLUNGE, PlungePlan};
+use crate::plunge::PlungePlan;
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan};
 use crate::toolpath::ClProgram;
@@ -117,7 +117,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
 
 /// Number of moves of the first `plunges`, or of all.
 fn plunges_as_moves(plunges: Option<usize>, program: &ClProgram) -> usize {
-    plunges.map_or(program.moves.len(), |plunges| plunges.saturating_mul(MOVES_PER_PLUNGE))
+    let starts = program.plunge_starts();
+    plunges.and_then(|plunges| starts.get(plunges).copied()).unwrap_or(program.moves.len())
 }
 
 type Planned<'a> = Option<(&'a PlungePlan, &'a FloorGrid, &'a ResidualField)>;

@@ -11,7 +11,7 @@ use super::retract::bottom_clearance;
 use crate::geometry::{
     Circle, CutterSolid, Frustum, Meridional, Point, Vector, distance_rate, rotate_vector_z, rotate_z, search,
 };
-use crate::part::{Blank, FinishedPart};
+use crate::part::{Blank, FinishedPart, SideProbe};
 use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
 
 /// Clearance that may be missing by rounding, mm.
@@ -134,18 +134,65 @@ impl<'a> AssemblySurroundings<'a> {
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
             let clearance = self.clearances.of(segment.part);
             let short = clearance - blank_distance(&frustum, blank);
-            let was_removed = || {
-                let own = tool.placed(pose.0, pose.1);
-                self.earlier.is_some_and(|earlier| {
-                    depth_in_stock(&frustum.widened(clearance), earlier, Some(&own), blank) == 0.0
-                })
-            };
-            if short > missing && !was_removed() {
+            if short > missing && !self.was_removed(&frustum, clearance, tool, pose, blank) {
                 missing = short;
             }
         }
         let distance = hub.min(blade);
         PartClearance { distance: if distance < cap { distance } else { f64::INFINITY }, missing }
+    }
+
+    /// The first part of `tool`, from the tip up, that misses more than `tolerance` mm of its clearance in a pose in
+    /// which the cutter keeps its own; faster than [`Self::at`].
+    pub fn first_obstacle(
+        &self,
+        tool: &Tool,
+        segments: &[AssemblySegment],
+        pose: (Point, Vector),
+        tolerance: f64,
+    ) -> Option<AssemblyPart> {
+        let is_in_the_way = |segment: &&AssemblySegment| self.misses(segment, tool, pose, tolerance);
+        segments.iter().find(is_in_the_way).map(|segment| segment.part)
+    }
+
+    /// Whether a segment misses more than `tolerance` mm of its clearance in a pose.
+    fn misses(&self, segment: &AssemblySegment, tool: &Tool, pose: (Point, Vector), tolerance: f64) -> bool {
+        let frustum = segment.placed(&pose.0, &pose.1);
+        let clearance = self.clearances.of(segment.part);
+        let [hub, blade] = self.allowances.map(|allowance| allowance + clearance - tolerance);
+        let widest = frustum.radii[0].max(frustum.radii[1]);
+        // Within the column of the cutter, which keeps the allowances of blades up to any height.
+        let is_covered = widest + clearance <= tool.radius();
+        if hub_distance(self.finished, &frustum, hub) < hub {
+            return true;
+        }
+        if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
+            let wanted = clearance - tolerance;
+            let from_blank = |p: &Point| blank.nearest_top(Meridional::of(p), &mut None).0;
+            if !is_clear_along(&frustum, wanted, from_blank)
+                && blank_distance(&frustum, blank) < wanted
+                && !self.was_removed(&frustum, clearance, tool, pose, blank)
+            {
+                return true;
+            }
+        }
+        !is_covered && blade_is_within(self.finished, &frustum, blade)
+    }
+
+    /// Whether what `frustum` comes nearer to than `clearance` of the blank was removed before, or by the cutter of
+    /// its own tool.
+    fn was_removed(
+        &self,
+        frustum: &Frustum,
+        clearance: f64,
+        tool: &Tool,
+        pose: (Point, Vector),
+        blank: &Blank,
+    ) -> bool {
+        let own = tool.placed(pose.0, pose.1);
+        self.earlier.is_some_and(|earlier| {
+            depth_in_stock(&frustum.widened(clearance), earlier, Some(&own), blank) == 0.0
+        })
     }
 
     /// Clearance of `segments` of `tool` with its tip and unit axis at `pose`.
@@ -168,13 +215,15 @@ impl<'a> AssemblySurroundings<'a> {
         least
     }
 
-    /// Least clearance while the tool moves from one pose to another; the axis turns at a constant rate.
+    /// Least clearance while the tool moves from one pose to another; the axis turns at a constant rate. Distances
+    /// above `wanted` mm, and far above the clearances, need not be found.
     pub fn along(
         &self,
         tool: &Tool,
         segments: &[AssemblySegment],
         from: (Point, Vector),
         to: (Point, Vector),
+        wanted: f64,
     ) -> AssemblyClearance {
         let cap = LOOK_AHEAD + self.allowances[0].max(self.allowances[1]);
         let travel = to.0 - from.0;
@@ -183,7 +232,7 @@ impl<'a> AssemblySurroundings<'a> {
         let reach =
             segments.iter().map(|s| s.from + s.length + s.radii[0].max(s.radii[1])).fold(0.0, f64::max);
         let speed = travel.norm() + from.1.angle(&to.1) * reach;
-        let mut least = self.at(tool, segments, to, f64::INFINITY);
+        let mut least = self.at(tool, segments, to, wanted.max(cap));
         if speed < 1e-9 {
             return least;
         }
@@ -226,23 +275,77 @@ impl<'a> AssemblySurroundings<'a> {
 
 /// Signed distance to the nearest blade of the whole wheel, mm, or `cap` where none is nearer than that.
 pub fn blade_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64 {
-    let (centre, radius) = frustum.bounding_ball();
     let mut least = cap;
+    for_blades(finished, frustum, |blade, turned| {
+        if let Some(distance) = blade.frustum_distance_below(turned, least) {
+            least = least.min(distance);
+        }
+        (least, false)
+    });
+    least
+}
+
+/// Whether a blade of the whole wheel is nearer than `limit` mm.
+fn blade_is_within(finished: &FinishedPart, frustum: &Frustum, limit: f64) -> bool {
+    let mut found = false;
+    for_blades(finished, frustum, |blade, turned| {
+        found = blade.frustum_is_within(turned, limit);
+        (limit, found)
+    });
+    found
+}
+
+/// Calls `look` with the sides of all blades of the wheel, and with `frustum` turned to where they are measured,
+/// that may be nearer than the distance which it returned last (mm), until it returns `true`.
+fn for_blades(
+    finished: &FinishedPart,
+    frustum: &Frustum,
+    mut look: impl FnMut(&SideProbe, &Frustum) -> (f64, bool),
+) {
+    let (centre, radius) = frustum.bounding_ball();
+    let mut within = f64::INFINITY;
     for k in 0..finished.blade_count {
         let angle = -finished.pitch * k as f64;
         let there = rotate_z(&centre, angle);
+        let mut turned = None;
         for (blade, (other, reach)) in finished.blades_with_balls() {
-            if (there - other).norm() - radius - reach > least {
+            if (there - other).norm() - radius - reach > within {
                 continue;
             }
-            let base = rotate_z(&frustum.base, angle);
-            let turned = Frustum { base, axis: rotate_vector_z(&frustum.axis, angle), ..*frustum };
-            if let Some(distance) = blade.frustum_distance_below(&turned, least) {
-                least = least.min(distance);
+            let turned = turned.get_or_insert_with(|| Frustum {
+                base: rotate_z(&frustum.base, angle),
+                axis: rotate_vector_z(&frustum.axis, angle),
+                ..*frustum
+            });
+            let (distance, is_done) = look(blade, turned);
+            if is_done {
+                return;
             }
+            within = distance;
         }
     }
-    least
+}
+
+/// Whether every point of `frustum` is `distance` mm or more from a surface, by the distances of points of its axis
+/// (`from`, which may not change faster than the point moves): a quick test that may fail where it is true.
+fn is_clear_along(frustum: &Frustum, distance: f64, from: impl Fn(&Point) -> f64) -> bool {
+    let widest = frustum.radii[0].max(frustum.radii[1]);
+    let mut up = 0.0;
+    for _ in 0..MAX_AXIS_STEPS {
+        // A point of the frustum is no further from the point of the axis at its height than its radius.
+        let spare = from(&(frustum.base + frustum.axis * up)) - widest - distance;
+        if spare < 0.0 {
+            return false;
+        }
+        if up >= frustum.length {
+            return true;
+        }
+        up = (up + spare.max(MIN_AXIS_STEP)).min(frustum.length);
+        if spare < MIN_AXIS_STEP {
+            return false;
+        }
+    }
+    false
 }
 
 /// Signed distance to the finished hub, mm, or `cap` where it is not nearer than that.
@@ -254,7 +357,7 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
         (if t <= 0.0 || t >= curve.length() { d.abs() } else { d }, curve.point(t))
     };
     let (centre, radius) = frustum.bounding_ball();
-    if distance(&centre).0 - radius > cap {
+    if distance(&centre).0 - radius > cap || is_clear_along(frustum, cap, |p| distance(p).0) {
         return cap;
     }
     let on_circle = |share: f64, radius: f64| {
@@ -284,26 +387,40 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
     least
 }
 
-/// Cylinders by which a cone is represented against stock; each contains its slice.
-const SLICES: u32 = 4;
+/// Most points of an axis that the quick test looks at, and their least distance, mm.
+const MAX_AXIS_STEPS: usize = 24;
+const MIN_AXIS_STEP: f64 = 0.5;
+/// Halvings of a cone against stock, and the difference of the radii of its ends below which it counts as a cylinder
+/// of the larger one, mm.
+const MAX_HALVINGS: u32 = 8;
+const CYLINDER_STEP: f64 = 0.02;
 
 /// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and
 /// that of the `own` cutter left of `blank`, mm; 0 where it is clear.
 pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSolid>, blank: &Blank) -> f64 {
     let top = BlankTop::new(blank);
     let own = own.map(|cutter| PlungeColumn { cutter: *cutter, core_radius: 0.0, top: 0.0 });
-    let slice = |i: u32| {
-        let [from, to] = [i, i + 1].map(|i| f64::from(i) / f64::from(SLICES));
-        let radius = frustum.radius_at(from).max(frustum.radius_at(to));
+    // A cone is looked at as a cylinder that contains it, and in halves where that is in stock.
+    let mut slices = vec![(0.0, 1.0, 0)];
+    let mut deepest = 0.0f64;
+    while let Some((from, to, halvings)) = slices.pop() {
+        let [low, high] = [from, to].map(|share| frustum.radius_at(share));
+        let radius = low.max(high);
         let tip = frustum.base + frustum.axis * (from * frustum.length);
         let solid = CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 };
         if bottom_clearance(&solid, blank) > 0.0 {
-            return 0.0;
+            continue;
         }
         let column = PlungeColumn::new(solid, radius, &top);
-        core_contact_by(&column, earlier.near(&column).chain(&own), blank).0
-    };
-    (0..SLICES).map(slice).fold(0.0, f64::max)
+        let depth = core_contact_by(&column, earlier.near(&column).chain(&own), blank).0;
+        if depth > 0.0 && halvings < MAX_HALVINGS && (high - low).abs() > CYLINDER_STEP {
+            let middle = 0.5 * (from + to);
+            slices.extend([(from, middle, halvings + 1), (middle, to, halvings + 1)]);
+        } else {
+            deepest = deepest.max(depth);
+        }
+    }
+    deepest
 }
 
 /// Signed distance to the top of the blank, mm, of the ends and the middle.

@@ -1,10 +1,13 @@
 //! The plunges of a plan as cutters.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use crate::geometry::Point;
-use crate::gpu::cutters::{CutterInstance, CutterSet, CutterState, DrawnCutter};
+use crate::gpu::cutters::{AssemblyPiece, CutterInstance, CutterSet, CutterState, DrawnCutter};
 use crate::plunge::plan::{Condition, PlungePlan, Position, Unevaluated};
+use crate::setup::{OutlineKind, OutlinePiece, Tool};
 
 /// The cutters of a plan. Positions whose section does not exist are skipped.
 pub fn cutter_set(plan: &PlungePlan) -> CutterSet {
@@ -34,6 +37,8 @@ fn drawn_cutters<E>(
     evaluation: impl Fn(&Position<E>) -> (CutterState, Point),
 ) -> Vec<DrawnCutter> {
     let to = |p: [f64; 3]| p.map(|x| x as f32);
+    let assemblies: Vec<Arc<[AssemblyPiece]>> =
+        plan.sections.iter().map(|section| assembly(&section.tool)).collect();
     let mut all = Vec::with_capacity(plan.positions.len());
     for (id, position) in plan.positions.iter().enumerate() {
         let Some(section) = plan.sections.get(position.section) else { continue };
@@ -54,9 +59,18 @@ fn drawn_cutters<E>(
             },
             retract,
             section: position.section,
-            overhang: tool.overhang as f32,
-            holder_radius: (0.5 * tool.holder_diameter()) as f32,
+            assembly: Arc::clone(&assemblies[position.section]),
         });
     }
     all
+}
+
+/// What a tool has above its cutter.
+fn assembly(tool: &Tool) -> Arc<[AssemblyPiece]> {
+    let is_above = |piece: &OutlinePiece| !matches!(piece.kind, OutlineKind::Cutter | OutlineKind::Body);
+    let drawn = |piece: OutlinePiece| AssemblyPiece {
+        heights: [piece.from as f32, (piece.from + piece.length) as f32],
+        radii: piece.radii.map(|radius| radius as f32),
+    };
+    tool.outline().into_iter().filter(is_above).map(drawn).collect()
 }

@@ -10,10 +10,11 @@
 mod scene;
 mod search;
 
+use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
 use crate::part::{FinishedPart, Workpiece};
-use crate::setup::Tool;
+use crate::setup::{AssemblySegment, ClearanceSetup, Tool};
 use scene::{BladePoints, Cone, DistanceTable, MinDistances, NearPoints, ToolShape};
 use search::Greedy;
 
@@ -38,6 +39,8 @@ pub struct FixedAxisLimits {
     pub stock_height: f64,
     /// Maximum angle between an axis and the normal of the layer, rad.
     pub max_tilt_rad: f64,
+    /// Clearances of a given shank and holder beyond the allowances, mm.
+    pub clearances: ClearanceSetup,
 }
 
 /// Stations `from` to `to` with one axis.
@@ -100,6 +103,8 @@ pub struct FixedAxisSearch<'a> {
     hub: DistanceTable,
     blank: DistanceTable,
     shape: ToolShape,
+    /// Shank and holder where they are given.
+    segments: Vec<AssemblySegment>,
 }
 
 /// A contact with the points that axes of a cone may collide with there.
@@ -145,7 +150,8 @@ impl<'a> FixedAxisSearch<'a> {
             blades: BladePoints::new(&channel.sides, reach.max(1e-3)),
             hub: DistanceTable::of_hub(part, margin),
             blank: DistanceTable::of_blank(part, blank, margin),
-            shape: ToolShape::of(tool),
+            shape: ToolShape::of(tool, &limits.clearances),
+            segments: tool.assembly.segments(tool.overhang),
         }
     }
 
@@ -212,16 +218,19 @@ impl<'a> FixedAxisSearch<'a> {
                 return spare;
             }
         }
-        let holder = 0.5 * self.tool.holder_diameter();
-        for up in [0.0, 2.0 * holder] {
-            let middle = bottom + axis * (to - self.tool.corner_radius + up);
-            if bound(self.hub.at(&middle) - holder - HUB_SLACK, AxisObstacle::Holder) {
+        let is_given = !self.segments.is_empty();
+        for &(from, holder) in &self.shape.holder {
+            let allowance = if is_given { self.limits.hub_allowance } else { 0.0 };
+            for up in [0.0, 2.0 * holder] {
+                let middle = bottom + axis * (from + up);
+                if bound(self.hub.at(&middle) - holder - allowance - HUB_SLACK, AxisObstacle::Holder) {
+                    return spare;
+                }
+            }
+            let end = bottom + axis * from;
+            if bound(self.above_stock(&end, axis, holder, place.top) - HUB_SLACK, AxisObstacle::Stock) {
                 return spare;
             }
-        }
-        let end = bottom + axis * (to - self.tool.corner_radius);
-        if bound(self.above_stock(&end, axis, place.top) - HUB_SLACK, AxisObstacle::Stock) {
-            return spare;
         }
         let allowance = self.limits.blade_allowance + self.blades.slack;
         let limits = MinDistances { cutter: enough + allowance, holder: enough + allowance };
@@ -231,14 +240,14 @@ impl<'a> FixedAxisSearch<'a> {
         spare
     }
 
-    /// Minimum height of the end of a holder above stock that is up to `top` mm high above the hub and within
-    /// the blank, mm; where that is surely enough, a lower bound.
-    fn above_stock(&self, end: &Point, axis: &Vector, top: f64) -> f64 {
+    /// Minimum height of the end of a holder of `radius` mm above stock that is up to `top` mm high above the hub
+    /// and within the blank, mm; where that is surely enough, a lower bound.
+    fn above_stock(&self, end: &Point, axis: &Vector, radius: f64, top: f64) -> f64 {
         let height = |p: &Point| {
             let off_blank = self.blank.at(p);
             if off_blank > 2.0 * HUB_SLACK { off_blank } else { off_blank.max(self.hub.at(p) - top) }
         };
-        let (middle, radius) = (height(end), 0.5 * self.tool.holder_diameter());
+        let middle = height(end);
         // No point of the rim is nearer than the centre by more than the radius.
         if middle > radius + 2.0 * HUB_SLACK {
             return middle - radius;
@@ -250,15 +259,42 @@ impl<'a> FixedAxisSearch<'a> {
         (0..RIM_POINTS).map(|k| height(&place(k))).fold(middle, f64::min)
     }
 
-    /// What the holder meets for a tool with `axis` and its tip at `tip`: a blade with its allowance, or the
-    /// current layer. The layers above are cut before.
+    /// What shank or holder meet for a tool with `axis` and its tip at `tip`: the part with its allowances, and with
+    /// the clearances of those that are given, or the current layer. The layers above are cut before.
     pub fn holder_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
-        let holder = self.tool.holder(tip, axis);
-        if !self.finished.clears(&holder, self.limits.blade_allowance) {
+        if self.meets_part(tip, axis) {
             return Some(AxisObstacle::Holder);
         }
-        let top = self.top(&(tip + axis * self.tool.corner_radius));
-        (self.above_stock(&holder.tip, &axis, top) < HUB_SLACK).then_some(AxisObstacle::Stock)
+        let centre = tip + axis * self.tool.corner_radius;
+        let top = self.top(&centre);
+        let is_in_stock = |&(from, radius): &(f64, f64)| {
+            self.above_stock(&(centre + axis * from), &axis, radius, top) < HUB_SLACK
+        };
+        self.shape.holder.iter().any(is_in_stock).then_some(AxisObstacle::Stock)
+    }
+
+    /// Whether shank or holder meet the finished part: those that are given segment by segment, the assumed holder
+    /// as a cylinder beside blades.
+    fn meets_part(&self, tip: Point, axis: Vector) -> bool {
+        let allowances = [self.limits.hub_allowance, self.limits.blade_allowance];
+        if self.tool.assembly.holder.is_empty()
+            && !self.finished.clears(&self.tool.holder(tip, axis), self.limits.blade_allowance)
+        {
+            return true;
+        }
+        if self.segments.is_empty() {
+            return false;
+        }
+        let clearances = self.limits.clearances;
+        let around = AssemblySurroundings {
+            finished: self.finished,
+            blank: None,
+            earlier: None,
+            allowances,
+            clearances,
+        };
+        let found = around.at(self.tool, &self.segments, (tip, axis), 0.0);
+        found.shank.collides() || found.holder.collides()
     }
 
     /// What the tool collides with at `tip`: a blade too near to the cutter, or what

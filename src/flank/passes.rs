@@ -78,6 +78,7 @@ impl<'a> PassMaker<'a> {
             blade_allowance: setup.allowances.blade_allowance,
             stock_height: setup.flank.layer_depth + setup.flank.scallop_height,
             max_tilt_rad: MAX_TILT,
+            clearances: setup.clearances,
         };
         Self {
             part: &workpiece.part,

@@ -1,5 +1,7 @@
 //! Plunge cutters as instances of one mesh: transparent wall and bottom, solid core, dark rim.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -86,7 +88,7 @@ impl CutterInstance {
 }
 
 /// A position of a plan, ready to be drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DrawnCutter {
     /// Instance at full length, up to the retract point; its state ignores the selection.
     pub instance: CutterInstance,
@@ -94,10 +96,17 @@ pub struct DrawnCutter {
     pub retract: Vec3,
     /// Index of the section.
     pub section: usize,
-    /// Free length up to the holder, mm.
-    pub overhang: f32,
-    /// Radius assumed for the holder, mm.
-    pub holder_radius: f32,
+    /// Shank and holder above the cutter.
+    pub assembly: Arc<[AssemblyPiece]>,
+}
+
+/// A cylinder or cone of a shank or holder, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AssemblyPiece {
+    /// Heights of its ends above the tip.
+    pub heights: [f32; 2],
+    /// Radii at its ends.
+    pub radii: [f32; 2],
 }
 
 /// The cutters of a plan, in cutting order.
@@ -217,24 +226,25 @@ pub fn axis_line(cutter: &DrawnCutter, selected: bool) -> Segment {
     }
 }
 
-/// Appends the outline of the holder above a cutter: two rims and four lines between them.
+/// Appends the outlines of shank and holder above a cutter: the rims of every piece, and lines between them.
 pub fn append_holder(cutter: &DrawnCutter, into: &mut Vec<Segment>) {
     const STEPS: usize = 24;
     let axis = Vec3::from_array(cutter.instance.axis);
-    let foot = Vec3::from_array(cutter.instance.tip) + axis * cutter.overhang;
+    let tip = Vec3::from_array(cutter.instance.tip);
     let (x, y) = perpendiculars(axis);
-    let rim = |up: f32| -> Vec<Vec3> {
-        let at = |i: usize| {
-            let (sin, cos) = (i as f32 / STEPS as f32 * std::f32::consts::TAU).sin_cos();
-            foot + axis * up + (x * cos + y * sin) * cutter.holder_radius
-        };
-        (0..=STEPS).map(at).collect()
-    };
-    let (low, high) = (rim(0.0), rim(1.5 * cutter.holder_radius));
-    into.extend(polyline(&low, 1.6, LineColour::Axis));
-    into.extend(polyline(&high, 1.0, LineColour::Axis));
-    for i in (0..STEPS).step_by(STEPS / 4) {
-        into.extend(polyline(&[low[i], high[i]], 1.0, LineColour::Axis));
+    for AssemblyPiece { heights, radii } in cutter.assembly.iter() {
+        let [low, high] = [0, 1].map(|end| -> Vec<Vec3> {
+            let at = |i: usize| {
+                let (sin, cos) = (i as f32 / STEPS as f32 * std::f32::consts::TAU).sin_cos();
+                tip + axis * heights[end] + (x * cos + y * sin) * radii[end]
+            };
+            (0..=STEPS).map(at).collect()
+        });
+        into.extend(polyline(&low, 1.6, LineColour::Axis));
+        into.extend(polyline(&high, 1.0, LineColour::Axis));
+        for i in (0..STEPS).step_by(STEPS / 8) {
+            into.extend(polyline(&[low[i], high[i]], 1.0, LineColour::Axis));
+        }
     }
 }
 
@@ -357,8 +367,7 @@ mod tests {
             },
             retract: Vec3::new(0.0, 0.0, 60.0),
             section: 0,
-            overhang: 40.0,
-            holder_radius: 10.0,
+            assembly: Arc::new([AssemblyPiece { heights: [40.0, 55.0], radii: [10.0, 10.0] }]),
         }
     }
 

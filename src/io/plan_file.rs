@@ -7,14 +7,14 @@ use super::native::write_native;
 use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
-use crate::cutting::contact::CoreContact;
+use crate::cutting::contact::{CoreContact, Engagement};
 use crate::error::ErrorCode;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, PartDescription};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::{
-    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, PlungePlan, Position, SectionPlan,
-    StopReason,
+    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, Pecking, PlungeMotion, PlungePlan,
+    Position, SectionPlan, StopReason,
 };
 use crate::setup::{AxisPolicy, CutDirection, Setup, tool_of};
 use crate::toolpath::ClProgram;
@@ -73,11 +73,35 @@ struct PositionRecord {
     hub_clearance: f64,
     blade_clearance: f64,
     retract_clearance: f64,
+    /// Engaged arcs, degrees: the largest over the plunge, and that at its end. Absent in files of earlier versions,
+    /// as all that follows.
+    #[serde(default)]
+    engaged_arc: f64,
+    #[serde(default)]
+    bottom_arc: f64,
+    #[serde(default, skip_serializing_if = "is_zero")]
+    towards_stock: [f64; 3],
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    interrupted: bool,
+    /// Feed rate where it is not that of the tool, mm/min.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    feed: Option<f64>,
+    /// Way off the stock at the end, mm.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    lift_off: [f64; 3],
+    /// Height at which it enters the blank, and depth between two interruptions, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    peck: Option<[f64; 2]>,
+}
+
+/// Whether a direction is absent.
+fn is_zero(direction: &[f64; 3]) -> bool {
+    direction.iter().all(|x| *x == 0.0)
 }
 
 impl PositionRecord {
     fn new(p: &Position) -> Self {
-        let Evaluation { contact, retract, retract_clearance } = p.evaluation;
+        let Evaluation { contact, retract, retract_clearance, engagement, motion } = p.evaluation;
         Self {
             section: p.section,
             row: p.row,
@@ -96,12 +120,21 @@ impl PositionRecord {
             hub_clearance: p.hub_clearance,
             blade_clearance: p.blade_clearance,
             retract_clearance,
+            engaged_arc: engagement.max_arc_rad.to_degrees(),
+            bottom_arc: engagement.bottom_arc_rad.to_degrees(),
+            towards_stock: engagement.towards_stock.into(),
+            interrupted: engagement.is_interrupted,
+            feed: motion.feed_mm_per_min,
+            lift_off: motion.lift_off.into(),
+            peck: motion.pecking.map(|pecking| [pecking.from, pecking.depth]),
         }
     }
 
     /// The position of a plan with this many sections; `None` if the record is damaged.
     fn position(&self, sections: usize) -> Option<Position> {
-        let is_sound = are_coordinates(self.tip.iter().chain(&self.retract)) && self.section < sections;
+        let moved = self.lift_off.iter().chain(self.peck.iter().flatten()).chain(&self.feed);
+        let is_sound =
+            are_coordinates(self.tip.iter().chain(&self.retract).chain(moved)) && self.section < sections;
         Some(Position {
             tip: stored::point(self.tip),
             axis: stored::unit_axis(self.axis).filter(|_| is_sound)?,
@@ -120,6 +153,20 @@ impl PositionRecord {
                 contact: CoreContact { depth: self.contact_depth, area_share: self.contact_area },
                 retract: stored::point(self.retract),
                 retract_clearance: self.retract_clearance,
+                engagement: Engagement {
+                    max_arc_rad: self.engaged_arc.to_radians(),
+                    bottom_arc_rad: self.bottom_arc.to_radians(),
+                    towards_stock: self.towards_stock.into(),
+                    is_interrupted: self.interrupted,
+                },
+                motion: PlungeMotion {
+                    feed_mm_per_min: self.feed.filter(|feed| *feed > 0.0),
+                    lift_off: self.lift_off.into(),
+                    pecking: self
+                        .peck
+                        .filter(|[from, depth]| *from > 0.0 && *depth > 0.0)
+                        .map(|[from, depth]| Pecking { from, depth }),
+                },
             },
         })
     }

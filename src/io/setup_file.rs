@@ -14,7 +14,7 @@
 //! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
 //! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest,
-//!                            # goal, max_stock, max_time
+//!                            # goal, max_stock, max_time, lift, peck, adapt_feed
 //! axis = "monotone"
 //! [[plunge.section]]         # tool, from, to, cutting_direction, rest
 //! tool = 1
@@ -123,7 +123,7 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
         setup.clearances.shank = table.number_or("shank", ALLOWANCE, setup.clearances.shank)?;
         setup.clearances.holder = table.number_or("holder", ALLOWANCE, setup.clearances.holder)?;
     }
-    setup.tools = read_tool_tables(root)?;
+    setup.tools = read_tool_tables(root, setup.allowances.cutting_data())?;
     if let Some(table) = root.table("plunge")? {
         plunge(&table.with_renamed_keys(RENAMED_IN_PLUNGE), &setup.tools, &mut setup.plunge)?;
     }
@@ -239,6 +239,9 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         "goal",
         "max_stock",
         "max_time",
+        "lift",
+        "peck",
+        "adapt_feed",
         "rest",
         "section",
     ])?;
@@ -255,6 +258,11 @@ fn plunge(table: &TomlTable<'_>, tools: &[Tool], plunge: &mut PlungeSetup) -> Re
         plunge.max_tilt_rad = angle.value.to_radians();
     }
     plunge.goal = goal(table)?.unwrap_or(plunge.goal);
+    plunge.lift = table.number("lift", ALLOWANCE)?.map(|lift| lift.value).filter(|lift| *lift > 0.0);
+    plunge.peck = table.number("peck", LENGTH)?.map(|peck| peck.value);
+    if let Some(adapt) = table.boolean("adapt_feed")? {
+        plunge.adapt_feed = adapt.value;
+    }
     if let Some(rest) = table.boolean("rest")? {
         plunge.rest = rest.value;
     }
@@ -572,6 +580,15 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
         }
         Goal::Time { max_stock } => writeln!(out, "goal = \"time\"\nmax_stock = {max_stock:?}")?,
         Goal::Balance => writeln!(out, "goal = \"balance\"")?,
+    }
+    if let Some(lift) = plunge.lift {
+        writeln!(out, "lift = {lift:?}")?;
+    }
+    if let Some(peck) = plunge.peck {
+        writeln!(out, "peck = {peck:?}")?;
+    }
+    if !plunge.adapt_feed {
+        writeln!(out, "adapt_feed = false")?;
     }
     if !plunge.rest {
         writeln!(out, "rest = false")?;

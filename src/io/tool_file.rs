@@ -7,8 +7,8 @@
 //! corner_radius = 0.0
 //! insert_width = 13.5        # default 0.9 R: core radius 0.1 R
 //! overhang = 120.0           # default 4 D
-//! plunge_feed = 300.0        # default feed_per_tooth × teeth × spindle, or 300
-//! spindle = 1200             # default from cutting_speed, or 1200
+//! plunge_feed = 300.0        # default feed_per_tooth × teeth × spindle, or by the material, or 300
+//! spindle = 1200             # default from cutting_speed, or by the material, or 1200
 //! name = "D30 Z3"
 //! flute_length = 20.0
 //! teeth = 3
@@ -26,6 +26,7 @@ use std::fmt::Write;
 use super::InputError;
 use super::table::{Located, NumberRange, TomlDocument, TomlTable, degrees_text, quoted};
 use crate::error::ErrorCode;
+use crate::setup::cutting_data::{ASSUMED_TEETH, CuttingData};
 use crate::setup::{Tool, ToolAssembly};
 
 /// Maximum length in a setup, mm.
@@ -81,16 +82,20 @@ pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputErro
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["tool"])?;
-    read_tool_tables(&root)
+    read_tool_tables(&root, None)
 }
 
-/// The `[[tool]]` tables, in file order.
-pub(super) fn read_tool_tables(root: &TomlTable<'_>) -> Result<Vec<Tool>, InputError> {
+/// The `[[tool]]` tables, in file order; what they do not say of speeds and feeds is by the cutting data of
+/// `material`, if given.
+pub(super) fn read_tool_tables(
+    root: &TomlTable<'_>,
+    material: Option<&CuttingData>,
+) -> Result<Vec<Tool>, InputError> {
     let tables = root.tables("tool")?;
     check_count(&tables, MAX_TOOLS, "tools")?;
     let mut tools = Vec::with_capacity(tables.len());
     for table in tables {
-        let tool = tool(&table, &tools)?;
+        let tool = tool(&table, &tools, material)?;
         tools.push(tool);
     }
     Ok(tools)
@@ -116,7 +121,7 @@ pub(super) fn name(table: &TomlTable<'_>, key: &str) -> Result<Option<String>, I
     Ok(Some(text.value.to_owned()))
 }
 
-fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
+fn tool(table: &TomlTable<'_>, before: &[Tool], material: Option<&CuttingData>) -> Result<Tool, InputError> {
     table.check_keys(&TOOL_KEYS)?;
     let given = table.whole("number", 1, MAX_NUMBER)?;
     let number = given.map_or(before.len() as u32 + 1, |n| n.value);
@@ -153,10 +158,12 @@ fn tool(table: &TomlTable<'_>, before: &[Tool]) -> Result<Tool, InputError> {
     let assembly = assembly(table, overhang)?;
     let spindle = match assembly.cutting_speed {
         Some(speed) => (speed * 1000.0 / (std::f64::consts::PI * diameter)).clamp(1.0, 1e6),
-        None => DEFAULT_SPINDLE,
+        None => material.map_or(DEFAULT_SPINDLE, |data| data.spindle_for(diameter)),
     };
     let spindle = table.number_or("spindle", RATE, spindle)?;
-    let feed = match (assembly.feed_per_tooth, assembly.teeth) {
+    let by_material = |data: &CuttingData| data.feed_per_tooth_for(diameter);
+    let teeth = assembly.teeth.or(material.map(|_| ASSUMED_TEETH));
+    let feed = match (assembly.feed_per_tooth.or(material.map(by_material)), teeth) {
         (Some(feed), Some(teeth)) => (feed * f64::from(teeth) * spindle).clamp(1e-3, 1e6),
         _ => DEFAULT_FEED,
     };

@@ -17,6 +17,9 @@ pub struct SideProbe {
     /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] per line.
     blocks: Vec<GridBlock>,
     blocks_per_line: usize,
+    /// Balls about the blocks with the same number on all lines: centre, and radius up to the part of the side that
+    /// they represent, mm.
+    strips: Vec<(Point, f64)>,
 }
 
 /// A run of points of one line of the grid in a bounding ball. A distance changes by at most the distance
@@ -116,7 +119,15 @@ impl SideProbe {
             .flat_map(|j| (0..blocks_per_line).map(move |b| (j, b)))
             .map(|(j, b)| block(j, b))
             .collect();
-        Self { side: side.clone(), u, v, points, reaches, blocks, blocks_per_line }
+        let strip = |b: usize| {
+            let (first, last) = (b * BLOCK, ((b + 1) * BLOCK).min(n));
+            let own = || (0..lines).flat_map(|j| (first..last).map(move |i| j * n + i));
+            let sum: Vector = own().map(|k| points[k].coords).sum();
+            let centre = Point::from(sum / (lines * (last - first)) as f64);
+            (centre, own().map(|k| (points[k] - centre).norm() + reaches[k]).fold(0.0, f64::max))
+        };
+        let strips = (0..blocks_per_line).map(strip).collect();
+        Self { side: side.clone(), u, v, points, reaches, blocks, blocks_per_line, strips }
     }
 
     /// The blade side.
@@ -171,8 +182,44 @@ impl SideProbe {
     /// Signed distance from the whole side to a piece of shank or holder, mm; `None` when it is certainly
     /// more than `cutoff` mm.
     pub fn frustum_distance_below(&self, frustum: &Frustum, cutoff: f64) -> Option<f64> {
+        if self.is_far_from(frustum, cutoff) {
+            return None;
+        }
+        // An endless cylinder contains it, and is measured faster.
+        let around = endless_cylinder_around(frustum);
+        let near = self.nearest_below(&around, cutoff)?;
+        let is_cylinder = frustum.radii[0] == frustum.radii[1];
+        if is_cylinder && near.distance > 0.0 && (near.point - around.tip).dot(&around.axis) < frustum.length
+        {
+            return Some(near.distance);
+        }
         let query = FrustumQuery { frustum };
         self.nearest_within(&query, FULL_V_RANGE, cutoff, NO_EARLY_EXIT).map(|near| near.distance)
+    }
+
+    /// Whether any point of the side is nearer to a piece of shank or holder than `limit` mm; faster than measuring
+    /// the distance.
+    pub fn frustum_is_within(&self, frustum: &Frustum, limit: f64) -> bool {
+        if self.is_far_from(frustum, limit) {
+            return false;
+        }
+        if !self.is_within(&endless_cylinder_around(frustum), limit) {
+            return false;
+        }
+        let near = self.nearest_within(&FrustumQuery { frustum }, FULL_V_RANGE, limit, limit);
+        near.is_some_and(|near| near.distance < limit)
+    }
+
+    /// Whether the balls about the side are further from the axis of a piece of shank or holder than its widest
+    /// radius and `distance` mm.
+    fn is_far_from(&self, frustum: &Frustum, distance: f64) -> bool {
+        let widest = frustum.radii[0].max(frustum.radii[1]) + distance;
+        self.strips.iter().all(|(centre, radius)| {
+            let d = centre - frustum.base;
+            let along = d.dot(&frustum.axis).clamp(0.0, frustum.length);
+            let reach = widest + radius;
+            (d - frustum.axis * along).norm_squared() > reach * reach
+        })
     }
 
     /// A ball around the side: centre and radius, mm.
@@ -607,6 +654,12 @@ impl DistanceQuery for PointQuery<'_> {
     fn smooth_at(&self, _: &Point) -> bool {
         true
     }
+}
+
+/// A cylinder from the lower end of a piece of shank or holder up that contains it.
+fn endless_cylinder_around(frustum: &Frustum) -> CutterSolid {
+    let radius = frustum.radii[0].max(frustum.radii[1]);
+    CutterSolid { tip: frustum.base, axis: frustum.axis, radius, corner_radius: 0.0 }
 }
 
 struct FrustumQuery<'a> {

@@ -7,7 +7,7 @@ use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::contact::Earlier;
 use crate::geometry::{Point, Vector};
 use crate::part::{Blank, FinishedPart};
-use crate::setup::{AssemblySegment, Setup, Tool};
+use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 
 /// Clearance missing by rounding that a planned position may have, mm: below what `verify` tolerates.
 const PLANNED_TOLERANCE: f64 = 5e-4;
@@ -57,14 +57,11 @@ impl<'a> AssemblyRule<'a> {
 
     /// What is in the way with the tip and axis at `pose`, the shank first.
     pub fn obstacle(&self, pose: (Point, Vector)) -> Option<DropReason> {
-        let clearance = self.around.at(self.tool, &self.segments, pose, 0.0);
-        if clearance.shank.missing > PLANNED_TOLERANCE {
-            Some(DropReason::Shank)
-        } else if clearance.holder.missing > PLANNED_TOLERANCE {
-            Some(DropReason::Holder)
-        } else {
-            None
-        }
+        let part = self.around.first_obstacle(self.tool, &self.segments, pose, PLANNED_TOLERANCE)?;
+        Some(match part {
+            AssemblyPart::Shank => DropReason::Shank,
+            AssemblyPart::Holder => DropReason::Holder,
+        })
     }
 
     /// `why` with the least overhang that would do there.

@@ -4,8 +4,8 @@
 use std::collections::HashSet;
 
 use super::evaluation::evaluated;
-use super::plan::{Evaluation, PlungePlan, Position};
-use crate::cutting::contact::{CoreContact, core_contacts};
+use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
+use crate::cutting::contact::{CoreContact, Engagement, core_contacts};
 use crate::geometry::{Point, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
@@ -41,7 +41,10 @@ pub fn plan_channels(
     }
     let contacts = free_cores(&mut plan, blank, monitor)?;
     let retracts = plan.positions.iter().map(|p| p.evaluation.retract).collect();
-    evaluated(plan, &contacts, retracts, blank, safety, monitor)
+    // Where plunges of other channels came before, less is engaged, and more is free.
+    let motions: Vec<(Engagement, PlungeMotion)> =
+        plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
+    evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)
 }
 
 /// The positions of channel 1, rotated into each channel.
@@ -61,7 +64,15 @@ fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> Pl
                 axis: rotate_vector_z(&p.axis, angle),
                 contact_point: rotate_z(&p.contact_point, angle),
                 row: p.row + channel * one.sections[p.section].rows,
-                evaluation: Evaluation { retract: rotate_z(&p.evaluation.retract, angle), ..p.evaluation },
+                evaluation: Evaluation {
+                    retract: rotate_z(&p.evaluation.retract, angle),
+                    engagement: Engagement {
+                        towards_stock: rotate_vector_z(&p.evaluation.engagement.towards_stock, angle),
+                        ..p.evaluation.engagement
+                    },
+                    motion: p.evaluation.motion.rotated_z(angle),
+                    ..p.evaluation
+                },
                 ..p.clone()
             }));
         }

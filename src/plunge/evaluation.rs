@@ -5,10 +5,10 @@ use rayon::prelude::*;
 
 use super::cycle::{PlacedPlan, PlanError, Planner};
 use super::links::raise_links;
-use super::plan::{Evaluation, PlungePlan};
-use crate::cutting::contact::{CoreContact, core_contact};
+use super::plan::{Evaluation, PlungeMotion, PlungePlan};
+use crate::cutting::contact::{CoreContact, Engagement, core_contact};
 use crate::cutting::retract::RetractSurface;
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
@@ -50,26 +50,30 @@ impl Planner<'_> {
             })
             .collect();
         let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
-        Ok(evaluated(plan, &contacts, retracts, blank, safety, monitor)?)
+        let motions = self.motions(&plan, &columns, monitor)?;
+        Ok(self.with_lifts(evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)?))
     }
 }
 
-/// `plan` with the `contacts` of its positions, and with `retracts`, their retract points, raised until links
-/// keep `safety` mm from `blank`.
+/// `plan` with `contacts` and `motions` of its positions, and with `retracts`, their retract points, raised until
+/// links keep `safety` mm from `blank`.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
 pub(super) fn evaluated<E: Sync>(
     plan: PlungePlan<E>,
     contacts: &[CoreContact],
+    motions: &[(Engagement, PlungeMotion)],
     retracts: Vec<Point>,
     blank: &Blank,
     safety: f64,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
-    let raised = raise_links(&plan, retracts, blank, safety, monitor)?;
+    let lift_offs: Vec<Vector> = motions.iter().map(|(_, motion)| motion.lift_off).collect();
+    let raised = raise_links(&plan, retracts, &lift_offs, blank, safety, monitor)?;
     Ok(plan.with_evaluations(|k| {
         let (retract, retract_clearance) = raised[k];
-        Evaluation { contact: contacts[k], retract, retract_clearance }
+        let (engagement, motion) = motions[k];
+        Evaluation { contact: contacts[k], retract, retract_clearance, engagement, motion }
     }))
 }

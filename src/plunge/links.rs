@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::plan::PlungePlan;
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface, retract_clear};
-use crate::geometry::{CutterSolid, Point};
+use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
@@ -19,13 +19,15 @@ const MAX_ITERATIONS: usize = 20;
 const MAX_TOOL_DEPTH: f64 = 1e-3;
 
 /// `retracts`, the retract point of each position of `plan`, moved up its axis until links and retracts keep
-/// `safety` mm from `blank`; each with the clearance of itself and its following link, mm.
+/// `safety` mm from `blank`; each with the clearance of itself and its following link, mm. A tool leaves a
+/// position `lift_offs` (across the axis, mm) of its retract point.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
 pub(super) fn raise_links<E: Sync>(
     plan: &PlungePlan<E>,
     retracts: Vec<Point>,
+    lift_offs: &[Vector],
     blank: &Blank,
     safety: f64,
     monitor: &Monitor,
@@ -39,8 +41,9 @@ pub(super) fn raise_links<E: Sync>(
         .collect();
     let surfaces: Vec<RetractSurface> =
         plan.sections.iter().map(|s| RetractSurface::new(blank, s.tool.corner_radius)).collect();
-    let mut links = Links { plan, retracts, bottoms: Vec::new(), blank, surfaces: &surfaces, safety };
-    let bottom = |k| if monitor.is_cancelled() { NearBottom::NOWHERE } else { links.bottom(k) };
+    let mut links =
+        Links { plan, retracts, lift_offs, bottoms: Vec::new(), blank, surfaces: &surfaces, safety };
+    let bottom = |k| if monitor.is_cancelled() { [NearBottom::NOWHERE; 2] } else { links.bottoms_at(k) };
     links.bottoms = (0..plan.positions.len()).into_par_iter().map(bottom).collect();
     // Clearance of each link, mm.
     let mut kept = Vec::new();
@@ -73,8 +76,10 @@ struct Links<'a, E> {
     plan: &'a PlungePlan<E>,
     /// The retract point of every position.
     retracts: Vec<Point>,
-    /// The bottom of every position at its retract point.
-    bottoms: Vec<NearBottom>,
+    /// Where the tool leaves every position, from its retract point, mm.
+    lift_offs: &'a [Vector],
+    /// The bottom of every position where the tool arrives, and where it leaves.
+    bottoms: Vec<[NearBottom; 2]>,
     blank: &'a Blank,
     /// Surface of the blank at the distance of the corner radius, per section.
     surfaces: &'a [RetractSurface<'a>],
@@ -82,20 +87,40 @@ struct Links<'a, E> {
 }
 
 impl<E> Links<'_, E> {
-    /// The cutter of position `k` at its retract point.
-    fn retracted(&self, k: usize) -> CutterSolid {
+    /// Where the tool leaves position `k`.
+    fn exit(&self, k: usize) -> Point {
+        self.retracts[k] + self.lift_offs[k]
+    }
+
+    /// The cutter of position `k` with its tip at a point.
+    fn cutter(&self, k: usize, tip: Point) -> CutterSolid {
         let position = &self.plan.positions[k];
-        self.plan.sections[position.section].tool.placed(self.retracts[k], position.axis)
+        self.plan.sections[position.section].tool.placed(tip, position.axis)
     }
 
-    /// The bottom of position `k` at its retract point.
-    fn bottom(&self, k: usize) -> NearBottom {
-        NearBottom::of(&self.retracted(k), self.blank)
+    /// The bottom of position `k` where the tool arrives, and where it leaves.
+    fn bottoms_at(&self, k: usize) -> [NearBottom; 2] {
+        let arrives = NearBottom::of(&self.cutter(k, self.retracts[k]), self.blank);
+        let leaves = match self.lift_offs[k] == Vector::zeros() {
+            true => arrives,
+            false => NearBottom::of(&self.cutter(k, self.exit(k)), self.blank),
+        };
+        [arrives, leaves]
     }
 
-    /// The retract point of position `k`, moved up until it keeps the safety distance, and its clearance, mm.
+    /// The retract point of position `k`, moved up until it, and where the tool leaves, keep the safety distance,
+    /// and the clearance, mm.
     fn clear_retract(&self, k: usize) -> (Point, f64) {
-        retract_clear(&self.retracted(k), self.bottoms[k].clearance, self.blank, self.safety)
+        let [arrives, leaves] = self.bottoms[k].map(|bottom| bottom.clearance);
+        let cutter = self.cutter(k, self.retracts[k]);
+        let (tip, clearance) = retract_clear(&cutter, arrives, self.blank, self.safety);
+        if self.lift_offs[k] == Vector::zeros() {
+            return (tip, clearance);
+        }
+        let exit = self.exit(k);
+        let (raised, left) = retract_clear(&self.cutter(k, exit), leaves, self.blank, self.safety);
+        let raise = (raised - exit).dot(&cutter.axis).max((tip - self.retracts[k]).dot(&cutter.axis));
+        (self.retracts[k] + cutter.axis * raise, clearance.min(left))
     }
 
     /// Raises both ends of the link after position `k` until it is clear.
@@ -109,7 +134,7 @@ impl<E> Links<'_, E> {
             let lift = (1.0 + 0.3 * round as f64) * needed + 0.5 * self.safety.max(0.1);
             for end in k..=k + 1 {
                 self.retracts[end] += self.plan.positions[end].axis * lift;
-                self.bottoms[end] = self.bottom(end);
+                self.bottoms[end] = self.bottoms_at(end);
             }
         }
         Ok(())
@@ -121,9 +146,9 @@ impl<E> Links<'_, E> {
     fn needed_lift(&self, k: usize) -> (f64, f64) {
         let (a, b) = (&self.plan.positions[k], &self.plan.positions[k + 1]);
         let tool = &self.plan.sections[a.section].tool;
-        let (from, to) = ((self.retracts[k], a.axis), (self.retracts[k + 1], b.axis));
+        let (from, to) = ((self.exit(k), a.axis), (self.retracts[k + 1], b.axis));
         let link = LinkMove { tool, blank: self.blank, from, to };
-        let clearance = link.clearance([&self.bottoms[k], &self.bottoms[k + 1]], self.safety);
+        let clearance = link.clearance([&self.bottoms[k][1], &self.bottoms[k + 1][0]], self.safety);
         if clearance < self.safety {
             return (clearance, self.safety - clearance);
         }

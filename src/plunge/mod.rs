@@ -32,6 +32,7 @@ pub mod lane;
 pub mod links;
 mod minimal;
 pub mod monotone;
+mod motion;
 pub mod opening;
 pub mod plan;
 mod policies;
@@ -47,8 +48,7 @@ mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError, Planner};
 pub use plan::{
-    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, PlungePlan, Position, SectionPlan,
-    StopReason, Unevaluated,
+    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, Pecking, PlungeMotion, PlungePlan,
+    Position, SectionPlan, StopReason, Unevaluated,
 };
-pub use program::MOVES_PER_PLUNGE;
 pub use section_cache::SectionCache;

@@ -6,8 +6,8 @@
 
 use rayon::prelude::*;
 
-use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn};
-use crate::geometry::{Point, Vector};
+use crate::cutting::contact::{BlankTop, Columns, CoreContact, Engagement, PlungeColumn};
+use crate::geometry::{Point, Vector, rotate_vector_z};
 use crate::part::Blank;
 use crate::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
 
@@ -22,6 +22,55 @@ pub struct Evaluation {
     pub retract: Point,
     /// Minimum distance of the bottom to the blank at the retract point and on the following link, mm.
     pub retract_clearance: f64,
+    /// Engagement of its circumference in stock.
+    pub engagement: Engagement,
+    /// How it is moved.
+    pub motion: PlungeMotion,
+}
+
+/// How a plunge is moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlungeMotion {
+    /// Its feed rate, mm/min; `None`: that of the tool.
+    pub feed_mm_per_min: Option<f64>,
+    /// Way off the stock beside it at the end, across the axis, mm; the tool rises as far with it. Zero: it
+    /// retracts straight.
+    pub lift_off: Vector,
+    /// Where it is interrupted to break the chip.
+    pub pecking: Option<Pecking>,
+}
+
+impl PlungeMotion {
+    /// The tip after the way off the stock, from the `tip` at the end of a plunge along `axis`.
+    pub fn lifted(&self, tip: Point, axis: &Vector) -> Point {
+        tip + self.lift_off + axis * self.lift_off.norm()
+    }
+
+    /// It, with the part turned about Z by `angle`, rad.
+    pub fn rotated_z(&self, angle: f64) -> Self {
+        Self { lift_off: rotate_vector_z(&self.lift_off, angle), ..*self }
+    }
+}
+
+/// Interruptions of a plunge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pecking {
+    /// Height above the tip at which it enters the blank, mm.
+    pub from: f64,
+    /// Depth between two of them, mm.
+    pub depth: f64,
+}
+
+/// Largest number of interruptions of one plunge.
+const MAX_PECKS: usize = 100;
+
+impl Pecking {
+    /// Heights above the tip at which the plunge is interrupted, in cutting order, mm.
+    pub fn heights(&self) -> impl Iterator<Item = f64> + use<> {
+        let depth = self.depth.max(self.from / MAX_PECKS as f64);
+        let from = self.from;
+        (1..).map(move |k| from - depth * f64::from(k)).take_while(|height| *height > 1e-6)
+    }
 }
 
 /// In place of the [`Evaluation`] of a plunge whose axis and depth are final, but not those of all others.
@@ -338,6 +387,11 @@ impl<E> PlungePlan<E> {
         }
     }
 
+    /// The tool of position `k`; `None` where it has no section.
+    fn tool_at(&self, k: usize) -> Option<&Tool> {
+        Some(&self.sections.get(self.positions.get(k)?.section)?.tool)
+    }
+
     /// Number of plunges of section `index`.
     pub fn plunges_of(&self, index: usize) -> usize {
         self.positions.iter().filter(|position| position.section == index).count()
@@ -364,6 +418,21 @@ impl<E> PlungePlan<E> {
     /// finished one.
     pub fn is_unfinished(&self) -> bool {
         self.sections.iter().any(SectionPlan::is_unfinished)
+    }
+}
+
+impl PlungePlan {
+    /// Feed rate of position `k`, mm/min; 0 where it has no tool.
+    pub fn feed_of(&self, k: usize) -> f64 {
+        let own = self.positions.get(k).and_then(|p| p.evaluation.motion.feed_mm_per_min);
+        own.or(self.tool_at(k).map(|tool| tool.plunge_feed)).unwrap_or(0.0)
+    }
+
+    /// Thickness of the chip of position `k`, mm: in a plunge the feed per tooth. `None` where the tool does not say
+    /// how many teeth it has.
+    pub fn chip_thickness_of(&self, k: usize) -> Option<f64> {
+        let tool = self.tool_at(k)?;
+        Some(self.feed_of(k) / (f64::from(tool.assembly.teeth?) * tool.spindle))
     }
 }
 

@@ -1,10 +1,13 @@
 //! Plunge plans as cutter-location programs.
 
+use super::Position;
 use super::{PlungePlan, SectionPlan};
+use crate::geometry::{Point, Vector};
+use crate::setup::Tool;
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 
-/// Moves of a plunge in a program: to the retract point, to the tip, back.
-pub const MOVES_PER_PLUNGE: usize = 3;
+/// Way back after an interruption of a plunge, mm: enough to break the chip.
+const CHIP_BREAK: f64 = 0.5;
 
 impl ClSection {
     fn of(section: &SectionPlan) -> Self {
@@ -19,9 +22,10 @@ impl ClSection {
 }
 
 impl ClProgram {
-    /// The program of a plunge plan: per plunge a rapid to the retract point, a feed move to the tip and a
-    /// rapid back, in cutting order, with sections and rows. Positions of a section that the plan lacks are
-    /// left out. The part name of an unfinished plan ends in `UNFINISHED`.
+    /// The program of a plunge plan: per plunge a rapid to the retract point, a feed move to the tip, with its
+    /// interruptions, a move off the stock where it has one, and a rapid back, in cutting order, with sections
+    /// and rows. Positions of a section that the plan lacks are left out. The part name of an unfinished plan
+    /// ends in `UNFINISHED`.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
         let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
         let mut program =
@@ -40,12 +44,7 @@ impl ClProgram {
                 program.tools.push(cutter);
                 program.tools.len() - 1
             });
-            let plunge: [_; MOVES_PER_PLUNGE] = [
-                (Motion::Rapid, position.evaluation.retract),
-                (Motion::Feed(Some(tool.plunge_feed)), position.tip),
-                (Motion::Rapid, position.evaluation.retract),
-            ];
-            program.moves.extend(plunge.map(|(motion, tip)| Move {
+            program.moves.extend(plunge_moves(position, tool).into_iter().map(|(motion, tip)| Move {
                 motion,
                 tip,
                 axis: position.axis,
@@ -55,4 +54,22 @@ impl ClProgram {
         }
         program
     }
+}
+
+/// The moves of a plunge, with the point to which each brings the tip.
+fn plunge_moves(position: &Position, tool: &Tool) -> Vec<(Motion, Point)> {
+    let (tip, axis) = (position.tip, position.axis);
+    let evaluation = &position.evaluation;
+    let feed = Motion::Feed(Some(evaluation.motion.feed_mm_per_min.unwrap_or(tool.plunge_feed)));
+    let mut moves = vec![(Motion::Rapid, evaluation.retract)];
+    for height in evaluation.motion.pecking.iter().flat_map(|pecking| pecking.heights()) {
+        moves.push((feed, tip + axis * height));
+        moves.push((Motion::Rapid, tip + axis * (height + CHIP_BREAK)));
+    }
+    moves.push((feed, tip));
+    if evaluation.motion.lift_off != Vector::zeros() {
+        moves.push((feed, evaluation.motion.lifted(tip, &axis)));
+    }
+    moves.push((Motion::Rapid, evaluation.retract + evaluation.motion.lift_off));
+    moves
 }

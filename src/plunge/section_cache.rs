@@ -38,6 +38,9 @@ impl SectionKey {
                 sections: Vec::new(),
                 rest: false,
                 goal: Goal::default(),
+                lift: None,
+                peck: None,
+                adapt_feed: false,
                 ..setup.plunge.clone()
             },
             machine: setup.machine.clone(),

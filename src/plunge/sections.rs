@@ -7,6 +7,7 @@ use super::choice::{choose, choose_opening, choose_rest};
 use super::survey::Survey;
 use crate::error::ErrorCode;
 use crate::part::{Impeller, Workpiece};
+use crate::setup::cutting_data::step_by_stick_out;
 use crate::setup::{
     PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of,
 };
@@ -36,11 +37,16 @@ pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result
     let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
     if !given {
-        resolved.tools = library.to_vec();
+        // The tools of the library are for steel.
+        resolved.tools = match setup.allowances.cutting_data() {
+            Some(data) => library.iter().map(|tool| data.scaled_from_steel(tool)).collect(),
+            None => library.to_vec(),
+        };
     }
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {
         survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&resolved.tools));
+        survey.try_assemblies(workpiece, setup, &resolved.tools);
         let limit = (!given).then(|| largest_diameter(setup, part, &survey));
         let mut chosen = choose(&resolved.tools, limit, &survey, setup);
         if setup.plunge.rest {
@@ -125,11 +131,11 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
     .at(SetupPlace::Stock("hub_allowance")))
 }
 
-/// Upper limit of the step along a row, mm: the insert width and the `step` of the setup, and for wall rows
-/// the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
+/// Upper limit of the step along a row, mm: what insert width and stick-out permit and the `step` of the setup,
+/// and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
 pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
     let radius = tool.radius();
-    let mut limit = tool.insert_width.min(radius);
+    let mut limit = step_by_stick_out(tool).min(radius);
     limit = limit.min(plunge.step.unwrap_or(0.8 * tool.insert_width));
     if wall_row {
         let h = plunge.wall_scallop.min(radius);

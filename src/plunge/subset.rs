@@ -42,6 +42,7 @@ impl Planner<'_> {
         let (blank, safety) = (&self.workpiece.blank, self.setup.allowances.safety_distance);
         let contacts = core_contacts(columns, blank, monitor)?;
         let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
-        Ok(evaluated(thinned, &contacts, retracts, blank, safety, monitor)?)
+        let motions = self.motions(&thinned, columns, monitor)?;
+        Ok(self.with_lifts(evaluated(thinned, &contacts, &motions, retracts, blank, safety, monitor)?))
     }
 }

@@ -4,12 +4,15 @@
 use rayon::prelude::*;
 
 use super::lane::Lane;
+use crate::cutting::assembly::AssemblySurroundings;
 use crate::geometry::{Point, Vector};
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
-use crate::setup::{AllowanceSetup, Tool};
+use crate::setup::{AllowanceSetup, Setup, Tool};
 
 /// Number of equal steps of s at which the channel is measured.
 const STEPS: usize = 50;
+/// Lean of an axis from the hub normal beyond which the rim is not raised further, rad.
+const MAX_LEAN_RAD: f64 = std::f64::consts::FRAC_PI_3;
 /// A joint this close to a station (in s) uses that station instead of a new one.
 const SAME_STATION: f64 = 1e-6;
 
@@ -43,6 +46,8 @@ pub struct SurveyStation {
     /// Largest diameter of the tried cylinders that clears both walls of every passage with the conventional
     /// axis, mm; infinite before [`Survey::try_cylinders`], 0 if none clears.
     pub clear_diameter: f64,
+    /// Numbers of the tools whose given shank or holder is in the way here; see [`Survey::try_assemblies`].
+    pub hindered: Vec<u32>,
     /// The passages at this s.
     pub passages: Vec<PassageExtent>,
 }
@@ -93,6 +98,38 @@ impl Survey {
         self.stations.par_iter_mut().for_each(|station| {
             let mut tried = diameters.iter().copied().filter(|&diameter| diameter <= free_width(station));
             station.clear_diameter = tried.find(|&diameter| clears(station, diameter)).unwrap_or(0.0);
+        });
+    }
+
+    /// Holds the given shanks and holders of `tools` against the part and the whole blank at every station, on the
+    /// conventional axes of mid channel: a tool whose holder is in the way there is as good as too short.
+    pub fn try_assemblies(&mut self, workpiece: &Workpiece, setup: &Setup, tools: &[Tool]) {
+        let given: Vec<&Tool> = tools.iter().filter(|tool| !tool.assembly.is_empty()).collect();
+        if given.is_empty() {
+            return;
+        }
+        let around = AssemblySurroundings::new(&workpiece.finished, setup).with_blank(&workpiece.blank);
+        let part = &workpiece.part;
+        let is_clear = |station: &SurveyStation, tool: &Tool| {
+            let segments = tool.assembly.segments(tool.overhang);
+            station.passages.iter().all(|across| {
+                let at = |eta: f64| {
+                    let passage = &workpiece.channel.passages[across.passage];
+                    passage.point(part, station.s, 0.5, eta).map(|p| p.point)
+                };
+                let Some((foot, top)) = at(0.0).zip(at(1.0)) else { return true };
+                let Some(axis) = (top - foot).try_normalize(1e-9) else { return true };
+                // A flat bottom stands on its rim where the axis leans.
+                let normal = part.hub.at(station.s).normal.direction_at_angle(foot.y.atan2(foot.x));
+                let lean = axis.angle(&normal).min(MAX_LEAN_RAD).tan();
+                let raise = setup.allowances.hub_allowance + (tool.radius() - tool.corner_radius) * lean;
+                let found = around.at(tool, &segments, (foot + axis * raise, axis), 0.0);
+                !found.shank.collides() && !found.holder.collides()
+            })
+        };
+        self.stations.par_iter_mut().for_each(|station| {
+            let hindered = given.iter().filter(|tool| !is_clear(station, tool)).map(|tool| tool.number);
+            station.hindered = hindered.collect();
         });
     }
 
@@ -149,6 +186,7 @@ impl<'a> Surveyor<'a> {
             narrowest: f64::INFINITY,
             deepest: self.depth(s),
             clear_diameter: f64::INFINITY,
+            hindered: Vec::new(),
             passages: Vec::new(),
         };
         for index in self.channel.passages_at(s) {

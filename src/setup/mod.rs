@@ -4,10 +4,12 @@
 //! |---|---|
 //! | [`settings`](Setup) | the setup with its defaults, which follow the size of the wheel |
 //! | [`tool`] | cutters and their cutting data |
+//! | [`cutting_data`] | cutting data by material, feed rate by engagement |
 //! | [`assembly`](ToolAssembly) | shank and holder of a tool |
 //! | [`fault`](SetupFault) | the error of a setup that a part cannot be planned with |
 
 mod assembly;
+pub mod cutting_data;
 mod fault;
 mod settings;
 pub mod tool;
@@ -18,4 +20,4 @@ pub use settings::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy,
     Goal, Machine, PlungeSetup, SectionKind, SectionSetup, Setup,
 };
-pub use tool::Tool;
+pub use tool::{OutlineKind, OutlinePiece, Tool};

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::cutting_data::CuttingData;
 use super::fault::{SetupFault, SetupPlace};
 use super::{AssemblyPart, Tool};
 use crate::error::ErrorCode;
@@ -79,11 +80,19 @@ pub struct AllowanceSetup {
     pub inlet_extension: f64,
     /// Shape of the blank: everything that holds a tool against stock uses it.
     pub blank: BlankShape,
-    /// Material of the blank, as the shop calls it.
+    /// Material of the blank, as the shop calls it. Where it is one of [`CUTTING_DATA`], tools that do not say
+    /// how fast they are get their speeds and feeds from there.
+    ///
+    /// [`CUTTING_DATA`]: super::cutting_data::CUTTING_DATA
     pub material: Option<String>,
 }
 
 impl AllowanceSetup {
+    /// Cutting data of the material; `None` where it is not named, or not known.
+    pub fn cutting_data(&self) -> Option<&'static CuttingData> {
+        self.material.as_deref().and_then(CuttingData::of_name)
+    }
+
     /// The blank of `part`.
     pub fn blank_of(&self, part: &Impeller) -> Blank {
         Blank::shaped(part, self.inlet_extension, &self.blank)
@@ -222,6 +231,13 @@ pub struct PlungeSetup {
     pub max_axis_change_rad: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
     pub max_tilt_rad: f64,
+    /// Distance by which the tool moves off the stock beside it after a plunge, and up as far, at 45°, before it
+    /// retracts, mm; absent: it retracts straight.
+    pub lift: Option<f64>,
+    /// Depth after which a plunge is interrupted to break the chip, mm; absent: it is not.
+    pub peck: Option<f64>,
+    /// Whether the feed rate of a plunge follows its engagement, for tools whose number of teeth is known.
+    pub adapt_feed: bool,
     /// What a plan of `minimal` is for.
     pub goal: Goal,
     /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
@@ -476,6 +492,9 @@ impl Default for Setup {
                 wall_scallop: 0.6,
                 max_axis_change_rad: 5f64.to_radians(),
                 max_tilt_rad: 45f64.to_radians(),
+                lift: None,
+                peck: None,
+                adapt_feed: true,
                 goal: Goal::default(),
                 rest: true,
                 sections: Vec::new(),

@@ -1,7 +1,42 @@
 //! Tools.
 
-use super::assembly::ToolAssembly;
+use super::assembly::{AssemblyPart, ToolAssembly};
+use super::settings::ClearanceSetup;
 use crate::geometry::{CutterSolid, Point, Vector};
+
+/// Length of a holder that is drawn where it is only assumed, in diameters of the cutter.
+const ASSUMED_HOLDER: f64 = 1.2;
+
+/// Part of a tool in a drawing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutlineKind {
+    /// Where its edges are.
+    Cutter,
+    /// As thick as the cutter, above its edges.
+    Body,
+    /// Neck or shank.
+    Shank,
+    /// Holder.
+    Holder,
+    /// A holder that the setup does not describe.
+    AssumedHolder,
+}
+
+/// A cylinder or cone of a drawing of a tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlinePiece {
+    /// What it is.
+    pub kind: OutlineKind,
+    /// Height of its lower end above the tip, mm.
+    pub from: f64,
+    /// Its length, mm.
+    pub length: f64,
+    /// Radius at its lower and at its upper end, mm.
+    pub radii: [f64; 2],
+}
+
+/// Cylinders that stand for a cone of a holder which widens.
+const CONE_SLICES: u32 = 4;
 
 /// A milling tool: cutter, shank, holder and cutting data. All lengths mm.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -56,6 +91,64 @@ impl Tool {
     pub fn holder(&self, tip: Point, axis: Vector) -> CutterSolid {
         let radius = 0.5 * self.holder_diameter();
         CutterSolid { tip: tip + axis * self.overhang, axis, radius, corner_radius: 0.0 }
+    }
+
+    /// The tool as a drawing shows it, from the tip up: cutter, shank, holder, an assumed one where none is given.
+    pub fn outline(&self) -> Vec<OutlinePiece> {
+        let segments = self.assembly.segments(self.overhang);
+        let above = segments.iter().find(|segment| segment.part == AssemblyPart::Shank);
+        let given = self.assembly.flute_length.unwrap_or(self.overhang);
+        let flutes = above.map_or(given, |shank| shank.from).min(self.overhang);
+        let piece = |kind, from, length, radii| OutlinePiece { kind, from, length, radii };
+        let mut outline = vec![piece(OutlineKind::Cutter, 0.0, flutes, [self.radius(); 2])];
+        if above.is_none() && flutes < self.overhang {
+            outline.push(piece(OutlineKind::Body, flutes, self.overhang - flutes, [self.radius(); 2]));
+        }
+        for segment in &segments {
+            let kind = match segment.part {
+                AssemblyPart::Shank => OutlineKind::Shank,
+                AssemblyPart::Holder => OutlineKind::Holder,
+            };
+            outline.push(piece(kind, segment.from, segment.length, segment.radii));
+        }
+        if self.assembly.holder.is_empty() {
+            let radii = [0.5 * self.holder_diameter(); 2];
+            outline.push(piece(
+                OutlineKind::AssumedHolder,
+                self.overhang,
+                ASSUMED_HOLDER * self.diameter,
+                radii,
+            ));
+        }
+        outline
+    }
+
+    /// What is wider than the cutter above it, as cylinders unbounded towards the spindle that contain shank and
+    /// holder with `clearances` around them: height above the tip from which on, and radius, each wider than the one
+    /// before, mm. The holder that is assumed where none is given has no clearance.
+    pub fn assembly_steps(&self, clearances: &ClearanceSetup) -> Vec<(f64, f64)> {
+        let mut steps: Vec<(f64, f64)> = Vec::new();
+        let mut widest = self.radius();
+        let mut add = |from: f64, radius: f64| {
+            if radius > widest {
+                widest = radius;
+                steps.push((from, radius));
+            }
+        };
+        for segment in self.assembly.segments(self.overhang) {
+            let clearance = clearances.of(segment.part);
+            // Cones in slices, each as wide as its wider end.
+            let slices = if segment.radii[0] < segment.radii[1] { CONE_SLICES } else { 1 };
+            for k in 0..slices {
+                let [low, high] = [k, k + 1].map(|k| f64::from(k) / f64::from(slices));
+                let at = |share: f64| segment.radii[0] + (segment.radii[1] - segment.radii[0]) * share;
+                add(segment.from + low * segment.length - clearance, at(low).max(at(high)) + clearance);
+            }
+        }
+        if self.assembly.holder.is_empty() {
+            add(self.overhang, 0.5 * self.holder_diameter());
+        }
+        steps
     }
 
     /// Tip of the cutter with unit `axis` that touches a surface at `contact` with its corner, or with the

@@ -195,5 +195,18 @@ impl ClProgram {
     }
 }
 
+impl ClProgram {
+    /// Indices of the moves with which plunges begin, in programs as the planner writes them: each of these is a
+    /// rapid to a plunge, after the rapid out of the one before.
+    pub fn plunge_starts(&self) -> Vec<usize> {
+        let is_rapid = |k: usize| self.moves[k].motion == Motion::Rapid;
+        let begins = |&k: &usize| {
+            let Some(before) = k.checked_sub(1) else { return true };
+            self.moves[before].tool != self.moves[k].tool || is_rapid(before)
+        };
+        (0..self.moves.len()).filter(|&k| is_rapid(k)).filter(begins).collect()
+    }
+}
+
 /// Maximum number of warnings that the reader collects.
 pub const MAX_WARNINGS: usize = 100;

@@ -1,5 +1,7 @@
 //! Shank and holder of every move against the finished part, and against stock where a plunge ends.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::fault::{Fault, FaultKind, Finding};
@@ -8,7 +10,7 @@ use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in
 use crate::cutting::contact::Columns;
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
-use crate::toolpath::ClProgram;
+use crate::toolpath::{ClProgram, Move};
 
 /// Least distances of shank and holder to the finished part over a program, mm; infinite where no tool has
 /// one.
@@ -64,6 +66,27 @@ pub(super) fn assembly_findings(
     findings
 }
 
+/// The least distance found so far of the part of a tool that is further off, mm: larger ones need not be measured.
+struct LeastDistance(AtomicU64);
+
+impl Default for LeastDistance {
+    fn default() -> Self {
+        Self(AtomicU64::new(f64::INFINITY.to_bits()))
+    }
+}
+
+impl LeastDistance {
+    fn get(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+
+    fn add(&self, clearance: &AssemblyClearance) {
+        // Positive numbers are in the order of their bits.
+        let further = clearance.shank.distance.max(clearance.holder.distance).max(0.0);
+        self.0.fetch_min(further.to_bits(), Ordering::Relaxed);
+    }
+}
+
 /// Judges all moves of a plunge program against the finished part.
 pub(super) fn judge_moves(
     program: &ClProgram,
@@ -73,17 +96,36 @@ pub(super) fn judge_moves(
     let tools: Vec<Tool> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
     let segments: Vec<Vec<AssemblySegment>> =
         tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
-    let judged: Vec<(AssemblyClearance, Vec<Fault>)> = (0..program.moves.len())
+    let moves = &program.moves;
+    // A move back on the way of the one before is as clear as that.
+    let goes_back = |k: usize| {
+        let is_same = |a: &Move, b: &Move| a.tool == b.tool && a.tip == b.tip && a.axis == b.axis;
+        k >= 2 && is_same(&moves[k], &moves[k - 2]) && moves[k - 1].tool == moves[k].tool
+    };
+    let least = LeastDistance::default();
+    let measured: Vec<Option<AssemblyClearance>> = (0..moves.len())
         .into_par_iter()
-        .filter_map(|k| {
-            let step = &program.moves[k];
-            let number = step.tool.filter(|&number| !segments[number].is_empty())?;
-            let before = k.checked_sub(1).map(|k| &program.moves[k]).filter(|b| b.tool == step.tool);
+        .map(|k| {
+            let step = &moves[k];
+            let number = step.tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
+            let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == step.tool);
             let to = (step.tip, step.axis);
             let from = before.map_or(to, |before| (before.tip, before.axis));
-            let clearance = around.along(&tools[number], &segments[number], from, to);
-            let findings = assembly_findings(&tools[number], &clearance, around);
-            Some((clearance, findings.into_iter().map(|finding| finding.at(step.line)).collect()))
+            let clearance = around.along(&tools[number], &segments[number], from, to, least.get());
+            least.add(&clearance);
+            Some(clearance)
+        })
+        .collect();
+    let judged: Vec<(AssemblyClearance, Vec<Fault>)> = (0..moves.len())
+        .into_par_iter()
+        .filter_map(|k| {
+            let mut own = k;
+            while goes_back(own) {
+                own -= 1;
+            }
+            let clearance = measured[own]?;
+            let findings = assembly_findings(&tools[moves[k].tool?], &clearance, around);
+            Some((clearance, findings.into_iter().map(|finding| finding.at(moves[k].line)).collect()))
         })
         .collect();
     let mut least = AssemblyDistances::NONE;

@@ -30,12 +30,14 @@ pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 
 use crate::cutting::assembly::AssemblySurroundings;
-use crate::cutting::contact::{BlankTop, Columns, CoreContact, PlungeColumn, core_contact};
+use crate::cutting::contact::{
+    BlankTop, Columns, CoreContact, Engagement, PlungeColumn, core_contact, engagement,
+};
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Blank, Impeller, Workpiece};
-use crate::plunge::{Evaluation, PlungePlan, Position, SectionPlan};
+use crate::plunge::{Evaluation, PlungeMotion, PlungePlan, Position, SectionPlan};
 use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
@@ -76,6 +78,10 @@ struct Measured {
     /// removes, mm; the latter only where it may exceed the overhang of the tool.
     top: f64,
     engaged: f64,
+    /// Engagement of the whole circumference.
+    engagement: Engagement,
+    /// Contact of the core where the tool has left the stock beside it.
+    lifted: CoreContact,
     holder_in_stock: Option<Fault>,
     rapids: Vec<Fault>,
 }
@@ -130,6 +136,10 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
             let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
             let deep = whole.top > cut.tool.overhang;
             let (retract, rapids) = check_rapids(cut, blank, &setup.allowances);
+            let lifted = cut.lifted.map(|cutter| {
+                let column = PlungeColumn::new(cutter, cut.tool.core_radius(), &top);
+                core_contact(&column, columns.before(k + 1), blank)
+            });
             Measured {
                 contact: core_contact(&columns.as_slice()[k], earlier, blank),
                 hub: worst(&|c| finished.hub_clearance(c)),
@@ -137,6 +147,8 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
                 retract,
                 in_blank: bottom_in_blank(&cut.cutter, blank),
                 top: whole.top,
+                lifted: lifted.unwrap_or_default(),
+                engagement: engagement(&whole, earlier, blank),
                 engaged: if deep { core_contact(&whole, earlier, blank).depth } else { 0.0 },
                 holder_in_stock: holder_in_stock(cut, k, &columns, blank).map(|finding| finding.at(cut.line)),
                 rapids,
@@ -162,6 +174,8 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
             near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| core_in_stock(contact.depth, Some(contact.area_share))),
+            (!contact.interferes() && seen.lifted.interferes())
+                .then(|| core_in_stock(seen.lifted.depth, Some(seen.lifted.area_share))),
             (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));
@@ -185,6 +199,8 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
                 contact,
                 retract: rotate_z(&cut.retract, -part.pitch() * turns[k] as f64),
                 retract_clearance: seen.retract,
+                engagement: seen.engagement,
+                motion: PlungeMotion::default(),
             },
         });
     }

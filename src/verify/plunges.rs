@@ -22,6 +22,10 @@ pub struct ProgramCut {
     pub swept: Vec<CutterSolid>,
     /// The rapids before the cut; of the last cut of a tool those after it, too.
     pub rapids: Vec<Rapid>,
+    /// The cutter where it has left the stock beside it, at the end of a move under feed off it and up.
+    pub lifted: Option<CutterSolid>,
+    /// Index of its move in the program.
+    pub index: usize,
     /// Where the move started.
     pub retract: Point,
     /// Whether the program gives it a feed rate.
@@ -58,8 +62,32 @@ const SAMPLE_RADII: f64 = 0.5;
 /// Largest number of samples along one move.
 const MAX_SAMPLES: usize = 200;
 
+impl ProgramCut {
+    /// Whether the plunge went down to its end along the axis, and nothing else.
+    fn is_plunge(&self) -> bool {
+        self.swept.len() == 1 && self.lifted.is_none()
+    }
+
+    /// Whether a move from `from` to `cutter` goes on where this plunge was interrupted: further down in its own
+    /// column, after no other move than back in it.
+    fn is_continued_by(&self, from: &Point, cutter: &CutterSolid, rapids: &[Rapid]) -> bool {
+        let own = |tip: &Point| is_axial(&(tip - self.cutter.tip), &self.cutter.axis, &cutter.axis);
+        let below_start = |tip: &Point| (self.retract - tip).dot(&cutter.axis) >= 0.0;
+        self.is_plunge()
+            && own(&cutter.tip)
+            && own(from)
+            && (cutter.tip - self.cutter.tip).dot(&cutter.axis) < 0.0
+            && below_start(from)
+            && rapids.iter().all(|rapid| rapid.is_retract())
+    }
+}
+
+/// Share of a move under feed after a plunge that goes up the axis from which on it leaves the cut, and is none.
+const LEAVING_SHARE: f64 = 0.5;
+
 /// All cuts of a program. Where the program gives no insert width, that of the setup's tool of the same
-/// number is used.
+/// number is used. A plunge that is interrupted to break the chip is one cut, and so is one with a move under feed
+/// that leaves it, up and off the stock.
 ///
 /// # Errors
 /// When a cut comes before any tool, or a tool has no diameter; the fault names the line.
@@ -118,6 +146,29 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fa
                 } else {
                     (0..=samples).map(|i| between(i as f64 / samples as f64)).collect()
                 };
+                let leaves = rapids.is_empty()
+                    && from.axis.angle(&step.axis) < 1e-9
+                    && travel.dot(&step.axis) > LEAVING_SHARE * travel.norm()
+                    && !is_axial(&travel, &from.axis, &step.axis);
+                let same_section = cuts.last_mut().filter(|c| c.section == section);
+                match same_section {
+                    Some(cut) if leaves && cut.is_plunge() => {
+                        cut.swept.extend(swept);
+                        cut.lifted = Some(cutter);
+                        (last_tool, previous) = (Some(number), Some(step));
+                        continue;
+                    }
+                    Some(cut) if cut.is_continued_by(&from.tip, &cutter, &rapids) => {
+                        // They go no further than back in its own column.
+                        rapids.clear();
+                        cut.has_feed &= feed.is_some();
+                        (cut.line, cut.index, cut.cutter, cut.swept) =
+                            (step.line, index, cutter, vec![cutter]);
+                        (last_tool, previous) = (Some(number), Some(step));
+                        continue;
+                    }
+                    _ => {}
+                }
                 if let Some(before) = cuts.last().filter(|c| c.section == section)
                     && (step.tip - before.cutter.tip).norm() > 2.5 * tool.radius()
                 {
@@ -130,6 +181,8 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fa
                     cutter,
                     swept,
                     rapids: std::mem::take(&mut rapids),
+                    lifted: None,
+                    index,
                     retract: from.tip,
                     has_feed: feed.is_some(),
                     section,
@@ -154,11 +207,9 @@ pub(super) fn named_sections(
     cuts: &mut [ProgramCut],
 ) -> Option<Vec<SectionPlan>> {
     let mut tools: Vec<Option<usize>> = vec![None; program.sections.len()];
-    let moves = &program.moves;
     let mut places = Vec::with_capacity(cuts.len());
-    let feeds =
-        (0..moves.len()).filter(|&k| moves[k].tool.is_some() && matches!(moves[k].motion, Motion::Feed(_)));
-    for (index, cut) in feeds.zip(cuts.iter()) {
+    for cut in cuts.iter() {
+        let index = cut.index;
         let row = program.rows[..program.rows.partition_point(|row| row.first_move <= index)].last()?;
         let section = program.sections.get(row.section)?;
         let tool = *tools[row.section].get_or_insert(cut.tool_index);

@@ -6,7 +6,7 @@ use vanecut::flank::fixed_axis::{
 };
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
 use vanecut::part::{Channel, Impeller, Passage, SideProbe, Workpiece};
-use vanecut::setup::{Setup, Tool};
+use vanecut::setup::{ClearanceSetup, Setup, Tool};
 
 use super::parts::part_at;
 
@@ -15,6 +15,7 @@ const LIMITS: FixedAxisLimits = FixedAxisLimits {
     blade_allowance: 0.5,
     stock_height: 3.0,
     max_tilt_rad: 60.0 * std::f64::consts::PI / 180.0,
+    clearances: ClearanceSetup { shank: 1.0, holder: 1.0 },
 };
 
 fn tool(diameter: f64, corner_radius: f64, overhang: f64) -> Tool {

@@ -22,7 +22,7 @@ static PLAN: LazyLock<PlanOutcome> = LazyLock::new(|| {
         diameter: 16.0,
         corner_radius: 0.0,
         insert_width: 5.0,
-        overhang: 250.0,
+        overhang: 130.0,
         plunge_feed: 300.0,
         spindle: 1200.0,
         assembly: Default::default(),

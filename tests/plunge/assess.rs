@@ -9,12 +9,16 @@ use vanecut::io::read_part;
 use vanecut::part::{
     BladeDescription, Channel, CurveDescription, Impeller, Meridional, PartDescription, SideProbe,
 };
-use vanecut::setup::{Setup, Tool};
+use vanecut::setup::{ClearanceSetup, Setup, Tool};
 
 use super::samples::sample;
 
-const LIMITS: ReachLimits =
-    ReachLimits { hub_allowance: 0.5, blade_allowance: 0.5, max_tilt_rad: std::f64::consts::FRAC_PI_4 };
+const LIMITS: ReachLimits = ReachLimits {
+    hub_allowance: 0.5,
+    blade_allowance: 0.5,
+    max_tilt_rad: std::f64::consts::FRAC_PI_4,
+    clearances: ClearanceSetup { shank: 1.0, holder: 1.0 },
+};
 
 fn open(path: &Path) -> Impeller {
     Impeller::build(&read_part(path).expect("readable")).expect("an impeller")

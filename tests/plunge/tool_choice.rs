@@ -214,3 +214,26 @@ fn tiny_and_huge_wheels_find_cutters_too() {
         before = found[0];
     }
 }
+
+#[test]
+fn a_tool_whose_holder_is_in_the_way_is_not_chosen() {
+    let part = sample("impeller532");
+    let mut setup = Setup { tools: vec![tool(1, 20.0), tool(2, 20.0)], ..Setup::default() };
+    setup.plunge.rest = false;
+    let used = |setup: &Setup| {
+        let mut numbers: Vec<u32> =
+            chosen(&part, setup).setup.plunge.sections.iter().map(|section| section.tool).collect();
+        numbers.dedup();
+        numbers
+    };
+    (setup.tools[0].overhang, setup.tools[1].overhang) = (90.0, 160.0);
+    assert_eq!(used(&setup), [1], "the shorter one is long enough");
+    // A holder as wide as the channel begins where the flutes of that tool end.
+    setup.tools[0].assembly.flute_length = Some(20.0);
+    setup.tools[0].assembly.shank = vec![[160.0, 70.0]];
+    assert_eq!(used(&setup), [2], "its shank does not pass between the blades");
+    let with_reason = Setup { tools: vec![setup.tools[0].clone()], ..setup.clone() };
+    let reasons = chosen(&part, &with_reason).reasons;
+    let reason = reasons[0].as_deref().expect("a reason");
+    assert!(reason.contains("shank or holder"), "{reason}");
+}

@@ -3,4 +3,8 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod assembly;
+mod cutting_data;
 mod libraries;
+mod random;
+#[path = "../wheels/sampled_tool.rs"]
+mod sampled_tool;

@@ -5,10 +5,12 @@ use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::setup::{AxisPolicy, Setup};
+use vanecut::setup::{AxisPolicy, FlankStrategy, Setup, Tool};
 use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{verify, verify_flank};
+
+use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly};
 
 /// Largest share of the accessible floor that may remain uncut without a reason.
 const MAX_UNCUT: f64 = 0.03;
@@ -155,4 +157,72 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
         }
     }
     faults
+}
+
+/// What shanks and holders of random assemblies run into, by points of the wheel: in the plunge programs of
+/// every policy, and in the flank programs of `schemes`, one line each.
+pub fn assembly_faults(part: &Impeller, seed: u64, schemes: &[FlankStrategy]) -> Vec<String> {
+    let mut dice = Dice::new(seed);
+    let mut faults = Vec::new();
+    let mut request = PlanRequest {
+        part: part.clone().into(),
+        setup: Setup::for_part(part),
+        policy: AxisPolicy::Minimal,
+        compare: true,
+        field_cells: CELLS,
+    };
+    let workpiece = request.setup.allowances.workpiece_of(part.clone());
+    let points = WheelPoints::of(&workpiece);
+    let chosen = match vanecut::job::resolve(&request.setup, &workpiece) {
+        Ok(resolved) => resolved.setup,
+        Err(fault) => return vec![format!("no tools: {fault}")],
+    };
+    request.setup.tools = chosen.tools.iter().map(|tool| with_random_assembly(tool, &mut dice)).collect();
+    let tools = |tools: &[Tool]| format!("{:?}", tools.iter().map(|tool| &tool.assembly).collect::<Vec<_>>());
+    match run(&request, &Monitor::default()) {
+        // Where no tool reaches anything, that is said.
+        Err(error) => faults.extend(unexplained(&error.to_string())),
+        Ok(outcome) => {
+            for result in outcome.policies() {
+                let program = ClProgram::of_plan(&part.name, &result.plan);
+                let found = collisions(&workpiece, &points, &outcome.setup, &program);
+                let policy = result.plan.policy;
+                faults.extend(found.into_iter().map(|what| format!("{policy:?}: {what}")));
+            }
+            if !faults.is_empty() {
+                faults.push(tools(&outcome.setup.tools));
+            }
+        }
+    }
+    let setup = Setup::for_part(part);
+    let ball =
+        vanecut::flank::choice::choose_tool(&workpiece, &setup, vanecut::io::tool_library::flank_cutters());
+    let Ok(ball) = ball else { return faults };
+    let ball = with_random_assembly(&ball.tool, &mut dice);
+    for &strategy in schemes {
+        let mut setup = Setup { tools: vec![ball.clone()], ..setup.clone() };
+        setup.flank.strategy = strategy;
+        setup.flank.tool = Some(ball.number);
+        let request = FlankRequest { part: part.clone().into(), setup };
+        match FlankJob::default().run(&request, &Monitor::default()) {
+            Err(error) => faults.extend(unexplained(&error.to_string())),
+            Ok(outcome) => {
+                let plan = &outcome.plan;
+                let program = ClProgram::of_flank(&part.name, &plan.tool, &plan.moves);
+                let program = program.after_opening(plan.opening.as_ref());
+                let found = collisions(&workpiece, &points, &outcome.setup, &program);
+                faults.extend(found.into_iter().map(|what| format!("{strategy:?}: {what}")));
+            }
+        }
+    }
+    if !faults.is_empty() {
+        faults.push(tools(&[ball]));
+    }
+    faults
+}
+
+/// The message of a refusal, unless it says what to change about the tool.
+fn unexplained(message: &str) -> Option<String> {
+    let says = ["overhang", "holder", "shank", "cutter"].iter().any(|word| message.contains(word));
+    (!says).then(|| format!("refused without naming a tool: {message}"))
 }

@@ -7,6 +7,7 @@
 
 mod judge;
 mod make;
+mod sampled_tool;
 
 use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
@@ -15,7 +16,7 @@ use vanecut::io::write_native;
 use vanecut::job::{PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::setup::{AxisPolicy, CutDirection, Setup};
+use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
 
 use make::Wheel;
 
@@ -48,7 +49,12 @@ fn every_kind_of_wheel_opens() {
 
 #[test]
 fn no_cutter_is_wider_than_the_passage_it_stands_in() {
-    let limits = ReachLimits { hub_allowance: 0.1, blade_allowance: 0.1, max_tilt_rad: 0.5 };
+    let limits = ReachLimits {
+        hub_allowance: 0.1,
+        blade_allowance: 0.1,
+        max_tilt_rad: 0.5,
+        clearances: Default::default(),
+    };
     for index in 0..20 {
         let wheel = make::wheel(1, index);
         let (name, part) = (&wheel.description.name, open(&wheel));
@@ -135,17 +141,37 @@ fn variable(name: &str) -> Option<u64> {
     Some(text.parse().unwrap_or_else(|_| panic!("{name} is `{text}`, not a number")))
 }
 
+/// The wheels to plan, (seed, index), and whether they are those of the default test run.
+fn wheels() -> (Vec<(u64, usize)>, bool) {
+    match (variable("WHEELS_SEED"), variable("WHEELS_COUNT")) {
+        (None, None) => (GATE.to_vec(), true),
+        (seed, count) => {
+            ((0..count.unwrap_or(200) as usize).map(|index| (seed.unwrap_or(1), index)).collect(), false)
+        }
+    }
+}
+
 #[test]
 fn wheels_are_planned_and_verified() {
-    let wheels = match (variable("WHEELS_SEED"), variable("WHEELS_COUNT")) {
-        (None, None) => GATE.to_vec(),
-        (seed, count) => (0..count.unwrap_or(200) as usize).map(|index| (seed.unwrap_or(1), index)).collect(),
+    judge_wheels(|_, part| judge::faults(part));
+}
+
+#[test]
+fn shanks_and_holders_of_random_assemblies_stay_clear() {
+    let schemes: &[FlankStrategy] = match wheels().1 {
+        true => &[FlankStrategy::Balanced],
+        false => &FlankStrategy::ALL,
     };
+    judge_wheels(|seed, part| judge::assembly_faults(part, seed, schemes));
+}
+
+/// Judges each wheel, by a seed of its own, and names those with faults.
+fn judge_wheels(judge: impl Fn(u64, &Impeller) -> Vec<String>) {
     let mut faults = Vec::new();
-    for (seed, index) in wheels {
+    for (seed, index) in wheels().0 {
         let wheel = make::wheel(seed, index);
         let started = std::time::Instant::now();
-        let found = judge::faults(&open(&wheel));
+        let found = judge(1000 * seed + index as u64, &open(&wheel));
         let verdict = if found.is_empty() { "good" } else { "FAULTS" };
         let name = &wheel.description.name;
         println!(

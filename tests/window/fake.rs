@@ -142,6 +142,8 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
                     contact: CoreContact { depth: if interferes { 2.56 } else { 0.0 }, area_share: 0.2 },
                     retract: top + axis * 6.0,
                     retract_clearance: 2.0,
+                    engagement: Default::default(),
+                    motion: Default::default(),
                 },
             });
         }

@@ -3,9 +3,10 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::state::Tone;
+use vanecut::io::shop_tools::{LibraryFormat, read_library};
 
 use crate::fake;
-use crate::harness::{Window, settle, with_sample};
+use crate::harness::{Window, press, settle, with_sample};
 
 fn set_step(window: &mut Window, step: f64) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
@@ -47,4 +48,100 @@ fn tools_that_are_chosen_anew_are_named_and_the_colour_scale_stays() {
     assert!(window.query_by_label("Fit scale").is_none());
     set_step(&mut window, 29.0);
     assert!(window.query_by_label_contains("Chosen anew:").is_none(), "nothing changed this time");
+}
+
+/// A library with a holder, as Fusion writes it.
+const FUSION: &str = r#"{"data": [
+    {"type": "flat end mill", "unit": "millimeters", "description": "roughing cutter",
+     "geometry": {"DC": 16, "LB": 90, "LCF": 20, "NOF": 4, "RE": 0, "SFDM": 16, "shoulder-length": 30},
+     "post-process": {"number": 12},
+     "holder": {"unit": "millimeters", "gaugeLength": 60, "segments": [
+        {"height": 25, "lower-diameter": 30, "upper-diameter": 42},
+        {"height": 35, "lower-diameter": 50, "upper-diameter": 50}]}},
+    {"type": "ball end mill", "unit": "millimeters", "description": "ball",
+     "geometry": {"DC": 6, "LB": 50, "LCF": 12, "NOF": 2, "RE": 3, "SFDM": 6},
+     "post-process": {"number": 13}}
+], "version": 36}"#;
+
+/// Clicks the label and waits.
+fn click(window: &mut Window, label: &str) {
+    window.get_by_label(label).click();
+    window.run_steps(3);
+    settle(window);
+}
+
+fn name_file(window: &mut Window, name: &std::path::Path) {
+    window.get_by_role_and_label(Role::TextInput, "File").focus();
+    window.run_steps(1);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text(name.display().to_string()));
+    window.run_steps(2);
+    settle(window);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    settle(window);
+}
+
+#[test]
+fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [shop, saved] = ["shop.json", "saved.toml"].map(|name| folder.path().join(name));
+    std::fs::write(&shop, FUSION).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.state_mut().use_own_file_dialogs();
+    window.run_steps(3);
+    click(&mut window, "Shop library…");
+    window.set_size(egui::vec2(1100.0, 800.0));
+    window.run_steps(3);
+    window.get_by_label("The program's own tools");
+    click(&mut window, "Open library…");
+    name_file(&mut window, &shop);
+    window.get_by_label("2 of 2 tools");
+    // Search leaves the cutter with the holder.
+    window.get_by_role_and_label(Role::TextInput, "Search").focus();
+    window.run_steps(1);
+    window.event(egui::Event::Text("roughing".to_owned()));
+    window.run_steps(3);
+    window.get_by_label("1 of 2 tools");
+    click(&mut window, "T12 Ø16 L90 roughing cutter");
+    window.get_by_label("Drawing of T12");
+    click(&mut window, "Take into setup");
+    let tools = &window.state().state().document.edited.setup.tools;
+    assert_eq!(tools.len(), 1);
+    assert_eq!(tools[0].assembly.holder, [[30.0, 42.0, 25.0], [50.0, 50.0, 35.0]]);
+    // It is saved as our own.
+    click(&mut window, "Save library…");
+    name_file(&mut window, &saved);
+    let library = read_library(&saved, LibraryFormat::Toml).expect("reads");
+    assert_eq!(library.tools.len(), 2);
+    assert_eq!(library.tools[0].tool.assembly.holder.len(), 2, "with its holder");
+}
+
+#[test]
+fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.run_steps(3);
+    click(&mut window, "Edit tools and sections");
+    let headers: Vec<egui::Rect> =
+        window.get_all_by_label_contains("T1  Ø30").map(|node| node.rect()).collect();
+    press(&mut window, headers[0].center());
+    window.run_steps(10);
+    window.get_by_label("Drawing of T1");
+    click(&mut window, "Add shank");
+    click(&mut window, "Add holder");
+    let tool = window.state().state().document.edited.setup.tools[0].clone();
+    assert_eq!((tool.assembly.shank.len(), tool.assembly.holder.len()), (1, 1));
+    window.get_by_role_and_label(Role::SpinButton, "Teeth").set_value_accesskit(3.0);
+    window.run_steps(3);
+    settle(&mut window);
+    let tool = &window.state().state().document.edited.setup.tools[0];
+    assert_eq!(tool.assembly.teeth, Some(3));
+    // What the form leaves can be saved and opened.
+    let setup = &window.state().state().document.edited.setup;
+    let text = vanecut::io::write_setup(setup);
+    assert_eq!(&vanecut::io::read_setup_bytes("s.toml", text.as_bytes()).expect("opens"), setup);
 }

@@ -11,6 +11,7 @@ use crate::app::model::look::Operation;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::role_choices::hint_for_dialog;
+use crate::app::model::shop_library::ShopLibrary;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::engine::PlanTask;
 use crate::app::tasks::files::{self, ClTask, WriteTask};
@@ -35,7 +36,7 @@ impl App {
             OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
             OpenTask::Files { part, .. } => part.clone(),
             OpenTask::Nodes(source) => Some(source.clone()),
-            OpenTask::Blank(_) => None,
+            OpenTask::Blank(_) | OpenTask::Library(_) => None,
         };
         self.state.notice = None;
         self.work.opener.submit(task);
@@ -252,7 +253,13 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, blank, unassigned } = opened;
+        let Opened { part, setup, project, blank, library, unassigned } = opened;
+        if let Some((path, content)) = library {
+            let count = content.tools.len();
+            self.state.report_done(format!("Opened {}: {count} tools", path.display()));
+            self.library.take(ShopLibrary::new(Some(path), content));
+            return;
+        }
         if let Some(unassigned) = unassigned {
             self.roles.ask(unassigned);
             return;
@@ -315,6 +322,12 @@ impl App {
             Purpose::OpenSetup => self.open_files(None, Some(path)),
             Purpose::CheckProgram => self.check_program(path),
             Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
+            Purpose::OpenLibrary => self.submit_open(OpenTask::Library(path)),
+            Purpose::SaveLibrary => {
+                if let Some(library) = self.library.library() {
+                    self.write(WriteTask::Library(path, Box::new(library.content.clone())));
+                }
+            }
             Purpose::SaveSetup => {
                 self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }

@@ -25,6 +25,7 @@ impl App {
             C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
             C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
+            C::SaveLibrary => self.library.library().is_some(),
             C::PlanFlank => open,
             C::CheckProgram => open,
             C::CheckAgain | C::CloseProgram => {
@@ -91,6 +92,9 @@ impl App {
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
+            C::ToolLibrary => self.library.open(),
+            C::OpenLibrary => self.dialogs.open_dialog(ctx, Purpose::OpenLibrary, String::new()),
+            C::SaveLibrary => self.dialogs.open_dialog(ctx, Purpose::SaveLibrary, "tools.toml".to_owned()),
             C::SaveSetup => {
                 self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
             }

@@ -136,11 +136,10 @@ impl CutterColours {
     fn values(self, planned: &DisplayPlan, policy: AxisPolicy) -> Option<Vec<f64>> {
         let plan = planned.plan(policy);
         let count = plan.positions.len();
-        let feed_rate = |section: usize| plan.sections.get(section).map_or(0.0, |s| s.tool.plunge_feed);
         match self {
             Self::State | Self::Tool | Self::Section => None,
             Self::LeadAngle => Some(plan.positions.iter().map(|p| p.alpha_rad.to_degrees()).collect()),
-            Self::FeedRate => Some(plan.positions.iter().map(|p| feed_rate(p.section)).collect()),
+            Self::FeedRate => Some((0..count).map(|k| plan.feed_of(k)).collect()),
             Self::Residual => Some((0..count).map(|k| f64::from(planned.stock(policy, k))).collect()),
             Self::Time => (0..count).map(|k| planned.time_after(policy, k + 1)).collect(),
         }

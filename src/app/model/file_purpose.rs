@@ -21,6 +21,10 @@ pub enum Purpose {
     OpenSetup,
     /// A blank to take.
     OpenBlank,
+    /// A tool library to open.
+    OpenLibrary,
+    /// Target of a tool library.
+    SaveLibrary,
     /// Target of a setup.
     SaveSetup,
     /// Target of the CL file of the shown plunge plan.
@@ -49,6 +53,8 @@ impl Purpose {
             Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
             Self::OpenBlank => "Open blank",
+            Self::OpenLibrary => "Open library",
+            Self::SaveLibrary => "Save library",
             Self::SaveSetup => "Save setup",
             Self::ExportCl { channels: 1 } => "Export CL (APT)",
             Self::ExportCl { .. } => "Export CL of several channels (APT)",
@@ -66,6 +72,7 @@ impl Purpose {
             self,
             Self::SaveProject
                 | Self::SaveSetup
+                | Self::SaveLibrary
                 | Self::ExportCl { .. }
                 | Self::ExportFlank
                 | Self::ExportScene
@@ -86,6 +93,8 @@ impl Purpose {
             Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
+            Self::OpenLibrary => ("Tool libraries", &["toml", "json", "tools", "fctb", "fctl"]),
+            Self::SaveLibrary => ("Tool libraries", &["toml", "json"]),
             Self::OpenBlank => ("Blanks", &["stl", "txt"]),
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),

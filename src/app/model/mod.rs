@@ -17,5 +17,6 @@ pub mod problem;
 pub mod release;
 pub mod results;
 pub mod role_choices;
+pub mod shop_library;
 pub mod solid;
 pub mod state;

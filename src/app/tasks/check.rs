@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::app::model::checked::{CheckRequest, CheckedProgram, FaultPlace, ProgramFigure, ProgramFinding};
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::preview::{PreviewCutters, PreviewPlan};
-use crate::cutting::contact::CoreContact;
+use crate::cutting::contact::{CoreContact, Engagement};
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::error::ErrorCode;
 use crate::gpu::mesh::Segment;
@@ -17,7 +17,7 @@ use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::io::source::{name_of, read_bytes};
 use crate::palette::{CUTTER_CATEGORIES, INTERFERING};
 use crate::plunge::sections::check_part;
-use crate::plunge::{Evaluation, PlungePlan, Position, SectionPlan};
+use crate::plunge::{Evaluation, PlungeMotion, PlungePlan, Position, SectionPlan};
 use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::{ClProgram, Motion, Move};
 use crate::verify::{
@@ -203,6 +203,8 @@ fn place_of(step: &Move, tool: Tool, fault: &Fault) -> FaultPlace {
             retract: step.tip + step.axis * tool.overhang,
             contact: CoreContact { depth: depth.max(1.0), area_share: 1.0 },
             retract_clearance: f64::INFINITY,
+            engagement: Engagement::default(),
+            motion: PlungeMotion::default(),
         },
     };
     let radius = tool.radius();

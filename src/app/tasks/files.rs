@@ -11,6 +11,7 @@ use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::project_file::{EXTENSION, part_hash};
 use crate::io::setup_file::write_setup_beside;
+use crate::io::shop_tools::{ToolLibrary, write_fusion, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 use crate::mesh::tessellate::{Fineness, Tessellation};
@@ -143,6 +144,8 @@ pub enum WriteTask {
     Project(PathBuf, String, Box<Edited>),
     /// The setup.
     Setup(PathBuf, Box<Setup>),
+    /// A tool library, as our TOML or as Fusion JSON by extension.
+    Library(PathBuf, Box<ToolLibrary>),
     /// A plunge program as APT.
     Cl(PathBuf, ClTask),
     /// The flank plan as APT.
@@ -163,6 +166,11 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     let (path, bytes) = match task {
         WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
+        WriteTask::Library(path, library) => {
+            let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+            let text = if is_fusion { write_fusion(library) } else { write_toml(library) };
+            (path, text.into_bytes())
+        }
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),

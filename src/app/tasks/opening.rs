@@ -12,6 +12,7 @@ use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
 use crate::io::project_file::{Project, read_project};
 use crate::io::setup_file::read_setup;
+use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
 use crate::monitor::Monitor;
 use crate::part::BlankFile;
 use crate::setup::Setup;
@@ -30,6 +31,8 @@ pub(in crate::app) enum OpenTask {
     },
     /// A blank.
     Blank(PathBuf),
+    /// A tool library.
+    Library(PathBuf),
     /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),
 }
@@ -40,7 +43,7 @@ impl OpenTask {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
             Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
-            Self::Blank(_) | Self::Nodes(_) => {
+            Self::Blank(_) | Self::Library(_) | Self::Nodes(_) => {
                 Self::Files { part: Some(source), setup: None, defaults: Box::default() }
             }
         }
@@ -54,6 +57,7 @@ pub(in crate::app) struct Opened {
     pub setup: Option<(PathBuf, Setup)>,
     pub project: Option<(PathBuf, Project)>,
     pub blank: Option<BlankFile>,
+    pub library: Option<(PathBuf, ToolLibrary)>,
     /// A mesh file whose nodes need roles first.
     pub unassigned: Option<UnassignedRoles>,
 }
@@ -80,6 +84,10 @@ pub(in crate::app) fn open(
             let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
             let blank = read_blank_file(&path.display().to_string(), &path)?;
             return Ok(Opened { blank: Some(blank), ..Opened::default() });
+        }
+        OpenTask::Library(path) => {
+            let library = read_library(path, LibraryFormat::of_path(path)?)?;
+            return Ok(Opened { library: Some((path.clone(), library)), ..Opened::default() });
         }
         OpenTask::Nodes(source) => {
             let nodes =

@@ -10,7 +10,6 @@ use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::palette::{self, Rgb};
 use crate::part::{Impeller, Workpiece};
-use crate::plunge::MOVES_PER_PLUNGE;
 use crate::plunge::plan::{Condition, PlungePlan};
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
@@ -78,7 +77,10 @@ impl SolidSource {
         let plan = self.plan();
         let has_tool = |position: &&crate::plunge::Position| plan.sections.get(position.section).is_some();
         match cut {
-            Some(cut) => MOVES_PER_PLUNGE * plan.positions.iter().take(cut).filter(has_tool).count(),
+            Some(cut) => {
+                let plunges = plan.positions.iter().take(cut).filter(has_tool).count();
+                program.plunge_starts().get(plunges).copied().unwrap_or(program.moves.len())
+            }
             None => program.moves.len(),
         }
     }
@@ -288,13 +290,14 @@ impl Painter {
             }
             colour
         };
+        let starts = program.plunge_starts();
         // The plunges that have moves, in their order.
         let positions: Vec<_> =
             plan.positions.iter().filter(|p| plan.sections.get(p.section).is_some()).collect();
         let collides =
             |number: usize| contacts.binary_search_by_key(&number, |contact| contact.number as usize).is_ok();
         let colour = |(number, step): (usize, &crate::toolpath::Move)| {
-            let position = positions.get(number / MOVES_PER_PLUNGE);
+            let position = positions.get(starts.partition_point(|start| *start <= number).saturating_sub(1));
             match request.colours {
                 SolidColours::Distance => [0.0; 3],
                 SolidColours::Tool => {

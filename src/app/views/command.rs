@@ -65,6 +65,11 @@ commands! {
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     OpenBlank "Open blank…"
         "Takes the stock before the first cut from a file: a mesh (.stl) or an outline, lines r z (.txt)" [];
+    ToolLibrary "Shop library…"
+        "Shows the tool library of the shop: search, look at, edit, take into the setup" [];
+    OpenLibrary "Open library…"
+        "Opens a tool library of Fusion (.json, .tools), FreeCAD (.fctb, .fctl) or our own (.toml)" [];
+    SaveLibrary "Save library…" "Writes the tool library: our own (.toml) or Fusion (.json)" [];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
         "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];
@@ -141,7 +146,7 @@ commands! {
     MeasureHere "Measure from here"
         "Starts measuring at the point under the pointer, else at the tip of the selected position" [];
     Plots "Plots along the row"
-        "Shows lead angle, contact, residual stock and step along the row of the selected position" [];
+        "Shows lead angle, contact, stock, step, engaged arc and chip along the row of the selected position" [];
     Hub "Hub" "Shows the hub with the residual stock on it" [];
     Blades "Blades" "Shows the blades" [];
     Shroud "Shroud" "Shows the shroud, transparent" [];

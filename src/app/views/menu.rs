@@ -20,6 +20,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::OpenSetup,
                 Command::OpenBlank,
             ],
+            &[Command::ToolLibrary],
             &[Command::CheckProgram, Command::CheckAgain, Command::CloseProgram],
             &[Command::SaveProject, Command::SaveProjectAs],
             &[

@@ -76,7 +76,11 @@ impl App {
         });
         let change = self.state.results.tool_change.as_deref();
         let setup = &mut self.state.document.edited.setup;
-        heading(ui, "Tools", fresh, |ui| panels::tools::show(ui, setup, planned.as_deref(), change));
+        let asked =
+            heading(ui, "Tools", fresh, |ui| panels::tools::show(ui, setup, planned.as_deref(), change));
+        if let Some(command) = asked.flatten() {
+            self.run_command(ui.ctx(), command);
+        }
     }
 
     fn flank_form(&mut self, ui: &mut Ui, fresh: bool) {

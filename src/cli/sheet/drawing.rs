@@ -4,30 +4,20 @@ use std::fmt::Write;
 
 use crate::geometry::MeridionalCurve;
 use crate::part::{Blank, Impeller};
-use crate::setup::{AssemblyPart, Tool};
+use crate::setup::{OutlineKind, OutlinePiece, Tool};
 
 /// Height of a tool's drawing, and width beside it for dimensions, px.
 const TOOL_HEIGHT: f64 = 230.0;
 const TOOL_MARGIN: f64 = 70.0;
-/// Length of holder that is drawn where it is only assumed, in diameters of the cutter.
-const ASSUMED_HOLDER: f64 = 1.2;
 /// Size of the part's drawing, px, and the margin in it.
 const PART_SIZE: (f64, f64) = (420.0, 320.0);
 const PART_MARGIN: f64 = 40.0;
 /// Samples of a curve.
 const SAMPLES: usize = 60;
 
-/// A cylinder or cone of a drawing: heights above the tip, and radii, mm.
-struct Outline {
-    from: f64,
-    length: f64,
-    radii: [f64; 2],
-    fill: &'static str,
-}
-
 /// The tool, tip down, with diameter, overhang and insert width.
 pub fn tool_svg(tool: &Tool) -> String {
-    let outlines = tool_outlines(tool);
+    let outlines = tool.outline();
     let height = outlines.iter().map(|o| o.from + o.length).fold(tool.overhang, f64::max);
     let radius = outlines.iter().flat_map(|o| o.radii).fold(tool.radius(), f64::max);
     let scale = ((TOOL_HEIGHT - 46.0) / height).min(60.0 / radius);
@@ -39,7 +29,8 @@ pub fn tool_svg(tool: &Tool) -> String {
          font-family=\"sans-serif\" font-size=\"11\" role=\"img\" aria-label=\"tool {}\">",
         tool.number
     );
-    for Outline { from, length, radii: [lower, upper], fill } in outlines {
+    for OutlinePiece { kind, from, length, radii: [lower, upper] } in outlines {
+        let fill = fill(kind);
         let (a, b) = (lower * scale, upper * scale);
         let (low, high) = (y(from), y(from + length));
         let _ = write!(
@@ -79,24 +70,13 @@ pub fn tool_svg(tool: &Tool) -> String {
     svg
 }
 
-/// Cutter, shank and holder of a tool, from the tip up.
-fn tool_outlines(tool: &Tool) -> Vec<Outline> {
-    const STEEL: &str = "#cfd8dc";
-    const EDGES: &str = "#ffe0b2";
-    const ASSUMED: &str = "#f5f5f5";
-    let segments = tool.assembly.segments(tool.overhang);
-    let shank = segments.iter().find(|segment| segment.part == AssemblyPart::Shank);
-    let flutes = shank.map_or(tool.overhang, |shank| shank.from);
-    let cutter = Outline { from: 0.0, length: flutes, radii: [tool.radius(); 2], fill: EDGES };
-    let above =
-        segments.iter().map(|s| Outline { from: s.from, length: s.length, radii: s.radii, fill: STEEL });
-    let mut outlines: Vec<Outline> = std::iter::once(cutter).chain(above).collect();
-    if tool.assembly.holder.is_empty() {
-        let radii = [0.5 * tool.holder_diameter(); 2];
-        let length = ASSUMED_HOLDER * tool.diameter;
-        outlines.push(Outline { from: tool.overhang, length, radii, fill: ASSUMED });
+/// Colour of a piece of a tool.
+fn fill(kind: OutlineKind) -> &'static str {
+    match kind {
+        OutlineKind::Cutter => "#ffe0b2",
+        OutlineKind::Body | OutlineKind::Shank | OutlineKind::Holder => "#cfd8dc",
+        OutlineKind::AssumedHolder => "#f5f5f5",
     }
-    outlines
 }
 
 /// Half a section of the part and its blank through the axis of rotation, with the zero point of the program.

@@ -4,11 +4,13 @@
 
 mod columns;
 mod crossed;
+mod engagement;
 mod index;
 mod remainder;
 
 pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
 use crossed::{CoreLine, Neighbours};
+pub use engagement::{Engagement, engagement};
 use remainder::LineRemainder;
 
 use rayon::prelude::*;

@@ -3,7 +3,7 @@
 
 use crate::geometry::{Meridional, Point, Vector, norm2};
 use crate::part::{BladeSide, Blank, Impeller};
-use crate::setup::Tool;
+use crate::setup::{ClearanceSetup, Tool};
 
 /// Points sampled on the blades, at most [`SPACING`] apart along u.
 #[derive(Debug)]
@@ -42,14 +42,14 @@ struct PointBlock {
     radius: f32,
 }
 
-/// Dimensions of a cutter with its holder, mm.
-#[derive(Clone, Copy, Debug)]
+/// Dimensions of a cutter with what is wider above it, mm.
+#[derive(Clone, Debug)]
 pub(super) struct ToolShape {
     pub(super) radius: f64,
     pub(super) corner: f64,
-    pub(super) holder_radius: f64,
-    /// Height of the holder above the centre of the corner.
-    holder_from: f64,
+    /// Shank and holder with their clearances, from bottom to top: heights above the centre of the corner, and radii;
+    /// see [`Tool::assembly_steps`].
+    pub(super) holder: Vec<(f64, f64)>,
 }
 
 /// Minimum distances of a cutter and its holder from points, mm.
@@ -98,8 +98,10 @@ impl BladePoints {
     pub(super) fn near(&self, centre: &Point, cone: &Cone, shape: &ToolShape, margin: f64) -> NearPoints {
         let (sin, cos) = cone.angle.sin_cos();
         let rim = shape.rim();
-        let (column, holder) = (shape.radius + rim + margin, shape.holder_radius + rim + margin);
-        let from = (shape.holder_from - rim).max(0.0).powi(2);
+        let widest = shape.holder.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
+        let lowest = shape.holder.iter().map(|(from, _)| *from).fold(f64::INFINITY, f64::min);
+        let (column, holder) = (shape.radius + rim + margin, widest + rim + margin);
+        let from = (lowest - rim).max(0.0).powi(2);
         let (mut beside_column, mut beside_holder) = (BlockMaker::default(), BlockMaker::default());
         for point in &self.points {
             let d = point - centre;
@@ -152,12 +154,12 @@ impl PointBlock {
 }
 
 impl ToolShape {
-    pub(super) fn of(tool: &Tool) -> Self {
+    pub(super) fn of(tool: &Tool, clearances: &ClearanceSetup) -> Self {
+        let above_corner = |(from, radius)| (from - tool.corner_radius, radius);
         Self {
             radius: tool.radius(),
             corner: tool.corner_radius,
-            holder_radius: 0.5 * tool.holder_diameter(),
-            holder_from: tool.overhang - tool.corner_radius,
+            holder: tool.assembly_steps(clearances).into_iter().map(above_corner).collect(),
         }
     }
 
@@ -209,9 +211,11 @@ impl NearPoints {
         } else {
             self.column_min::<false>(shape, &ray, enough.cutter)
         };
-        let mut holder = f32::MAX;
-        if cutter >= enough.cutter {
-            let from = shape.holder_from as f32;
+        let mut min_holder = f64::INFINITY;
+        let steps = shape.holder.iter().filter(|_| cutter >= enough.cutter);
+        for &(from, holder_radius) in steps {
+            let mut holder = f32::MAX;
+            let from = from as f32;
             for block in &self.holder {
                 let (up, radial) = ray.seen_at(block.centre);
                 if up + block.radius < from || radial.sqrt() - block.radius >= holder.sqrt() {
@@ -224,8 +228,9 @@ impl NearPoints {
                 }
                 holder = holder.min(lane_min(&least));
             }
+            min_holder = min_holder.min(f64::from(holder).sqrt() - holder_radius);
         }
-        MinDistances { cutter, holder: f64::from(holder).sqrt() - shape.holder_radius }
+        MinDistances { cutter, holder: min_holder }
     }
 
     fn column_min<const BALL: bool>(&self, shape: &ToolShape, ray: &AxisRay, enough: f64) -> f64 {
@@ -369,7 +374,7 @@ mod tests {
         let cone = Cone { axis: Vector::z(), angle: std::f64::consts::PI };
         let none = MinDistances { cutter: f64::NEG_INFINITY, holder: f64::NEG_INFINITY };
         for (corner, case) in [4.0, 1.0, 0.0].into_iter().zip(0..) {
-            let shape = ToolShape { radius: 4.0, corner, holder_radius: 9.0, holder_from: 25.0 };
+            let shape = ToolShape { radius: 4.0, corner, holder: vec![(25.0, 9.0), (40.0, 14.0)] };
             for _ in 0..60 {
                 let mut random = || Vector::new(dice(&mut seed), dice(&mut seed), dice(&mut seed));
                 let (centre, axis, offset) = (Point::from(random() * 20.0), random().normalize(), random());
@@ -383,8 +388,10 @@ mod tests {
                     let beyond = (radial - shape.rim()).max(0.0);
                     let bottom = norm2(beyond, up) - corner;
                     cutter = cutter.min(if up >= 0.0 { radial - shape.radius } else { bottom });
-                    if up >= shape.holder_from {
-                        holder = holder.min(radial - shape.holder_radius);
+                    for (from, radius) in &shape.holder {
+                        if up >= *from {
+                            holder = holder.min(radial - radius);
+                        }
                     }
                 }
                 assert!((near.cutter - cutter).abs() < 1e-3, "corner {case}: {} for {cutter}", near.cutter);

@@ -72,6 +72,20 @@ impl LibraryFormat {
     }
 }
 
+impl LibraryFormat {
+    /// The format of a file by its extension.
+    ///
+    /// # Errors
+    /// When it has another one.
+    pub fn of_path(path: &Path) -> Result<Self, InputError> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        Self::of_extension(&extension).ok_or_else(|| {
+            let (name, help) = (name_of(path), "give a .toml, .json, .tools, .fctb or .fctl file");
+            Source::new(&name, ErrorCode::FileFormat).fault(0, "is not a tool library", help)
+        })
+    }
+}
+
 /// Whether bytes look like a tool library of one of the formats that share their extension with others: our
 /// TOML (only `[[tool]]` tables) and Fusion JSON (a list `data`).
 pub fn looks_like_library(format: LibraryFormat, bytes: &[u8]) -> bool {

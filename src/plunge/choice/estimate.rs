@@ -149,7 +149,7 @@ impl Estimator<'_> {
                 let misfits = u32::from(tool.overhang < station.deepest);
                 Cost { misfits, wanting: 1 - misfits, lacking, ..Cost::default() }
             }
-            ToolFit::Wide => Cost { misfits: 1, ..Cost::default() },
+            ToolFit::Wide | ToolFit::Hindered => Cost { misfits: 1, ..Cost::default() },
         }
     }
 }

@@ -27,6 +27,8 @@ pub enum ToolFit {
     Good,
     /// Wide enough for inclined axes, but the holder would enter the blank.
     Short,
+    /// Wide enough for inclined axes, but its given shank or holder comes too near to part or blank.
+    Hindered,
     /// Too tight for inclined axes.
     Tight,
     /// The cutter is wider than the passage.
@@ -57,6 +59,8 @@ impl Rules {
             ToolFit::Wide
         } else if free < TILT_ROOM * tool.diameter || station.clear_diameter < CLEAR_ROOM * tool.diameter {
             ToolFit::Tight
+        } else if station.hindered.contains(&tool.number) {
+            ToolFit::Hindered
         } else if tool.overhang < self.overhang(station) {
             ToolFit::Short
         } else {

@@ -74,6 +74,9 @@ impl Reasons<'_> {
             Some(ToolFit::Wide | ToolFit::Tight) => {
                 format!("to s = {s:.2}, where the passage narrows to {width:.1} mm")
             }
+            Some(ToolFit::Hindered) => {
+                format!("to s = {s:.2}, where its shank or holder comes too near")
+            }
             Some(ToolFit::Short) => {
                 format!("to s = {s:.2}, where the channel gets too deep for its overhang")
             }
@@ -86,6 +89,9 @@ impl Reasons<'_> {
         let tool = self.tool(stretch);
         let within = stretch.to..=stretch.from;
         let fits: Vec<ToolFit> = within.clone().map(|station| self.fit(tool, station)).collect();
+        if fits.contains(&ToolFit::Hindered) {
+            return Some("its shank or holder comes too near to part or blank in places".to_owned());
+        }
         if fits.contains(&ToolFit::Tight) {
             return Some("without room to tilt in places".to_owned());
         }

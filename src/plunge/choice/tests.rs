@@ -26,6 +26,7 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
             narrowest: width,
             deepest: 40.0,
             clear_diameter: f64::INFINITY,
+            hindered: Vec::new(),
             passages: vec![PassageExtent {
                 passage,
                 hub: width,

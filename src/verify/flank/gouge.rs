@@ -69,7 +69,7 @@ impl StepSurroundings<'_> {
         let segments = &self.segments[step.tool];
         match segments.is_empty() {
             true => AssemblyClearance::FAR,
-            false => self.assembly.along(&self.tools[step.tool], segments, step.from, step.to),
+            false => self.assembly.along(&self.tools[step.tool], segments, step.from, step.to, f64::INFINITY),
         }
     }
 

@@ -54,6 +54,7 @@ impl Uncovered {
             blade_allowance: stock.blade_allowance,
             stock_height: setup.flank.layer_depth,
             max_tilt_rad: MAX_TILT,
+            clearances: setup.clearances,
         };
         let search = FixedAxisSearch::new(workpiece, tool, &limits);
         let layer = DepthSurface::new(workpiece.part.hub.curve(), stock.hub_allowance + tool.corner_radius);

@@ -41,6 +41,8 @@ fn position(k: usize) -> Position {
             contact: CoreContact { depth: if k.is_multiple_of(3) { 0.4 } else { 0.0 }, area_share: 0.0 },
             retract: tip + axis * 40.0,
             retract_clearance: 2.0,
+            engagement: Default::default(),
+            motion: Default::default(),
         },
     }
 }

@@ -1,4 +1,5 @@
-//! Plots along the row of the selected position: lead angle, contact, residual stock, step. A click selects.
+//! Plots along the row of the selected position: lead angle, contact, residual stock, step, engaged arc, thickness
+//! of the chip. A click selects.
 
 use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 
@@ -14,6 +15,10 @@ pub const HEIGHT: f32 = 92.0;
 
 /// Plots narrower than this do not show their range, points.
 const NARROW: f32 = 112.0;
+/// In plots narrower than this the value is below the name, points.
+const TIGHT: f32 = 80.0;
+/// Height of a line of text, points.
+const LINE: f32 = 12.0;
 
 /// One plotted quantity with its scale.
 struct PlotCurve {
@@ -54,11 +59,14 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).evaluation.contact.depth),
         curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
         curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
+        curve("Arc", "Arc", "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
+        curve("Chip", "Ch", " mm", (true, 0.02), &|k| plan.chip_thickness_of(k).unwrap_or(f64::NAN)),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
     let (mut clicked, mut menu) = (None, None);
     let gap = 6.0;
-    let width = ((ui.available_width() - 3.0 * gap) / 4.0).max(20.0);
+    let count = curves.len() as f32;
+    let width = ((ui.available_width() - (count - 1.0) * gap) / count).max(20.0);
     let height = ui.available_height().min(HEIGHT);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = gap;
@@ -97,10 +105,18 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         low = low.min(0.0);
     }
     if !(high - low).is_finite() {
+        // Of tools that do not say how many teeth they have.
+        let at = rect.min + egui::vec2(5.0, 3.0);
+        let font = FontId::proportional(11.0);
+        painter.text(at, Align2::LEFT_TOP, curve.name, font.clone(), visuals.text_color());
+        painter.text(rect.center(), Align2::CENTER_CENTER, "unknown", font, visuals.weak_text_color());
+        response.on_hover_text("The tool does not say how many teeth it has");
         return Picked::default();
     }
     high = high.max(low + curve.min_range);
-    let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, 18.0), rect.max - egui::vec2(5.0, 6.0));
+    let is_tight = rect.width() < TIGHT;
+    let head = if is_tight { 18.0 + LINE } else { 18.0 };
+    let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, head), rect.max - egui::vec2(5.0, 6.0));
     let last = (curve.values.len() - 1).max(1) as f32;
     let place = |k: usize, v: f64| -> Pos2 {
         let y = ((v - low) / (high - low)) as f32;
@@ -138,9 +154,10 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         None if rect.width() < NARROW => String::new(),
         None => format!("{low:.1} to {high:.1}{}", curve.unit),
     };
-    let name = if value.is_some() && rect.width() < NARROW { curve.short } else { curve.name };
+    let is_short = value.is_some() && rect.width() < NARROW && !is_tight;
+    let name = if is_short { curve.short } else { curve.name };
     painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
-    let at = rect.right_top() + egui::vec2(-5.0, 3.0);
+    let at = rect.right_top() + egui::vec2(-5.0, if is_tight { 3.0 + LINE } else { 3.0 });
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
     let near = |at: Pos2| {
         let share = (at.x - inner.left()) / inner.width().max(1.0);

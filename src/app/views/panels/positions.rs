@@ -263,11 +263,14 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         }
         let [x, y, z] = [position.tip.x, position.tip.y, position.tip.z];
         fact("Tool tip X Y Z", format!("{x:.3} {y:.3} {z:.3} mm"));
-        let [i, j, k] = [position.axis.x, position.axis.y, position.axis.z];
-        fact("Tool axis I J K", format!("{i:.4} {j:.4} {k:.4}"));
+        let [i, j, l] = [position.axis.x, position.axis.y, position.axis.z];
+        fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
         let [hub, blade] = [position.hub_clearance, position.blade_clearance];
         fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
+        let arc = position.evaluation.engagement.max_arc_rad.to_degrees();
+        let chip = plan.chip_thickness_of(k).map_or_else(String::new, |chip| format!(", chip {chip:.3} mm"));
+        fact("Engaged arc", format!("{arc:.0}°{chip}"));
     });
     ui.add_space(4.0);
 }
@@ -299,7 +302,7 @@ pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
     ui.label(format!(
         "α {:.1}°, {:.0} mm/min, {:.0} rev/min",
         position.alpha_rad.to_degrees(),
-        tool.plunge_feed,
+        plan.feed_of(k),
         tool.spindle
     ));
     if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {

@@ -6,20 +6,10 @@ use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
 use crate::app::model::planned::DisplayPlan;
+use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
+use crate::app::views::tool_form;
 
-const DIAMETER: FieldSpec = FieldSpec::mm("Diameter", "", 0.5, 200.0).sliding(4.0, 50.0);
-const CORNER: FieldSpec = FieldSpec::mm("Corner radius", "", 0.0, 100.0);
-const INSERT: FieldSpec = FieldSpec::mm(
-    "Insert width",
-    "Radial width of the cutting edges; the core inside has no edge",
-    0.1,
-    100.0,
-)
-.sliding(0.5, 25.0);
-const OVERHANG: FieldSpec = FieldSpec::mm("Stick-out", "Free length from tip to holder", 1.0, 1000.0);
-const FEED: FieldSpec = FieldSpec::plain("Feed rate", " mm/min", 10_000.0);
-const SPINDLE: FieldSpec = FieldSpec::plain("Spindle speed", " rpm", 100_000.0);
 const S: FieldSpec = FieldSpec {
     label: "s",
     tip: "Fraction of meridional arc length: 0 at the leading edge (LE), 1 at the rim (OD)",
@@ -31,8 +21,20 @@ const S: FieldSpec = FieldSpec {
     slide: None,
 };
 
-/// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools.
-pub fn show(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change: Option<&str>) {
+/// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools. Returns the command
+/// that was asked for.
+pub fn show(
+    ui: &mut Ui,
+    setup: &mut Setup,
+    planned: Option<&DisplayPlan>,
+    change: Option<&str>,
+) -> Option<Command> {
+    let library = ui.button(Command::ToolLibrary.label()).on_hover_text(Command::ToolLibrary.tip()).clicked();
+    content(ui, setup, planned, change);
+    library.then_some(Command::ToolLibrary)
+}
+
+fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change: Option<&str>) {
     let chosen = planned.map(|planned| &planned.outcome.setup);
     if setup.tools.is_empty() {
         ui.label(RichText::new("Chosen from the tool library for the part").weak());
@@ -103,15 +105,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     for (k, tool) in setup.tools.iter_mut().enumerate() {
         let name = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
         egui::CollapsingHeader::new(name).id_salt(("tool", k)).show_unindented(ui, |ui| {
-            fields::form(ui, "tool fields", |ui| {
-                fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
-                fields::plain_row(ui, &mut tool.insert_width, &INSERT);
-                fields::plain_row(ui, &mut tool.corner_radius, &CORNER);
-                fields::plain_row(ui, &mut tool.overhang, &OVERHANG);
-                fields::plain_row(ui, &mut tool.plunge_feed, &FEED);
-                fields::plain_row(ui, &mut tool.spindle, &SPINDLE);
-            });
-            fit_to_radius(tool);
+            tool_form::show(ui, tool);
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
@@ -136,12 +130,6 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
             assembly: Default::default(),
         });
     }
-}
-
-/// Keeps what hangs on the radius of a tool within it: insert width and corner radius.
-fn fit_to_radius(tool: &mut Tool) {
-    tool.insert_width = tool.insert_width.min(tool.radius());
-    tool.corner_radius = tool.corner_radius.min(tool.radius());
 }
 
 /// Keeps the ends of a section in order, as a setup file must have them.
@@ -320,7 +308,7 @@ mod tests {
         for (diameter, from, to) in [(11.0, 0.4, 0.5), (0.5, 0.0, 0.0), (200.0, 1.0, 1.0), (4.0, 0.01, 0.9)] {
             setup.tools[0].diameter = diameter;
             (setup.plunge.sections[0].from, setup.plunge.sections[0].to) = (from, to);
-            fit_to_radius(&mut setup.tools[0]);
+            tool_form::fit(&mut setup.tools[0]);
             fit_ends(&mut setup.plunge.sections[0]);
             let tool = &setup.tools[0];
             assert!(tool.insert_width <= tool.radius() && tool.corner_radius <= tool.radius(), "{tool:?}");

@@ -1,0 +1,193 @@
+//! The tool library of the shop: search, filter, look at, edit, take into the setup, save.
+
+use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui, Window};
+
+use super::command::Command;
+use super::tool_form;
+use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
+use crate::app::views::theme::Condition;
+use crate::setup::Setup;
+
+/// Size of the list, points.
+const LIST: (f32, f32) = (280.0, 380.0);
+
+/// What was asked for in the dialog.
+pub enum LibraryAnswer {
+    /// A command: open or save.
+    Command(Command),
+    /// A tool was taken into the setup under this number.
+    Taken(u32),
+}
+
+/// The dialog, with the library while it was open once.
+#[derive(Default)]
+pub struct LibraryDialog {
+    library: Option<ShopLibrary>,
+    open: bool,
+}
+
+impl LibraryDialog {
+    /// Opens it, with the program's own tools the first time.
+    pub fn open(&mut self) {
+        self.library.get_or_insert_default();
+        self.open = true;
+    }
+
+    /// Shows a library that was read.
+    pub fn take(&mut self, library: ShopLibrary) {
+        self.library = Some(library);
+        self.open = true;
+    }
+
+    /// Whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// The library.
+    pub fn library(&self) -> Option<&ShopLibrary> {
+        self.library.as_ref()
+    }
+
+    /// Draws it; returns what was asked for. `setup`: of the open part, if there is one.
+    pub fn show(&mut self, ui: &Ui, setup: Option<&mut Setup>) -> Option<LibraryAnswer> {
+        let library = self.library.as_mut().filter(|_| self.open)?;
+        let mut answer = None;
+        let mut open = true;
+        let window = Window::new("Tool library").open(&mut open).resizable(false).collapsible(false);
+        window.default_pos([60.0, 60.0]).show(ui.ctx(), |ui| {
+            head(ui, library, &mut answer);
+            ui.separator();
+            ui.horizontal_top(|ui| {
+                ui.vertical(|ui| {
+                    ui.set_width(LIST.0);
+                    filters(ui, library);
+                    list(ui, library);
+                });
+                ui.separator();
+                ui.vertical(|ui| {
+                    ui.set_width(300.0);
+                    selected(ui, library, setup, &mut answer);
+                });
+            });
+        });
+        self.open = open;
+        answer
+    }
+}
+
+/// The file, and the buttons to open and save.
+fn head(ui: &mut Ui, library: &ShopLibrary, answer: &mut Option<LibraryAnswer>) {
+    ui.horizontal(|ui| {
+        for command in [Command::OpenLibrary, Command::SaveLibrary] {
+            if ui.button(command.label()).on_hover_text(command.tip()).clicked() {
+                *answer = Some(LibraryAnswer::Command(command));
+            }
+        }
+        match &library.path {
+            Some(path) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                ui.label(RichText::new(name).weak()).on_hover_text(path.display().to_string());
+            }
+            None => {
+                ui.label(RichText::new("The program's own tools").weak());
+            }
+        }
+        if !library.content.notes.is_empty() {
+            let notes = library.content.notes.join("\n");
+            let count = library.content.notes.len();
+            ui.label(RichText::new(format!("{count} remarks")).weak()).on_hover_text(notes);
+        }
+    });
+}
+
+fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
+    ui.horizontal(|ui| {
+        let label = ui.label("Search");
+        let field = TextEdit::singleline(&mut library.search).hint_text("name, T, Ø, L").desired_width(200.0);
+        ui.add(field).labelled_by(label.id);
+    });
+    ui.horizontal(|ui| {
+        ui.spacing_mut().interact_size.x = 46.0;
+        let label = ui.label("Type");
+        ComboBox::from_id_salt("tool type")
+            .width(86.0)
+            .selected_text(library.form.label())
+            .show_ui(ui, |ui| {
+                for form in ToolForm::ALL {
+                    ui.selectable_value(&mut library.form, form, form.label());
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        let label = ui.label("Ø").on_hover_text("Diameters shown, mm");
+        let [least, most] = &mut library.diameters;
+        let [lowest, highest] = ALL_DIAMETERS;
+        ui.add(DragValue::new(least).speed(0.2).range(lowest..=*most)).labelled_by(label.id);
+        ui.label("to");
+        ui.add(DragValue::new(most).speed(0.2).range(*least..=highest)).labelled_by(label.id);
+    });
+}
+
+fn list(ui: &mut Ui, library: &mut ShopLibrary) {
+    let shown = library.shown();
+    ui.label(RichText::new(format!("{} of {} tools", shown.len(), library.content.tools.len())).weak());
+    let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
+    ScrollArea::vertical().max_height(LIST.1).auto_shrink([false, false]).show_rows(
+        ui,
+        row,
+        shown.len(),
+        |ui, range| {
+            for &index in &shown[range] {
+                let entry = &library.content.tools[index];
+                let button = egui::Button::selectable(library.selected == Some(index), describe(&entry.tool));
+                let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
+                if button.clicked() {
+                    library.selected = Some(index);
+                }
+            }
+        },
+    );
+}
+
+/// The selected tool: remarks of its import, drawing, fields, and what can be done with it.
+fn selected(
+    ui: &mut Ui,
+    library: &mut ShopLibrary,
+    setup: Option<&mut Setup>,
+    answer: &mut Option<LibraryAnswer>,
+) {
+    let Some(index) = library.selected.filter(|&index| index < library.content.tools.len()) else {
+        ui.label(RichText::new("Select a tool to see its drawing").weak());
+        return;
+    };
+    ui.horizontal(|ui| {
+        let take = ui.add_enabled(setup.is_some(), egui::Button::new("Take into setup"));
+        let take = take.on_hover_text("Copies the tool into the setup of the open part");
+        if take.clicked()
+            && let Some(setup) = setup
+            && let Some(number) = library.take_into(setup)
+        {
+            *answer = Some(LibraryAnswer::Taken(number));
+        }
+        if ui.button("Copy").on_hover_text("Adds a copy to the library, to be edited").clicked() {
+            let mut copy = library.content.tools[index].clone();
+            let numbers = library.content.tools.iter().map(|entry| entry.tool.number);
+            copy.tool.number = numbers.max().unwrap_or(0) + 1;
+            library.content.tools.push(copy);
+            library.selected = Some(library.content.tools.len() - 1);
+        }
+        if ui.button("Delete").on_hover_text("Removes the tool from the library").clicked() {
+            library.content.tools.remove(index);
+            library.selected = None;
+        }
+    });
+    let Some(entry) = library.selected.and_then(|index| library.content.tools.get_mut(index)) else { return };
+    let warn = Condition::Blocked.text(ui.visuals());
+    for note in &entry.notes {
+        ui.add(egui::Label::new(RichText::new(note).color(warn)).wrap());
+    }
+    ScrollArea::vertical().id_salt("library tool").max_height(LIST.1 + 20.0).show(ui, |ui| {
+        ui.push_id(("library tool", library.selected), |ui| tool_form::show(ui, &mut entry.tool));
+    });
+}

@@ -1,0 +1,72 @@
+//! Random assemblies on the samples: no program brings a shank or holder near, by points of the wheel.
+
+use std::path::Path;
+
+use vanecut::flank::choice::choose_tool;
+use vanecut::io::part_file::read_part;
+use vanecut::io::tool_library::flank_cutters;
+use vanecut::job::flank::{FlankJob, FlankRequest};
+use vanecut::job::{PlanRequest, resolve, run};
+use vanecut::monitor::Monitor;
+use vanecut::part::Impeller;
+use vanecut::setup::{AxisPolicy, FlankStrategy, Setup};
+use vanecut::toolpath::ClProgram;
+
+use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly};
+
+fn sample(name: &str) -> Impeller {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/parts/{name}.toml"));
+    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+}
+
+#[test]
+fn every_policy_keeps_random_assemblies_clear() {
+    for (name, seed) in [("impeller532", 3), ("impeller9x9", 5), ("pump6", 8)] {
+        let part = sample(name);
+        let mut dice = Dice::new(seed);
+        let mut setup = Setup::for_part(&part);
+        let workpiece = setup.allowances.workpiece_of(part.clone());
+        let chosen = resolve(&setup, &workpiece).expect("tools").setup;
+        setup.tools = chosen.tools.iter().map(|tool| with_random_assembly(tool, &mut dice)).collect();
+        let points = WheelPoints::of(&workpiece);
+        let request = PlanRequest {
+            part: part.into(),
+            setup,
+            policy: AxisPolicy::Minimal,
+            compare: true,
+            field_cells: 64,
+        };
+        let outcome = run(&request, &Monitor::default()).expect("a plan");
+        for result in outcome.policies() {
+            let plan = &result.plan;
+            let program = ClProgram::of_plan(name, plan);
+            let found = collisions(&workpiece, &points, &outcome.setup, &program);
+            let policy = plan.policy;
+            assert!(found.is_empty(), "{name}, {policy:?}: {found:#?}\n{:?}", outcome.setup.tools);
+            assert!(!plan.positions.is_empty(), "{name}, {policy:?} cuts nothing");
+        }
+    }
+}
+
+#[test]
+fn every_flank_strategy_keeps_random_assemblies_clear() {
+    let part = sample("pump6");
+    let setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let points = WheelPoints::of(&workpiece);
+    let ball = choose_tool(&workpiece, &setup, flank_cutters()).expect("a tool").tool;
+    for (strategy, seed) in FlankStrategy::ALL.into_iter().zip(20..) {
+        let mut setup = setup.clone();
+        setup.tools = vec![with_random_assembly(&ball, &mut Dice::new(seed))];
+        setup.flank.tool = Some(ball.number);
+        setup.flank.strategy = strategy;
+        let request = FlankRequest { part: part.clone().into(), setup };
+        let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("a plan");
+        let plan = &outcome.plan;
+        let program = ClProgram::of_flank("pump6", &plan.tool, &plan.moves);
+        let program = program.after_opening(plan.opening.as_ref());
+        let found = collisions(&workpiece, &points, &outcome.setup, &program);
+        assert!(found.is_empty(), "{strategy:?}: {found:#?}\n{:?}", plan.tool);
+        assert!(!plan.moves.is_empty(), "{strategy:?} cuts nothing");
+    }
+}
