@@ -215,6 +215,7 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     text += &report::convergence_text(plan);
     text += &report::limited_text(plan);
     text += &report::blocked_text(plan);
+    text += &report::material_text(&outcome.setup);
     text += &report::notes_text(&report.notes);
     text += &format!(
         "wrote {} and {}\n",

@@ -5,7 +5,8 @@ use serde_json::{Map, Value, json};
 use crate::job::{PolicyResult, Summary};
 use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
-use crate::setup::{CutDirection, SectionKind};
+use crate::setup::cutting_data::CuttingData;
+use crate::setup::{CutDirection, SectionKind, Setup};
 use crate::stock::FloorGrid;
 use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
@@ -331,6 +332,17 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
         s.time_estimate / 60.0,
         channels_text(channels),
     )
+}
+
+/// A line where the material of `setup` has no cutting data; empty otherwise.
+pub fn material_text(setup: &Setup) -> String {
+    match &setup.allowances.material {
+        Some(name) if setup.allowances.cutting_data().is_none() => format!(
+            "no cutting data for `{name}`: speeds and feed rates stay those for steel; known: {}\n",
+            CuttingData::known_names().collect::<Vec<_>>().join(", ")
+        ),
+        _ => String::new(),
+    }
 }
 
 /// Notes, one per line.

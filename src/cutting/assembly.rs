@@ -1,7 +1,7 @@
 //! Shank and holder of a tool against the finished part and the blank.
 //!
 //! Each cylinder or cone is measured on its own: against the blades of the whole wheel by the search of
-//! [`SideProbe`](crate::part::SideProbe), against the hub along circles of its surface. Moves are sampled by
+//! [`SideProbe`], against the hub along circles of its surface. Moves are sampled by
 //! conservative advancement: a distance changes by no more than the fastest point of the tool travels, so
 //! that the slack at a sample says how far the next one may be.
 

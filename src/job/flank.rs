@@ -91,7 +91,7 @@ impl FlankJob {
             opener.iter().map(|opener| &opener.tool).filter(|tool| !request.setup.tools.contains(tool));
         setup.tools.extend(more.cloned());
         let judged = setup.clone();
-        let mut verifier = FlankVerifier::new(&workpiece, &judged);
+        let mut verifier = FlankVerifier::for_planner(&workpiece, &judged);
         let mut faults = Vec::new();
         let mut opening = None;
         let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {

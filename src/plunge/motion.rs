@@ -22,7 +22,7 @@ use crate::setup::cutting_data::feed_by_engagement;
 
 /// Shares of the wanted way off the stock that are tried.
 const LIFT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
-/// Places of the way that are looked at.
+/// Places of the way that are looked at: half a radius apart at most.
 const LIFT_PLACES: usize = 4;
 /// Radius of the body of a cutter above its edges, in radii: bodies are relieved.
 const BODY_SHARE: f64 = 0.95;
@@ -102,7 +102,7 @@ impl Planner<'_> {
         feed_by_engagement(tool, engaged.max_arc_rad, engaged.is_interrupted, range)
     }
 
-    /// The way off the stock, at most `way` mm across the axis, after the plunges `until` this one; `None` where
+    /// The way off the stock, at most `way` mm and the radius of the cutter across the axis, after the plunges `until` this one; `None` where
     /// it is half engaged or more, or no way is free.
     #[expect(clippy::too_many_arguments, reason = "one plunge with all that may be in its way")]
     fn lift_off(
@@ -131,6 +131,8 @@ impl Planner<'_> {
                 && rule.is_none_or(|rule| rule.obstacle((tip, axis)).is_none())
                 && core_contact(&column, until, &self.workpiece.blank).depth <= CONTACT_TOLERANCE
         };
+        // Beyond its radius the cutter has left the arc that it engaged.
+        let way = way.min(tool.radius());
         LIFT_SHARES.into_iter().map(|share| -engaged.towards_stock * (share * way)).find(|off| {
             (1..=LIFT_PLACES).all(|k| {
                 let share = k as f64 / LIFT_PLACES as f64;

@@ -63,13 +63,25 @@ pub struct Pecking {
 
 /// Largest number of interruptions of one plunge.
 const MAX_PECKS: usize = 100;
+/// Way back at an interruption, mm: enough to break the chip; and as a share of the depth between two of them.
+const CHIP_BREAK: f64 = 0.5;
+const CHIP_BREAK_SHARE: f64 = 0.5;
 
 impl Pecking {
     /// Heights above the tip at which the plunge is interrupted, in cutting order, mm.
     pub fn heights(&self) -> impl Iterator<Item = f64> + use<> {
-        let depth = self.depth.max(self.from / MAX_PECKS as f64);
-        let from = self.from;
+        let (from, depth) = (self.from, self.step());
         (1..).map(move |k| from - depth * f64::from(k)).take_while(|height| *height > 1e-6)
+    }
+
+    /// Way back at each interruption, mm.
+    pub fn back(&self) -> f64 {
+        CHIP_BREAK.min(CHIP_BREAK_SHARE * self.step())
+    }
+
+    /// Depth between two interruptions, mm.
+    fn step(&self) -> f64 {
+        self.depth.max(self.from / MAX_PECKS as f64)
     }
 }
 

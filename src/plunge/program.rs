@@ -6,9 +6,6 @@ use crate::geometry::{Point, Vector};
 use crate::setup::Tool;
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 
-/// Way back after an interruption of a plunge, mm: enough to break the chip.
-const CHIP_BREAK: f64 = 0.5;
-
 impl ClSection {
     fn of(section: &SectionPlan) -> Self {
         Self {
@@ -62,9 +59,11 @@ fn plunge_moves(position: &Position, tool: &Tool) -> Vec<(Motion, Point)> {
     let evaluation = &position.evaluation;
     let feed = Motion::Feed(Some(evaluation.motion.feed_mm_per_min.unwrap_or(tool.plunge_feed)));
     let mut moves = vec![(Motion::Rapid, evaluation.retract)];
-    for height in evaluation.motion.pecking.iter().flat_map(|pecking| pecking.heights()) {
-        moves.push((feed, tip + axis * height));
-        moves.push((Motion::Rapid, tip + axis * (height + CHIP_BREAK)));
+    if let Some(pecking) = evaluation.motion.pecking {
+        for height in pecking.heights() {
+            moves.push((feed, tip + axis * height));
+            moves.push((Motion::Rapid, tip + axis * (height + pecking.back())));
+        }
     }
     moves.push((feed, tip));
     if evaluation.motion.lift_off != Vector::zeros() {

@@ -106,6 +106,11 @@ impl CuttingData {
         CUTTING_DATA.iter().find(|data| data.names.iter().any(&is_name))
     }
 
+    /// First name of every material with data.
+    pub fn known_names() -> impl Iterator<Item = &'static str> {
+        CUTTING_DATA.iter().map(|data| data.names[0])
+    }
+
     /// Feed per tooth for a cutter of `diameter` mm, mm.
     pub fn feed_per_tooth_for(&self, diameter: f64) -> f64 {
         self.feed_per_tooth.min(SOLID_FEED_SHARE * diameter)
@@ -117,14 +122,15 @@ impl CuttingData {
         let usual = self.feed_per_tooth_for(diameter);
         if usual < self.feed_per_tooth {
             let share = usual / self.feed_per_tooth;
-            return [SOLID_FLOOR_SHARE * floor * share, ceiling * share];
+            let floor_share = if diameter < INSERTS_FROM { SOLID_FLOOR_SHARE } else { 1.0 };
+            return [floor_share * floor * share, ceiling * share];
         }
         [floor, ceiling]
     }
 
     /// Spindle speed for a cutter of `diameter` mm, rev/min.
     pub fn spindle_for(&self, diameter: f64) -> f64 {
-        (self.cutting_speed * 1e3 / (std::f64::consts::PI * diameter)).clamp(1.0, MAX_SPINDLE)
+        (self.cutting_speed * 1e3 / (std::f64::consts::PI * diameter)).round().clamp(1.0, MAX_SPINDLE)
     }
 
     /// `tool`, whose spindle speed and feed rate are for steel, with those for this material.

@@ -113,6 +113,8 @@ pub fn verify_flank(
 pub struct FlankVerifier<'a> {
     workpiece: &'a Workpiece,
     setup: &'a Setup,
+    /// By how much holders keep off stock that stands, in spacings of the rays of the solid.
+    holder_margin: f64,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
@@ -149,7 +151,14 @@ fn step_key(step: &CutterStep) -> StepKey {
 impl<'a> FlankVerifier<'a> {
     /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self { workpiece, setup, tools: Vec::new(), cache: HashMap::new(), last: None }
+        let (tools, cache) = (Vec::new(), HashMap::new());
+        Self { workpiece, setup, holder_margin: 0.0, tools, cache, last: None }
+    }
+
+    /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a finer
+    /// one finds nothing either.
+    pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
+        Self { holder_margin: 1.0, ..Self::new(workpiece, setup) }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing
@@ -245,7 +254,7 @@ impl<'a> FlankVerifier<'a> {
             Some(known) => known,
             None => {
                 let Workpiece { part, blank, .. } = self.workpiece;
-                standing::collisions(part, blank, &self.tools, steps, monitor)?
+                standing::collisions(part, blank, &self.tools, steps, self.holder_margin, monitor)?
             }
         };
         let fault = |contact: &Contact| {

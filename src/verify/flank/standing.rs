@@ -20,7 +20,8 @@ use crate::stock::solid::{
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
 
-/// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its step.
+/// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its step. Given
+/// holders count as `holder_margin` spacings of the rays thicker: stock between two rays is not seen.
 ///
 /// # Errors
 /// When cancelled.
@@ -29,12 +30,15 @@ pub(super) fn collisions(
     blank: &Blank,
     tools: &[Tool],
     steps: &[CutterStep],
+    holder_margin: f64,
     monitor: &Monitor,
 ) -> Result<Vec<Contact>, Cancelled> {
     let solid = SolidBlank::of(part, blank);
     let (low, high) = solid.bounds();
     let spacing = SPACING_SHARE * (high.x - low.x).max(high.y - low.y);
-    let solid_tools: Vec<SolidTool> = tools.iter().map(SolidTool::of).collect();
+    let margin = holder_margin * spacing;
+    let solid_tools: Vec<SolidTool> =
+        tools.iter().map(|tool| SolidTool::of(&with_thicker_holder(tool, margin))).collect();
     let simulated = SolidStock::new(&solid, spacing)
         .and_then(|mut stock| stock.make_moves(&solid_tools, &moves(part, steps), monitor));
     match simulated {
@@ -43,6 +47,16 @@ pub(super) fn collisions(
         // At this spacing a blank fits the memory allowed; stock in more pieces than that is not milling.
         Err(_) => Ok(Vec::new()),
     }
+}
+
+/// `tool` with its holder thicker by `margin` mm all around.
+fn with_thicker_holder(tool: &Tool, margin: f64) -> Tool {
+    let mut tool = tool.clone();
+    for [lower, upper, _] in &mut tool.assembly.holder {
+        *lower += 2.0 * margin;
+        *upper += 2.0 * margin;
+    }
+    tool
 }
 
 /// The steps where the program has them, in their channels.
