@@ -81,7 +81,7 @@ struct Measured {
     /// Engagement of the whole circumference.
     engagement: Engagement,
     /// Contact of the core where the tool has left the stock beside it.
-    lifted: CoreContact,
+    lead_out: CoreContact,
     holder_in_stock: Option<Fault>,
     rapids: Vec<Fault>,
 }
@@ -136,10 +136,11 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
             let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
             let deep = whole.top > cut.tool.overhang;
             let (retract, rapids) = check_rapids(cut, blank, &setup.allowances);
-            let lifted = cut.lifted.map(|cutter| {
-                let column = PlungeColumn::new(cutter, cut.tool.core_radius(), &top);
+            let left = |cutter: &CutterSolid| {
+                let column = PlungeColumn::new(*cutter, cut.tool.core_radius(), &top);
                 core_contact(&column, columns.before(k + 1), blank)
-            });
+            };
+            let lead_out = cut.lead_out.iter().map(left).max_by(|a, b| a.depth.total_cmp(&b.depth));
             Measured {
                 contact: core_contact(&columns.as_slice()[k], earlier, blank),
                 hub: worst(&|c| finished.hub_clearance(c)),
@@ -147,7 +148,7 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
                 retract,
                 in_blank: bottom_in_blank(&cut.cutter, blank),
                 top: whole.top,
-                lifted: lifted.unwrap_or_default(),
+                lead_out: lead_out.unwrap_or_default(),
                 engagement: engagement(&whole, earlier, blank),
                 engaged: if deep { core_contact(&whole, earlier, blank).depth } else { 0.0 },
                 holder_in_stock: holder_in_stock(cut, k, &columns, blank).map(|finding| finding.at(cut.line)),
@@ -174,8 +175,8 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
             near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| core_in_stock(contact.depth, Some(contact.area_share))),
-            (!contact.interferes() && seen.lifted.interferes())
-                .then(|| core_in_stock(seen.lifted.depth, Some(seen.lifted.area_share))),
+            (!contact.interferes() && seen.lead_out.interferes())
+                .then(|| core_in_stock(seen.lead_out.depth, Some(seen.lead_out.area_share))),
             (seen.engaged > cut.tool.overhang + TOOL_TOLERANCE).then(|| too_deep(seen.engaged, &cut.tool)),
         ];
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));

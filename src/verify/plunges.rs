@@ -22,8 +22,8 @@ pub struct ProgramCut {
     pub swept: Vec<CutterSolid>,
     /// The rapids before the cut; of the last cut of a tool those after it, too.
     pub rapids: Vec<Rapid>,
-    /// The cutter where it has left the stock beside it, at the end of a move under feed off it and up.
-    pub lifted: Option<CutterSolid>,
+    /// The cutter along the move under feed by which it leaves the stock beside it, off it and up; empty without.
+    pub lead_out: Vec<CutterSolid>,
     /// Index of its move in the program.
     pub index: usize,
     /// Where the move started.
@@ -65,7 +65,7 @@ const MAX_SAMPLES: usize = 200;
 impl ProgramCut {
     /// Whether the plunge went down to its end along the axis, and nothing else.
     fn is_plunge(&self) -> bool {
-        self.swept.len() == 1 && self.lifted.is_none()
+        self.swept.len() == 1 && self.lead_out.is_empty()
     }
 
     /// Whether a move from `from` to `cutter` goes on where this plunge was interrupted: further down in its own
@@ -153,8 +153,8 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fa
                 let same_section = cuts.last_mut().filter(|c| c.section == section);
                 match same_section {
                     Some(cut) if leaves && cut.is_plunge() => {
-                        cut.swept.extend(swept);
-                        cut.lifted = Some(cutter);
+                        cut.swept.extend_from_slice(&swept);
+                        cut.lead_out = swept;
                         (last_tool, previous) = (Some(number), Some(step));
                         continue;
                     }
@@ -181,7 +181,7 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fa
                     cutter,
                     swept,
                     rapids: std::mem::take(&mut rapids),
-                    lifted: None,
+                    lead_out: Vec::new(),
                     index,
                     retract: from.tip,
                     has_feed: feed.is_some(),
