@@ -10,9 +10,9 @@ use crate::setup::{CutDirection, SectionKind, Setup};
 use crate::stock::FloorGrid;
 use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
-/// A number, or null if it is not finite.
+/// A number, or null if it is not finite. An empty sum is −0; adding 0 makes it 0.
 pub fn number(x: f64) -> Value {
-    if x.is_finite() { json!(x) } else { Value::Null }
+    if x.is_finite() { json!(x + 0.0) } else { Value::Null }
 }
 
 /// The keys of contact and residual stock.
