@@ -44,3 +44,13 @@ mesh_options() {
     *paraturbo.glb) echo --blades 9 --unit mm ;;
     esac
 }
+
+# Puts the Markdown in file $2 into page $3, between "<!-- $1 begin…" and "<!-- $1 end -->".
+put_table() {
+    awk -v name="$1" -v table="$2" '
+        index($0, "<!-- " name " end -->") { skip = 0 }
+        !skip { print }
+        index($0, "<!-- " name " begin") { skip = 1; while ((getline line < table) > 0) print line }
+    ' "$3" >"$scratch/page"
+    cat "$scratch/page" >"$3"
+}

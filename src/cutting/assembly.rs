@@ -332,7 +332,7 @@ fn is_clear_along(frustum: &Frustum, distance: f64, from: impl Fn(&Point) -> f64
     let widest = frustum.radii[0].max(frustum.radii[1]);
     let mut up = 0.0;
     for _ in 0..MAX_AXIS_STEPS {
-        // A point of the frustum is no further from the point of the axis at its height than its radius.
+        // No point of the frustum is farther from the axis at its height than its radius there.
         let spare = from(&(frustum.base + frustum.axis * up)) - widest - distance;
         if spare < 0.0 {
             return false;

@@ -1,7 +1,7 @@
 //! How the plunges of a finished plan are moved: feed rate by engagement, interruptions that break the chip,
-//! and the way off the stock at the end.
+//! and the lead-out at the end.
 //!
-//! The way off follows the rule of Siemens' cycles (840D sl, operating manual, roughing plunge cutting): where
+//! The lead-out follows the rule of Siemens' cycles (840D sl, operating manual, roughing plunge cutting): where
 //! less than half of the circumference is engaged, the tool lifts at 45° against the bisector of the engaged arc
 //! before it retracts; otherwise straight along its axis. It is taken only where the cutter keeps its allowances,
 //! shank and holder their clearances, and the core and body of the cutter meet no stock on it; shortened where
@@ -20,13 +20,13 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::setup::Tool;
 use crate::setup::cutting_data::feed_by_engagement;
 
-/// Shares of the wanted way off the stock that are tried.
+/// Shares of the wanted lead-out that are tried.
 const LIFT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
-/// Places of the way that are looked at: half a radius apart at most.
+/// Points of a lead-out that are checked: half a radius apart at most.
 const LIFT_PLACES: usize = 4;
 /// Radius of the body of a cutter above its edges, in radii: bodies are relieved.
 const BODY_SHARE: f64 = 0.95;
-/// Largest engaged arc with a way off the stock, rad.
+/// Largest engaged arc with a lead-out, rad.
 const MAX_LIFT_ARC_RAD: f64 = std::f64::consts::PI;
 
 impl Planner<'_> {
@@ -49,8 +49,8 @@ impl Planner<'_> {
             let whole = PlungeColumn::new(tool.placed(position.tip, position.axis), tool.radius(), &top);
             let engaged = engagement(&whole, columns.before(k), &self.workpiece.blank);
             let rule = rules[position.section].as_ref();
-            let lift_off = self.setup.plunge.lift.and_then(|way| {
-                self.lift_off(way, tool, &whole, &engaged, rule, columns.before(k + 1), &top)
+            let lift_off = self.setup.plunge.lift.and_then(|length| {
+                self.lift_off(length, tool, &whole, &engaged, rule, columns.before(k + 1), &top)
             });
             let motion = PlungeMotion {
                 feed_mm_per_min: self.feed_for(tool, &engaged),
@@ -67,7 +67,7 @@ impl Planner<'_> {
         plan.positions.par_iter().enumerate().map(motion).collect()
     }
 
-    /// `plan` with the distances of its cutters to hub and blades over their ways off the stock, too.
+    /// `plan` with the distances of its cutters to hub and blades over their lead-outs, too.
     pub(super) fn with_lifts(&self, mut plan: PlungePlan) -> PlungePlan {
         if self.setup.plunge.lift.is_none() {
             return plan;
@@ -77,13 +77,11 @@ impl Planner<'_> {
         plan.positions.par_iter_mut().for_each(|position| {
             let (motion, tip, axis) = (position.evaluation.motion, position.tip, position.axis);
             let tool = &sections[position.section].tool;
-            let way = motion.lifted(tip, &axis) - tip;
-            // As densely as a check of the program looks.
-            let places = (way.norm() / (0.5 * tool.radius())).ceil().max(1.0) as usize;
-            let places = if motion.lift_off == Vector::zeros() { 0 } else { places };
-            let cutters: Vec<CutterSolid> = (0..=places)
-                .map(|k| tool.placed(tip + way * (k as f64 / places.max(1) as f64), axis))
-                .collect();
+            let travel = motion.lifted(tip, &axis) - tip;
+            // As densely as `verify` samples a move; without a lead-out only the end of the plunge.
+            let steps = (travel.norm() / (0.5 * tool.radius())).ceil() as usize;
+            let at = |k: usize| tool.placed(tip + travel * (k as f64 / steps.max(1) as f64), axis);
+            let cutters: Vec<CutterSolid> = (0..=steps).map(at).collect();
             let least = |distance: &dyn Fn(&CutterSolid) -> f64| {
                 cutters.iter().map(distance).fold(f64::INFINITY, f64::min)
             };
@@ -102,12 +100,12 @@ impl Planner<'_> {
         feed_by_engagement(tool, engaged.max_arc_rad, engaged.is_interrupted, range)
     }
 
-    /// The way off the stock, at most `way` mm and the radius of the cutter across the axis, after the plunges `until` this one; `None` where
-    /// it is half engaged or more, or no way is free.
+    /// The lead-out across the axis, at most `length` mm and the radius of the cutter long, after the plunges
+    /// `until` this one; `None` where it is half engaged or more, or no lead-out is free.
     #[expect(clippy::too_many_arguments, reason = "one plunge with all that may be in its way")]
     fn lift_off(
         &self,
-        way: f64,
+        length: f64,
         tool: &Tool,
         whole: &PlungeColumn,
         engaged: &Engagement,
@@ -132,8 +130,8 @@ impl Planner<'_> {
                 && core_contact(&column, until, &self.workpiece.blank).depth <= CONTACT_TOLERANCE
         };
         // Beyond its radius the cutter has left the arc that it engaged.
-        let way = way.min(tool.radius());
-        LIFT_SHARES.into_iter().map(|share| -engaged.towards_stock * (share * way)).find(|off| {
+        let length = length.min(tool.radius());
+        LIFT_SHARES.into_iter().map(|share| -engaged.towards_stock * (share * length)).find(|off| {
             (1..=LIFT_PLACES).all(|k| {
                 let share = k as f64 / LIFT_PLACES as f64;
                 is_free(whole.cutter.tip + (off + axis * off.norm()) * share)

@@ -41,7 +41,7 @@ pub struct PlungeMotion {
 }
 
 impl PlungeMotion {
-    /// The tip after the way off the stock, from the `tip` at the end of a plunge along `axis`.
+    /// The tip after the lead-out, from the `tip` at the end of a plunge along `axis`.
     pub fn lifted(&self, tip: Point, axis: &Vector) -> Point {
         tip + self.lift_off + axis * self.lift_off.norm()
     }

@@ -1,4 +1,4 @@
-//! Feed rates, interruptions and ways off the stock: in plans, in their programs, and as `verify` sees them.
+//! Feed rates, interruptions and lead-outs: in plans, in their programs, and as `verify` sees them.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -134,7 +134,7 @@ fn the_tool_leaves_the_stock_at_45_degrees_where_less_than_half_is_engaged() {
     assert!(lifted > plan.positions.len() / 4, "{lifted} of {}", plan.positions.len());
     let (program, verdict) = verified(&outcome);
     assert_eq!(verdict.faults.len(), 0, "{:?}", verdict.faults.first());
-    assert_eq!(verdict.plan.positions.len(), plan.positions.len(), "a way off the stock is no cut");
+    assert_eq!(verdict.plan.positions.len(), plan.positions.len(), "a lead-out is not a cut");
     assert_eq!(program.moves.len(), 3 * plan.positions.len() + lifted);
     let same = |a: f64, b: f64| assert!((a - b).abs() < 5e-6, "{a}, {b}");
     for (found, planned) in verdict.plan.positions.iter().zip(&plan.positions) {
@@ -163,16 +163,16 @@ fn fine_interruptions_stay_within_their_plunge() {
 }
 
 #[test]
-fn a_way_off_the_stock_into_a_blade_is_found() {
+fn a_lead_out_into_a_blade_is_found() {
     let outcome = planned("[plunge]\nlift = 1.0");
     let mut program = ClProgram::of_plan("wheel", &outcome.after.plan);
-    // The first way off the stock goes 60 mm to the other side.
+    // The first lead-out goes 60 mm to the other side.
     let k = (1..program.moves.len())
         .find(|&k| {
             let [before, step] = [&program.moves[k - 1], &program.moves[k]];
             step.motion != Motion::Rapid && before.motion != Motion::Rapid
         })
-        .expect("a way off the stock");
+        .expect("a lead-out");
     let way = program.moves[k].tip - program.moves[k - 1].tip;
     let axis = program.moves[k].axis;
     let across = way - axis * way.dot(&axis);

@@ -13,7 +13,7 @@ use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::write_native;
-use vanecut::job::{PlanRequest, run};
+use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
@@ -27,6 +27,18 @@ fn open(wheel: &Wheel) -> Impeller {
     let description = read_part_bytes(&format!("{name}.toml"), text.as_bytes(), "toml")
         .expect("what is written is readable");
     Impeller::build(&description).unwrap_or_else(|e| panic!("{name} ({}): {e}", wheel.remarks))
+}
+
+/// The least-stock plan of a wheel with the default setup.
+fn planned(part: Impeller) -> PlanOutcome {
+    let request = PlanRequest {
+        setup: Setup::for_part(&part),
+        part: part.into(),
+        policy: AxisPolicy::Minimal,
+        compare: false,
+        field_cells: 128,
+    };
+    run(&request, &Monitor::default()).expect("a plan")
 }
 
 #[test]
@@ -91,14 +103,7 @@ fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
     for (seed, index) in [(9, 22), (41, 42)] {
         let wheel = make::wheel(seed, index);
         let part = open(&wheel);
-        let request = PlanRequest {
-            setup: Setup::for_part(&part),
-            part: part.into(),
-            policy: AxisPolicy::Minimal,
-            compare: false,
-            field_cells: 128,
-        };
-        let outcome = run(&request, &Monitor::default()).expect("a plan");
+        let outcome = planned(part);
         let place = format!("seed {seed}, {} ({})", wheel.description.name, wheel.remarks);
         let sections = &outcome.setup.plunge.sections;
         let from_inlet: Vec<_> = sections
@@ -120,14 +125,7 @@ fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
 fn rows_beside_walls_go_on_where_those_between_them_end() {
     let wheel = make::wheel(83, 34);
     let part = open(&wheel);
-    let request = PlanRequest {
-        setup: Setup::for_part(&part),
-        part: part.into(),
-        policy: AxisPolicy::Minimal,
-        compare: false,
-        field_cells: 128,
-    };
-    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    let outcome = planned(part);
     let summary = &outcome.after.summary;
     assert_eq!(summary.interfering, 0, "{}", wheel.remarks);
     assert!(summary.uncut_share < 0.03, "{}: {} uncut", wheel.remarks, summary.uncut_share);

@@ -228,8 +228,8 @@ pub fn collisions(
 }
 
 /// Poses under feed at which a shank or holder that is wider than its cutter is in stock which stands: within
-/// the blank, and in the way of no cutter up to there. Along passes every few poses are looked at, and what
-/// stands between two of them is no more than [`PASS_TOLERANCE`].
+/// the blank, and in the way of no cutter up to there. Along passes only every few poses are checked; the
+/// stock between two of them is less than [`PASS_TOLERANCE`].
 fn in_stock(workpiece: &Workpiece, tools: &[Option<(Tool, Profile)>], program: &ClProgram) -> Vec<String> {
     let moves = &program.moves;
     let mut columns: Vec<(Point, Vector, f64)> = Vec::new();

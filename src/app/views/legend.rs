@@ -131,7 +131,7 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
 }
 
 /// What the cutters are coloured by; `None` while they are hidden. The states, which table and verdict name,
-/// only where the legend of `width` points has room for them beside the scale of the floor.
+/// only where a legend `width` points wide can show them beside the scale of the floor.
 fn cutter_legend(state: &AppState, width: f32) -> Option<CutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
@@ -142,7 +142,7 @@ fn cutter_legend(state: &AppState, width: f32) -> Option<CutterLegend> {
 
 /// Width below which the scale of the floor is left out beside that of the cutters, points.
 const MIN_SCALE_WIDTH: f32 = 270.0;
-/// Width from which the states have room, points.
+/// Least width at which the states are shown, points.
 const MIN_STATES_WIDTH: f32 = 620.0;
 
 /// Draws the legend of the cutters; a click on a class hides it, or shows it again.

@@ -79,7 +79,7 @@ impl CrossedPlunge {
     }
 
     /// As [`Self::removed_by_sharp`], if the interval begins below `reach` and ends above the bottom of the core.
-    /// Most of those that do not are told by the signs of the quadratic and its slope at these heights.
+    /// Most intervals that do not are rejected by the signs of the quadratic and its slope at these heights.
     #[inline]
     pub fn removed_by_sharp_below(&self, reach: f64, line: &CoreLine) -> Option<(f64, f64)> {
         let CoreLine { x, y, .. } = *line;

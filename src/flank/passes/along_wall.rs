@@ -200,7 +200,7 @@ impl LayerPassMaker<'_> {
         }
     }
 
-    /// The pieces of a line along which the round end of the cutter has room, moved over the layer until it
+    /// The pieces of a line along which the round end of the cutter fits, moved over the layer until it
     /// keeps the allowance from all blades.
     fn pieces_off_blades(&self, line: &[LayerPoint]) -> Vec<Vec<LayerPoint>> {
         let moved: Vec<Option<LayerPoint>> =
