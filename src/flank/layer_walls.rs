@@ -54,6 +54,9 @@ const NOSE_LINES: usize = 24;
 /// Largest angle to the meridian of an extension ahead of a leading edge where a geodesic would turn back,
 /// rad.
 const MAX_ANGLE_TO_MERIDIAN: f64 = 60.0 * PI / 180.0;
+/// Radius below which a ray beyond the ends of the layer stops, in the least radius of these ends: where the
+/// straight extension of a layer comes to the axis of rotation, a geodesic turns ever faster.
+const NEAR_AXIS: f64 = 0.1;
 /// Spacing of the points of an extension, mm.
 const EXTENSION_STEP: f64 = 2.0;
 
@@ -83,13 +86,19 @@ impl LayerWall {
         self.rays.iter().map(|&(p, heading)| layer.geodesic(p, heading, length).0).collect()
     }
 
-    /// End points of all rays for each of the ascending `lengths` (mm), one row per length.
+    /// End points of all rays for each of the ascending `lengths` (mm), one row per length. Beyond the layer a
+    /// ray ends near the axis of rotation.
     pub fn fan(&self, layer: &LayerSurface, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
         let mut rows = vec![Vec::with_capacity(self.rays.len()); lengths.len()];
+        let least_radius = NEAR_AXIS * layer.radius(layer.from).0.min(layer.radius(layer.to).0);
+        let goes_on =
+            |p: LayerPoint| (layer.from..=layer.to).contains(&p.x) || layer.radius(p.x).0 > least_radius;
         for &(start, heading) in &self.rays {
             let (mut p, mut psi, mut gone) = (start, heading, 0.0);
             for (row, &length) in rows.iter_mut().zip(lengths) {
-                (p, psi) = layer.geodesic(p, psi, length - gone);
+                if goes_on(p) {
+                    (p, psi) = layer.geodesic(p, psi, length - gone);
+                }
                 gone = length;
                 row.push(p);
             }
