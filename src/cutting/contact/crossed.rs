@@ -229,8 +229,9 @@ impl Neighbours {
         left
     }
 
-    /// Lowest height at which the line enters removed stock, mm; infinite if it does not.
-    pub fn first_entry(&self, line: &CoreLine) -> f64 {
+    /// Lowest height at which the line enters removed stock, mm, infinite if it does not, and the number of the
+    /// plunge that removed it.
+    pub fn first_entry(&self, line: &CoreLine) -> (f64, usize) {
         first_entry(self.passed.iter().chain(&self.columns), line)
     }
 
@@ -266,7 +267,7 @@ pub struct Entered<'n> {
 
 impl Entered<'_> {
     /// As [`Neighbours::first_entry`], among these plunges.
-    pub fn first_entry(&self, line: &CoreLine) -> f64 {
+    pub fn first_entry(&self, line: &CoreLine) -> (f64, usize) {
         match self.numbers.get(..self.count) {
             Some(numbers) => first_entry(numbers.iter().map(|&number| self.near.get(number)), line),
             None => self.near.first_entry(line),
@@ -274,15 +275,16 @@ impl Entered<'_> {
     }
 }
 
-fn first_entry<'c>(plunges: impl Iterator<Item = &'c CrossedPlunge>, line: &CoreLine) -> f64 {
-    let mut first = f64::INFINITY;
+fn first_entry<'c>(plunges: impl Iterator<Item = &'c CrossedPlunge>, line: &CoreLine) -> (f64, usize) {
+    let mut first = (f64::INFINITY, 0);
     for crossed in plunges {
         if let Some((low, high)) = crossed.removed_by_sharp(line)
-            && low < first
+            && low < first.0
             && let Some((low, high)) = crossed.round_corner(line, low, high)
             && high > 0.0
+            && low < first.0
         {
-            first = first.min(low);
+            first = (low, crossed.number);
         }
     }
     first

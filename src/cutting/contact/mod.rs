@@ -265,12 +265,15 @@ fn contact_up_to(
         let angle = rim[i].1;
         let around = [angle - step, angle, angle + step].map(|phi| line(column.core_radius, phi));
         let entered = stock.near.entered_below(most, &around);
-        let (phi, _) = search::minimum(
-            |phi| -entered.first_entry(&line(column.core_radius, phi)),
-            angle - step,
-            angle + step,
-            1e-4,
-        );
+        let mut removed = stock.removed.as_deref_mut();
+        let rising = |phi: f64| {
+            let (height, first) = entered.first_entry(&line(column.core_radius, phi));
+            if let Some(removed) = removed.as_deref_mut().filter(|_| height.is_finite()) {
+                removed[first] = true;
+            }
+            -height
+        };
+        let (phi, _) = search::minimum(rising, angle - step, angle + step, 1e-4);
         depth = depth.max(stock.on_line(&line(column.core_radius, phi), 0.0).1);
     }
     CoreContact { depth, area_share: area }
