@@ -30,7 +30,7 @@ pub(super) struct CheckedProgram {
 }
 
 /// Iterations that remove pieces of passes; later ones remove whole passes.
-const PIECE_ITERATIONS: usize = 6;
+const PIECE_ITERATIONS: usize = 10;
 /// Iterations after which a layer with a rejected link loses all its links.
 const LINK_ITERATIONS: usize = 2;
 /// Maximum number of iterations.

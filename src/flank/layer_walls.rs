@@ -90,9 +90,9 @@ impl LayerWall {
     /// ray ends near the axis of rotation.
     pub fn fan(&self, layer: &LayerSurface, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
         let mut rows = vec![Vec::with_capacity(self.rays.len()); lengths.len()];
-        let least_radius = NEAR_AXIS * layer.radius(layer.from).0.min(layer.radius(layer.to).0);
+        let min_radius = NEAR_AXIS * layer.radius(layer.from).0.min(layer.radius(layer.to).0);
         let goes_on =
-            |p: LayerPoint| (layer.from..=layer.to).contains(&p.x) || layer.radius(p.x).0 > least_radius;
+            |p: LayerPoint| (layer.from..=layer.to).contains(&p.x) || layer.radius(p.x).0 > min_radius;
         for &(start, heading) in &self.rays {
             let (mut p, mut psi, mut gone) = (start, heading, 0.0);
             for (row, &length) in rows.iter_mut().zip(lengths) {

@@ -131,6 +131,13 @@ struct LastProgram {
 }
 
 /// The steps of a program with their results.
+struct ExaminedSteps {
+    steps: Vec<CutterStep>,
+    looks: Vec<StepResult>,
+    faults: Vec<Fault>,
+}
+
+/// The steps of a program with their results, and what they leave.
 struct ExaminedProgram {
     steps: Vec<CutterStep>,
     looks: Vec<StepResult>,
@@ -161,8 +168,9 @@ impl<'a> FlankVerifier<'a> {
         Self { holder_margin: 1.0, ..Self::new(workpiece, setup) }
     }
 
-    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. Collisions with standing
-    /// stock are searched for only in a program without other faults.
+    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
+    /// program whose moves have no faults themselves, and collisions with standing stock are searched for only
+    /// in one without other faults.
     ///
     /// # Errors
     /// As [`verify_flank`].
@@ -171,7 +179,14 @@ impl<'a> FlankVerifier<'a> {
         program: &ClProgram,
         monitor: &Monitor,
     ) -> Result<Result<Vec<Fault>, Cancelled>, Fault> {
-        let examined = match self.examine(program, monitor)? {
+        let steps = match self.examined_steps(program, monitor)? {
+            Ok(steps) => steps,
+            Err(cancelled) => return Ok(Err(cancelled)),
+        };
+        if !steps.faults.is_empty() {
+            return Ok(Ok(steps.faults));
+        }
+        let examined = match self.with_floors(program, steps, monitor) {
             Ok(examined) => examined,
             Err(cancelled) => return Ok(Err(cancelled)),
         };
@@ -188,7 +203,9 @@ impl<'a> FlankVerifier<'a> {
     pub fn verdict(&mut self, program: &ClProgram) -> Result<FlankVerdict, Fault> {
         // The default monitor never cancels.
         let monitor = Monitor::default();
-        let Ok(ExaminedProgram { steps, looks, channels, mut faults }) = self.examine(program, &monitor)?
+        let examined = self.examined_steps(program, &monitor)?;
+        let Ok(ExaminedProgram { steps, looks, channels, mut faults }) =
+            examined.and_then(|steps| self.with_floors(program, steps, &monitor))
         else {
             return Ok(FlankVerdict::empty());
         };
@@ -268,11 +285,12 @@ impl<'a> FlankVerifier<'a> {
         Ok(faults)
     }
 
-    fn examine(
+    /// The steps of `program` with the faults of each by itself.
+    fn examined_steps(
         &mut self,
         program: &ClProgram,
         monitor: &Monitor,
-    ) -> Result<Result<ExaminedProgram, Cancelled>, Fault> {
+    ) -> Result<Result<ExaminedSteps, Cancelled>, Fault> {
         let (steps, tools) = steps_of(&self.workpiece.part, &self.workpiece.channel, program, self.setup)?;
         if tools != self.tools {
             self.cache.clear();
@@ -287,10 +305,17 @@ impl<'a> FlankVerifier<'a> {
         for (step, look) in steps.iter().zip(&looks) {
             faults.extend(self.faults_of(step, look));
         }
-        let channels = match self.floors(&steps, &looks, monitor) {
-            Ok(channels) => channels,
-            Err(cancelled) => return Ok(Err(cancelled)),
-        };
+        Ok(Ok(ExaminedSteps { steps, looks, faults }))
+    }
+
+    /// Adds the floors of a program, and the faults found there, to its examined steps.
+    fn with_floors(
+        &mut self,
+        program: &ClProgram,
+        ExaminedSteps { steps, looks, mut faults }: ExaminedSteps,
+        monitor: &Monitor,
+    ) -> Result<ExaminedProgram, Cancelled> {
+        let channels = self.floors(&steps, &looks, monitor)?;
         for (number, floor) in &channels {
             let ours: Vec<&CutterStep> = steps.iter().filter(|s| s.channel == *number).collect();
             faults.extend(floor.collisions.iter().map(|struck| struck.fault(ours[struck.step].line)));
@@ -298,7 +323,7 @@ impl<'a> FlankVerifier<'a> {
         }
         faults.extend(self.program_faults(program, &steps, &channels));
         faults.sort_by_key(|fault| fault.line);
-        Ok(Ok(ExaminedProgram { steps, looks, channels, faults }))
+        Ok(ExaminedProgram { steps, looks, channels, faults })
     }
 
     /// Results of all steps, from the cache where they are in it.
