@@ -116,7 +116,7 @@ error_codes! {
             "A file holds no triangles.",
             "Export the surfaces of the impeller as meshes of triangles.";
         StepFile "step-file",
-            "A STEP file breaks its format, or an entity of it is not valid.",
+            "A STEP file breaks its format, holds no solids or surfaces, or an entity of it is not valid.",
             "Repair the model, or export it again as AP203, AP214 or AP242.";
         BlankFile "blank-file",
             "The outline of a blank bounds no body, or a blank does not enclose the part.",
@@ -327,8 +327,8 @@ impl ErrorCode {
     pub fn page() -> String {
         let mut page =
             "# Errors\n\nEvery error has a code. With `VANECUT_ERROR_CODES=1` in the environment the \
-                        line of an error ends with it, in brackets.\n`vanecut explain CODE` prints the entry of \
-                        one code, `vanecut explain` this page.\n"
+                        line of an error ends with it, in brackets.\n`vanecut explain CODE` prints the \
+                        entry of one code, `vanecut explain` this page.\n"
                 .to_owned();
         for (group, codes) in GROUPS {
             let _ = write!(page, "\n## {group}\n\n| code | meaning | what to do |\n|---|---|---|\n");

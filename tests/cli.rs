@@ -6,7 +6,8 @@
 //! | `stdin` | standard input; `@PATH` alone: the bytes of that file |
 //! | `code` | accepted exit codes; absent: 0 |
 //! | `stderr` | exact standard error; absent: empty; `*`: not checked |
-//! | `error` | the code of the error, which a second run prints behind its line; absent: any |
+//! | `error` | the code of the error; every run that fails has one |
+//! | `environment` | variables of the run, `NAME=VALUE` a line |
 //! | `stdout` | exact standard output |
 //! | `contains` | lines that standard output must contain |
 //! | `json` | checks of the JSON object on standard output, see [`json_fault`] |
@@ -19,8 +20,8 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::io::Write;
+use std::fs::{self, File};
+use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -29,8 +30,11 @@ use rayon::prelude::*;
 use serde_json::Value;
 use vanecut::error::ErrorCode;
 
-/// What takes longer to reject bad input hangs, on however busy a machine.
-const REFUSAL_TIME: Duration = Duration::from_secs(60);
+/// A run that takes longer hangs, on however busy a machine: it is ended, and its case fails.
+const HANG: Duration = Duration::from_secs(600);
+
+/// Variable with which the program prints the code of an error.
+const CODES_VARIABLE: &str = "VANECUT_ERROR_CODES";
 
 /// A case: its directory and the values of the placeholders.
 struct Case {
@@ -60,33 +64,45 @@ impl Case {
         }
     }
 
-    fn run(&self, arguments: &str, run: usize, shows_code: bool) -> Output {
+    /// Runs the program, which prints the code of an error behind its line.
+    fn run(&self, arguments: &str, run: usize) -> Output {
+        let variables = self.text("environment", run).unwrap_or_default();
+        // Files, unlike pipes, take any amount while nobody reads.
+        let (printed, errors) = (file_of(b""), file_of(b""));
         let mut child = Command::new(env!("CARGO_BIN_EXE_vanecut"))
             .args(arguments.lines())
             .current_dir(&self.folder)
             .env_remove("RUST_BACKTRACE")
-            .env("VANECUT_ERROR_CODES", if shows_code { "1" } else { "" })
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
+            .env(CODES_VARIABLE, "1")
+            .envs(variables.lines().filter_map(|line| line.split_once('=')))
+            .stdin(file_of(&self.stdin(run)))
+            .stdout(printed.try_clone().expect("a handle"))
+            .stderr(errors.try_clone().expect("a handle"))
             .spawn()
             .expect("the program starts");
-        // The program may exit without reading its input.
-        let _ = child.stdin.take().map(|mut pipe| pipe.write_all(&self.stdin(run)));
-        child.wait_with_output().expect("the program ends")
+        let started = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().expect("the program runs") {
+                break status;
+            }
+            if started.elapsed() > HANG {
+                child.kill().expect("the program ends");
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        };
+        Output { status, stdout: contents(printed), stderr: contents(errors) }
     }
 
-    /// All deviations from what the case expects; `None` when it was skipped.
+    /// All deviations from what the case expects.
     fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
         let mut objects = Vec::new();
         for run in 1.. {
             let Some(arguments) = self.text("args", run) else { break };
             let before = self.all_files();
-            let started = Instant::now();
-            let output = self.run(&arguments, run, false);
-            let (out, err) =
-                (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+            let output = self.run(&arguments, run);
+            let out = String::from_utf8_lossy(&output.stdout);
+            let (err, error) = without_code(&String::from_utf8_lossy(&output.stderr));
             let mut fault = |what: String| faults.push(format!("run {run}: {what}"));
             let codes = self.text("code", run).unwrap_or("0".to_owned());
             let code = output.status.code().map_or("a signal".to_owned(), |code| code.to_string());
@@ -105,19 +121,10 @@ impl Case {
                 if self.all_files() != before {
                     fault(format!("left files behind: {:?}", self.all_files()));
                 }
-                if started.elapsed() > REFUSAL_TIME {
-                    fault(format!("took {:?}", started.elapsed()));
-                }
             }
-            if code == "2" {
-                let shown = self.run(&arguments, run, true).stderr;
-                let shown = String::from_utf8_lossy(&shown).into_owned();
-                let rest = shown.strip_prefix(err.trim_end()).and_then(|rest| rest.strip_prefix(" ["));
-                let name = rest.and_then(|rest| rest.strip_suffix("]\n")).unwrap_or_default();
-                let wanted = self.text("error", run);
-                if ErrorCode::named(name).is_none() || wanted.is_some_and(|wanted| wanted.trim() != name) {
-                    fault(format!("with its code stderr is\n{shown}"));
-                }
+            let wanted = self.text("error", run).unwrap_or_default();
+            if error.map_or("", ErrorCode::name) != wanted.trim() {
+                fault(format!("the error is {error:?}, not {wanted:?}:\n{err}"));
             }
             if let Some(wanted) = self.text("stdout", run).filter(|wanted| *wanted != out) {
                 fault(format!("stdout is\n{out}instead of\n{wanted}"));
@@ -158,6 +165,29 @@ impl Case {
             }
         }
         found
+    }
+}
+
+/// A temporary file with these bytes, at its beginning.
+fn file_of(bytes: &[u8]) -> File {
+    let mut file = tempfile::tempfile().expect("a temporary file");
+    file.write_all(bytes).and_then(|()| file.rewind()).expect("it can be written");
+    file
+}
+
+/// All bytes of a file.
+fn contents(mut file: File) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    file.rewind().and_then(|()| file.read_to_end(&mut bytes)).expect("it can be read");
+    bytes
+}
+
+/// What the program prints to stderr, without the code behind its line, and the code.
+fn without_code(text: &str) -> (String, Option<ErrorCode>) {
+    let split = text.strip_suffix("]\n").and_then(|text| text.rsplit_once(" ["));
+    match split.and_then(|(line, name)| Some((line, ErrorCode::named(name)?))) {
+        Some((line, code)) => (format!("{line}\n"), Some(code)),
+        None => (text.to_owned(), None),
     }
 }
 
@@ -229,4 +259,69 @@ fn a_reader_that_leaves_early() {
     let output = child.wait_with_output().expect("the program ends");
     assert_eq!(String::from_utf8_lossy(&output.stderr), "", "a closed pipe is not an error");
     assert_eq!(output.status.code(), Some(0));
+}
+
+/// The code of an error is printed only when it is asked for.
+#[test]
+fn codes_are_shown_when_asked_for() {
+    let errors = |shows: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_vanecut"));
+        command.arg("--nonsense").env(CODES_VARIABLE, shows);
+        String::from_utf8(command.output().expect("the program starts").stderr).expect("UTF-8")
+    };
+    let plain = errors("");
+    assert!(plain.starts_with("vanecut: ") && !plain.contains('['), "{plain}");
+    assert_eq!(without_code(&errors("1")), (plain, Some(ErrorCode::Arguments)));
+}
+
+/// What the system refuses while the program works is no fault of its input.
+#[test]
+#[cfg(target_os = "linux")]
+fn output_that_cannot_be_written() {
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device of Linux");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vanecut"));
+    let output = command.arg("--help").env(CODES_VARIABLE, "1").stdout(full).output().expect("it starts");
+    let (line, code) = without_code(&String::from_utf8_lossy(&output.stderr));
+    assert_eq!((output.status.code(), code), (Some(1), Some(ErrorCode::System)), "{line}");
+}
+
+/// All `.rs` files below `folder`.
+fn sources_in(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = entries.partition(|path| path.is_dir());
+    let below = folders.iter().flat_map(|folder| sources_in(folder));
+    files.into_iter().filter(|file| file.extension().is_some_and(|e| e == "rs")).chain(below).collect()
+}
+
+/// Every code is what some test expects: a case here, or an assertion on `ErrorCode`.
+#[test]
+fn every_code_is_expected_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut expected = BTreeSet::new();
+    for case in fs::read_dir(root.join("tests/cli")).expect("cases") {
+        for file in fs::read_dir(case.unwrap().path()).expect("a case").map(|file| file.unwrap()) {
+            if file.file_name().to_string_lossy().starts_with("error") {
+                expected.insert(fs::read_to_string(file.path()).unwrap().trim().to_owned());
+            }
+        }
+    }
+    // Tests in `src` stand in files of their own, or behind the code.
+    let is_tests =
+        |path: &Path| path.to_string_lossy().ends_with("tests.rs") || path.iter().any(|f| f == "tests");
+    let mut tests = String::new();
+    for path in sources_in(&root.join("src")).into_iter().chain(sources_in(&root.join("tests"))) {
+        let text = fs::read_to_string(&path).unwrap();
+        let code_ends = if is_tests(&path) { 0 } else { text.find("#[cfg(test)]").unwrap_or(text.len()) };
+        tests += &text[code_ends..];
+    }
+    // Errors that a test makes are not expected of the program.
+    let tests = tests.replace("::new(ErrorCode::", "");
+    let is_expected = |code: &ErrorCode| {
+        let variant = format!("ErrorCode::{code:?}");
+        let mut found = tests.match_indices(&variant).map(|(at, _)| &tests[at + variant.len()..]);
+        expected.contains(code.name()) || found.any(|rest| !rest.starts_with(char::is_alphanumeric))
+    };
+    let missing: Vec<&str> =
+        ErrorCode::all().filter(|code| !is_expected(code)).map(ErrorCode::name).collect();
+    assert!(missing.is_empty(), "no test raises {}", missing.join(", "));
 }

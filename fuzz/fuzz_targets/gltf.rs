@@ -1,7 +1,7 @@
 //! Any bytes as a glTF part, by the names of its nodes and with roles guessed by their shapes.
 //!
-//! With a stable toolchain: `RUSTC_BOOTSTRAP=1 cargo fuzz run gltf --sanitizer none`. Coarse scenes are good to start
-//! from: `vanecut convert assets/parts/pump6.toml fuzz/corpus/gltf/pump6.glb --chord-error 3`.
+//! With a stable toolchain: `RUSTC_BOOTSTRAP=1 cargo fuzz run gltf --sanitizer none`. Coarse scenes are good
+//! to start from: `vanecut convert assets/parts/pump6.toml fuzz/corpus/gltf/pump6.glb --chord-error 3`.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

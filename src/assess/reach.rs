@@ -2,9 +2,9 @@
 //!
 //! A point of the hub floor is a *centre* when a tool can be placed on it: there is an axis whose cylinder
 //! keeps the blade allowance from every blade side, whose cutter stays out of the hub further up, and whose
-//! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid: a given
-//! shank and holder by their clearances, an assumed one without.
-//! Floor is *reached* where the bottom of a tool on some centre covers it.
+//! holder clears the blades and the turned blank, in which the neighbouring channels may still be solid: a
+//! given shank and holder by their clearances, an assumed one without. Floor is *reached* where the bottom of
+//! a tool on some centre covers it.
 //!
 //! An axis comes **from the outlet** when it is inclined by [`MIN_INCLINATION`] or more from the hub normal
 //! of its foot towards the outlet (α ≤ −[`MIN_INCLINATION`]), so that the spindle is on the side of the

@@ -29,6 +29,12 @@ impl Failure {
         Self::of_work(UserError::new(code, what, help))
     }
 
+    /// The answer of a command to a program that was built without what it needs: exit code 1.
+    #[cfg(any(test, not(feature = "window")))]
+    pub fn not_built_in(what: &str, help: &str) -> Self {
+        Self::work(ErrorCode::NotBuiltIn, format!("this program was built without {what}"), help)
+    }
+
     /// An error that is not one of the input: exit code 1.
     pub fn of_work(error: impl Into<UserError>) -> Self {
         Self { exit: 1, ..error.into().into() }
@@ -86,5 +92,20 @@ impl From<InputError> for Failure {
 impl From<Cancelled> for Failure {
     fn from(cancelled: Cancelled) -> Self {
         Self::of_work(cancelled)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_built_in_is_no_fault_of_the_input() {
+        let failure = Failure::not_built_in("pictures", "build it with --features gpu");
+        assert_eq!((failure.exit, failure.code()), (1, ErrorCode::NotBuiltIn));
+        assert_eq!(
+            failure.to_string(),
+            "this program was built without pictures; build it with --features gpu"
+        );
     }
 }

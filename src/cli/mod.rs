@@ -145,7 +145,6 @@ fn open_window(file: Option<std::path::PathBuf>) -> Result<(), Failure> {
 
 #[cfg(not(feature = "window"))]
 fn open_window(_: Option<std::path::PathBuf>) -> Result<(), Failure> {
-    let what = "this program was built without its window";
     let help = "give a command (`vanecut --help`), or build it with --features window";
-    Err(Failure::work(ErrorCode::NotBuiltIn, what, help))
+    Err(Failure::not_built_in("its window", help))
 }

@@ -241,7 +241,8 @@ fn text(
         );
     }
     text += &format!(
-        "{} min in all; {} turns {:.0}°, {} turns {:.0}°; {} links leave the part, {} of them unwind an axis\n",
+        "{} min in all; {} turns {:.0}°, {} turns {:.0}°; {} links leave the part, \
+         {} of them unwind an axis\n",
         minutes(times.iter().map(SectionTime::total_s).sum()),
         machine.rotary[0].letter,
         motion.rotary_travel[0].to_degrees(),

@@ -321,7 +321,8 @@ pub fn added_text(plan: &PlungePlan) -> String {
 /// Text on clearances, axis change, lengths and time of a program of `channels` channels.
 pub fn clearances_text(s: &Summary, channels: usize) -> String {
     format!(
-        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; axis change up to {:.1}° within a row\n\
+        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; \
+         axis change up to {:.1}° within a row\n\
          {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
         s.min_hub_clearance,
         s.min_blade_clearance,

@@ -1,11 +1,9 @@
 //! What the commands answer that draw pictures, in a program that was built without the feature `gpu`.
 
 use super::Failure;
-use crate::error::ErrorCode;
 
 fn no_pictures<T>() -> Result<T, Failure> {
-    let what = "this program was built without pictures";
-    Err(Failure::work(ErrorCode::NotBuiltIn, what, "build it with --features gpu"))
+    Err(Failure::not_built_in("pictures", "build it with --features gpu"))
 }
 
 /// Stands in for the pictures of plans and parts.

@@ -142,8 +142,8 @@ impl<'a> AssemblySurroundings<'a> {
         PartClearance { distance: if distance < cap { distance } else { f64::INFINITY }, missing }
     }
 
-    /// The first part of `tool`, from the tip up, that misses more than `tolerance` mm of its clearance in a pose in
-    /// which the cutter keeps its own; faster than [`Self::at`].
+    /// The first part of `tool`, from the tip up, that misses more than `tolerance` mm of its clearance in a
+    /// pose in which the cutter keeps its own; faster than [`Self::at`].
     pub fn first_obstacle(
         &self,
         tool: &Tool,
@@ -179,8 +179,8 @@ impl<'a> AssemblySurroundings<'a> {
         !is_covered && blade_is_within(self.finished, &frustum, blade)
     }
 
-    /// Whether what `frustum` comes nearer to than `clearance` of the blank was removed before, or by the cutter of
-    /// its own tool.
+    /// Whether what `frustum` comes nearer to than `clearance` of the blank was removed before, or by the
+    /// cutter of its own tool.
     fn was_removed(
         &self,
         frustum: &Frustum,
@@ -215,8 +215,8 @@ impl<'a> AssemblySurroundings<'a> {
         least
     }
 
-    /// Least clearance while the tool moves from one pose to another; the axis turns at a constant rate. Distances
-    /// above `wanted` mm, and far above the clearances, need not be found.
+    /// Least clearance while the tool moves from one pose to another; the axis turns at a constant rate.
+    /// Distances above `wanted` mm, and far above the clearances, need not be found.
     pub fn along(
         &self,
         tool: &Tool,
@@ -295,8 +295,8 @@ fn blade_is_within(finished: &FinishedPart, frustum: &Frustum, limit: f64) -> bo
     found
 }
 
-/// Calls `look` with the sides of all blades of the wheel, and with `frustum` turned to where they are measured,
-/// that may be nearer than the distance which it returned last (mm), until it returns `true`.
+/// Calls `look` with the sides of all blades of the wheel, and with `frustum` turned to where they are
+/// measured, that may be nearer than the distance which it returned last (mm), until it returns `true`.
 fn for_blades(
     finished: &FinishedPart,
     frustum: &Frustum,
@@ -326,8 +326,9 @@ fn for_blades(
     }
 }
 
-/// Whether every point of `frustum` is `distance` mm or more from a surface, by the distances of points of its axis
-/// (`from`, which may not change faster than the point moves): a quick test that may fail where it is true.
+/// Whether every point of `frustum` is `distance` mm or more from a surface, by the distances of points of
+/// its axis (`from`, which may not change faster than the point moves): a quick test that may fail where it
+/// is true.
 fn is_clear_along(frustum: &Frustum, distance: f64, from: impl Fn(&Point) -> f64) -> bool {
     let widest = frustum.radii[0].max(frustum.radii[1]);
     let mut up = 0.0;
@@ -390,8 +391,8 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
 /// Most points of an axis that the quick test looks at, and their least distance, mm.
 const MAX_AXIS_STEPS: usize = 24;
 const MIN_AXIS_STEP: f64 = 0.5;
-/// Halvings of a cone against stock, and the difference of the radii of its ends below which it counts as a cylinder
-/// of the larger one, mm.
+/// Halvings of a cone against stock, and the difference of the radii of its ends below which it counts as a
+/// cylinder of the larger one, mm.
 const MAX_HALVINGS: u32 = 8;
 const CYLINDER_STEP: f64 = 0.02;
 

@@ -67,6 +67,8 @@ mod tests {
 
     #[test]
     fn a_wrong_number_of_bytes_is_refused() {
-        assert!(matches!(encode_png(2, 2, &[0; 15]), Err(ImageError::Size { expected: 16, got: 15, .. })));
+        let error = encode_png(2, 2, &[0; 15]).unwrap_err();
+        assert!(matches!(error, ImageError::Size { expected: 16, got: 15, .. }), "{error}");
+        assert_eq!(UserError::from(error).code, ErrorCode::Picture);
     }
 }

@@ -8,6 +8,10 @@ use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
 use crate::part::PartDescription;
 
+/// Extensions of part files, as dialogs list them.
+pub const EXTENSIONS: &[&str] =
+    &["toml", "geomTurbo", "geomturbo", "inf", "step", "stp", "p21", "stl", "glb", "gltf"];
+
 const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .step, .stl, .glb or .gltf file";
 
 /// Reads a part file: `.toml`, `.geomTurbo`, TurboGrid `.inf` with its `.curve` files beside it, CAD
@@ -87,6 +91,15 @@ mod tests {
             assert!(error.help.contains(".geomTurbo"), "{error}");
         }
         assert_eq!(read_part_bytes("a.inf", b"x", "INF").unwrap_err().code, ErrorCode::PartFile);
+    }
+
+    #[test]
+    fn every_extension_has_a_reader() {
+        for extension in EXTENSIONS {
+            let error = read_part_bytes("empty", b"", extension).unwrap_err();
+            assert_ne!(error.help, CAN_OPEN, "{extension}: {error}");
+            assert!(CAN_OPEN.contains(extension) || ["geomturbo", "stp", "p21"].contains(extension));
+        }
     }
 
     #[test]

@@ -73,8 +73,8 @@ struct PositionRecord {
     hub_clearance: f64,
     blade_clearance: f64,
     retract_clearance: f64,
-    /// Engaged arcs, degrees: the largest over the plunge, and that at its end. Absent in files of earlier versions,
-    /// as all that follows.
+    /// Engaged arcs, degrees: the largest over the plunge, and that at its end. Absent in files of earlier
+    /// versions, as all that follows.
     #[serde(default)]
     engaged_arc: f64,
     #[serde(default)]

@@ -74,7 +74,8 @@ pub fn read_setup(path: &Path, defaults: &Setup) -> Result<Setup, InputError> {
 /// ```
 /// let setup = vanecut::io::setup_file::read_setup_bytes("my.toml", b"[stock]\nhub_allowance = 0.8")?;
 /// assert_eq!(setup.allowances.hub_allowance, 0.8);
-/// let error = vanecut::io::setup_file::read_setup_bytes("my.toml", b"[stock]\nhub_allowence = 1").unwrap_err();
+/// let typo = b"[stock]\nhub_allowence = 1";
+/// let error = vanecut::io::setup_file::read_setup_bytes("my.toml", typo).unwrap_err();
 /// assert!(error.to_string().starts_with("my.toml:2: "));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -223,7 +224,8 @@ fn blank(table: &TomlTable<'_>) -> Result<Option<BlankShape>, InputError> {
     let shape = read_blank(name.value, table.folder())?;
     let missing = || {
         let what = format!("no blank file {}", quote_for_message(name.value));
-        table.fault_at(name.at, what, "give \"edges\", \"turned\", or a file (.stl, or lines of r z)")
+        let help = "give \"edges\", \"turned\", or a file (.stl, or lines of r z)";
+        table.fault_at(name.at, what, help).with_code(ErrorCode::UnknownName)
     };
     Ok(Some(shape.ok_or_else(missing)?))
 }

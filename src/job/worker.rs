@@ -297,11 +297,14 @@ fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicUsize;
+    use std::sync::atomic::{AtomicBool, AtomicUsize};
     use std::time::{Duration, Instant};
 
-    /// A job by request number: 1 runs until stopped, 2 fails, 3 panics, 4 ignores cancel for a while, 5 runs
-    /// until stopped and then completes a partial result; any other number is returned at once.
+    /// What takes longer hangs, on however busy a machine.
+    const HANG: Duration = Duration::from_secs(120);
+
+    /// A job by request number: 1 runs until stopped, 2 fails, 3 panics, 5 runs until stopped and then
+    /// completes a partial result; any other number is returned at once.
     fn fake(request: &u32, monitor: &Monitor) -> Result<u32, &'static str> {
         match request {
             1 => loop {
@@ -311,10 +314,6 @@ mod tests {
             },
             2 => Err("no"),
             3 => panic!("broken on purpose"),
-            4 => {
-                std::thread::sleep(Duration::from_millis(200));
-                Ok(4)
-            }
             5 => {
                 while monitor.check().is_ok() {
                     std::thread::sleep(Duration::from_millis(1));
@@ -336,7 +335,7 @@ mod tests {
             if let Some(found) = what() {
                 return found;
             }
-            assert!(start.elapsed() < Duration::from_secs(10), "nothing happened for 10 s");
+            assert!(start.elapsed() < HANG, "nothing happens");
             std::thread::sleep(Duration::from_millis(1));
         }
     }
@@ -359,20 +358,28 @@ mod tests {
     }
 
     #[test]
-    fn cancel_acts_within_50_ms() {
-        let worker = Worker::new("test", fake, || ());
+    fn cancel_does_not_wait_for_the_job() {
+        // Job 4 ignores the cancel until it is released.
+        let released = Arc::new(AtomicBool::new(false));
+        let gate = Arc::clone(&released);
+        let job = move |request: &u32, monitor: &Monitor| {
+            while *request == 4 && !gate.load(Ordering::SeqCst) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            fake(request, monitor)
+        };
+        let worker = Worker::new("test", job, || ());
         for stubborn in [1, 4] {
             let ticket = worker.submit(stubborn);
             until(|| (ticket.status() == Status::Running).then_some(()));
-            let start = Instant::now();
             worker.cancel();
             let (_, end) = worker.take_outcome().expect("the end is there at once");
-            assert!(start.elapsed() < Duration::from_millis(50), "cancel took {:?}", start.elapsed());
             assert!(matches!(end, Outcome::Cancelled), "{end:?}");
             assert_eq!(ticket.status(), Status::Cancelled, "status of a cancelled request");
             assert!(!worker.is_busy(), "idle after a cancel");
         }
         // The late result of the job is dropped, and the worker accepts requests.
+        released.store(true, Ordering::SeqCst);
         worker.submit(7);
         let (_, end) = until(|| worker.take_outcome());
         assert!(matches!(end, Outcome::Done(7)), "{end:?}");
@@ -448,9 +455,8 @@ mod tests {
         );
         let ticket = worker.submit(1);
         until(|| (ticket.status() == Status::Running).then_some(()));
-        let start = Instant::now();
+        // The job runs until it is stopped: without a stop this would not end.
         drop(worker);
-        assert!(start.elapsed() < Duration::from_millis(500), "drop waits for the job's next check only");
         assert_eq!(Arc::strong_count(&alive), 1, "the thread is gone");
     }
 

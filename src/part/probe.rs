@@ -17,8 +17,8 @@ pub struct SideProbe {
     /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] per line.
     blocks: Vec<GridBlock>,
     blocks_per_line: usize,
-    /// Balls about the blocks with the same number on all lines: centre, and radius up to the part of the side that
-    /// they represent, mm.
+    /// Balls about the blocks with the same number on all lines: centre, and radius up to the part of the
+    /// side that they represent, mm.
     strips: Vec<(Point, f64)>,
 }
 
@@ -197,8 +197,8 @@ impl SideProbe {
         self.nearest_within(&query, FULL_V_RANGE, cutoff, NO_EARLY_EXIT).map(|near| near.distance)
     }
 
-    /// Whether any point of the side is nearer to a piece of shank or holder than `limit` mm; faster than measuring
-    /// the distance.
+    /// Whether any point of the side is nearer to a piece of shank or holder than `limit` mm; faster than
+    /// measuring the distance.
     pub fn frustum_is_within(&self, frustum: &Frustum, limit: f64) -> bool {
         if self.is_far_from(frustum, limit) {
             return false;
@@ -210,8 +210,8 @@ impl SideProbe {
         near.is_some_and(|near| near.distance < limit)
     }
 
-    /// Whether the balls about the side are further from the axis of a piece of shank or holder than its widest
-    /// radius and `distance` mm.
+    /// Whether the balls about the side are further from the axis of a piece of shank or holder than its
+    /// widest radius and `distance` mm.
     fn is_far_from(&self, frustum: &Frustum, distance: f64) -> bool {
         let widest = frustum.radii[0].max(frustum.radii[1]) + distance;
         self.strips.iter().all(|(centre, radius)| {

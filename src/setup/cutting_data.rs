@@ -34,10 +34,11 @@ pub struct CuttingData {
     pub source: &'static str,
 }
 
-const TUNGALOY: &str = "Tungaloy general catalogue 2020, p. 1084: slotting, ae ≥ 0.4 D; plunging: Kyocera general \
-                        catalogue 2021, p. M136, at most 0.1 mm a tooth; floor: Ceratizit e-catalogue 2026, p. 802";
-const TUNGALOY_HARD: &str = "Tungaloy new products, p. 131, shoulder milling; plunging: Kyocera general catalogue 2021, \
-                             p. M136, at most 0.1 mm a tooth";
+const TUNGALOY: &str = "Tungaloy general catalogue 2020, p. 1084: slotting, ae ≥ 0.4 D; plunging: Kyocera \
+                        general catalogue 2021, p. M136, at most 0.1 mm a tooth; floor: Ceratizit \
+                        e-catalogue 2026, p. 802";
+const TUNGALOY_HARD: &str = "Tungaloy new products, p. 131, shoulder milling; plunging: Kyocera general \
+                             catalogue 2021, p. M136, at most 0.1 mm a tooth";
 
 /// All groups.
 pub const CUTTING_DATA: [CuttingData; 5] = [
@@ -170,23 +171,24 @@ pub fn step_by_stick_out(tool: &Tool) -> f64 {
     share * tool.insert_width
 }
 
-/// Engaged arcs, rad: up to which a cutter cuts beside what is open, and from which on a plunge counts as one into
-/// full stock. Between them the feed rate goes down.
+/// Engaged arcs, rad: up to which a cutter cuts beside what is open, and from which on a plunge counts as one
+/// into full stock. Between them the feed rate goes down.
 const HALF_ARC_RAD: f64 = std::f64::consts::PI;
 const FULL_ARC_RAD: f64 = 300.0 * std::f64::consts::PI / 180.0;
 /// Engaged arcs between which the feed rate goes down from the greatest to that of the tool, rad.
 const SMALL_ARC_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
 const USUAL_ARC_RAD: f64 = 150.0 * std::f64::consts::PI / 180.0;
-/// Share of the feed rate into full stock: half, as makers give for ramps (Kyocera general catalogue 2021, p. M136).
+/// Share of the feed rate into full stock: half, as makers give for ramps (Kyocera general catalogue 2021,
+/// p. M136).
 const FULL_SHARE: f64 = 0.5;
-/// The same where the cut is interrupted, and where little is engaged (Dormer Pramet 2021, p. 210: 25 % less where
-/// a tool vibrates, 25 % more where it is rigid).
+/// The same where the cut is interrupted, and where little is engaged (Dormer Pramet 2021, p. 210: 25 % less
+/// where a tool vibrates, 25 % more where it is rigid).
 const INTERRUPTED_SHARE: f64 = 0.75;
 const SMALL_SHARE: f64 = 1.25;
 
-/// Feed rate of a plunge of `tool`, mm/min, with an engaged arc of at most `arc_rad`: `None` where the tool does not
-/// say how many teeth it has, so that the feed per tooth is unknown. `range`: least and greatest feed per tooth, mm,
-/// of the material where that is known.
+/// Feed rate of a plunge of `tool`, mm/min, with an engaged arc of at most `arc_rad`: `None` where the tool
+/// does not say how many teeth it has, so that the feed per tooth is unknown. `range`: least and greatest
+/// feed per tooth, mm, of the material where that is known.
 pub fn feed_by_engagement(
     tool: &Tool,
     arc_rad: f64,

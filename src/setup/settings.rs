@@ -80,8 +80,8 @@ pub struct AllowanceSetup {
     pub inlet_extension: f64,
     /// Shape of the blank: everything that holds a tool against stock uses it.
     pub blank: BlankShape,
-    /// Material of the blank, as the shop calls it. Where it is one of [`CUTTING_DATA`], tools that do not say
-    /// how fast they are get their speeds and feeds from there.
+    /// Material of the blank, as the shop calls it. Where it is one of [`CUTTING_DATA`], tools that do not
+    /// say how fast they are get their speeds and feeds from there.
     ///
     /// [`CUTTING_DATA`]: super::cutting_data::CUTTING_DATA
     pub material: Option<String>,
@@ -231,8 +231,8 @@ pub struct PlungeSetup {
     pub max_axis_change_rad: f64,
     /// Largest angle of an axis from the isoparametric one, rad (degrees in the file: `max_tilt`).
     pub max_tilt_rad: f64,
-    /// Distance by which the tool moves off the stock beside it after a plunge, and up as far, at 45°, before it
-    /// retracts, mm; absent: it retracts straight.
+    /// Distance by which the tool moves off the stock beside it after a plunge, and up as far, at 45°, before
+    /// it retracts, mm; absent: it retracts straight.
     pub lift: Option<f64>,
     /// Depth after which a plunge is interrupted to break the chip, mm; absent: it is not.
     pub peck: Option<f64>,

@@ -93,7 +93,8 @@ impl Tool {
         CutterSolid { tip: tip + axis * self.overhang, axis, radius, corner_radius: 0.0 }
     }
 
-    /// The tool as a drawing shows it, from the tip up: cutter, shank, holder, an assumed one where none is given.
+    /// The tool as a drawing shows it, from the tip up: cutter, shank, holder, an assumed one where none is
+    /// given.
     pub fn outline(&self) -> Vec<OutlinePiece> {
         let segments = self.assembly.segments(self.overhang);
         let above = segments.iter().find(|segment| segment.part == AssemblyPart::Shank);
@@ -123,9 +124,9 @@ impl Tool {
         outline
     }
 
-    /// What is wider than the cutter above it, as cylinders unbounded towards the spindle that contain shank and
-    /// holder with `clearances` around them: height above the tip from which on, and radius, each wider than the one
-    /// before, mm. The holder that is assumed where none is given has no clearance.
+    /// What is wider than the cutter above it, as cylinders unbounded towards the spindle that contain shank
+    /// and holder with `clearances` around them: height above the tip from which on, and radius, each wider
+    /// than the one before, mm. The holder that is assumed where none is given has no clearance.
     pub fn assembly_steps(&self, clearances: &ClearanceSetup) -> Vec<(f64, f64)> {
         let mut steps: Vec<(f64, f64)> = Vec::new();
         let mut widest = self.radius();

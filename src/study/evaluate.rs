@@ -46,19 +46,12 @@ pub(super) fn evaluate(
     };
     let planned = match input.setup {
         Err(fault) => Err(fault),
-        Ok(setup) => {
-            // A fault of the planner in one run must not end the others.
-            let planning = AssertUnwindSafe(|| plan(input.part.part.clone(), setup, monitor));
-            match catch_unwind(planning) {
-                Ok(Err(JobError::Cancelled)) => return Err(Cancelled),
-                Ok(Err(JobError::Setup(fault))) => Err(fault.into()),
-                Ok(Ok(outcome)) => judge(&outcome, &mut result),
-                Err(_) => {
-                    let what = "the planner failed on this input";
-                    Err(UserError::new(ErrorCode::Defect, what, "report it with the part"))
-                }
-            }
-        }
+        Ok(setup) => match caught(|| plan(input.part.part.clone(), setup, monitor)) {
+            Ok(Err(JobError::Cancelled)) => return Err(Cancelled),
+            Ok(Err(JobError::Setup(fault))) => Err(fault.into()),
+            Ok(Ok(outcome)) => judge(&outcome, &mut result),
+            Err(defect) => Err(defect),
+        },
     };
     if let Err(fault) = planned {
         result.status = RunStatus::Error;
@@ -67,6 +60,13 @@ pub(super) fn evaluate(
     monitor.check()?;
     result.elapsed = started.elapsed().as_secs_f64();
     Ok(result)
+}
+
+/// What `planning` returns, or the fault of a planner that panics: one run must not end the others.
+fn caught<T>(planning: impl FnOnce() -> T) -> Result<T, UserError> {
+    catch_unwind(AssertUnwindSafe(planning)).map_err(|_| {
+        UserError::new(ErrorCode::Defect, "the planner failed on this input", "report it with the part")
+    })
 }
 
 fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Result<PlanOutcome, JobError> {
@@ -124,4 +124,16 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError>
 fn rounded(value: f64) -> Option<f64> {
     let digits = DIGITS - 1;
     value.is_finite().then(|| format!("{value:.digits$e}").parse().unwrap_or(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_planner_that_panics_is_a_defect() {
+        assert_eq!(caught(|| 3), Ok(3));
+        let failed: Result<(), UserError> = caught(|| panic!("as a planner might"));
+        assert_eq!(failed.map_err(|defect| defect.code), Err(ErrorCode::Defect));
+    }
 }

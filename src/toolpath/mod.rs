@@ -196,8 +196,8 @@ impl ClProgram {
 }
 
 impl ClProgram {
-    /// Indices of the moves with which plunges begin, in programs as the planner writes them: each of these is a
-    /// rapid to a plunge, after the rapid out of the one before.
+    /// Indices of the moves with which plunges begin, in programs as the planner writes them: each of these
+    /// is a rapid to a plunge, after the rapid out of the one before.
     pub fn plunge_starts(&self) -> Vec<usize> {
         let is_rapid = |k: usize| self.moves[k].motion == Motion::Rapid;
         let begins = |&k: &usize| {

@@ -107,10 +107,14 @@ impl Display for Fault {
     }
 }
 
-/// A program that cannot be judged for this fault: it lacks a tool.
+/// A program that cannot be judged for this fault: it cuts nothing, or lacks a tool.
 impl From<Fault> for UserError {
     fn from(fault: Fault) -> Self {
-        Self::new(ErrorCode::ProgramTool, fault.message, fault.help)
+        let code = match fault.kind {
+            FaultKind::CutsNothing => ErrorCode::NothingMoves,
+            _ => ErrorCode::ProgramTool,
+        };
+        Self::new(code, fault.message, fault.help)
     }
 }
 

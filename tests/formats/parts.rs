@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use vanecut::error::ErrorCode;
 use vanecut::io::part_file::read_part;
-use vanecut::part::{Channel, Impeller, SideProbe};
+use vanecut::part::description::BladeDescription;
+use vanecut::part::{BladeSide, Channel, Impeller, SideProbe};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -67,4 +69,23 @@ fn pump6_is_strongly_wrapped() {
         .sum();
     println!("wrap {}", wrap.to_degrees());
     assert!(wrap.to_degrees() > 110.0, "wrap {}°", wrap.to_degrees());
+}
+
+/// Sections that end far from hub and shroud are not stretched to them.
+#[test]
+fn blades_that_do_not_reach_the_hub_are_refused() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
+    let mut description = read_part(&path).expect("sample parts are readable");
+    let part = Impeller::build(&description).expect("sample parts are impellers");
+    let section = |side: &BladeSide, v: f64| (0..=20).map(|i| side.point(f64::from(i) / 20.0, v)).collect();
+    let sections = |heights: [f64; 2]| {
+        let [suction, pressure] =
+            [&part.main.suction, &part.main.pressure].map(|side| heights.map(|v| section(side, v)).to_vec());
+        BladeDescription::Sections { suction, pressure, line: 7 }
+    };
+    description.main = sections([0.0, 1.0]);
+    assert!(Impeller::build(&description).is_ok());
+    description.main = sections([0.6, 0.9]);
+    let error = Impeller::build(&description).expect_err("the blade hangs in the channel");
+    assert_eq!((error.code, error.line), (ErrorCode::BladeTooShort, 7), "{error}");
 }

@@ -2,12 +2,14 @@
 
 use vanecut::error::ErrorCode;
 use vanecut::io::nc::{read_post, read_post_bytes, write_nc};
-use vanecut::machine::{MotionFault, OutputKind};
-use vanecut::toolpath::Motion;
+use vanecut::machine::{MachineTool, MotionFault, OutputKind};
+use vanecut::toolpath::{ClProgram, Motion, Move};
 
-use super::programs::{OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back, sweeps};
+use super::programs::{
+    OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back, sweeps, tilted,
+};
 
-fn fault_of(edit: impl Fn(&mut vanecut::machine::MachineTool)) -> MotionFault {
+fn fault_of(edit: impl Fn(&mut MachineTool)) -> MotionFault {
     let mut machine = machine("ac-trunnion");
     edit(&mut machine);
     let post = read_post("fanuc").unwrap();
@@ -30,6 +32,38 @@ fn limits_and_reach_are_reported_with_their_number() {
     let post = read_post("linuxcnc").unwrap();
     let fault = moved(&machine("nutating-table"), &steep, &post, OutputKind::TcpAngles).unwrap_err();
     assert_eq!(fault.explained().code, ErrorCode::AxisLimits, "{fault}");
+}
+
+/// A cut that leads the tool around the pole of the machine's first axis, 30° from it.
+fn around_the_pole(degrees: &[f64]) -> ClProgram {
+    let mut program = sweeps();
+    let step = program.moves[1].clone();
+    program.moves = (1..)
+        .zip(degrees)
+        .map(|(line, around)| Move { axis: tilted(30.0, *around), line, ..step.clone() })
+        .collect();
+    program.moves[0].motion = Motion::Rapid;
+    program
+}
+
+#[test]
+fn axes_that_cannot_stay_in_the_cut_are_refused_at_its_line() {
+    let post = read_post("fanuc").unwrap();
+    let fault_of = |edit: &dyn Fn(&mut MachineTool), degrees: &[f64]| {
+        let mut machine = machine("ac-trunnion");
+        edit(&mut machine);
+        let program = around_the_pole(degrees);
+        let fault = moved(&machine, &program, &post, OutputKind::TcpAngles).map(|_| ()).unwrap_err();
+        (fault.explained().code, fault.line())
+    };
+    let turn = (0..=12).map(|k| 30.0 * f64::from(k)).collect::<Vec<f64>>();
+    let narrow = |m: &mut MachineTool| m.rotary[0].limits = Some((-3.0, 3.0));
+    let (code, line) = fault_of(&narrow, &turn);
+    assert!(code == ErrorCode::AxisTurnsBack && line > 1, "{code} in line {line}");
+    // The even turn between two directions passes nearer to the pole, where the second axis must not go.
+    let tilt = 30f64.to_radians();
+    let bounded = |m: &mut MachineTool| m.rotary[1].limits = Some((0.99 * tilt, 1.5));
+    assert_eq!(fault_of(&bounded, &[0.0, 90.0]), (ErrorCode::AxisCannotFollow, 2));
 }
 
 #[test]

@@ -150,9 +150,10 @@ fn no_cut_or_changed_archive_panics_or_passes_as_another_library() {
 
 #[test]
 fn a_tool_bit_of_freecad() {
-    let bit = json!({"version": 2, "name": "6 mm Bull Nose", "shape": "bullnose.fcstd", "shape-type": "Bullnose",
-        "parameter": {"CuttingEdgeHeight": "40.0000 mm", "Diameter": "6.0000 mm", "CornerRadius": "1.5000 mm",
-            "Length": "50.0000 mm", "ShankDiameter": "3.0000 mm"}, "attribute": {}});
+    let bit = json!({"version": 2, "name": "6 mm Bull Nose", "shape": "bullnose.fcstd",
+        "shape-type": "Bullnose", "attribute": {}, "parameter": {
+            "CuttingEdgeHeight": "40.0000 mm", "Diameter": "6.0000 mm", "CornerRadius": "1.5000 mm",
+            "Length": "50.0000 mm", "ShankDiameter": "3.0000 mm"}});
     let read =
         read_library_bytes("b.fctb", bit.to_string().as_bytes(), LibraryFormat::FreeCadBit).expect("reads");
     let tool = &read.tools[0].tool;

@@ -119,8 +119,8 @@ fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
     }
 }
 
-/// Between walls that the cutter just passes the rows in the middle have no axis at all, those beside the walls do:
-/// these end where their own axes do, not where those of their neighbours end.
+/// Between walls that the cutter just passes the rows in the middle have no axis at all, those beside the
+/// walls do: these end where their own axes do, not where those of their neighbours end.
 #[test]
 fn rows_beside_walls_go_on_where_those_between_them_end() {
     let wheel = make::wheel(83, 34);

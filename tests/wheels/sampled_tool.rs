@@ -1,9 +1,9 @@
-//! Shank and holder of whole programs against the finished wheel and the standing blank, by points: a check that
-//! shares no code with the distances by which plans are made and programs verified.
+//! Shank and holder of whole programs against the finished wheel and the standing blank, by points: a check
+//! that shares no code with the distances by which plans are made and programs verified.
 //!
-//! The wheel is a cloud of points of the hub and of every blade, the tool a profile of heights and radii about
-//! its axis, and every move a row of poses. A point is never nearer than the surface it is from, so whatever is
-//! found is there.
+//! The wheel is a cloud of points of the hub and of every blade, the tool a profile of heights and radii
+//! about its axis, and every move a row of poses. A point is never nearer than the surface it is from, so
+//! whatever is found is there.
 
 use rayon::prelude::*;
 use vanecut::geometry::{Meridional, Point, Vector};

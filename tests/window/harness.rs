@@ -47,6 +47,9 @@ pub fn sample_in(mut window: Window) -> Window {
     window
 }
 
+/// What takes longer hangs, on however busy a machine.
+pub const HANG: Duration = Duration::from_secs(300);
+
 /// Draws until all background tasks are done and their results are shown.
 pub fn settle(window: &mut Window) {
     let start = Instant::now();
@@ -54,7 +57,7 @@ pub fn settle(window: &mut Window) {
     // Handling a result may start another task.
     loop {
         while window.state().is_busy() {
-            assert!(start.elapsed() < Duration::from_secs(120), "the work does not end");
+            assert!(start.elapsed() < HANG, "the work does not end");
             // About the time of a frame, so that the task gets half of the processor.
             std::thread::sleep(Duration::from_millis(30));
             window.step();

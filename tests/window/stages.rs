@@ -13,7 +13,7 @@ use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::setup::AxisPolicy;
 
-use crate::harness::{Window, settle, snapshot_view, with_sample};
+use crate::harness::{HANG, Window, settle, snapshot_view, with_sample};
 
 /// The real planner, which waits after each stage until the test allows the next.
 fn gated() -> (Engine, Arc<AtomicUsize>) {
@@ -36,7 +36,7 @@ fn gated() -> (Engine, Arc<AtomicUsize>) {
 fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
     let start = Instant::now();
     while !done(window) {
-        assert!(start.elapsed() < Duration::from_secs(60), "{what} does not come");
+        assert!(start.elapsed() < HANG, "{what} does not come");
         std::thread::sleep(Duration::from_millis(2));
         window.step();
     }

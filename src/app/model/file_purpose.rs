@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::io::part_file;
 use crate::io::project_file::EXTENSION;
 
 /// Endings of programs: APT, and NC code of the known controls.
@@ -90,7 +91,7 @@ impl Purpose {
     /// What the files are, and their endings.
     pub fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenPart => ("Impellers", &["toml", "geomTurbo", "geomturbo", "inf", "glb", "gltf"]),
+            Self::OpenPart => ("Impellers", part_file::EXTENSIONS),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::OpenLibrary => ("Tool libraries", &["toml", "json", "tools", "fctb", "fctl"]),

@@ -57,8 +57,8 @@ pub fn tool_svg(tool: &Tool) -> String {
     let (side, top) = (middle + radius * scale + 8.0, y(tool.overhang));
     let _ = write!(
         svg,
-        "<path d=\"M{side:.1} {top:.1}V{bottom:.1}M{tick:.1} {bottom:.1}h8M{tick:.1} {top:.1}h8\" stroke=\"#333\" \
-         fill=\"none\"/><text x=\"{beside:.1}\" y=\"{half:.1}\">{overhang}</text>\
+        "<path d=\"M{side:.1} {top:.1}V{bottom:.1}M{tick:.1} {bottom:.1}h8M{tick:.1} {top:.1}h8\" \
+         stroke=\"#333\" fill=\"none\"/><text x=\"{beside:.1}\" y=\"{half:.1}\">{overhang}</text>\
          <text x=\"{middle:.1}\" y=\"{below:.1}\" text-anchor=\"middle\">⌀{diameter}</text></svg>",
         tick = side - 4.0,
         beside = side + 6.0,
@@ -111,7 +111,8 @@ pub fn part_svg(part: &Impeller, blank: &Blank) -> String {
          <path d=\"{hub}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2\"/>\
          <path d=\"{shroud}\" fill=\"none\" stroke=\"#78909c\" stroke-dasharray=\"6 3\"/>\
          <path d=\"M{zero_x:.1} 10V{axis_end:.1}\" stroke=\"#333\" stroke-dasharray=\"12 3 3 3\"/>\
-         <circle cx=\"{zero_x:.1}\" cy=\"{zero_y:.1}\" r=\"6\" fill=\"none\" stroke=\"#d55e00\" stroke-width=\"2\"/>\
+         <circle cx=\"{zero_x:.1}\" cy=\"{zero_y:.1}\" r=\"6\" fill=\"none\" \
+         stroke=\"#d55e00\" stroke-width=\"2\"/>\
          <path d=\"M{zero_x:.1} {zero_y:.1}m-9 0h18m-9 -9v18\" stroke=\"#d55e00\"/>\
          <text x=\"{label_x:.1}\" y=\"{label_y:.1}\" fill=\"#d55e00\">X0 Y0 Z0</text>\
          <text x=\"{zero_x:.1}\" y=\"10\" dx=\"6\">+Z</text></svg>",

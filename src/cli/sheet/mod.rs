@@ -19,9 +19,9 @@ use crate::verify::PlungeReport;
 /// Rows of a table stay whole on a page, and its head is repeated.
 const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-size:11pt;max-width:180mm;\
     margin:0 auto}h1{font-size:16pt;margin:0}h2{font-size:13pt;margin:14pt 0 4pt;break-after:avoid}\
-    table{border-collapse:collapse;width:100%}th,td{border:1px solid #90a4ae;padding:2pt 5pt;text-align:right}\
-    th:first-child,td:first-child{text-align:left}thead{display:table-header-group}tr,figure,.tool,.keep{\
-    break-inside:avoid}figure{display:inline-block;margin:3pt;width:86mm}figure img{width:100%}\
+    table{border-collapse:collapse;width:100%}th,td{border:1px solid #90a4ae;padding:2pt 5pt;\
+    text-align:right}th:first-child,td:first-child{text-align:left}thead{display:table-header-group}\
+    tr,figure,.tool,.keep{break-inside:avoid}figure{display:inline-block;margin:3pt;width:86mm}figure img{width:100%}\
     .tool{display:inline-block;vertical-align:top;margin:0 10pt 6pt 0;font-size:9pt}\
     .warning{border-left:4pt solid #d55e00;padding-left:6pt}";
 
@@ -54,7 +54,8 @@ pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
         .collect();
     let name = escaped(&input.outcome.workpiece.part.name);
     let html = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{name}: setup sheet</title>\n\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <title>{name}: setup sheet</title>\n\
          <style>{STYLE}</style></head><body>\n<h1>{name}: setup sheet</h1>\n{}{}{}{}{}{}\
          <h2>Stock before and after</h2>\n{figures}</body></html>\n",
         part_text(input),
@@ -82,8 +83,9 @@ fn part_text(input: &SheetInput) -> String {
     let material = stock.material.as_deref().map_or("not named in the setup".to_owned(), escaped);
     format!(
         "<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
-         <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; Z along the axis. \
-         Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, blades {} mm.</p></div>\n",
+         <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; \
+         Z along the axis. Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, \
+         blades {} mm.</p></div>\n",
         2.0 * part.rim_radius(),
         part.blade_count,
         if part.splitters.is_empty() { "" } else { " and splitters" },
@@ -207,8 +209,8 @@ fn sections_text(input: &SheetInput) -> String {
         };
         let _ = write!(
             rows,
-            "<tr><td>{}</td><td>T{}</td><td>{:.2} to {:.2}</td><td>{kind}</td><td>{}</td><td>{:.2} / {:.2}</td>\
-             <td>{:.1}</td></tr>",
+            "<tr><td>{}</td><td>T{}</td><td>{:.2} to {:.2}</td><td>{kind}</td><td>{}</td>\
+             <td>{:.2} / {:.2}</td><td>{:.1}</td></tr>",
             index + 1,
             section.tool.number,
             section.from,
@@ -223,10 +225,11 @@ fn sections_text(input: &SheetInput) -> String {
     let change = TOOL_CHANGE_S / 60.0 * tool_changes as f64;
     let one = minutes(&after.summary);
     format!(
-        "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th><th>plunges</th>\
-         <th>stock mean / 95 %, mm</th><th>min</th></tr></thead><tbody>{rows}</tbody></table>\n\
-         <p>One channel {one:.1} min; the wheel, {blades} channels and {tool_changes} tool changes, about {:.0} min \
-         (accelerations left out).</p>\n",
+        "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
+         <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\
+         <tbody>{rows}</tbody></table>\n\
+         <p>One channel {one:.1} min; the wheel, {blades} channels and {tool_changes} tool changes, \
+         about {:.0} min (accelerations left out).</p>\n",
         one * blades as f64 + change,
     )
 }
@@ -236,7 +239,8 @@ fn policies_text(outcome: &PlanOutcome) -> String {
     let row = |result: &PolicyResult| {
         let s = &result.summary;
         format!(
-            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td><td>{:.2} / {:.2}</td><td>{:.1}</td><td>{:.1}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td><td>{:.2} / {:.2}</td><td>{:.1}</td>\
+             <td>{:.1}</td></tr>",
             result.plan.policy.name(),
             s.positions,
             s.interfering,

@@ -78,8 +78,9 @@ impl CrossedPlunge {
         self.removed_by_sharp_below(f64::INFINITY, line)
     }
 
-    /// As [`Self::removed_by_sharp`], if the interval begins below `reach` and ends above the bottom of the core.
-    /// Most intervals that do not are rejected by the signs of the quadratic and its slope at these heights.
+    /// As [`Self::removed_by_sharp`], if the interval begins below `reach` and ends above the bottom of the
+    /// core. Most intervals that do not are rejected by the signs of the quadratic and its slope at these
+    /// heights.
     #[inline]
     pub fn removed_by_sharp_below(&self, reach: f64, line: &CoreLine) -> Option<(f64, f64)> {
         let CoreLine { x, y, .. } = *line;
@@ -123,8 +124,8 @@ pub struct CoreFrame {
 }
 
 impl CoreFrame {
-    /// The frame of the core of `cutter`. It turns with the plunge about Z, so that all channels give the same
-    /// result.
+    /// The frame of the core of `cutter`. It turns with the plunge about Z, so that all channels give the
+    /// same result.
     fn of(cutter: &CutterSolid) -> Self {
         let CutterSolid { tip, axis, .. } = *cutter;
         let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
@@ -192,11 +193,11 @@ impl Neighbours {
         self.columns.len()
     }
 
-    /// What the gathered plunges leave of `left`; stops as soon as further ones change nothing relevant. `note`
-    /// gets the numbers of those that mattered, 0 for the latest.
+    /// What the gathered plunges leave of `left`; stops as soon as further ones change nothing relevant.
+    /// `note` gets the numbers of those that mattered, 0 for the latest.
     ///
-    /// The order of the plunges does not matter. Those that did are moved to the front: the next line is mostly
-    /// beside this one, and the same few plunges leave nothing of it.
+    /// The order of the plunges does not matter. Those that did are moved to the front: the next line is
+    /// mostly beside this one, and the same few plunges leave nothing of it.
     pub fn cut_line(
         &mut self,
         mut left: LineRemainder,

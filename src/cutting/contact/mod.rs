@@ -76,8 +76,8 @@ pub fn core_contacts(
     (0..columns.len()).into_par_iter().map(contact).collect()
 }
 
-/// Depth of [`core_contact`], mm, given the `earlier` plunges that may meet the core, in cutting order; and for each
-/// of them whether it removed anything from a line. Without one that did not, the depth is the same.
+/// Depth of [`core_contact`], mm, given the `earlier` plunges that may meet the core, in cutting order; and
+/// for each of them whether it removed anything from a line. Without one that did not, the depth is the same.
 pub fn core_contact_by<'c>(
     column: &PlungeColumn,
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
@@ -103,8 +103,8 @@ fn contact_among(
 }
 
 /// Whether the core of `column` has more contact than planning tolerates, given the `earlier` plunges that
-/// may meet it. On a quarter of the lines of [`core_contact`], and returns at the first such line: narrow contact may
-/// be missed.
+/// may meet it. On a quarter of the lines of [`core_contact`], and returns at the first such line: narrow
+/// contact may be missed.
 pub fn core_interferes<'c>(
     column: &PlungeColumn,
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,

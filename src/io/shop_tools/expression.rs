@@ -201,8 +201,8 @@ mod tests {
     fn what_cannot_be_computed_is_absent() {
         let deep = format!("{}1{}", "(".repeat(400), ")".repeat(99));
         let object = json!({
-            "loop": "loop + 1 mm", "twice": "p*p", "p": "q+q", "q": "twice", "empty": "", "text": "'x'", "deep": deep,
-            "zero": "1/0", "tail": "3 mm x", "unknown": "tool_nothing", "open": "(1",
+            "loop": "loop + 1 mm", "twice": "p*p", "p": "q+q", "q": "twice", "empty": "", "text": "'x'",
+            "deep": deep, "zero": "1/0", "tail": "3 mm x", "unknown": "tool_nothing", "open": "(1",
         });
         let all = Expressions::new(Some(&object), 1.0);
         for name in object.as_object().expect("object").keys() {

@@ -397,7 +397,9 @@ fn entry_of(tool: &Tool) -> Value {
             "v_c": more.cutting_speed,
         }]},
     });
-    let row = |[lower, upper, length]: [f64; 3]| json!({"height": length, "lower-diameter": lower, "upper-diameter": upper});
+    let row = |[lower, upper, length]: [f64; 3]| -> Value {
+        json!({"height": length, "lower-diameter": lower, "upper-diameter": upper})
+    };
     if !more.shank.is_empty() {
         let rows: Vec<Value> = more.shank.iter().map(|&[d, length]| row([d, d, length])).collect();
         entry["shaft"] = json!({"type": "shaft", "segments": rows});

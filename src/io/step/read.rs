@@ -88,7 +88,7 @@ pub fn read_scene_bytes(name: &str, bytes: &[u8], chord_mm: Option<f64>) -> Resu
             "holds no solids or surfaces"
         };
         return Err(InputError::new(
-            ErrorCode::MeshFile,
+            ErrorCode::StepFile,
             name,
             0,
             what,

@@ -135,7 +135,7 @@ fn faults_name_the_instance() {
         (net("(2,2),(2,2),(1.,0.),(0.,1.)"), bad, "#13: "),
         (net("(2,3),(2,2),(0.,1.),(0.,1.)"), bad, "#13: "),
         ("#4=MANIFOLD_SOLID_BREP('',#4);".to_owned(), bad, "#4: "),
-        ("#4=GEOMETRIC_SET('',());".to_owned(), ErrorCode::MeshFile, ""),
+        ("#4=GEOMETRIC_SET('',());".to_owned(), ErrorCode::StepFile, ""),
     ] {
         let error = read_scene_bytes("a.step", file(MM, &data).as_bytes(), Some(0.1)).expect_err(&data);
         assert_eq!(error.code, code, "{error}");

@@ -37,7 +37,9 @@ impl MeshFault {
     /// What is wrong and what to do.
     pub fn explained(&self) -> UserError {
         match self {
-            Self::Empty => UserError::new(ErrorCode::MeshFile, "has no triangles", "export the blank again"),
+            Self::Empty => {
+                UserError::new(ErrorCode::NoTriangles, "has no triangles", "export the blank again")
+            }
             Self::Open { count, x, y, z } => UserError::new(
                 ErrorCode::MeshNotClosed,
                 format!(

@@ -2,7 +2,7 @@
 
 use nalgebra::Rotation3;
 use vanecut::error::ErrorCode;
-use vanecut::geometry::{Point, Vector};
+use vanecut::geometry::{Point, Vector, rotate_z};
 use vanecut::mesh::solid::FaceKind;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, describe};
@@ -119,6 +119,27 @@ fn what_makes_no_wheel_has_a_code_by_what_is_missing() {
     meshes.push(named("Hub".into(), 99, TriangleMesh::default()));
     let error = refused(meshes, &turning(&part));
     assert_eq!(error.code, ErrorCode::NoRotationAxis, "{error}");
+    // A blade that stands 10° beside its place.
+    let mut meshes = whole();
+    let blade = meshes.iter_mut().find(|m| m.name == "Blade_2").expect("a blade");
+    blade.mesh.points.iter_mut().for_each(|p| *p = rotate_z(p, 10f64.to_radians()));
+    let error = refused(meshes, &turning(&part));
+    assert_eq!(error.code, ErrorCode::BladeSpacing, "{error}");
+    // A spike in place of a blade: its only corner away from the hub does not say how the tips run.
+    let hub = whole().into_iter().filter(|m| m.name == "Hub");
+    let spike = named("Blade".into(), 1, spike_of(&part));
+    let options = MeshOptions { blades: Some(part.blade_count), ..turning(&part) };
+    let error = refused(hub.chain([spike]).collect(), &options);
+    assert_eq!(error.code, ErrorCode::NoShroud, "{error}");
+}
+
+/// A pyramid from the foot of the main blade near the rim to its tip.
+fn spike_of(part: &Impeller) -> TriangleMesh {
+    let sides = [&part.main.suction, &part.main.pressure];
+    let foot = [(0, 0.88), (0, 0.92), (1, 0.92), (1, 0.88)].map(|(side, u)| sides[side].point(u, 0.0));
+    let points = foot.into_iter().chain([part.main.suction.point(0.84, 1.0)]).collect();
+    let sloping = (0..4).map(|k| [k, (k + 1) % 4, 4]);
+    TriangleMesh { points, triangles: [[0, 2, 1], [0, 3, 2]].into_iter().chain(sloping).collect() }
 }
 
 /// Blades with only their two sides, open at foot, tip and blunt edges, without the triangles whose corners
