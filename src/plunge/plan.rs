@@ -344,9 +344,9 @@ pub struct SectionPlan {
 }
 
 impl SectionPlan {
-    /// Whether it is part of the program; one for the rest, or above the shroud, may have nothing to cut.
+    /// Whether it is part of the program.
     pub fn is_cut(&self) -> bool {
-        self.kind == SectionKind::Rows || self.rows > 0
+        self.kind.is_cut(self.rows)
     }
 
     /// Whether planning was stopped before the section was finished: it holds the best result so far.

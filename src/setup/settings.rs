@@ -191,6 +191,12 @@ pub enum SectionKind {
 }
 
 impl SectionKind {
+    /// Whether a section with this many rows is part of the program; one for the rest, or above the shroud,
+    /// may have nothing to cut.
+    pub fn is_cut(self, rows: usize) -> bool {
+        self == Self::Rows || rows > 0
+    }
+
     /// Word in programs; `None` for rows.
     pub fn word(self) -> Option<&'static str> {
         match self {
