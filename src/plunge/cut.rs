@@ -176,7 +176,7 @@ impl SectionCut {
 
     /// As [`Self::empty`], for a section that planning did not reach before it was stopped.
     pub fn not_started(section: &SectionSetup, columns: Columns) -> Self {
-        let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
+        let feed = section.direction();
         Self { added: Some(AddedPlunges::UNFINISHED), ..Self::empty(feed, columns) }
     }
 

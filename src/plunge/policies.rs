@@ -17,7 +17,7 @@ use super::opening::opening_section;
 use super::{conventional, minimal, monotone, staircase};
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
-use crate::setup::{AxisPolicy, CutDirection, SectionKind};
+use crate::setup::{AxisPolicy, SectionKind};
 
 /// Plans section `index` by `policy` after the plunges of `columns`.
 ///
@@ -34,10 +34,7 @@ pub(super) fn plan_section(
     match (section.kind, policy) {
         (SectionKind::Opening, _) => opening_section(context, index, columns, monitor),
         (SectionKind::Rest, AxisPolicy::Minimal) => minimal::rest_section(context, index, columns, monitor),
-        (SectionKind::Rest, _) => {
-            let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
-            Ok(SectionCut::empty(feed, columns))
-        }
+        (SectionKind::Rest, _) => Ok(SectionCut::empty(section.direction(), columns)),
         (SectionKind::Rows, AxisPolicy::Conventional) => {
             conventional::plan_section(context, index, columns, monitor)
         }

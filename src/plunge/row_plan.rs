@@ -15,7 +15,7 @@ use super::section_layout::{RowLayout, StretchLayout, row_ends, row_maker};
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
-use crate::setup::{CutDirection, SetupPlace};
+use crate::setup::SetupPlace;
 
 /// Iterations after which a row that still changes is reported as not converged.
 const MAX_ITERATIONS: usize = 12;
@@ -41,7 +41,7 @@ pub(super) fn cut_rows(
     let section = context.section(index);
     let layouts = context.layouts(index)?;
     let tool = context.tool_of_section(index)?;
-    let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
+    let feed = section.direction();
     let rows = match plan_rows(context, index, layouts, &columns, plan_row, monitor) {
         Err(PlanError::Cancelled(_)) if monitor.is_stopped() => {
             return Ok(SectionCut::not_started(section, columns));
@@ -66,7 +66,7 @@ fn plan_rows(
     monitor: &Monitor,
 ) -> Result<Vec<PlannedRow>, PlanError> {
     let tool = context.tool_of_section(index)?;
-    let feed = context.section(index).cut_direction.unwrap_or(CutDirection::OutletToInlet);
+    let feed = context.section(index).direction();
     let top = BlankTop::new(&context.workpiece.blank);
     let mut rows = Vec::new();
     for layout in layouts {

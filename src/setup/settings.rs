@@ -176,6 +176,13 @@ pub struct SectionSetup {
     pub kind: SectionKind,
 }
 
+impl SectionSetup {
+    /// Direction of the rows where the policy leaves it to the setup.
+    pub fn direction(&self) -> CutDirection {
+        self.cut_direction.unwrap_or(CutDirection::OutletToInlet)
+    }
+}
+
 /// What a section of plunges cuts: keys `rest` and `opening` of a section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SectionKind {

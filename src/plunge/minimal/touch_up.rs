@@ -15,7 +15,7 @@ use crate::plunge::plan::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
 use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker, section_layout};
 use crate::plunge::sections::MAX_POSITIONS;
-use crate::setup::{CutDirection, tool_of};
+use crate::setup::tool_of;
 
 /// Settings of a search for single plunges.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +90,7 @@ pub(in crate::plunge) fn rest_section(
     let layouts = section_layout(context.workpiece, context.setup, section)?;
     let above = Some(rest_threshold(tool_of(context.setup, section.tool)?));
     let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
-    let mut cut = SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::OutletToInlet), columns);
+    let mut cut = SectionCut::empty(section.direction(), columns);
     let wanted =
         ExtraLimits { max_count: left_in_plan, left_in_plan, manner: REST_MILLING, above, rest_from: None };
     add_plunges(context, index, &layouts, &mut cut, wanted, monitor)?;
