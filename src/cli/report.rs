@@ -295,12 +295,7 @@ fn limited_counts(plan: &PlungePlan, section: Option<usize>) -> [(LimitedBy, usi
 }
 
 fn limited_object(counts: &[(LimitedBy, usize)]) -> Value {
-    Value::Object(
-        counts
-            .iter()
-            .map(|(held, count)| (json!(held).as_str().unwrap_or_default().to_owned(), json!(count)))
-            .collect(),
-    )
+    Value::Object(counts.iter().map(|(held, count)| (held.name().to_owned(), json!(count))).collect())
 }
 
 /// Text on the positions with a limited axis and on those lifted to keep the core free; empty if there are
