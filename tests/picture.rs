@@ -284,7 +284,7 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let mut red =
         |scene: &Scene| pixels_like(&studio.shot(scene, View::Section(1), &options, 4), INTERFERING);
     assert!(red(&scene) > 100, "the plan before the preview");
-    scene.set_preview(Some(placed_cutters(&plan.clone().with_evaluations(|_| Unevaluated))));
+    scene.set_preview(Some(placed_cutters(&plan.clone().with_evaluations(|_| Unevaluated)).into()));
     assert_eq!(red(&scene), 0, "not evaluated");
     let size = SIZE.as_vec2();
     let camera = Camera::standard(View::Section(1), scene.framing(), size.x / size.y);
@@ -293,7 +293,7 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     let pixel = pixel.expect("in front");
     let pick = |scene: &Scene| scene.pick(&camera, &options, pixel, size).and_then(|pick| pick.position);
     assert_eq!(pick(&scene), None);
-    scene.set_preview(Some(evaluated_cutters(&plan)));
+    scene.set_preview(Some(evaluated_cutters(&plan).into()));
     assert!(red(&scene) > 100, "judged");
     scene.set_preview(None);
     assert_eq!(pick(&scene), Some(1), "the plan before can be picked again");

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::args::PlanArgs;
 use super::curve::{curve_text, point_object, time_stock_curve};
 use super::open::OpenSetup;
-use super::report::PlanFigures;
+use super::report::{PlungeFigures, SectionFigures};
 use super::sheet::SheetInput;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout, report, sheet};
@@ -146,11 +146,11 @@ fn plan_json(
 ) -> serde_json::Map<String, Value> {
     let (part, grid, reasons) = (&outcome.workpiece.part, &outcome.grid, &outcome.reasons);
     let mut map = report::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
-    let compared = |result| report::comparison_object(&PlanFigures::of_result(result, grid), reasons);
+    let compared = |result| report::comparison_object(&PlungeFigures::of_result(result, grid), reasons);
     map.extend(report::assembly_keys(&report.verdict.assembly));
     map.insert("policy".into(), json!(outcome.after.plan.policy));
     if channels > 1 {
-        let one = PlanFigures::of_result(&outcome.after, grid);
+        let one = PlungeFigures::of_result(&outcome.after, grid);
         map.insert("one_channel".into(), Value::Object(report::plan_object(part, 1, &one, reasons)));
     }
     map.insert("before".into(), compared(&outcome.before));
@@ -163,16 +163,26 @@ fn plan_json(
 }
 
 /// Figures of the plan, taken from its written program where possible.
-fn written_figures<'a>(outcome: &'a PlanOutcome, report: &PlungeReport, channels: usize) -> PlanFigures<'a> {
-    let one = PlanFigures::of_result(&outcome.after, &outcome.grid);
+fn written_figures<'a>(
+    outcome: &'a PlanOutcome,
+    report: &PlungeReport,
+    channels: usize,
+) -> PlungeFigures<'a> {
+    let one = PlungeFigures::of_result(&outcome.after, &outcome.grid);
     // A program does not contain blocked positions; their number is the same in every channel.
-    let with_blocked = |s: &Summary, one: &Summary| Summary { blocked: one.blocked * channels, ..s.clone() };
-    let sections = report.sections.iter().zip(&one.sections);
-    PlanFigures {
+    let with_blocked = |s: &Summary, one: &Summary| Summary {
+        blocked: one.blocked.map(|blocked| blocked * channels),
+        ..s.clone()
+    };
+    let written = |section: SectionFigures<'a>| {
+        let summary = with_blocked(report.sections.get(section.index)?, &section.summary);
+        Some(SectionFigures { summary, ..section })
+    };
+    PlungeFigures {
         summary: with_blocked(&report.summary, &one.summary),
-        sections: sections.map(|(s, one)| with_blocked(s, one)).collect(),
-        rows: report.verdict.plan.sections.iter().map(|section| section.rows).sum(),
-        ..one
+        sections: one.sections.into_iter().filter_map(written).collect(),
+        rows: report.verdict.rows(),
+        plan: one.plan,
     }
 }
 
@@ -192,7 +202,7 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     }
     let policies = outcome.policies().into_iter();
     text += &report::table(
-        policies.map(|result| (result.plan.policy.name(), PlanFigures::of_result(result, &outcome.grid))),
+        policies.map(|result| (result.plan.policy.name(), PlungeFigures::of_result(result, &outcome.grid))),
     );
     if channels > 1 {
         text += &format!("{} as written, {}:\n", plan.policy.name(), report::channels_text(channels));

@@ -4,11 +4,11 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::Impeller;
-use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+use crate::plunge::{AddedPlunges, DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
-use crate::setup::{CutDirection, SectionKind, Setup};
+use crate::setup::{CutDirection, SectionKind, Setup, Tool};
 use crate::stock::FloorGrid;
-use crate::verify::{AssemblyDistances, Fault, PlungeReport};
+use crate::verify::{AssemblyDistances, Fault, PlungeReport, ProgramSection};
 
 /// A number, or null if it is not finite. An empty sum is −0; adding 0 makes it 0.
 pub fn number(x: f64) -> Value {
@@ -74,69 +74,97 @@ pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
     map
 }
 
-/// A plan with its figures and those of its sections.
+/// Figures of a plan or program, and of each of its sections.
 #[derive(Clone, Debug)]
-pub struct PlanFigures<'a> {
-    /// The plan.
-    pub plan: &'a PlungePlan,
-    /// Figures of the whole plan.
+pub struct PlungeFigures<'a> {
+    /// The plan; `None` for a program, of whose planning nothing is known.
+    pub plan: Option<&'a PlungePlan>,
+    /// Figures of the whole.
     pub summary: Summary,
-    /// Figures of each section.
-    pub sections: Vec<Summary>,
+    /// The sections that are cut.
+    pub sections: Vec<SectionFigures<'a>>,
     /// Number of rows in all channels.
     pub rows: usize,
-    /// Whether the plan comes from the planner, not from a program: figures of the planning are available.
-    pub planned: bool,
 }
 
-impl<'a> PlanFigures<'a> {
+/// Figures of a section.
+#[derive(Clone, Debug)]
+pub struct SectionFigures<'a> {
+    /// Its index among all sections of the plan or program.
+    pub index: usize,
+    /// Its figures.
+    pub summary: Summary,
+    /// Its tool.
+    pub tool: &'a Tool,
+    /// s at the outlet end, and at the inlet end.
+    pub range: [f64; 2],
+    /// Cutting direction of the rows.
+    pub feed: CutDirection,
+    /// What it cuts.
+    pub kind: SectionKind,
+    /// What the planner added to its rows.
+    pub added: Option<AddedPlunges>,
+}
+
+impl<'a> PlungeFigures<'a> {
     /// Figures of a plan of one channel.
     pub fn of_result(result: &'a PolicyResult, grid: &FloorGrid) -> Self {
-        let section = |index| Summary::of_section(&result.plan, grid, &result.field, index);
-        let sections = (0..result.plan.sections.len()).map(section).collect();
-        let rows = rows_of(&result.plan);
-        Self { plan: &result.plan, summary: result.summary.clone(), sections, rows, planned: true }
+        let PolicyResult { plan, field, .. } = result;
+        let section = |(index, section): (usize, &'a SectionPlan)| SectionFigures {
+            index,
+            summary: Summary::of_section(plan, grid, field, index),
+            tool: &section.tool,
+            range: [section.from, section.to],
+            feed: section.feed,
+            kind: section.kind,
+            added: section.added,
+        };
+        Self {
+            plan: Some(plan),
+            summary: result.summary.clone(),
+            sections: plan.sections.iter().enumerate().filter(|(_, s)| s.is_cut()).map(section).collect(),
+            rows: plan.sections.iter().map(|section| section.rows).sum(),
+        }
     }
 
     /// Figures of a verified program.
     pub fn of_program(report: &'a PlungeReport) -> Self {
+        let section = |(index, (section, summary)): (usize, (&'a ProgramSection, &Summary))| SectionFigures {
+            index,
+            summary: summary.clone(),
+            tool: &section.tool,
+            range: [section.from, section.to],
+            feed: section.feed,
+            kind: section.kind,
+            added: None,
+        };
+        let sections = report.verdict.sections.iter().zip(&report.sections).enumerate();
         Self {
-            plan: &report.verdict.plan,
+            plan: None,
             summary: report.summary.clone(),
-            sections: report.sections.clone(),
-            rows: rows_of(&report.verdict.plan),
-            planned: false,
+            sections: sections.filter(|(_, (s, _))| s.is_cut()).map(section).collect(),
+            rows: report.verdict.rows(),
         }
     }
 
-    /// The sections that are cut, with their indices in the plan and their figures.
-    fn cut(&self) -> impl Iterator<Item = (usize, &SectionPlan, &Summary)> {
-        let sections = self.plan.sections.iter().zip(&self.sections).enumerate();
-        sections.filter(|(_, (section, _))| section.is_cut()).map(|(index, (section, s))| (index, section, s))
+    /// A value that only a plan has; null for a program.
+    fn if_planned(&self, value: impl FnOnce(&PlungePlan) -> Value) -> Value {
+        self.plan.map_or(Value::Null, value)
     }
-
-    /// A value that only a planned result has; null for a program.
-    fn if_planned(&self, value: impl FnOnce() -> Value) -> Value {
-        if self.planned { value() } else { Value::Null }
-    }
-}
-
-fn rows_of(plan: &PlungePlan) -> usize {
-    plan.sections.iter().map(|section| section.rows).sum()
 }
 
 /// The JSON object of a plan or program; `reasons` say why each section was chosen.
 pub fn plan_object(
     part: &Impeller,
     channels: usize,
-    figures: &PlanFigures,
+    figures: &PlungeFigures,
     reasons: &[Option<String>],
 ) -> Map<String, Value> {
-    let (plan, s) = (figures.plan, &figures.summary);
+    let s = &figures.summary;
     let mut map = head(part, Some(channels));
     map.insert("positions".into(), json!(s.positions));
     map.insert("rows".into(), json!(figures.rows));
-    map.insert("sections".into(), json!(figures.cut().count()));
+    map.insert("sections".into(), json!(figures.sections.len()));
     map.append(&mut residual_keys(s));
     map.insert("min_hub_clearance".into(), number(s.min_hub_clearance));
     map.insert("min_blade_clearance".into(), number(s.min_blade_clearance));
@@ -145,18 +173,18 @@ pub fn plan_object(
     map.insert("cut_length".into(), number(s.cut_length));
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
-    map.insert("blocked".into(), figures.if_planned(|| json!(s.blocked)));
-    map.insert("held".into(), figures.if_planned(|| limited_object(&limited_counts(plan, None))));
-    map.insert("settled".into(), figures.if_planned(|| json!(plan.converged)));
-    let stopped = || json!(plan.is_unfinished().then(|| StopReason::Cancelled.name()));
+    map.insert("blocked".into(), json!(s.blocked));
+    map.insert("held".into(), figures.if_planned(|plan| limited_object(&limited_counts(plan, None))));
+    map.insert("settled".into(), figures.if_planned(|plan| json!(plan.converged)));
+    let stopped = |plan: &PlungePlan| json!(plan.is_unfinished().then(|| StopReason::Cancelled.name()));
     map.insert("stopped".into(), figures.if_planned(stopped));
-    map.insert("rounds".into(), figures.if_planned(|| json!(plan.iterations)));
+    map.insert("rounds".into(), figures.if_planned(|plan| json!(plan.iterations)));
     map.insert("by_section".into(), by_section(figures, reasons));
     map
 }
 
 /// Contact and residual keys of a plan with its sections, for the keys `before` and `policies`.
-pub fn comparison_object(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
+pub fn comparison_object(figures: &PlungeFigures, reasons: &[Option<String>]) -> Value {
     let mut map = residual_keys(&figures.summary);
     map.insert("positions".into(), json!(figures.summary.positions));
     map.insert("blocked".into(), json!(figures.summary.blocked));
@@ -164,13 +192,15 @@ pub fn comparison_object(figures: &PlanFigures, reasons: &[Option<String>]) -> V
     Value::Object(map)
 }
 
-fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
-    let object = |(index, section, s): (usize, &SectionPlan, &Summary)| {
+fn by_section(figures: &PlungeFigures, reasons: &[Option<String>]) -> Value {
+    let object = |section: &SectionFigures| {
+        let (index, s) = (section.index, &section.summary);
+        let [from, to] = section.range;
         let mut map = Map::new();
         map.insert("tool".into(), json!(section.tool.number));
         map.insert("diameter".into(), number(section.tool.diameter));
-        map.insert("from".into(), number(section.from));
-        map.insert("to".into(), number(section.to));
+        map.insert("from".into(), number(from));
+        map.insert("to".into(), number(to));
         map.insert("feed".into(), json!(feed_word(section.feed)));
         map.insert("rest".into(), json!(section.kind == SectionKind::Rest));
         if section.kind == SectionKind::Opening {
@@ -178,17 +208,15 @@ fn by_section(figures: &PlanFigures, reasons: &[Option<String>]) -> Value {
         }
         map.insert("positions".into(), json!(s.positions));
         map.append(&mut residual_keys(s));
-        map.insert("blocked".into(), figures.if_planned(|| json!(s.blocked)));
-        map.insert(
-            "held".into(),
-            figures.if_planned(|| limited_object(&limited_counts(figures.plan, Some(index)))),
-        );
+        map.insert("blocked".into(), json!(s.blocked));
+        let held = |plan: &PlungePlan| limited_object(&limited_counts(plan, Some(index)));
+        map.insert("held".into(), figures.if_planned(held));
         map.insert("added".into(), json!(section.added.map(|added| added.count)));
         map.insert("stopped".into(), json!(section.added.map(|added| added.stopped.name())));
         map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
         Value::Object(map)
     };
-    Value::Array(figures.cut().map(object).collect())
+    Value::Array(figures.sections.iter().map(object).collect())
 }
 
 /// The list `faults` of `--json`; `what` is the older name of `message`, kept for compatibility.
@@ -229,18 +257,19 @@ pub fn assembly_text(least: &AssemblyDistances) -> String {
 }
 
 /// Table of plans under their names, section by section.
-pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlanFigures<'a>)>) -> String {
+pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlungeFigures<'a>)>) -> String {
     let mut text = String::from(
         "policy        section         tool    positions  interf.  contact mm  hub stock mean/95 % mm  \
          uncut %  inaccessible %  blocked\n",
     );
     for (name, figures) in rows {
         let whole = (String::from("all"), String::new(), &figures.summary);
-        let parts = figures.cut().map(|(_, section, s)| {
-            (format!("{:.2} to {:.2}", section.from, section.to), format!("D {}", section.tool.diameter), s)
+        let parts = figures.sections.iter().map(|section| {
+            let [from, to] = section.range;
+            (format!("{from:.2} to {to:.2}"), format!("D {}", section.tool.diameter), &section.summary)
         });
         for (section, tool, s) in parts.chain([whole]) {
-            let blocked = if figures.planned { s.blocked.to_string() } else { "-".to_owned() };
+            let blocked = s.blocked.map_or_else(|| "-".to_owned(), |count| count.to_string());
             text += &format!(
                 "{name:<13} {section:<15} {tool:<7} {:>9}  {:>7}  {:>10.2}  {:>11.2} / {:<9.2}  \
                  {:>7.1}  {:>14.1}  {blocked:>7}\n",
@@ -266,12 +295,7 @@ fn limited_counts(plan: &PlungePlan, section: Option<usize>) -> [(LimitedBy, usi
 }
 
 fn limited_object(counts: &[(LimitedBy, usize)]) -> Value {
-    Value::Object(
-        counts
-            .iter()
-            .map(|(held, count)| (json!(held).as_str().unwrap_or_default().to_owned(), json!(count)))
-            .collect(),
-    )
+    Value::Object(counts.iter().map(|(held, count)| (held.name().to_owned(), json!(count))).collect())
 }
 
 /// Text on the positions with a limited axis and on those lifted to keep the core free; empty if there are

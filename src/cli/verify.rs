@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
-use super::report::PlanFigures;
+use super::report::PlungeFigures;
 use super::{Failure, open, print_stdout, report};
 use crate::error::ErrorCode;
 use crate::io::program_file::{NcTarget, read_program_bytes};
@@ -77,7 +77,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
 /// The JSON object of a plunge program.
 fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
-    let mut map = report::plan_object(part, report.verdict.channels, &PlanFigures::of_program(report), &[]);
+    let mut map = report::plan_object(part, report.verdict.channels, &PlungeFigures::of_program(report), &[]);
     map.extend(report::assembly_keys(&report.verdict.assembly));
     map.insert("kind".into(), json!("plunge"));
     map.insert("cut_share".into(), report::number(1.0 - report.summary.uncut_share));
@@ -97,7 +97,7 @@ fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
 
 /// The text report of a plunge program.
 fn plunge_text(report: &PlungeReport) -> String {
-    let mut text = report::table([("program", PlanFigures::of_program(report))].into_iter());
+    let mut text = report::table([("program", PlungeFigures::of_program(report))].into_iter());
     text += &report::clearances_text(&report.summary, report.verdict.channels);
     text += &format!(
         "cuts {:.1} % of the reachable floor; deepest plunge {:.1} mm through the blank\n",

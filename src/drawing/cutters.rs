@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::gpu::cutters::{AssemblyPiece, CutterInstance, CutterSet, CutterState, DrawnCutter};
 use crate::plunge::plan::{Condition, PlungePlan, Position, Unevaluated};
 use crate::setup::{OutlineKind, OutlinePiece, Tool};
@@ -36,33 +36,51 @@ fn drawn_cutters<E>(
     plan: &PlungePlan<E>,
     evaluation: impl Fn(&Position<E>) -> (CutterState, Point),
 ) -> Vec<DrawnCutter> {
-    let to = |p: [f64; 3]| p.map(|x| x as f32);
     let assemblies: Vec<Arc<[AssemblyPiece]>> =
         plan.sections.iter().map(|section| assembly(&section.tool)).collect();
     let mut all = Vec::with_capacity(plan.positions.len());
     for (id, position) in plan.positions.iter().enumerate() {
         let Some(section) = plan.sections.get(position.section) else { continue };
-        let tool = &section.tool;
         let (state, retract) = evaluation(position);
-        let tip = to(position.tip.into());
-        let retract = Vec3::from_array(to(retract.into()));
+        let instance = instance(&section.tool, position.tip, position.axis, retract, state);
         all.push(DrawnCutter {
-            instance: CutterInstance {
-                tip,
-                radius: tool.radius() as f32,
-                axis: to(position.axis.into()),
-                height: retract.distance(Vec3::from_array(tip)).max(tool.radius() as f32),
-                core_radius: tool.core_radius().clamp(0.0, tool.radius()) as f32,
-                corner_radius: tool.corner_radius.clamp(0.0, tool.radius()) as f32,
-                state: state as u32,
-                id: id as u32,
-            },
-            retract,
+            instance: CutterInstance { id: id as u32, ..instance },
+            retract: to(retract.coords).into(),
             section: position.section,
             assembly: Arc::clone(&assemblies[position.section]),
         });
     }
     all
+}
+
+/// A tool at a place: its `tip`, and its unit `axis` up to its overhang.
+pub fn single_cutter(tool: &Tool, tip: Point, axis: Vector, state: CutterState) -> DrawnCutter {
+    let top = tip + axis * tool.overhang;
+    DrawnCutter {
+        instance: instance(tool, tip, axis, top, state),
+        retract: to(top.coords).into(),
+        section: 0,
+        assembly: assembly(tool),
+    }
+}
+
+/// A cutter from its `tip` to its `retract` point, with the number 0.
+fn instance(tool: &Tool, tip: Point, axis: Vector, retract: Point, state: CutterState) -> CutterInstance {
+    let (tip, retract) = (to(tip.coords), to(retract.coords));
+    CutterInstance {
+        tip,
+        radius: tool.radius() as f32,
+        axis: to(axis),
+        height: Vec3::from(retract).distance(tip.into()).max(tool.radius() as f32),
+        core_radius: tool.core_radius().clamp(0.0, tool.radius()) as f32,
+        corner_radius: tool.corner_radius.clamp(0.0, tool.radius()) as f32,
+        state: state as u32,
+        id: 0,
+    }
+}
+
+fn to(v: Vector) -> [f32; 3] {
+    [v.x as f32, v.y as f32, v.z as f32]
 }
 
 /// What a tool has above its cutter.

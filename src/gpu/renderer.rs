@@ -468,7 +468,7 @@ impl Renderer {
             // Selection and timeline refer to the previous plan.
             (choice.up_to, choice.selected) = (None, None);
         }
-        let cutters = scene.preview.as_ref().unwrap_or(&scene.cutters);
+        let cutters = scene.preview.as_deref().unwrap_or(&scene.cutters);
         let back = camera.basis().2;
         let mut lines: Vec<Segment> = Vec::new();
         let mut shown: Vec<(f32, CutterInstance)> = Vec::new();

@@ -327,7 +327,7 @@ pub struct Scene {
     solid: Option<(MeshBuffers, Arc<Mesh>)>,
     pub(super) cutters: Vec<DrawnCutter>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
-    pub(super) preview: Option<Vec<DrawnCutter>>,
+    pub(super) preview: Option<Arc<[DrawnCutter]>>,
     framing: ViewTargets,
 }
 
@@ -392,7 +392,7 @@ impl Scene {
     }
 
     /// Shows the cutters of a plan preview instead of the plan's, or removes it.
-    pub fn set_preview(&mut self, cutters: Option<Vec<DrawnCutter>>) {
+    pub fn set_preview(&mut self, cutters: Option<Arc<[DrawnCutter]>>) {
         self.preview = cutters;
     }
 

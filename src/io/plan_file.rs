@@ -6,7 +6,7 @@ use super::InputError;
 use super::native::write_native;
 use super::setup_file::write_setup;
 use super::stored;
-use super::stored::{StoredInputs, are_coordinates, damaged};
+use super::stored::{ByName, Named, StoredInputs, are_coordinates, damaged};
 use crate::cutting::contact::{CoreContact, Engagement};
 use crate::error::ErrorCode;
 use crate::monitor::{Cancelled, Monitor};
@@ -39,12 +39,12 @@ struct PlanRecord {
     directions: Vec<CutDirection>,
     /// Plunges added to each section and why adding stopped. Absent in files of earlier versions.
     #[serde(default)]
-    added: Vec<Option<(usize, StopReason)>>,
+    added: Vec<Option<(usize, ByName<StopReason>)>>,
     positions: Vec<PositionRecord>,
     dropped: Vec<(usize, usize, f64)>,
     /// Why each entry of `dropped` was left out. Absent in files of earlier versions.
     #[serde(default)]
-    dropped_why: Vec<DropReason>,
+    dropped_why: Vec<ByName<DropReason>>,
     /// Overhang with which each entry of `dropped` could be cut, mm. Absent where there is none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     dropped_stick_out: Vec<Option<f64>>,
@@ -67,9 +67,9 @@ struct PositionRecord {
     /// Absent in files of earlier versions.
     #[serde(default)]
     lift: f64,
-    blocked: Option<Blocked>,
+    blocked: Option<ByName<Blocked>>,
     #[serde(default)]
-    held: Option<LimitedBy>,
+    held: Option<ByName<LimitedBy>>,
     hub_clearance: f64,
     blade_clearance: f64,
     retract_clearance: f64,
@@ -94,6 +94,21 @@ struct PositionRecord {
     peck: Option<[f64; 2]>,
 }
 
+/// Has a plan file hold these by their name.
+macro_rules! by_name {
+    ($($kind:ty),*) => {
+        $(impl Named for $kind {
+            const ALL: &[Self] = &Self::ALL;
+
+            fn name(self) -> &'static str {
+                self.name()
+            }
+        })*
+    };
+}
+
+by_name!(StopReason, DropReason, Blocked, LimitedBy);
+
 /// Whether a direction is absent.
 fn is_zero(direction: &[f64; 3]) -> bool {
     direction.iter().all(|x| *x == 0.0)
@@ -115,8 +130,8 @@ impl PositionRecord {
             contact_depth: contact.depth,
             contact_area: contact.area_share,
             lift: p.lift,
-            blocked: p.blocked,
-            held: p.limited_by,
+            blocked: p.blocked.map(ByName),
+            held: p.limited_by.map(ByName),
             hub_clearance: p.hub_clearance,
             blade_clearance: p.blade_clearance,
             retract_clearance,
@@ -145,8 +160,8 @@ impl PositionRecord {
             alpha_rad: self.alpha.to_radians(),
             contact_point: stored::point(self.contact_point),
             lift: self.lift,
-            blocked: self.blocked,
-            limited_by: self.held,
+            blocked: self.blocked.map(|ByName(why)| why),
+            limited_by: self.held.map(|ByName(cause)| cause),
             hub_clearance: self.hub_clearance,
             blade_clearance: self.blade_clearance,
             evaluation: Evaluation {
@@ -220,10 +235,14 @@ pub fn write_plan(
         settled: plan.converged,
         rows: plan.sections.iter().map(|s| s.rows).collect(),
         directions: plan.sections.iter().map(|s| s.feed).collect(),
-        added: plan.sections.iter().map(|s| s.added.map(|added| (added.count, added.stopped))).collect(),
+        added: plan
+            .sections
+            .iter()
+            .map(|s| s.added.map(|added| (added.count, ByName(added.stopped))))
+            .collect(),
         positions: plan.positions.iter().map(PositionRecord::new).collect(),
         dropped: plan.dropped.iter().map(|d| (d.section, d.row, d.s)).collect(),
-        dropped_why: plan.dropped.iter().map(|d| d.why).collect(),
+        dropped_why: plan.dropped.iter().map(|d| ByName(d.why)).collect(),
         dropped_stick_out: match plan.dropped.iter().any(|d| d.stick_out.is_some()) {
             true => plan.dropped.iter().map(|d| d.stick_out).collect(),
             false => Vec::new(),
@@ -258,12 +277,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
                 .clone(),
             from: section.from,
             to: section.to,
-            feed: file
-                .directions
-                .get(index)
-                .copied()
-                .or(section.cut_direction)
-                .unwrap_or(CutDirection::OutletToInlet),
+            feed: file.directions.get(index).copied().unwrap_or_else(|| section.direction()),
             rows: file.rows.get(index).copied().unwrap_or(0),
             kind: section.kind,
             added: file
@@ -271,7 +285,7 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
                 .get(index)
                 .copied()
                 .flatten()
-                .map(|(count, stopped)| AddedPlunges { count, stopped }),
+                .map(|(count, ByName(stopped))| AddedPlunges { count, stopped }),
         });
     }
     let mut positions = Vec::with_capacity(file.positions.len());
@@ -279,7 +293,8 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
         let position = record.position(sections.len());
         positions.push(position.ok_or_else(|| damaged(name, format!("position {} is damaged", index + 1)))?);
     }
-    let why = file.dropped_why.into_iter().chain(std::iter::repeat(DropReason::Blades));
+    let why =
+        file.dropped_why.into_iter().map(|ByName(why)| why).chain(std::iter::repeat(DropReason::Blades));
     let stick_out = file.dropped_stick_out.into_iter().chain(std::iter::repeat(None));
     let dropped = file.dropped.into_iter().zip(why).zip(stick_out);
     let plan = PlungePlan {
@@ -293,4 +308,29 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
         converged: file.settled,
     };
     Ok(StoredPlan { description, part, setup, plan, channels: file.channels })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Debug;
+
+    use super::*;
+
+    fn assert_read_back<T: Named + Debug + PartialEq>() {
+        for value in T::ALL {
+            let text = serde_json::to_string(&ByName(*value)).expect("a name");
+            let ByName(read) = serde_json::from_str::<ByName<T>>(&text).expect("known");
+            assert_eq!(read, *value, "{text}");
+        }
+    }
+
+    #[test]
+    fn names_are_read_back_and_others_are_refused() {
+        assert_read_back::<StopReason>();
+        assert_read_back::<DropReason>();
+        assert_read_back::<Blocked>();
+        assert_read_back::<LimitedBy>();
+        let error = serde_json::from_str::<ByName<Blocked>>("\"wind\"").err().expect("unknown").to_string();
+        assert!(error.contains("`wind`; known: walls, shroud_end, tilt_limit"), "{error}");
+    }
 }

@@ -1,5 +1,8 @@
 //! Shared by plan and project files: the version check, the part and setup embedded as text in their own
-//! formats, and checks of coordinates.
+//! formats, values held by their name, and checks of coordinates.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::InputError;
 use super::part_file::read_part_bytes;
@@ -68,4 +71,34 @@ pub(super) fn point(coordinates: [f64; 3]) -> Point {
 pub(super) fn unit_axis(axis: [f64; 3]) -> Option<Vector> {
     let axis = Vector::from(axis);
     ((axis.norm() - 1.0).abs() <= UNIT_TOLERANCE).then_some(axis)
+}
+
+/// A kind of value with a name for each of its values.
+pub(super) trait Named: Copy + 'static {
+    /// All values.
+    const ALL: &[Self];
+
+    /// The name in files.
+    fn name(self) -> &'static str;
+}
+
+/// A value that a record holds by its name.
+#[derive(Clone, Copy)]
+pub(super) struct ByName<T>(pub T);
+
+impl<T: Named> Serialize for ByName<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0.name())
+    }
+}
+
+impl<'de, T: Named> Deserialize<'de> for ByName<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let known = || T::ALL.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
+        let found = T::ALL.iter().find(|value| value.name() == name);
+        found
+            .map(|value| Self(*value))
+            .ok_or_else(|| D::Error::custom(format!("unknown name `{name}`; known: {}", known())))
+    }
 }

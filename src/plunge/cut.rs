@@ -4,7 +4,8 @@
 use rayon::prelude::*;
 
 use super::assembly::{AssemblyRule, DropCause};
-use super::cycle::{PlanError, Planner};
+use super::context::PlanContext;
+use super::cycle::PlanError;
 use super::plan::{AddedPlunges, DropReason};
 use super::row::Station;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, cuts_deeper_than, planned_contact};
@@ -163,7 +164,7 @@ pub(super) struct SectionCut {
     pub rows: Vec<CutRow>,
     /// All plunges so far, those of earlier sections first.
     pub columns: Columns,
-    /// See [`SectionPlan::added`].
+    /// See [`SectionPlan::added`](super::plan::SectionPlan::added).
     pub added: Option<AddedPlunges>,
 }
 
@@ -175,7 +176,7 @@ impl SectionCut {
 
     /// As [`Self::empty`], for a section that planning did not reach before it was stopped.
     pub fn not_started(section: &SectionSetup, columns: Columns) -> Self {
-        let feed = section.cut_direction.unwrap_or(CutDirection::OutletToInlet);
+        let feed = section.direction();
         Self { added: Some(AddedPlunges::UNFINISHED), ..Self::empty(feed, columns) }
     }
 
@@ -193,178 +194,174 @@ impl SectionCut {
     }
 }
 
-impl Planner<'_> {
-    /// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
-    /// violates the hub allowance by rounding.
-    fn place_cutter(&self, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
-        let stock = &self.setup.allowances;
-        let mut cutter = tool.placed(station.tip, station.axis);
-        let mut hub_clearance = self.workpiece.finished.hub_clearance(&cutter);
-        for doubling in 0..12 {
-            let deep = stock.hub_allowance - hub_clearance;
-            if deep <= 0.0 {
-                break;
-            }
-            // On an axis oblique to the hub a lift raises the clearance by only part of itself.
-            cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
-            hub_clearance = self.workpiece.finished.hub_clearance(&cutter);
+/// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
+/// violates the hub allowance by rounding.
+fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
+    let stock = &context.setup.allowances;
+    let mut cutter = tool.placed(station.tip, station.axis);
+    let mut hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
+    for doubling in 0..12 {
+        let deep = stock.hub_allowance - hub_clearance;
+        if deep <= 0.0 {
+            break;
         }
-        let blade_clearance = self.workpiece.finished.blade_clearance(&cutter);
-        if blade_clearance < stock.blade_allowance - 1e-6 {
-            return Err(DropReason::Blades);
-        }
-        Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
+        // On an axis oblique to the hub a lift raises the clearance by only part of itself.
+        cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
+        hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
     }
+    let blade_clearance = context.workpiece.finished.blade_clearance(&cutter);
+    if blade_clearance < stock.blade_allowance - 1e-6 {
+        return Err(DropReason::Blades);
+    }
+    Ok(PlacedCutter { cutter, hub_clearance, blade_clearance, lift: 0.0 })
+}
 
-    /// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
-    /// its core would meet stock, and is dropped where that takes more than this share of its depth in the
-    /// blank.
-    pub(super) fn cut_row(
-        &self,
-        row: PlannedRow,
-        tool: &Tool,
-        max_lift: Option<f64>,
-        columns: &mut Columns,
-        monitor: &Monitor,
-    ) -> Result<CutRow, PlanError> {
-        let top = BlankTop::new(&self.workpiece.blank);
-        let rule = self.assembly_rule(tool);
-        let place = |station| {
-            monitor.check()?;
-            let placed = self.place_cutter(station, tool);
-            // In a blank above the shroud it depends on the earlier plunges.
-            if self.workpiece.blank.outline().is_some() {
-                return Ok(placed);
-            }
-            Ok(placed.and_then(|placed| {
-                if PlungeColumn::new(placed.cutter, tool.radius(), &top).top > tool.overhang {
-                    return Err(DropReason::Overhang);
-                }
-                let pose = (placed.cutter.tip, placed.cutter.axis);
-                match rule.as_ref().and_then(|rule| rule.obstacle(pose)) {
-                    Some(why) => Err(why),
-                    None => Ok(placed),
-                }
-            }))
-        };
-        let mut placed = row
-            .stations
-            .par_iter()
-            .map(place)
-            .collect::<Result<Vec<Result<PlacedCutter, DropReason>>, Cancelled>>()?;
-        if self.workpiece.blank.outline().is_some() {
-            self.drop_hindered(&mut placed, tool, rule.as_ref(), columns, monitor)?;
+/// Places the cutters of a row and adds them to `columns`. With `max_lift` each plunge stops short where
+/// its core would meet stock, and is dropped where that takes more than this share of its depth in the
+/// blank.
+pub(super) fn cut_row(
+    context: &PlanContext,
+    row: PlannedRow,
+    tool: &Tool,
+    max_lift: Option<f64>,
+    columns: &mut Columns,
+    monitor: &Monitor,
+) -> Result<CutRow, PlanError> {
+    let top = BlankTop::new(&context.workpiece.blank);
+    let rule = context.assembly_rule(tool);
+    let place = |station| {
+        monitor.check()?;
+        let placed = place_cutter(context, station, tool);
+        // In a blank above the shroud it depends on the earlier plunges.
+        if context.workpiece.blank.outline().is_some() {
+            return Ok(placed);
         }
-        let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
-        let deep: Vec<Option<PlungeColumn>> =
-            placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
-        let Some(share) = max_lift else {
-            columns.extend(deep.into_iter().flatten());
-            return Ok(CutRow { row, placed });
-        };
-        // In parallel, as if all earlier plunges reached their full depth; then in sequence those that meet
-        // stock and those near a plunge that was lifted or dropped.
-        let first = columns.len();
-        columns.extend(deep.iter().flatten().copied());
-        let free: Vec<bool> = (first..columns.len())
+        Ok(placed.and_then(|placed| {
+            if PlungeColumn::new(placed.cutter, tool.radius(), &top).top > tool.overhang {
+                return Err(DropReason::Overhang);
+            }
+            let pose = (placed.cutter.tip, placed.cutter.axis);
+            match rule.as_ref().and_then(|rule| rule.obstacle(pose)) {
+                Some(why) => Err(why),
+                None => Ok(placed),
+            }
+        }))
+    };
+    let mut placed = row
+        .stations
+        .par_iter()
+        .map(place)
+        .collect::<Result<Vec<Result<PlacedCutter, DropReason>>, Cancelled>>()?;
+    if context.workpiece.blank.outline().is_some() {
+        drop_hindered(context, &mut placed, tool, rule.as_ref(), columns, monitor)?;
+    }
+    let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
+    let deep: Vec<Option<PlungeColumn>> = placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
+    let Some(share) = max_lift else {
+        columns.extend(deep.into_iter().flatten());
+        return Ok(CutRow { row, placed });
+    };
+    // In parallel, as if all earlier plunges reached their full depth; then in sequence those that meet
+    // stock and those near a plunge that was lifted or dropped.
+    let first = columns.len();
+    columns.extend(deep.iter().flatten().copied());
+    let free: Vec<bool> = (first..columns.len())
+        .into_par_iter()
+        .map(|k| {
+            let column = &columns.as_slice()[k];
+            monitor.is_cancelled()
+                || planned_contact(column, columns.before(k), &context.workpiece.blank) == 0.0
+        })
+        .collect();
+    columns.truncate(first);
+    let mut changed: Vec<PlungeColumn> = Vec::new();
+    let deep_ones = placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));
+    for ((place, deep), free) in deep_ones.zip(free) {
+        monitor.check()?;
+        if free && !changed.iter().any(|other| deep.may_meet(&other.cutter)) {
+            columns.push(*deep);
+            continue;
+        }
+        let unlifted = std::mem::replace(place, Err(DropReason::Contact));
+        *place = unlifted.and_then(|p| lift_clear(context, p, tool, share, columns.all(), &top));
+        if !place.as_ref().is_ok_and(|placed| placed.lift == 0.0) {
+            changed.push(*deep);
+        }
+        columns.extend(place.as_ref().ok().map(column));
+    }
+    Ok(CutRow { row, placed })
+}
+
+/// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not
+/// clear, after the plunges of `columns` and those before them in the row.
+fn drop_hindered(
+    context: &PlanContext,
+    placed: &mut [Result<PlacedCutter, DropReason>],
+    tool: &Tool,
+    rule: Option<&AssemblyRule>,
+    columns: &mut Columns,
+    monitor: &Monitor,
+) -> Result<(), Cancelled> {
+    let top = BlankTop::new(&context.workpiece.blank);
+    let first = columns.len();
+    // What a plunge that is dropped would have removed stands for those after it.
+    loop {
+        let cutters = placed.iter().flatten().map(|placed| placed.cutter);
+        columns.extend(cutters.map(|cutter| PlungeColumn::new(cutter, tool.radius(), &top)));
+        let why: Vec<Option<DropReason>> = (first..columns.len())
             .into_par_iter()
             .map(|k| {
+                monitor.check()?;
                 let column = &columns.as_slice()[k];
-                monitor.is_cancelled()
-                    || planned_contact(column, columns.before(k), &self.workpiece.blank) == 0.0
-            })
-            .collect();
-        columns.truncate(first);
-        let mut changed: Vec<PlungeColumn> = Vec::new();
-        let deep_ones =
-            placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));
-        for ((place, deep), free) in deep_ones.zip(free) {
-            monitor.check()?;
-            if free && !changed.iter().any(|other| deep.may_meet(&other.cutter)) {
-                columns.push(*deep);
-                continue;
-            }
-            let unlifted = std::mem::replace(place, Err(DropReason::Contact));
-            *place = unlifted.and_then(|p| self.lift_clear(p, tool, share, columns.all(), &top));
-            if !place.as_ref().is_ok_and(|placed| placed.lift == 0.0) {
-                changed.push(*deep);
-            }
-            columns.extend(place.as_ref().ok().map(column));
-        }
-        Ok(CutRow { row, placed })
-    }
-
-    /// Drops the cutters of a row that cut deeper than the tool is long, or whose shank or holder is not
-    /// clear, after the plunges of `columns` and those before them in the row.
-    fn drop_hindered(
-        &self,
-        placed: &mut [Result<PlacedCutter, DropReason>],
-        tool: &Tool,
-        rule: Option<&AssemblyRule>,
-        columns: &mut Columns,
-        monitor: &Monitor,
-    ) -> Result<(), Cancelled> {
-        let top = BlankTop::new(&self.workpiece.blank);
-        let first = columns.len();
-        // What a plunge that is dropped would have removed stands for those after it.
-        loop {
-            let cutters = placed.iter().flatten().map(|placed| placed.cutter);
-            columns.extend(cutters.map(|cutter| PlungeColumn::new(cutter, tool.radius(), &top)));
-            let why: Vec<Option<DropReason>> = (first..columns.len())
-                .into_par_iter()
-                .map(|k| {
-                    monitor.check()?;
-                    let column = &columns.as_slice()[k];
-                    if cuts_deeper_than(column, tool.overhang, columns.before(k), &self.workpiece.blank) {
-                        return Ok(Some(DropReason::Overhang));
-                    }
-                    let pose = (column.cutter.tip, column.cutter.axis);
-                    Ok(rule.and_then(|rule| rule.after(columns.before(k + 1)).obstacle(pose)))
-                })
-                .collect::<Result<_, Cancelled>>()?;
-            columns.truncate(first);
-            if why.iter().all(Option::is_none) {
-                return Ok(());
-            }
-            for (place, why) in placed.iter_mut().filter(|place| place.is_ok()).zip(why) {
-                if let Some(why) = why {
-                    *place = Err(why);
+                if cuts_deeper_than(column, tool.overhang, columns.before(k), &context.workpiece.blank) {
+                    return Ok(Some(DropReason::Overhang));
                 }
+                let pose = (column.cutter.tip, column.cutter.axis);
+                Ok(rule.and_then(|rule| rule.after(columns.before(k + 1)).obstacle(pose)))
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        columns.truncate(first);
+        if why.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        for (place, why) in placed.iter_mut().filter(|place| place.is_ok()).zip(why) {
+            if let Some(why) = why {
+                *place = Err(why);
             }
         }
     }
+}
 
-    /// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
-    ///
-    /// # Errors
-    /// [`DropReason::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
-    fn lift_clear(
-        &self,
-        mut placed: PlacedCutter,
-        tool: &Tool,
-        max_lift: f64,
-        earlier: Earlier,
-        top: &BlankTop,
-    ) -> Result<PlacedCutter, DropReason> {
-        let unlifted = placed.cutter.tip;
-        let depth = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
-        for _ in 0..MAX_LIFTS {
-            let column = PlungeColumn::new(placed.cutter, tool.core_radius(), top);
-            let contact = planned_contact(&column, earlier, &self.workpiece.blank);
-            if contact == 0.0 {
-                break;
-            }
-            let lift = (placed.cutter.tip - unlifted).norm() + contact;
-            if lift >= max_lift * depth - LIFT_MARGIN {
-                return Err(DropReason::Contact);
-            }
-            placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
+/// The cutter, lifted until its core is free of the stock that `earlier` plunges left.
+///
+/// # Errors
+/// [`DropReason::Contact`] when that takes more than the share `max_lift` of its depth in the blank.
+fn lift_clear(
+    context: &PlanContext,
+    mut placed: PlacedCutter,
+    tool: &Tool,
+    max_lift: f64,
+    earlier: Earlier,
+    top: &BlankTop,
+) -> Result<PlacedCutter, DropReason> {
+    let unlifted = placed.cutter.tip;
+    let depth = PlungeColumn::new(placed.cutter, tool.core_radius(), top).top;
+    for _ in 0..MAX_LIFTS {
+        let column = PlungeColumn::new(placed.cutter, tool.core_radius(), top);
+        let contact = planned_contact(&column, earlier, &context.workpiece.blank);
+        if contact == 0.0 {
+            break;
         }
-        placed.lift = (placed.cutter.tip - unlifted).norm();
-        if placed.lift > 0.0 {
-            placed.hub_clearance = self.workpiece.finished.hub_clearance(&placed.cutter);
-            placed.blade_clearance = self.workpiece.finished.blade_clearance(&placed.cutter);
+        let lift = (placed.cutter.tip - unlifted).norm() + contact;
+        if lift >= max_lift * depth - LIFT_MARGIN {
+            return Err(DropReason::Contact);
         }
-        Ok(placed)
+        placed.cutter.tip += placed.cutter.axis * (contact + LIFT_MARGIN);
     }
+    placed.lift = (placed.cutter.tip - unlifted).norm();
+    if placed.lift > 0.0 {
+        placed.hub_clearance = context.workpiece.finished.hub_clearance(&placed.cutter);
+        placed.blade_clearance = context.workpiece.finished.blade_clearance(&placed.cutter);
+    }
+    Ok(placed)
 }

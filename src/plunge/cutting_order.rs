@@ -6,8 +6,8 @@
 //! inlet outwards instead, the innermost one first. Where both kinds are in one channel, the sections cut
 //! from either end meet.
 
-use super::cycle::Planner;
-use super::minimal::LeadBlockage;
+use super::context::PlanContext;
+use super::minimal::{LeadBlockage, lead_blockage};
 use super::sections::Resolved;
 use crate::part::Workpiece;
 use crate::setup::{CutDirection, SectionKind};
@@ -27,9 +27,10 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     if rows.len() < 2 {
         return resolved;
     }
-    let planner = Planner::new(workpiece, &resolved.setup);
+    let context = PlanContext::new(workpiece, &resolved.setup);
     // A section whose tool is missing is reported when it is planned.
-    let blockages: Option<Vec<LeadBlockage>> = rows.iter().map(|&i| planner.lead_blockage(i).ok()).collect();
+    let blockages: Option<Vec<LeadBlockage>> =
+        rows.iter().map(|&i| lead_blockage(&context, i).ok()).collect();
     let from_outlet = blockages.map_or(rows.len(), |blockages| sections_from_outlet(&blockages));
     // Chosen sections of rows stand one after the other, between the opening and rest milling.
     let Resolved { setup, reasons } = &mut resolved;

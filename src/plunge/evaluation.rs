@@ -3,8 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::cycle::{PlacedPlan, PlanError, Planner};
+use super::context::PlanContext;
+use super::cycle::{PlacedPlan, PlanError};
 use super::links::raise_links;
+use super::motion::{motions, with_lifts};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan};
 use crate::cutting::contact::{CoreContact, Engagement, core_contact};
 use crate::cutting::retract::RetractSurface;
@@ -16,47 +18,46 @@ use crate::part::Blank;
 /// may dip by some µm.
 const RETRACT_MARGIN: f64 = 0.02;
 
-impl Planner<'_> {
-    /// The second half of planning: contact of the cores, retract points and links. A stopped monitor is
-    /// ignored here, so that partial plans are measured too.
-    ///
-    /// # Errors
-    /// [`PlanError::Cancelled`] when the monitor is cancelled.
-    pub fn evaluate(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
-        let PlacedPlan { plan, columns } = placed;
-        let monitor = &monitor.ignoring_stop();
-        let (blank, safety) = (&self.workpiece.blank, self.setup.allowances.safety_distance);
-        let tops: Vec<RetractSurface> = plan
-            .sections
-            .iter()
-            .map(|section| RetractSurface::new(blank, safety + section.tool.corner_radius))
-            .collect();
-        let measured: Result<Vec<(CoreContact, Point)>, Cancelled> = plan
-            .positions
-            .par_iter()
-            .enumerate()
-            .map(|(k, position)| {
-                monitor.check()?;
-                let tool = &plan.sections[position.section].tool;
-                let column = &columns.as_slice()[k];
-                let cutter = column.cutter;
-                let lift = tops[position.section].height(
-                    &cutter.tip,
-                    &cutter.axis,
-                    tool.radius() - tool.corner_radius,
-                );
-                let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
-                Ok((core_contact(column, columns.before(k), blank), retract))
-            })
-            .collect();
-        let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
-        let motions = self.motions(&plan, &columns, monitor)?;
-        Ok(self.with_lifts(evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)?))
-    }
+/// The second half of planning: contact of the cores, retract points and links. A stopped monitor is
+/// ignored here, so that partial plans are measured too.
+///
+/// # Errors
+/// [`PlanError::Cancelled`] when the monitor is cancelled.
+pub(super) fn evaluate(
+    context: &PlanContext,
+    placed: PlacedPlan,
+    monitor: &Monitor,
+) -> Result<PlungePlan, PlanError> {
+    let PlacedPlan { plan, columns } = placed;
+    let monitor = &monitor.ignoring_stop();
+    let (blank, safety) = (&context.workpiece.blank, context.setup.allowances.safety_distance);
+    let tops: Vec<RetractSurface> = plan
+        .sections
+        .iter()
+        .map(|section| RetractSurface::new(blank, safety + section.tool.corner_radius))
+        .collect();
+    let measured: Result<Vec<(CoreContact, Point)>, Cancelled> = plan
+        .positions
+        .par_iter()
+        .enumerate()
+        .map(|(k, position)| {
+            monitor.check()?;
+            let tool = &plan.sections[position.section].tool;
+            let column = &columns.as_slice()[k];
+            let cutter = column.cutter;
+            let lift =
+                tops[position.section].height(&cutter.tip, &cutter.axis, tool.radius() - tool.corner_radius);
+            let retract = cutter.tip + cutter.axis * (lift + RETRACT_MARGIN);
+            Ok((core_contact(column, columns.before(k), blank), retract))
+        })
+        .collect();
+    let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
+    let motions = motions(context, &plan, &columns, monitor)?;
+    Ok(with_lifts(context, evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)?))
 }
 
-/// `plan` with `contacts` and `motions` of its positions, and with `retracts`, their retract points, raised until
-/// links keep `safety` mm from `blank`.
+/// `plan` with `contacts` and `motions` of its positions, and with `retracts`, their retract points, raised
+/// until links keep `safety` mm from `blank`.
 ///
 /// # Errors
 /// When `monitor` is cancelled.

@@ -1,4 +1,12 @@
-//! The plunge planner ([plunge paper], fig. 16), one file per stage.
+//! The plunge planner ([plunge paper], fig. 16), one file per stage. [`Planner`] is what others use. Every
+//! step is a function over its context (`context`): the workpiece, the complete setup, and what follows from
+//! both whichever policy plans.
+//!
+//! | policy | where it decides the axes, from its `plan_section` on |
+//! |---|---|
+//! | `conventional`, `staircase` | `conventional`, `staircase` |
+//! | `monotone` | [`monotone`] |
+//! | `minimal` | `minimal`, with rest milling (`rest_section`) |
 //!
 //! | stage | file |
 //! |---|---|
@@ -6,7 +14,7 @@
 //! | which sections are cut from the inlet | [`cutting_order`] |
 //! | axes that clear the walls | [`lane`] |
 //! | 1 conventional positions, 2 step inspection | [`row`] |
-//! | 3 axis optimisation | [`monotone`], `minimal`; rows of the policies that plan row by row: `row_plan` |
+//! | 3 axis optimisation | the policies; what those share that plan row by row: `row_plan` |
 //! | 4 drop-cutter depth (slotting depth in the paper) | [`crate::cutting::drop_cutter`] |
 //! | 5 safe height | [`crate::cutting::retract`], [`links`] |
 //! | which policy plans a section | `policies` |
@@ -15,6 +23,7 @@
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `warm_start` |
 //! | what stands above the shroud | [`opening`] |
 //! | layout of a section, shared by all policies | `section_layout` |
+//! | how the plunges of a plan are moved | `motion` |
 //! | a plan with some plunges left out | `subset` |
 //! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
 //! | sectional view through one position | [`inspect`] |
@@ -22,6 +31,8 @@
 mod assembly;
 pub mod channels;
 pub mod choice;
+mod context;
+mod conventional;
 mod cut;
 pub mod cutting_order;
 pub mod cycle;
@@ -35,6 +46,7 @@ pub mod monotone;
 mod motion;
 pub mod opening;
 pub mod plan;
+mod planner;
 mod policies;
 mod program;
 pub mod row;
@@ -42,13 +54,15 @@ mod row_plan;
 mod section_cache;
 mod section_layout;
 pub mod sections;
+mod staircase;
 mod subset;
 pub mod survey;
 mod warm_start;
 
-pub use cycle::{PlacedPlan, PlanError, Planner};
+pub use cycle::{PlacedPlan, PlanError};
 pub use plan::{
     AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, Pecking, PlungeMotion, PlungePlan,
     Position, SectionPlan, StopReason, Unevaluated,
 };
+pub use planner::Planner;
 pub use section_cache::SectionCache;

@@ -1,14 +1,20 @@
-//! Stage 3 by the rule of [plunge paper], axis optimisation, step 3: α grows from position to position in
-//! cutting order.
+//! The policy `monotone`: stage 3 by the rule of [plunge paper], axis optimisation, step 3: α grows from
+//! position to position in cutting order.
 //!
 //! The first position of a row stays unchanged (or gets a minimum lead angle). Then every W moves along the
 //! row's shroud curve, against the cutting direction, by the smallest amount for which α exceeds that of the
 //! previous position. The paper walks a discretisation of that curve in steps of 1e-5; here the amount is
 //! found by bracketing and root finding.
 
+use super::context::PlanContext;
+use super::cut::{PlannedRow, SectionCut};
+use super::cycle::PlanError;
 use super::plan::Blocked;
 use super::row::{RowMaker, Station};
+use super::row_plan::{Contacts, RowAttempts, RowStart, START_RETREATS, cut_rows};
+use crate::cutting::contact::Columns;
 use crate::geometry::search;
+use crate::monitor::Monitor;
 
 /// Minimum growth of α, rad: it makes "greater" well defined in floating point.
 pub const MIN_GROWTH_RAD: f64 = 1e-9;
@@ -16,6 +22,83 @@ pub const MIN_GROWTH_RAD: f64 = 1e-9;
 const SHROUD_TOLERANCE: f64 = 1e-6;
 /// Distance by which W may pass the trimmed ends of the shroud curve, in s.
 const SHROUD_OVERRUN: f64 = 0.5;
+
+/// Minimum lead angles of the first position that are tried after the unchanged one, degrees.
+const START_LEADS_DEG: [f64; 17] =
+    [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 18.0, 20.0];
+/// Number of starts with which a row is planned to its end where none frees it of contact.
+const MAX_FINISHED_STARTS: usize = 4;
+
+/// Plans section `index` after the plunges of `columns`.
+///
+/// # Errors
+/// As [`Planner::plan`](super::Planner::plan).
+pub(super) fn plan_section(
+    context: &PlanContext,
+    index: usize,
+    columns: Columns,
+    monitor: &Monitor,
+) -> Result<SectionCut, PlanError> {
+    cut_rows(context, index, columns, None, &plan_row, monitor)
+}
+
+/// Plans one row. The first position stays unchanged if the row is then free of contact; otherwise its lead
+/// angle is raised to the smallest of some fixed angles that frees the row, or else the start with the fewest
+/// contacts is taken.
+fn plan_row(row: &RowAttempts) -> Result<PlannedRow, PlanError> {
+    let maker = row.maker;
+    let max_tilt = row.context.setup.plunge.max_tilt_rad;
+    let from = |start: &RowStart, contacts: Contacts| {
+        row.converge(start, contacts, |conventional, accept| {
+            let rest = conventional.get(1..).unwrap_or_default();
+            maker.monotone_after(start.first, rest, max_tilt, accept)
+        })
+    };
+    // For each retreat: shift of W that the previous lead angle needed, in s.
+    let mut moved = [0.0; START_RETREATS.len()];
+    // Starts with the number of positions that each got free of contact.
+    let mut tried: Vec<(usize, RowStart)> = Vec::new();
+    for lead_rad in std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians()))) {
+        maker.monitor.check()?;
+        let start = row.find_free_start(|retreat, first| {
+            let Some(lead_rad) = lead_rad else { return first };
+            let first = maker.with_min_lead_angle(&first, lead_rad, moved[retreat], max_tilt);
+            moved[retreat] = first.shroud_shift();
+            first
+        });
+        let Some(start) = start else { continue };
+        // Below the jump of α from rear to front contact all lead angles give the same start.
+        if tried.iter().any(|(_, t)| same_axis(&t.first, &start.first)) {
+            continue;
+        }
+        let mut reached = 0;
+        if start.free
+            && let Some(planned) = from(&start, Contacts::None(&mut reached))?
+        {
+            return Ok(planned);
+        }
+        tried.push((reached, start));
+    }
+    // No start frees the row: of those that got furthest, take the one with the fewest contacts. The sort is
+    // stable: of equal ones the smaller lead angle comes first.
+    tried.sort_by_key(|(reached, _)| std::cmp::Reverse(*reached));
+    tried.truncate(MAX_FINISHED_STARTS);
+    let mut best: Option<(usize, PlannedRow)> = None;
+    for (_, start) in &tried {
+        if let Some(planned) = from(start, Contacts::Allowed)? {
+            let contacts = row.count_contacts(&planned.stations);
+            if best.as_ref().is_none_or(|b| contacts < b.0) {
+                best = Some((contacts, planned));
+            }
+        }
+    }
+    Ok(best.map_or_else(|| PlannedRow::empty(maker.lambda), |b| b.1))
+}
+
+/// Whether two stations have the same tip within 1e-4 mm and the same axis.
+fn same_axis(a: &Station, b: &Station) -> bool {
+    (a.tip - b.tip).norm() < 1e-4 && (a.axis - b.axis).norm() < 1e-6
+}
 
 impl RowMaker<'_> {
     /// Lead angle, rad: α in cutting direction, positive when the axis is inclined towards the uncut side.

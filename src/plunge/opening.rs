@@ -10,8 +10,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::cut::{PlannedRow, SectionCut};
-use super::cycle::{PlacedPlan, PlanError, Planner};
+use super::context::PlanContext;
+use super::cut::{PlannedRow, SectionCut, cut_row};
+use super::cycle::{PlacedPlan, PlanError, assemble_all};
+use super::evaluation::evaluate;
 use super::lane::AxisEnds;
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::{PlungePlan, Unevaluated};
@@ -22,7 +24,7 @@ use crate::cutting::retract::RetractSurface;
 use crate::geometry::{Meridional, Point, Vector};
 use crate::monitor::Monitor;
 use crate::part::{Blank, Impeller};
-use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool, tool_of};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 
 /// Gap between core and blank at the start of a row, and above the allowance on the blade tips, mm.
 const MARGIN: f64 = 0.05;
@@ -102,110 +104,108 @@ impl<'a> Opening<'a> {
     }
 }
 
-impl Planner<'_> {
-    /// Plans section `index`, which opens the blank, after the plunges of `columns`: all around the wheel.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`].
-    pub(super) fn opening_section(
-        &self,
-        index: usize,
-        mut columns: Columns,
-        monitor: &Monitor,
-    ) -> Result<SectionCut, PlanError> {
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let mut rows = Vec::new();
-        for row in Opening::new(&self.workpiece.part, &self.workpiece.blank, self.setup).rows(tool) {
-            let stations = row.tips.iter().map(|tip| self.station_above(*tip)).collect();
-            let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(row.share) };
-            // Each row on its own, so that it is free of contact whichever others a plan keeps.
-            let mut own = Columns::default();
-            rows.push(self.cut_row(row, tool, Some(MAX_LIFT_OF_DEPTH), &mut own, monitor)?);
-        }
-        let top = BlankTop::new(&self.workpiece.blank);
-        let mut cut = SectionCut::empty(CutDirection::OutletToInlet, Columns::default());
-        for channel in 0..self.workpiece.part.blade_count {
-            for row in &rows {
-                let turned = row.turned(self.workpiece.part.pitch() * channel as f64);
-                let row = if channel == 0 { turned } else { turned.without_dropped() };
-                columns.extend(row.cutters().map(|c| PlungeColumn::new(*c, tool.core_radius(), &top)));
-                cut.rows.push(row);
-            }
-        }
-        cut.columns = columns;
-        Ok(cut)
+/// Plans section `index`, which opens the blank, after the plunges of `columns`: all around the wheel.
+///
+/// # Errors
+/// As [`Planner::plan`](super::Planner::plan).
+pub(super) fn opening_section(
+    context: &PlanContext,
+    index: usize,
+    mut columns: Columns,
+    monitor: &Monitor,
+) -> Result<SectionCut, PlanError> {
+    let tool = context.tool_of_section(index)?;
+    let mut rows = Vec::new();
+    for row in Opening::new(&context.workpiece.part, &context.workpiece.blank, context.setup).rows(tool) {
+        let stations = row.tips.iter().map(|tip| station_above(context, *tip)).collect();
+        let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(row.share) };
+        // Each row on its own, so that it is free of contact whichever others a plan keeps.
+        let mut own = Columns::default();
+        rows.push(cut_row(context, row, tool, Some(MAX_LIFT_OF_DEPTH), &mut own, monitor)?);
     }
+    let top = BlankTop::new(&context.workpiece.blank);
+    let mut cut = SectionCut::empty(CutDirection::OutletToInlet, Columns::default());
+    for channel in 0..context.workpiece.part.blade_count {
+        for row in &rows {
+            let turned = row.turned(context.workpiece.part.pitch() * channel as f64);
+            let row = if channel == 0 { turned } else { turned.without_dropped() };
+            columns.extend(row.cutters().map(|c| PlungeColumn::new(*c, tool.core_radius(), &top)));
+            cut.rows.push(row);
+        }
+    }
+    cut.columns = columns;
+    Ok(cut)
+}
 
-    /// The plunges of all sections that open the blank.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`].
-    pub(super) fn opening_columns(&self) -> Result<Columns, PlanError> {
-        let mut columns = Columns::default();
-        for (index, section) in self.setup.plunge.sections.iter().enumerate() {
-            if section.kind == SectionKind::Opening {
-                columns = self.opening_section(index, columns, &Monitor::default())?.columns;
-            }
-        }
-        Ok(columns)
-    }
-
-    /// The station of a plunge above the shroud.
-    fn station_above(&self, tip: Point) -> Station {
-        let (place, theta) = (Meridional::of(&tip), tip.y.atan2(tip.x));
-        let [s_hub, s_shroud] = [&self.workpiece.part.hub, &self.workpiece.part.shroud]
-            .map(|path| path.s_at(path.curve().project(place).0).clamp(0.0, 1.0));
-        let axis: Vector = self.workpiece.part.out_of_inlet();
-        let normal = self.workpiece.part.hub.normal(s_hub).direction_at_angle(theta);
-        Station {
-            ends: AxisEnds { s_hub, theta_hub: theta, s_shroud, theta_shroud: theta },
-            s_shroud_conventional: s_shroud,
-            tip,
-            axis,
-            contact_point: tip,
-            alpha_rad: axis.angle(&normal),
-            blocked: None,
-            limited_by: None,
+/// The plunges of all sections that open the blank.
+///
+/// # Errors
+/// As [`Planner::plan`](super::Planner::plan).
+pub(super) fn opening_columns(context: &PlanContext) -> Result<Columns, PlanError> {
+    let mut columns = Columns::default();
+    for (index, section) in context.setup.plunge.sections.iter().enumerate() {
+        if section.kind == SectionKind::Opening {
+            columns = opening_section(context, index, columns, &Monitor::default())?.columns;
         }
     }
+    Ok(columns)
+}
 
-    /// `plan` with its `columns` without the plunges above the shroud that no tool of another section comes
-    /// near. `None` where it has none of them.
-    pub(super) fn with_needed_opening(
-        &self,
-        plan: &PlungePlan<Unevaluated>,
-        columns: &Columns,
-    ) -> Option<(PlungePlan<Unevaluated>, Columns)> {
-        let is_opening = |section: usize| plan.sections[section].kind == SectionKind::Opening;
-        let count = plan.positions.iter().take_while(|p| is_opening(p.section)).count();
-        if count == 0 {
-            return None;
-        }
-        let top = BlankTop::new(&self.workpiece.blank);
-        let others = plan.positions[count..].iter().map(|position| {
-            let tool = &plan.sections[position.section].tool;
-            reach_column(tool, (position.tip, position.axis), self.setup, &top)
-        });
-        Some(keep_near(plan, columns, count, others))
+/// The station of a plunge above the shroud.
+fn station_above(context: &PlanContext, tip: Point) -> Station {
+    let (place, theta) = (Meridional::of(&tip), tip.y.atan2(tip.x));
+    let [s_hub, s_shroud] = [&context.workpiece.part.hub, &context.workpiece.part.shroud]
+        .map(|path| path.s_at(path.curve().project(place).0).clamp(0.0, 1.0));
+    let axis: Vector = context.workpiece.part.out_of_inlet();
+    let normal = context.workpiece.part.hub.normal(s_hub).direction_at_angle(theta);
+    Station {
+        ends: AxisEnds { s_hub, theta_hub: theta, s_shroud, theta_shroud: theta },
+        s_shroud_conventional: s_shroud,
+        tip,
+        axis,
+        contact_point: tip,
+        alpha_rad: axis.angle(&normal),
+        blocked: None,
+        limited_by: None,
     }
+}
 
-    /// The plunges above the shroud that `tool` comes near at one of `poses`, tips with unit axes.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`].
-    pub fn opening_for(
-        &self,
-        tool: &Tool,
-        poses: impl Iterator<Item = (Point, Vector)>,
-        monitor: &Monitor,
-    ) -> Result<PlungePlan, PlanError> {
-        let cut = Arc::new(self.opening_section(0, Columns::default(), monitor)?);
-        let PlacedPlan { plan, columns } = self.assemble_all(AxisPolicy::Conventional, &[cut])?;
-        let top = BlankTop::new(&self.workpiece.blank);
-        let near = poses.map(|pose| reach_column(tool, pose, self.setup, &top));
-        let (plan, columns) = keep_near(&plan, &columns, plan.positions.len(), near);
-        self.evaluate(PlacedPlan { plan, columns }, monitor)
+/// `plan` with its `columns` without the plunges above the shroud that no tool of another section comes
+/// near. `None` where it has none of them.
+pub(super) fn with_needed_opening(
+    context: &PlanContext,
+    plan: &PlungePlan<Unevaluated>,
+    columns: &Columns,
+) -> Option<(PlungePlan<Unevaluated>, Columns)> {
+    let is_opening = |section: usize| plan.sections[section].kind == SectionKind::Opening;
+    let count = plan.positions.iter().take_while(|p| is_opening(p.section)).count();
+    if count == 0 {
+        return None;
     }
+    let top = BlankTop::new(&context.workpiece.blank);
+    let others = plan.positions[count..].iter().map(|position| {
+        let tool = &plan.sections[position.section].tool;
+        reach_column(tool, (position.tip, position.axis), context.setup, &top)
+    });
+    Some(keep_near(plan, columns, count, others))
+}
+
+/// The plunges above the shroud that `tool` comes near at one of `poses`, tips with unit axes.
+///
+/// # Errors
+/// As [`Planner::plan`](super::Planner::plan).
+pub(super) fn opening_for(
+    context: &PlanContext,
+    tool: &Tool,
+    poses: impl Iterator<Item = (Point, Vector)>,
+    monitor: &Monitor,
+) -> Result<PlungePlan, PlanError> {
+    let cut = Arc::new(opening_section(context, 0, Columns::default(), monitor)?);
+    let PlacedPlan { plan, columns } = assemble_all(context, AxisPolicy::Conventional, &[cut])?;
+    let top = BlankTop::new(&context.workpiece.blank);
+    let near = poses.map(|pose| reach_column(tool, pose, context.setup, &top));
+    let (plan, columns) = keep_near(&plan, &columns, plan.positions.len(), near);
+    evaluate(context, PlacedPlan { plan, columns }, monitor)
 }
 
 /// What `tool` sweeps on its way into and out of a pose, with its holder all the way down: a column that is

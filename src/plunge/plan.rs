@@ -63,7 +63,8 @@ pub struct Pecking {
 
 /// Largest number of interruptions of one plunge.
 const MAX_PECKS: usize = 100;
-/// Way back at an interruption, mm: enough to break the chip; and as a share of the depth between two of them.
+/// Way back at an interruption, mm: enough to break the chip; and as a share of the depth between two of
+/// them.
 const CHIP_BREAK: f64 = 0.5;
 const CHIP_BREAK_SHARE: f64 = 0.5;
 
@@ -112,8 +113,7 @@ impl Condition {
 }
 
 /// Why no more plunges were added to a section.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
     /// No possible plunge would remove enough stock.
     NothingWorthwhile,
@@ -128,6 +128,10 @@ pub enum StopReason {
 }
 
 impl StopReason {
+    /// All variants.
+    pub const ALL: [Self; 5] =
+        [Self::NothingWorthwhile, Self::ShareReached, Self::PlanFull, Self::SmallerCutter, Self::Cancelled];
+
     /// Key in files.
     pub fn name(self) -> &'static str {
         match self {
@@ -171,8 +175,7 @@ impl AddedPlunges {
 }
 
 /// Why a position lacks the axis its policy prescribes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blocked {
     /// No axis with the required inclination clears both walls.
     Walls,
@@ -182,9 +185,22 @@ pub enum Blocked {
     TiltLimit,
 }
 
+impl Blocked {
+    /// All variants.
+    pub const ALL: [Self; 3] = [Self::Walls, Self::ShroudEnd, Self::TiltLimit];
+
+    /// Key in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Walls => "walls",
+            Self::ShroudEnd => "shroud_end",
+            Self::TiltLimit => "tilt_limit",
+        }
+    }
+}
+
 /// What limits a position of `minimal`: why it lacks the axis that would leave the least stock there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitedBy {
     /// That axis does not clear the blades.
     Walls,
@@ -197,6 +213,15 @@ pub enum LimitedBy {
 impl LimitedBy {
     /// All variants.
     pub const ALL: [Self; 3] = [Self::Walls, Self::AxisChange, Self::Contact];
+
+    /// Key in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Walls => "walls",
+            Self::AxisChange => "axis_change",
+            Self::Contact => "contact",
+        }
+    }
 
     /// In words.
     pub fn words(self) -> &'static str {
@@ -278,8 +303,7 @@ impl<E> Position<E> {
 }
 
 /// Why a position was dropped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DropReason {
     /// The cutter does not clear the blades.
     Blades,
@@ -296,6 +320,17 @@ pub enum DropReason {
 impl DropReason {
     /// All variants.
     pub const ALL: [Self; 5] = [Self::Blades, Self::Contact, Self::Overhang, Self::Shank, Self::Holder];
+
+    /// Key in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Blades => "blades",
+            Self::Contact => "contact",
+            Self::Overhang => "overhang",
+            Self::Shank => "shank",
+            Self::Holder => "holder",
+        }
+    }
 
     /// Relative clause that completes "n positions …" in reports.
     pub fn words(self) -> &'static str {
@@ -344,9 +379,9 @@ pub struct SectionPlan {
 }
 
 impl SectionPlan {
-    /// Whether it is part of the program; one for the rest, or above the shroud, may have nothing to cut.
+    /// Whether it is part of the program.
     pub fn is_cut(&self) -> bool {
-        self.kind == SectionKind::Rows || self.rows > 0
+        self.kind.is_cut(self.rows)
     }
 
     /// Whether planning was stopped before the section was finished: it holds the best result so far.
@@ -440,8 +475,8 @@ impl PlungePlan {
         own.or(self.tool_at(k).map(|tool| tool.plunge_feed)).unwrap_or(0.0)
     }
 
-    /// Thickness of the chip of position `k`, mm: in a plunge the feed per tooth. `None` where the tool does not say
-    /// how many teeth it has.
+    /// Thickness of the chip of position `k`, mm: in a plunge the feed per tooth. `None` where the tool does
+    /// not say how many teeth it has.
     pub fn chip_thickness_of(&self, k: usize) -> Option<f64> {
         let tool = self.tool_at(k)?;
         Some(self.feed_of(k) / (f64::from(tool.assembly.teeth?) * tool.spindle))

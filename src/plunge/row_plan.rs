@@ -1,42 +1,135 @@
-//! Rows of the policies `conventional` and `monotone`: search for a start that is free of stock, and the loop
-//! of stages 1 to 4 for one row.
+//! What the policies that plan row by row share: a section of rows, a start that is free of stock, and the
+//! loop of stages 1 to 4 for one row. The policies `conventional`, `staircase` and `monotone` say which axes
+//! the rows get.
 
 use std::convert::Infallible;
 
-use super::cut::PlannedRow;
-use super::cycle::{PlanError, Planner};
+use rayon::prelude::*;
+
+use super::context::PlanContext;
+use super::cut::{PlannedRow, SectionCut, cut_row};
+use super::cycle::PlanError;
+use super::plan::DropReason;
 use super::row::{RowMaker, Station};
-use super::section_layout::RowLayout;
+use super::section_layout::{RowLayout, StretchLayout, row_ends, row_maker};
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
-use crate::setup::{AxisPolicy, SetupPlace};
+use crate::setup::SetupPlace;
 
 /// Iterations after which a row that still changes is reported as not converged.
 const MAX_ITERATIONS: usize = 12;
-/// Minimum lead angles of the first position that `monotone` tries after the unchanged one, degrees.
-const START_LEADS_DEG: [f64; 17] =
-    [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 16.0, 18.0, 20.0];
 /// Distances by which a start is moved out of the stock, tried in this order, in cutter radii.
-const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
+pub(super) const START_RETREATS: [f64; 8] = [0.0, 0.1, 0.2, 0.35, 0.55, 0.8, 1.2, 1.8];
 
-/// Number of starts with which a row is planned to its end where none frees it of contact.
-const MAX_FINISHED_STARTS: usize = 4;
+/// How a policy plans one row.
+pub(super) type PlanRow = dyn Fn(&RowAttempts) -> Result<PlannedRow, PlanError> + Sync;
 
-/// What all attempts at one row share.
-struct RowAttempts<'r> {
-    maker: &'r RowMaker<'r>,
+/// Plans section `index` after the plunges of `columns`: each row on its own by `plan_row`, then they are cut
+/// one after the other. With `max_lift` plunges stop short of stock, see [`cut_row`].
+///
+/// # Errors
+/// As [`Planner::plan`](super::Planner::plan).
+pub(super) fn cut_rows(
+    context: &PlanContext,
+    index: usize,
+    columns: Columns,
+    max_lift: Option<f64>,
+    plan_row: &PlanRow,
+    monitor: &Monitor,
+) -> Result<SectionCut, PlanError> {
+    let section = context.section(index);
+    let layouts = context.layouts(index)?;
+    let tool = context.tool_of_section(index)?;
+    let feed = section.direction();
+    let rows = match plan_rows(context, index, layouts, &columns, plan_row, monitor) {
+        Err(PlanError::Cancelled(_)) if monitor.is_stopped() => {
+            return Ok(SectionCut::not_started(section, columns));
+        }
+        rows => rows?,
+    };
+    let mut cut = SectionCut::empty(feed, columns);
+    for row in rows {
+        let row = cut_row(context, row, tool, max_lift, &mut cut.columns, &monitor.ignoring_stop())?;
+        cut.rows.push(row);
+    }
+    Ok(cut)
+}
+
+/// Rows of section `index`, each planned on its own.
+fn plan_rows(
+    context: &PlanContext,
+    index: usize,
+    layouts: &[StretchLayout],
+    earlier: &Columns,
+    plan_row: &PlanRow,
+    monitor: &Monitor,
+) -> Result<Vec<PlannedRow>, PlanError> {
+    let tool = context.tool_of_section(index)?;
+    let feed = context.section(index).direction();
+    let top = BlankTop::new(&context.workpiece.blank);
+    let mut rows = Vec::new();
+    for layout in layouts {
+        let made: Vec<Result<Vec<PlannedRow>, PlanError>> = layout
+            .rows
+            .par_iter()
+            .map(|row_layout| {
+                let place = (row_layout.lambda, layout.rows.len());
+                let maker = row_maker(context, layout, tool, place, feed, monitor);
+                let ends = row_ends(context, index, &layout.stretch, feed.sign_along_s());
+                let runs = row_layout.runs.get_or_make(ends.0, || maker.runs(ends.0, ends.1))?;
+                let lambda = layout.stretch.lambda_in_channel(row_layout.lambda);
+                let mut rows = Vec::with_capacity(runs.stretches.len());
+                for &ends in &runs.stretches {
+                    let row =
+                        RowAttempts { context, maker: &maker, layout: row_layout, ends, earlier, top: &top };
+                    rows.push(PlannedRow { lambda, ..plan_row(&row)? });
+                }
+                if !runs.missing.is_empty() {
+                    let missing = runs.missing.iter().map(|&s| (s, DropReason::Blades.into())).collect();
+                    rows.push(PlannedRow { missing, ..PlannedRow::empty(lambda) });
+                }
+                Ok(rows)
+            })
+            .collect();
+        for made in made {
+            rows.extend(made?);
+        }
+    }
+    Ok(rows)
+}
+
+/// A row to plan: what all attempts at it share.
+pub(super) struct RowAttempts<'r> {
+    pub context: &'r PlanContext<'r>,
+    pub maker: &'r RowMaker<'r>,
     layout: &'r RowLayout,
-    /// Last s in cutting order.
-    end: f64,
+    /// First and last s in cutting order.
+    ends: (f64, f64),
     earlier: &'r Columns,
     top: &'r BlankTop<'r>,
+}
+
+/// Start of a row.
+#[derive(Clone, Copy)]
+pub(super) struct RowStart {
+    s: f64,
+    pub first: Station,
+    /// Whether the first core column is free up to the top of the blank.
+    pub free: bool,
+}
+
+/// Whether positions of a row may interfere.
+pub(super) enum Contacts<'c> {
+    Allowed,
+    /// The row ends at the first one; the number of positions before it is stored.
+    None(&'c mut usize),
 }
 
 impl RowAttempts<'_> {
     /// Conventional stations from s = `start` on, cached.
     fn conventional(&self, start: f64) -> Result<Vec<Station>, Cancelled> {
-        self.layout.conventional.get_or_make(start, || self.maker.conventional(start, self.end))
+        self.layout.conventional.get_or_make(start, || self.maker.conventional(start, self.ends.1))
     }
 
     /// The conventional station at `s`, cached.
@@ -45,27 +138,80 @@ impl RowAttempts<'_> {
         let Ok(station) = self.layout.firsts.get_or_make(s, make);
         station
     }
-}
 
-/// Start of a row.
-#[derive(Clone, Copy)]
-struct RowStart {
-    s: f64,
-    first: Station,
-    /// Whether the first core column is free up to the top of the blank.
-    free: bool,
-}
+    /// Moves the start of the row out of the stock until the core column of its first station is free;
+    /// unmoved where no retreat frees it. `None` where there is no axis. `inclined` gives the first station
+    /// from the conventional one, after so many of the [`START_RETREATS`].
+    pub fn find_free_start(&self, mut inclined: impl FnMut(usize, Station) -> Station) -> Option<RowStart> {
+        let maker = self.maker;
+        let radius_s = maker.tool.radius() / self.context.workpiece.part.hub.length();
+        let mut unmoved = None;
+        for (retreat, radii) in START_RETREATS.into_iter().enumerate() {
+            if maker.monitor.is_cancelled() {
+                break;
+            }
+            let s = self.ends.0 + maker.direction_sign * radii * radius_s;
+            let Some(first) = self.first(s) else { break };
+            let first = inclined(retreat, first);
+            let column = PlungeColumn::new(maker.cutter(&first), maker.tool.core_radius(), self.top);
+            if !core_interferes(&column, self.earlier.all().near(&column), &self.context.workpiece.blank) {
+                return Some(RowStart { s, first, free: true });
+            }
+            unmoved = unmoved.or(Some(RowStart { s, first, free: false }));
+        }
+        unmoved
+    }
 
-/// Whether positions of a row may interfere.
-enum Contacts<'c> {
-    Allowed,
-    /// The row ends at the first one; the number of positions before it is stored.
-    None(&'c mut usize),
-}
+    /// Iterates stages 1 to 4 until no position is added. `optimised` gives the axes of the policy from the
+    /// conventional stations, stage 3; it ends with `None` where the function that it is given, to be called
+    /// with the row so far after each position, returns `false`. `None` when a position interferes and
+    /// contacts are not allowed; in that case the first position must be free.
+    pub fn converge(
+        &self,
+        start: &RowStart,
+        mut contacts: Contacts,
+        optimised: impl Fn(&[Station], &mut dyn FnMut(&[Station]) -> bool) -> Option<Vec<Station>>,
+    ) -> Result<Option<PlannedRow>, PlanError> {
+        let maker = self.maker;
+        let monitor = maker.monitor;
+        monitor.check()?;
+        let mut conventional = self.conventional(start.s)?;
+        let mut row = PlannedRow { converged: false, ..PlannedRow::empty(maker.lambda) };
+        let mut known = self.cut_so_far();
+        while row.iterations < MAX_ITERATIONS && !row.converged {
+            row.iterations += 1;
+            known.clear_row();
+            let mut accept = |stations: &[Station]| {
+                !monitor.is_cancelled()
+                    && match &mut contacts {
+                        Contacts::Allowed => true,
+                        Contacts::None(reached) => {
+                            let is_free = known.last_is_free(maker, stations);
+                            **reached = stations.len() - usize::from(!is_free);
+                            is_free
+                        }
+                    }
+            };
+            let stations = optimised(&conventional, &mut accept);
+            monitor.check()?;
+            let Some(stations) = stations else { return Ok(None) };
+            row.stations = stations;
+            row.converged = maker.inspect_steps(&row.stations, &mut conventional) == 0;
+            self.context.check_count(conventional.len(), maker.tool, SetupPlace::Whole)?;
+        }
+        Ok(Some(row))
+    }
 
-/// Whether two stations have the same tip within 1e-4 mm and the same axis.
-fn same_axis(a: &Station, b: &Station) -> bool {
-    (a.tip - b.tip).norm() < 1e-4 && (a.axis - b.axis).norm() < 1e-6
+    /// Number of interfering stations of the row.
+    pub fn count_contacts(&self, stations: &[Station]) -> usize {
+        let mut known = self.cut_so_far();
+        (1..=stations.len()).filter(|&k| known.interferes(self.maker, &stations[..k])).count()
+    }
+
+    /// What is cut before the row.
+    fn cut_so_far(&self) -> CutSoFar<'_> {
+        CutSoFar::new(self.earlier, &self.context.workpiece.blank, self.top)
+    }
 }
 
 /// Plunges cut before the next position of a row: earlier sections and the row so far.
@@ -103,150 +249,5 @@ impl<'e> CutSoFar<'e> {
             return true;
         }
         !self.interferes(maker, stations)
-    }
-}
-
-impl Planner<'_> {
-    /// Plans one row by `policy`. For `monotone` the first position stays unchanged if the row is then free
-    /// of contact; otherwise its lead angle is raised to the smallest of some fixed angles that frees the
-    /// row, or else the start with the fewest contacts is taken.
-    pub(super) fn plan_row(
-        &self,
-        maker: &RowMaker,
-        layout: &RowLayout,
-        ends: (f64, f64),
-        policy: AxisPolicy,
-        earlier: &Columns,
-        monitor: &Monitor,
-    ) -> Result<PlannedRow, PlanError> {
-        let top = BlankTop::new(&self.workpiece.blank);
-        let attempts = RowAttempts { maker, layout, end: ends.1, earlier, top: &top };
-        // For each retreat: shift of W that the previous lead angle needed, in s.
-        let mut moved = [0.0; START_RETREATS.len()];
-        if policy == AxisPolicy::Conventional {
-            let Some(start) = self.find_free_start(&attempts, ends.0, None, &mut moved) else {
-                monitor.check()?;
-                return Ok(PlannedRow::empty(maker.lambda));
-            };
-            let row = self.converge_row(&attempts, policy, &start, Contacts::Allowed, monitor)?;
-            return Ok(row.unwrap_or_else(|| PlannedRow::empty(maker.lambda)));
-        }
-        let leads = std::iter::once(None).chain(START_LEADS_DEG.iter().map(|d| Some(d.to_radians())));
-        // Starts with the number of positions that each got free of contact.
-        let mut tried: Vec<(usize, RowStart)> = Vec::new();
-        for lead_rad in leads {
-            monitor.check()?;
-            let Some(start) = self.find_free_start(&attempts, ends.0, lead_rad, &mut moved) else { continue };
-            // Below the jump of α from rear to front contact all lead angles give the same start.
-            if tried.iter().any(|(_, t)| same_axis(&t.first, &start.first)) {
-                continue;
-            }
-            let mut reached = 0;
-            if start.free
-                && let Some(row) =
-                    self.converge_row(&attempts, policy, &start, Contacts::None(&mut reached), monitor)?
-            {
-                return Ok(row);
-            }
-            tried.push((reached, start));
-        }
-        // No start frees the row: of those that got furthest, take the one with the fewest contacts. The sort
-        // is stable: of equal ones the smaller lead angle comes first.
-        tried.sort_by_key(|(reached, _)| std::cmp::Reverse(*reached));
-        tried.truncate(MAX_FINISHED_STARTS);
-        let mut best: Option<(usize, PlannedRow)> = None;
-        for (_, start) in &tried {
-            if let Some(row) = self.converge_row(&attempts, policy, start, Contacts::Allowed, monitor)? {
-                let contacts = self.count_contacts(&attempts, &row.stations);
-                if best.as_ref().is_none_or(|b| contacts < b.0) {
-                    best = Some((contacts, row));
-                }
-            }
-        }
-        Ok(best.map_or_else(|| PlannedRow::empty(maker.lambda), |b| b.1))
-    }
-
-    /// Iterates stages 1 to 4 until no position is added. `None` when a position interferes and contacts are
-    /// not allowed; in that case the first position must be free.
-    fn converge_row(
-        &self,
-        attempts: &RowAttempts,
-        policy: AxisPolicy,
-        start: &RowStart,
-        mut contacts: Contacts,
-        monitor: &Monitor,
-    ) -> Result<Option<PlannedRow>, PlanError> {
-        monitor.check()?;
-        let max_tilt = self.setup.plunge.max_tilt_rad;
-        let maker = attempts.maker;
-        let mut conventional = attempts.conventional(start.s)?;
-        let mut row = PlannedRow { converged: false, ..PlannedRow::empty(maker.lambda) };
-        let mut known = CutSoFar::new(attempts.earlier, &self.workpiece.blank, attempts.top);
-        while row.iterations < MAX_ITERATIONS && !row.converged {
-            row.iterations += 1;
-            known.clear_row();
-            let mut accept = |stations: &[Station]| {
-                !monitor.is_cancelled()
-                    && match &mut contacts {
-                        Contacts::Allowed => true,
-                        Contacts::None(reached) => {
-                            let is_free = known.last_is_free(maker, stations);
-                            **reached = stations.len() - usize::from(!is_free);
-                            is_free
-                        }
-                    }
-            };
-            let optimised = match policy {
-                AxisPolicy::Monotone => {
-                    let rest = conventional.get(1..).unwrap_or_default();
-                    maker.monotone_after(start.first, rest, max_tilt, &mut accept)
-                }
-                _ => Some(conventional.clone()),
-            };
-            monitor.check()?;
-            let Some(stations) = optimised else { return Ok(None) };
-            row.stations = stations;
-            row.converged = maker.inspect_steps(&row.stations, &mut conventional) == 0;
-            self.check_count(conventional.len(), maker.tool, SetupPlace::Whole)?;
-        }
-        Ok(Some(row))
-    }
-
-    /// Moves the start of a row, with a lead angle of at least `lead_rad` (rad), out of the stock until its
-    /// first core column is free; unmoved where no retreat frees it. `None` where there is no axis. `moved`
-    /// holds the shifts of W for a smaller lead angle, in s, and is updated.
-    fn find_free_start(
-        &self,
-        attempts: &RowAttempts,
-        start: f64,
-        lead_rad: Option<f64>,
-        moved: &mut [f64; START_RETREATS.len()],
-    ) -> Option<RowStart> {
-        let maker = attempts.maker;
-        let radius_s = maker.tool.radius() / self.workpiece.part.hub.length();
-        let mut unmoved = None;
-        for (radii, moved) in START_RETREATS.into_iter().zip(moved) {
-            if maker.monitor.is_cancelled() {
-                break;
-            }
-            let s = start + maker.direction_sign * radii * radius_s;
-            let Some(mut first) = attempts.first(s) else { break };
-            if let Some(lead_rad) = lead_rad {
-                first = maker.with_min_lead_angle(&first, lead_rad, *moved, self.setup.plunge.max_tilt_rad);
-                *moved = first.shroud_shift();
-            }
-            let column = PlungeColumn::new(maker.cutter(&first), maker.tool.core_radius(), attempts.top);
-            if !core_interferes(&column, attempts.earlier.all().near(&column), &self.workpiece.blank) {
-                return Some(RowStart { s, first, free: true });
-            }
-            unmoved = unmoved.or(Some(RowStart { s, first, free: false }));
-        }
-        unmoved
-    }
-
-    /// Number of interfering stations of a row.
-    fn count_contacts(&self, attempts: &RowAttempts, stations: &[Station]) -> usize {
-        let mut known = CutSoFar::new(attempts.earlier, &self.workpiece.blank, attempts.top);
-        (1..=stations.len()).filter(|&k| known.interferes(attempts.maker, &stations[..k])).count()
     }
 }

@@ -5,14 +5,15 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::cycle::{PlanError, Planner};
+use super::context::PlanContext;
+use super::cycle::PlanError;
 use super::lane::{Lane, is_wall};
 use super::row::{RowMaker, Runs, Station};
 use super::sections::{max_shroud_spacing, step_limit, stepover};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::monitor::Monitor;
-use crate::part::{Division, Passage};
-use crate::setup::{CutDirection, SectionKind, SectionSetup, Tool, tool_of};
+use crate::part::{Division, Passage, Workpiece};
+use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool, tool_of};
 
 /// Gap between the core and the rim at the start of a row, mm.
 const START_MARGIN: f64 = 0.05;
@@ -89,31 +90,33 @@ impl PassageStretch<'_> {
     }
 }
 
-impl<'a> Planner<'a> {
+/// What the layout of a section follows from.
+struct SectionGround<'a, 's> {
+    workpiece: &'a Workpiece,
+    setup: &'s Setup,
+    tool: &'s Tool,
+}
+
+impl<'a> SectionGround<'a, '_> {
     /// The stretches of a section, outlet end first.
-    fn stretches(&self, section: &SectionSetup, tool: &Tool) -> Vec<PassageStretch<'a>> {
+    fn stretches(&self, section: &SectionSetup) -> Vec<PassageStretch<'a>> {
         let whole = PassageStretch {
             passage: &self.workpiece.channel.full,
             lambdas: (0.0, 1.0),
             from: section.from,
             to: section.to,
         };
-        self.divided(whole, self.workpiece.channel.division.as_deref(), tool)
+        self.divided(whole, self.workpiece.channel.division.as_deref())
     }
 
     /// The stretches into which `division` divides the stretch `whole` of a passage.
-    fn divided(
-        &self,
-        whole: PassageStretch<'a>,
-        division: Option<&'a Division>,
-        tool: &Tool,
-    ) -> Vec<PassageStretch<'a>> {
+    fn divided(&self, whole: PassageStretch<'a>, division: Option<&'a Division>) -> Vec<PassageStretch<'a>> {
         let Some(division) = division else { return vec![whole] };
         let [hub, shroud] = division.s;
         let PassageStretch { from, to, .. } = whole;
         // The passages join upstream of the splitter's nose by the radius and allowance of the cutter.
         let reach =
-            (tool.radius() + self.setup.allowances.blade_allowance) / self.workpiece.part.hub.length();
+            (self.tool.radius() + self.setup.allowances.blade_allowance) / self.workpiece.part.hub.length();
         let nose = (hub.min(shroud) - reach).max(0.0);
         let mut stretches = Vec::new();
         let mut joined = nose;
@@ -124,13 +127,10 @@ impl<'a> Planner<'a> {
                 let passage = &self.workpiece.channel.passages[passage];
                 // Upstream of the nose the extended flanks may converge; the rows end where the cutter no
                 // longer fits.
-                let to = self.fits_until(passage, tool, to.max(nose), hub.min(shroud));
+                let to = self.fits_until(passage, to.max(nose), hub.min(shroud));
                 joined = joined.max(to);
-                stretches.extend(self.divided(
-                    PassageStretch { passage, lambdas, from, to },
-                    inner.as_deref(),
-                    tool,
-                ));
+                stretches
+                    .extend(self.divided(PassageStretch { passage, lambdas, from, to }, inner.as_deref()));
             }
         }
         if to < joined {
@@ -139,13 +139,13 @@ impl<'a> Planner<'a> {
         stretches
     }
 
-    fn lane(&self, passage: &'a Passage, tool: &Tool) -> Lane<'a> {
-        Lane::new(self.workpiece, passage, tool, &self.setup.allowances)
+    fn lane(&self, passage: &'a Passage) -> Lane<'a> {
+        Lane::new(self.workpiece, passage, self.tool, &self.setup.allowances)
     }
 
     /// The s down to which the cutter fits in `passage` when going inwards from `from`, at most to `to`.
-    fn fits_until(&self, passage: &'a Passage, tool: &Tool, to: f64, from: f64) -> f64 {
-        let lane = self.lane(passage, tool);
+    fn fits_until(&self, passage: &'a Passage, to: f64, from: f64) -> f64 {
+        let lane = self.lane(passage);
         let steps = 16;
         let mut open = from.max(to);
         for i in 1..=steps {
@@ -176,29 +176,11 @@ impl<'a> Planner<'a> {
         [(low, near), (far, high)]
     }
 
-    /// Layout of a section.
-    pub(super) fn section_layout(&self, section: &SectionSetup) -> Result<Vec<StretchLayout<'a>>, PlanError> {
-        let tool = tool_of(self.setup, section.tool)?;
-        let layouts = self.stretches(section, tool).into_iter().map(|stretch| {
-            let lane = self.lane(stretch.passage, tool);
-            let floor = self.setup.allowances.hub_allowance + tool.corner_radius;
-            let hub = DepthSurface::new(self.workpiece.part.hub.curve(), floor);
-            let rows = self.row_lambdas(&lane, &stretch, tool).into_iter().map(|lambda| RowLayout {
-                lambda,
-                firsts: Memo::new(),
-                runs: Memo::new(),
-                conventional: Memo::new(),
-            });
-            Ok(StretchLayout { rows: rows.collect(), stretch, lane, hub })
-        });
-        layouts.collect()
-    }
-
     /// λ of the rows of a stretch: both walls, and between them equal gaps that exceed neither the stepover
     /// on the hub nor the distance that leaves uncut stock at the shroud. Empty where the cutter fits
     /// nowhere.
-    fn row_lambdas(&self, lane: &Lane, stretch: &PassageStretch, tool: &Tool) -> Vec<f64> {
-        let spacing = stepover(&self.setup.plunge, tool);
+    fn row_lambdas(&self, lane: &Lane, stretch: &PassageStretch) -> Vec<f64> {
+        let spacing = stepover(&self.setup.plunge, self.tool);
         let widths: Vec<Option<(f64, f64)>> =
             (0..=8).into_par_iter().map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0))).collect();
         let mut gaps = 0.0f64;
@@ -207,63 +189,92 @@ impl<'a> Planner<'a> {
             return Vec::new();
         }
         for (hub, shroud) in widths.into_iter().flatten() {
-            gaps = gaps.max(hub / spacing).max(shroud / max_shroud_spacing(tool));
+            gaps = gaps.max(hub / spacing).max(shroud / max_shroud_spacing(self.tool));
             widest = widest.max(hub);
         }
-        if widest < 0.1 * tool.radius() {
+        if widest < 0.1 * self.tool.radius() {
             return vec![0.5];
         }
         let count = (gaps - 1e-9).ceil().clamp(1.0, 400.0) as usize;
         (0..=count).map(|i| i as f64 / count as f64).collect()
     }
+}
 
-    /// First and last s of a stretch's rows in cutting order, before the start is moved out of the stock.
-    pub(super) fn row_ends(&self, index: usize, stretch: &PassageStretch, inward: f64) -> (f64, f64) {
-        let sections = &self.setup.plunge.sections;
-        let section = &sections[index];
-        let Ok(tool) = tool_of(self.setup, section.tool) else { return (stretch.from, stretch.to) };
-        let before = index.checked_sub(1).map(|i| &sections[i]).filter(|b| b.kind != SectionKind::Opening);
-        let hub = &self.workpiece.part.hub;
-        let (mut start, end) =
-            if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };
-        let border = if inward > 0.0 { section.from } else { section.to };
-        if start == border {
-            let open_end = if inward > 0.0 { start >= 1.0 - 1e-9 } else { start <= 1e-9 };
-            if open_end {
-                // The core stays outside the blank at hub and shroud.
-                let out = tool.core_radius().max(0.0) + START_MARGIN;
-                start += inward * out / hub.length();
-            } else if let Some(previous) = before.and_then(|b| tool_of(self.setup, b.tool).ok()) {
-                // Aligns the front rims of the previous, larger cutter and this one.
-                let shift = (previous.radius() - tool.radius()).max(0.0) / hub.length();
-                let shifted = start - inward * shift;
-                if (end - shifted) * inward < 0.0 {
-                    start = shifted;
-                }
+/// Layout of a section.
+///
+/// # Errors
+/// When the section's tool is missing.
+pub(super) fn section_layout<'a>(
+    workpiece: &'a Workpiece,
+    setup: &Setup,
+    section: &SectionSetup,
+) -> Result<Vec<StretchLayout<'a>>, PlanError> {
+    let tool = tool_of(setup, section.tool)?;
+    let ground = SectionGround { workpiece, setup, tool };
+    let layouts = ground.stretches(section).into_iter().map(|stretch| {
+        let lane = ground.lane(stretch.passage);
+        let floor = setup.allowances.hub_allowance + tool.corner_radius;
+        let hub = DepthSurface::new(workpiece.part.hub.curve(), floor);
+        let rows = ground.row_lambdas(&lane, &stretch).into_iter().map(|lambda| RowLayout {
+            lambda,
+            firsts: Memo::new(),
+            runs: Memo::new(),
+            conventional: Memo::new(),
+        });
+        Ok(StretchLayout { rows: rows.collect(), stretch, lane, hub })
+    });
+    layouts.collect()
+}
+
+/// First and last s of a stretch's rows in cutting order, before the start is moved out of the stock.
+pub(super) fn row_ends(
+    context: &PlanContext,
+    index: usize,
+    stretch: &PassageStretch,
+    inward: f64,
+) -> (f64, f64) {
+    let section = context.section(index);
+    let Ok(tool) = context.tool_of_section(index) else { return (stretch.from, stretch.to) };
+    let before = index.checked_sub(1).map(|i| context.section(i)).filter(|b| b.kind != SectionKind::Opening);
+    let hub = &context.workpiece.part.hub;
+    let (mut start, end) = if inward > 0.0 { (stretch.from, stretch.to) } else { (stretch.to, stretch.from) };
+    let border = if inward > 0.0 { section.from } else { section.to };
+    if start == border {
+        let open_end = if inward > 0.0 { start >= 1.0 - 1e-9 } else { start <= 1e-9 };
+        if open_end {
+            // The core stays outside the blank at hub and shroud.
+            let out = tool.core_radius().max(0.0) + START_MARGIN;
+            start += inward * out / hub.length();
+        } else if let Some(previous) = before.and_then(|b| tool_of(context.setup, b.tool).ok()) {
+            // Aligns the front rims of the previous, larger cutter and this one.
+            let shift = (previous.radius() - tool.radius()).max(0.0) / hub.length();
+            let shifted = start - inward * shift;
+            if (end - shifted) * inward < 0.0 {
+                start = shifted;
             }
         }
-        (start, end)
     }
+    (start, end)
+}
 
-    /// Maker of the stations of the row at `lambda`, one of `rows` rows of the stretch.
-    pub(super) fn row_maker<'r>(
-        &'r self,
-        layout: &'r StretchLayout<'r>,
-        tool: &'r Tool,
-        (lambda, rows): (f64, usize),
-        feed: CutDirection,
-        monitor: &'r Monitor,
-    ) -> RowMaker<'r> {
-        let wall_row = is_wall(lambda) || rows == 1;
-        RowMaker {
-            part: &self.workpiece.part,
-            lane: &layout.lane,
-            hub: &layout.hub,
-            tool,
-            lambda,
-            direction_sign: feed.sign_along_s(),
-            step_limit: step_limit(&self.setup.plunge, tool, wall_row),
-            monitor,
-        }
+/// Maker of the stations of the row at `lambda`, one of `rows` rows of the stretch.
+pub(super) fn row_maker<'r>(
+    context: &'r PlanContext<'_>,
+    layout: &'r StretchLayout<'r>,
+    tool: &'r Tool,
+    (lambda, rows): (f64, usize),
+    feed: CutDirection,
+    monitor: &'r Monitor,
+) -> RowMaker<'r> {
+    let wall_row = is_wall(lambda) || rows == 1;
+    RowMaker {
+        part: &context.workpiece.part,
+        lane: &layout.lane,
+        hub: &layout.hub,
+        tool,
+        lambda,
+        direction_sign: feed.sign_along_s(),
+        step_limit: step_limit(&context.setup.plunge, tool, wall_row),
+        monitor,
     }
 }

@@ -1,48 +1,48 @@
 //! A plan with some of its plunges left out.
 
-use super::cycle::{PlanError, Planner};
+use super::context::PlanContext;
+use super::cycle::PlanError;
 use super::evaluation::evaluated;
+use super::motion::{motions, with_lifts};
 use super::plan::{PlungePlan, Position};
 use crate::cutting::contact::{Columns, core_contacts};
 use crate::monitor::Monitor;
 
-impl Planner<'_> {
-    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is
-    /// measured anew, links are raised where they must be, and a row is split where the axes of the plunges
-    /// left in it differ by more than the setup allows. What the sections say of added plunges stays that of
-    /// the search.
-    ///
-    /// # Errors
-    /// [`PlanError::Cancelled`] when the monitor is cancelled.
-    pub fn keep_plunges(
-        &self,
-        plan: &PlungePlan,
-        kept: &[bool],
-        columns: &Columns,
-        monitor: &Monitor,
-    ) -> Result<PlungePlan, PlanError> {
-        let limit = self.setup.plunge.max_axis_change_rad;
-        let mut thinned = PlungePlan { positions: Vec::with_capacity(plan.positions.len()), ..plan.clone() };
-        let mut rows = vec![0; plan.sections.len()];
-        let mut last: Option<&Position> = None;
-        for (position, _) in plan.positions.iter().zip(kept).filter(|(_, kept)| **kept) {
-            let same_row = last.is_some_and(|last| {
-                (last.section, last.row) == (position.section, position.row)
-                    && last.axis.angle(&position.axis) <= limit
-            });
-            if !same_row {
-                rows[position.section] += 1;
-            }
-            thinned.positions.push(Position { row: rows[position.section] - 1, ..position.clone() });
-            last = Some(position);
+/// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is
+/// measured anew, links are raised where they must be, and a row is split where the axes of the plunges
+/// left in it differ by more than the setup allows. What the sections say of added plunges stays that of
+/// the search.
+///
+/// # Errors
+/// [`PlanError::Cancelled`] when the monitor is cancelled.
+pub(super) fn keep_plunges(
+    context: &PlanContext,
+    plan: &PlungePlan,
+    kept: &[bool],
+    columns: &Columns,
+    monitor: &Monitor,
+) -> Result<PlungePlan, PlanError> {
+    let limit = context.setup.plunge.max_axis_change_rad;
+    let mut thinned = PlungePlan { positions: Vec::with_capacity(plan.positions.len()), ..plan.clone() };
+    let mut rows = vec![0; plan.sections.len()];
+    let mut last: Option<&Position> = None;
+    for (position, _) in plan.positions.iter().zip(kept).filter(|(_, kept)| **kept) {
+        let same_row = last.is_some_and(|last| {
+            (last.section, last.row) == (position.section, position.row)
+                && last.axis.angle(&position.axis) <= limit
+        });
+        if !same_row {
+            rows[position.section] += 1;
         }
-        for (section, rows) in thinned.sections.iter_mut().zip(rows) {
-            section.rows = rows;
-        }
-        let (blank, safety) = (&self.workpiece.blank, self.setup.allowances.safety_distance);
-        let contacts = core_contacts(columns, blank, monitor)?;
-        let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
-        let motions = self.motions(&thinned, columns, monitor)?;
-        Ok(self.with_lifts(evaluated(thinned, &contacts, &motions, retracts, blank, safety, monitor)?))
+        thinned.positions.push(Position { row: rows[position.section] - 1, ..position.clone() });
+        last = Some(position);
     }
+    for (section, rows) in thinned.sections.iter_mut().zip(rows) {
+        section.rows = rows;
+    }
+    let (blank, safety) = (&context.workpiece.blank, context.setup.allowances.safety_distance);
+    let contacts = core_contacts(columns, blank, monitor)?;
+    let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
+    let motions = motions(context, &thinned, columns, monitor)?;
+    Ok(with_lifts(context, evaluated(thinned, &contacts, &motions, retracts, blank, safety, monitor)?))
 }

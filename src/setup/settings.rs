@@ -176,6 +176,13 @@ pub struct SectionSetup {
     pub kind: SectionKind,
 }
 
+impl SectionSetup {
+    /// Direction of the rows where the policy leaves it to the setup.
+    pub fn direction(&self) -> CutDirection {
+        self.cut_direction.unwrap_or(CutDirection::OutletToInlet)
+    }
+}
+
 /// What a section of plunges cuts: keys `rest` and `opening` of a section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SectionKind {
@@ -191,6 +198,12 @@ pub enum SectionKind {
 }
 
 impl SectionKind {
+    /// Whether a section with this many rows is part of the program; one for the rest, or above the shroud,
+    /// may have nothing to cut.
+    pub fn is_cut(self, rows: usize) -> bool {
+        self == Self::Rows || rows > 0
+    }
+
     /// Word in programs; `None` for rows.
     pub fn word(self) -> Option<&'static str> {
         match self {

@@ -11,6 +11,8 @@ use super::grid::FloorGrid;
 use super::meeting::{FAR, LaneRow, Meeting, MeetingRow, greatest, larger, mask, smaller};
 use super::tiles::{TILE, TileBins};
 use super::trace::{PositionTrace, TraceSums, VolumeUnit, whole_units_between};
+use crate::geometry::{Point, Vector};
+use crate::setup::Tool;
 
 /// Depth above which a cell counts as contact of the core, mm. The kernel gets it as a constant.
 pub const CONTACT_TOLERANCE: f32 = crate::cutting::contact::CONTACT_TOLERANCE as f32;
@@ -30,6 +32,20 @@ pub struct FieldCutter {
     pub core_radius: f32,
     /// Corner radius, mm.
     pub corner_radius: f32,
+}
+
+impl FieldCutter {
+    /// The plunge of `tool` to `tip` along the unit `axis`.
+    pub fn of(tool: &Tool, tip: Point, axis: Vector) -> Self {
+        let single = |v: [f64; 3]| v.map(|x| x as f32);
+        Self {
+            tip: single(tip.coords.into()),
+            radius: tool.radius() as f32,
+            axis: single(axis.into()),
+            core_radius: tool.core_radius() as f32,
+            corner_radius: tool.corner_radius as f32,
+        }
+    }
 }
 
 /// Heights of stock above the finished hub after some positions were cut.

@@ -2,8 +2,7 @@
 //! Single precision, same arithmetic as the WGSL kernel. And the stock of a whole wheel as a solid
 //! ([`solid`]).
 
-use crate::plunge::PlungePlan;
-use crate::plunge::plan::SectionPlan;
+use crate::plunge::{PlungePlan, Position, SectionPlan};
 use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 
 mod bounds;
@@ -32,20 +31,8 @@ pub use trace::PositionTrace;
 
 /// The plunges of a plan, in cutting order, as input of the kernels.
 pub fn field_cutters<E>(plan: &PlungePlan<E>) -> Vec<FieldCutter> {
-    let single = |v: [f64; 3]| v.map(|x| x as f32);
-    plan.positions
-        .iter()
-        .map(|p| {
-            let tool = &plan.sections[p.section].tool;
-            FieldCutter {
-                tip: single(p.tip.coords.into()),
-                radius: tool.radius() as f32,
-                axis: single(p.axis.into()),
-                core_radius: tool.core_radius() as f32,
-                corner_radius: tool.corner_radius as f32,
-            }
-        })
-        .collect()
+    let tool = |p: &Position<E>| &plan.sections[p.section].tool;
+    plan.positions.iter().map(|p| FieldCutter::of(tool(p), p.tip, p.axis)).collect()
 }
 
 /// The ranges of s of the sections of a setup, with the cutter of each; all sections only if the setup is

@@ -81,10 +81,10 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError>
     let program = read_apt_bytes("", text.as_bytes())?;
     let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, FIELD_CELLS)?;
     let (summary, faults) = (&report.summary, &report.verdict.faults);
-    let sections = || report.verdict.plan.sections.iter().filter(|section| section.is_cut());
+    let sections = || report.verdict.sections.iter().filter(|section| section.is_cut());
     let figures: [f64; FIGURES.len()] = [
         summary.positions as f64,
-        report.verdict.plan.sections.iter().map(|section| section.rows).sum::<usize>() as f64,
+        report.verdict.rows() as f64,
         sections().count() as f64,
         summary.time_estimate,
         summary.residual_mean,
@@ -96,7 +96,7 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError>
         summary.max_contact_depth,
         faults.len() as f64,
         // A program does not contain blocked positions.
-        outcome.after.summary.blocked as f64,
+        outcome.after.summary.blocked.map_or(f64::NAN, |blocked| blocked as f64),
         summary.min_hub_clearance,
         summary.min_blade_clearance,
         summary.min_retract_clearance,

@@ -9,6 +9,7 @@ mod flank;
 mod plunges;
 mod report;
 mod summary;
+mod verdict;
 
 use std::collections::BTreeSet;
 
@@ -28,6 +29,7 @@ use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
+pub use verdict::{JudgedCut, PlungeVerdict, ProgramSection};
 
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::contact::{
@@ -37,8 +39,7 @@ use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Blank, Impeller, Workpiece};
-use crate::plunge::{Evaluation, PlungeMotion, PlungePlan, Position, SectionPlan};
-use crate::setup::{AllowanceSetup, AxisPolicy, CutDirection, SectionKind, Setup, Tool};
+use crate::setup::{AllowanceSetup, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
 /// Tolerance of distances in a program with six decimals, mm.
@@ -48,30 +49,12 @@ const MAX_RAPID_TURN_RAD: f64 = 175.0 * std::f64::consts::PI / 180.0;
 /// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
 const TOOL_TOLERANCE: f64 = 0.01;
 
-/// Result of checking a plunge program.
-#[derive(Clone, Debug)]
-pub struct PlungeVerdict {
-    /// The program as a plan in the frame of channel 1, with every cut measured. Cuts of other channels are
-    /// rotated into channel 1.
-    pub plan: PlungePlan,
-    /// Number of pitches by which each position is ahead of channel 1.
-    pub channel_offsets: Vec<i64>,
-    /// Number of channels with cuts.
-    pub channels: usize,
-    /// Deepest plunge: from its bottom to the top of the blank above it, mm.
-    pub deepest_plunge: f64,
-    /// Least distances of shank and holder to the finished part.
-    pub assembly: AssemblyDistances,
-    /// All faults, by line.
-    pub faults: Vec<Fault>,
-}
-
 /// Measurements of one cut.
 struct Measured {
     contact: CoreContact,
     hub: f64,
     blade: f64,
-    retract: f64,
+    retract: Option<f64>,
     /// Whether the bottom ends in the blank.
     in_blank: bool,
     /// Height above the tip at which the cutter has left the blank, mm, and height of the stock that this cut
@@ -157,18 +140,10 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
         })
         .collect();
 
-    let mut plan = PlungePlan {
-        policy: AxisPolicy::Conventional,
-        sections,
-        positions: Vec::with_capacity(cuts.len()),
-        dropped: Vec::new(),
-        iterations: 0,
-        converged: true,
-    };
+    let mut judged = Vec::with_capacity(cuts.len());
     let mut faults = Vec::new();
     for (k, (cut, seen)) in cuts.iter().zip(measured.iter()).enumerate() {
         let here = rotate_cutter(&cut.cutter, -part.pitch() * turns[k] as f64);
-        let s = part.hub.s_at(part.hub.curve().project(Meridional::of(&here.tip)).0);
         let contact = seen.contact;
         let found = [
             near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
@@ -182,27 +157,17 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
         faults.extend(found.into_iter().flatten().map(|finding| finding.at(cut.line)));
         faults.extend(seen.holder_in_stock.clone());
         faults.extend_from_slice(&seen.rapids);
-        plan.positions.push(Position {
+        judged.push(JudgedCut {
             tip: here.tip,
             axis: here.axis,
+            channel_offset: turns[k],
             section: cut.section,
             row: cut.row,
-            s,
-            lambda: f64::NAN,
-            alpha_rad: f64::NAN,
-            contact_point: here.tip,
-            lift: 0.0,
-            blocked: None,
-            limited_by: None,
+            contact,
+            engagement: seen.engagement,
             hub_clearance: seen.hub,
             blade_clearance: seen.blade,
-            evaluation: Evaluation {
-                contact,
-                retract: rotate_z(&cut.retract, -part.pitch() * turns[k] as f64),
-                retract_clearance: seen.retract,
-                engagement: seen.engagement,
-                motion: PlungeMotion::default(),
-            },
+            retract_clearance: seen.retract,
         });
     }
     if !measured.iter().any(|seen| seen.in_blank) {
@@ -223,7 +188,7 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
     let channels = turns.iter().collect::<BTreeSet<_>>().len();
-    Ok(PlungeVerdict { plan, channel_offsets: turns, channels, deepest_plunge, assembly, faults })
+    Ok(PlungeVerdict { cuts: judged, sections, channels, deepest_plunge, assembly, faults })
 }
 
 /// Whether the bottom of a cutter is in the blank: its centre, or a sample of its rim.
@@ -243,10 +208,11 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
     Finding::new(FaultKind::TooDeep, depth, what).with_help("cut in steps, or give more overhang")
 }
 
-/// Least distance of the bottom to the blank in the rapids of a cut, mm, and the faults of these rapids.
-fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (f64, Vec<Fault>) {
+/// Least distance of the bottom to the blank in the rapids of a cut, mm, `None` where it has none; and the
+/// faults of these rapids.
+fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (Option<f64>, Vec<Fault>) {
     let surface = RetractSurface::new(blank, cut.tool.corner_radius);
-    let mut least = f64::INFINITY;
+    let mut least: Option<f64> = None;
     let mut faults = Vec::new();
     for rapid in &cut.rapids {
         let near = |(tip, axis): (Point, Vector)| NearBottom::of(&cut.tool.placed(tip, axis), blank);
@@ -275,7 +241,7 @@ fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (f64
             faults.extend(found.into_iter().flatten().map(|finding| finding.at(rapid.line)));
         }
         faults.extend(rapid_near_blank(clearance, stock).map(|finding| finding.at(rapid.line)));
-        least = least.min(clearance);
+        least = Some(least.map_or(clearance, |least| least.min(clearance)));
     }
     (least, faults)
 }
@@ -285,7 +251,7 @@ fn rotate_cutter(cutter: &CutterSolid, angle: f64) -> CutterSolid {
 }
 
 /// The cuts between two tool changes as sections, each with its tool and range of s.
-fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
+fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<ProgramSection> {
     let count = cuts.iter().map(|c| c.section + 1).max().unwrap_or(0);
     (0..count)
         .filter_map(|index| {
@@ -295,14 +261,13 @@ fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
                 part.hub.s_at(part.hub.curve().project(Meridional::of(&c.cutter.tip)).0).clamp(0.0, 1.0)
             };
             let (first, last) = (s(ours.first()?), s(ours.last()?));
-            Some(SectionPlan {
+            Some(ProgramSection {
                 tool,
                 from: ours.iter().map(s).fold(0.0, f64::max),
                 to: ours.iter().map(s).fold(1.0, f64::min),
                 feed: if last <= first { CutDirection::OutletToInlet } else { CutDirection::InletToOutlet },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
                 kind: SectionKind::Rows,
-                added: None,
             })
         })
         .collect()

@@ -1,8 +1,7 @@
 //! Groups the moves of a program into cuts, each with the rapids around it.
 
-use super::Fault;
+use super::{Fault, ProgramSection};
 use crate::geometry::{CutterSolid, Point, Vector};
-use crate::plunge::SectionPlan;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, ClTool, Motion, Move, is_axial};
 
@@ -205,7 +204,7 @@ pub(super) fn named_sections(
     program: &ClProgram,
     setup: &Setup,
     cuts: &mut [ProgramCut],
-) -> Option<Vec<SectionPlan>> {
+) -> Option<Vec<ProgramSection>> {
     let mut tools: Vec<Option<usize>> = vec![None; program.sections.len()];
     let mut places = Vec::with_capacity(cuts.len());
     for cut in cuts.iter() {
@@ -229,15 +228,14 @@ pub(super) fn named_sections(
         let mut rows: Vec<usize> = places.iter().filter(|p| p.0 == index).map(|p| p.1).collect();
         rows.sort_unstable();
         rows.dedup();
-        SectionPlan {
+        ProgramSection {
             tool: described.completed(setup),
             from: section.from,
             to: section.to,
             feed: section.feed,
             rows: rows.len(),
             kind: section.kind,
-            added: None,
         }
     });
-    Some(named.collect()).filter(|sections: &Vec<SectionPlan>| !sections.is_empty())
+    Some(named.collect()).filter(|sections: &Vec<ProgramSection>| !sections.is_empty())
 }

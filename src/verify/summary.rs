@@ -1,11 +1,14 @@
-//! Key figures of a plan, or of one section of it.
+//! Key figures of a plan or program, or of one section of it.
 
+use super::JudgedCut;
+use crate::cutting::contact::CoreContact;
+use crate::geometry::Vector;
 use crate::plunge::{PlungePlan, Position};
 use crate::stock::statistics::statistics_of_channels;
 use crate::stock::{FloorGrid, ResidualField};
 use crate::toolpath::{ClProgram, Travel};
 
-/// Key figures of a plan, or of one section of it (mm; NaN where there is nothing to measure).
+/// Key figures of a plan or program, or of one section of it (mm; NaN where there is nothing to measure).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Number of positions.
@@ -40,8 +43,9 @@ pub struct Summary {
     /// Estimated time, s: cuts at their feed rates and rapids at [`crate::toolpath::RAPID_MM_PER_MIN`],
     /// without tool changes and accelerations.
     pub time_estimate: f64,
-    /// Positions blocked by the blades, including those that were left out.
-    pub blocked: usize,
+    /// Positions blocked by the blades, including those that were left out; `None` for a program, which does
+    /// not contain them.
+    pub blocked: Option<usize>,
 }
 
 /// Residual stock on the floors of several channels.
@@ -53,60 +57,109 @@ pub(super) struct Floors<'a> {
     pub heights: &'a [(&'a [f32], usize)],
 }
 
+/// What the figures of one cut are taken from, planned or found in a program.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CutFigures<'a> {
+    section: usize,
+    row: usize,
+    axis: &'a Vector,
+    contact: &'a CoreContact,
+    hub_clearance: f64,
+    blade_clearance: f64,
+    retract_clearance: Option<f64>,
+}
+
+impl<'a> CutFigures<'a> {
+    /// Those of a position of a plan.
+    fn of_position(position: &'a Position) -> Self {
+        Self {
+            section: position.section,
+            row: position.row,
+            axis: &position.axis,
+            contact: &position.evaluation.contact,
+            hub_clearance: position.hub_clearance,
+            blade_clearance: position.blade_clearance,
+            retract_clearance: Some(position.evaluation.retract_clearance),
+        }
+    }
+
+    /// Those of a cut of a program.
+    pub fn of_cut(cut: &'a JudgedCut) -> Self {
+        Self {
+            section: cut.section,
+            row: cut.row,
+            axis: &cut.axis,
+            contact: &cut.contact,
+            hub_clearance: cut.hub_clearance,
+            blade_clearance: cut.blade_clearance,
+            retract_clearance: cut.retract_clearance,
+        }
+    }
+}
+
 impl Summary {
     /// Figures of the whole plan.
     pub fn of(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
-        let program = ClProgram::of_plan("", plan);
-        Self::summarize(plan, &Floors { grid, heights: &[(&field.heights, 1)] }, &Travel::of(&program), None)
+        let travel = Travel::of(&ClProgram::of_plan("", plan));
+        let floors = Floors { grid, heights: &[(&field.heights, 1)] };
+        let cuts = plan.positions.iter().map(CutFigures::of_position);
+        Self { blocked: Some(blocked(plan, |_| true)), ..Self::of_cuts(cuts, &floors, travel, None) }
     }
 
     /// Figures of section `index` of the plan: its positions, and the floor between its borders. Lengths and
     /// time are those of its plunges and the links between them.
     pub fn of_section(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField, index: usize) -> Self {
         let floors = Floors { grid, heights: &[(&field.heights, 1)] };
-        let positions = plan.positions.iter().filter(|p| p.section == index).cloned().collect();
-        let travel = Travel::of(&ClProgram::of_plan("", &PlungePlan { positions, ..plan.clone() }));
-        Self::summarize(plan, &floors, &travel, Some(index))
+        let positions: Vec<Position> =
+            plan.positions.iter().filter(|p| p.section == index).cloned().collect();
+        let own = PlungePlan { positions, ..plan.clone() };
+        let travel = Travel::of(&ClProgram::of_plan("", &own));
+        let range = plan.sections.get(index).map(|section| [section.from, section.to]);
+        let cuts = own.positions.iter().map(CutFigures::of_position);
+        let blocked = Some(blocked(plan, |section| section == index));
+        Self { blocked, ..Self::of_cuts(cuts, &floors, travel, range) }
     }
 
-    /// Figures of a plan read from a program, or of one section of it; `floors` is the state after the
-    /// program.
-    pub(super) fn summarize(
-        plan: &PlungePlan,
+    /// Figures of cuts, and of the floor between two s (from outlet to inlet; `None`: of the whole floor) in
+    /// the state after the program. Those that a program does not tell are `None`.
+    pub(super) fn of_cuts<'a>(
+        cuts: impl Iterator<Item = CutFigures<'a>>,
         floors: &Floors,
-        travel: &Travel,
-        section: Option<usize>,
+        travel: Travel,
+        range: Option<[f64; 2]>,
     ) -> Self {
-        let ours = |p: &&Position| section.is_none_or(|s| p.section == s);
-        let positions: Vec<&Position> = plan.positions.iter().filter(ours).collect();
-        let least = |f: &dyn Fn(&Position) -> f64| {
-            positions.iter().map(|p| f(p)).fold(f64::NAN, |a, b| if a < b { a } else { b })
+        let cuts: Vec<CutFigures> = cuts.collect();
+        let least = |f: &dyn Fn(&CutFigures) -> Option<f64>| {
+            cuts.iter().filter_map(f).fold(f64::NAN, |a, b| if a < b { a } else { b })
         };
-        let section_plan = section.and_then(|s| plan.sections.get(s));
         let grid = floors.grid;
-        let ours = |row: usize| section_plan.is_none_or(|s| (s.to..=s.from).contains(&grid.s_of_row(row)));
+        let ours = |row: usize| range.is_none_or(|[from, to]| (to..=from).contains(&grid.s_of_row(row)));
         let layer = statistics_of_channels(grid, floors.heights, ours);
-        let turns = positions
-            .windows(2)
-            .filter(|pair| (pair[0].section, pair[0].row) == (pair[1].section, pair[1].row));
+        let turns =
+            cuts.windows(2).filter(|pair| (pair[0].section, pair[0].row) == (pair[1].section, pair[1].row));
         Self {
-            positions: positions.len(),
-            interfering: positions.iter().filter(|p| p.evaluation.contact.interferes()).count(),
-            max_contact_depth: positions.iter().map(|p| p.evaluation.contact.depth).fold(0.0, f64::max),
+            positions: cuts.len(),
+            interfering: cuts.iter().filter(|cut| cut.contact.interferes()).count(),
+            max_contact_depth: cuts.iter().map(|cut| cut.contact.depth).fold(0.0, f64::max),
             residual_mean: f64::from(layer.mean),
             residual_p95: f64::from(layer.p95),
             residual_max: f64::from(layer.max),
             uncut_share: f64::from(layer.uncut_share),
             inaccessible_share: f64::from(layer.unreachable_share),
-            min_hub_clearance: least(&|p| p.hub_clearance),
-            min_blade_clearance: least(&|p| p.blade_clearance),
-            min_retract_clearance: least(&|p| p.evaluation.retract_clearance),
-            max_axis_change_rad: turns.map(|pair| pair[0].axis.angle(&pair[1].axis)).fold(0.0, f64::max),
+            min_hub_clearance: least(&|cut| Some(cut.hub_clearance)),
+            min_blade_clearance: least(&|cut| Some(cut.blade_clearance)),
+            min_retract_clearance: least(&|cut| cut.retract_clearance),
+            max_axis_change_rad: turns.map(|pair| pair[0].axis.angle(pair[1].axis)).fold(0.0, f64::max),
             cut_length: travel.cut,
             rapid_length: travel.rapid,
             time_estimate: travel.time,
-            blocked: positions.iter().filter(|p| p.blocked.is_some()).count()
-                + plan.dropped.iter().filter(|d| section.is_none_or(|s| d.section == s)).count(),
+            blocked: None,
         }
     }
+}
+
+/// Number of positions of a plan that the blades block, or that were dropped, in the sections that count.
+fn blocked(plan: &PlungePlan, counts: impl Fn(usize) -> bool) -> usize {
+    plan.positions.iter().filter(|p| p.blocked.is_some() && counts(p.section)).count()
+        + plan.dropped.iter().filter(|dropped| counts(dropped.section)).count()
 }

@@ -222,7 +222,7 @@ fn a_tool_that_only_makes_rapids_has_no_section() {
     let idle = Move { tool: Some(other), ..first.clone() };
     program.moves.insert(0, idle);
     let report = reported(outcome, &program);
-    assert_eq!(report.verdict.plan.sections.len(), outcome.after.plan.sections.len());
+    assert_eq!(report.verdict.sections.len(), outcome.after.plan.sections.len());
 }
 
 /// Distance from the top of a blank and from the nose upstream of it by brute force, by dense polygons.

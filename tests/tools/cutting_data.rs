@@ -78,8 +78,8 @@ fn the_feed_rate_of_a_plunge_follows_its_engagement_and_material() {
         assert!((feed - planned).abs() < 1e-5, "{feed} in the program, {planned} planned");
     }
     // The check measures engagement anew.
-    for (found, planned) in verdict.plan.positions.iter().zip(&outcome.after.plan.positions) {
-        let [found, planned] = [found, planned].map(|p| p.evaluation.engagement.max_arc_rad);
+    for (found, planned) in verdict.cuts.iter().zip(&outcome.after.plan.positions) {
+        let [found, planned] = [found.engagement, planned.evaluation.engagement].map(|e| e.max_arc_rad);
         assert!((found - planned).abs() < 0.4, "{found}, {planned} planned");
     }
 }
@@ -96,8 +96,8 @@ fn deep_plunges_are_interrupted_and_stay_one_cut_each() {
     let plan = &outcome.after.plan;
     let (program, verdict) = verified(&outcome);
     assert_eq!(verdict.faults.len(), 0, "{:?}", verdict.faults.first());
-    assert_eq!(verdict.plan.positions.len(), plan.positions.len());
-    for (found, planned) in verdict.plan.positions.iter().zip(&plan.positions) {
+    assert_eq!(verdict.cuts.len(), plan.positions.len());
+    for (found, planned) in verdict.cuts.iter().zip(&plan.positions) {
         assert!((found.tip - planned.tip).norm() < 2e-6);
     }
     let cuts = program.moves.iter().filter(|step| step.motion != Motion::Rapid).count();
@@ -134,10 +134,10 @@ fn the_tool_leaves_the_stock_at_45_degrees_where_less_than_half_is_engaged() {
     assert!(lifted > plan.positions.len() / 4, "{lifted} of {}", plan.positions.len());
     let (program, verdict) = verified(&outcome);
     assert_eq!(verdict.faults.len(), 0, "{:?}", verdict.faults.first());
-    assert_eq!(verdict.plan.positions.len(), plan.positions.len(), "a lead-out is not a cut");
+    assert_eq!(verdict.cuts.len(), plan.positions.len(), "a lead-out is not a cut");
     assert_eq!(program.moves.len(), 3 * plan.positions.len() + lifted);
     let same = |a: f64, b: f64| assert!((a - b).abs() < 5e-6, "{a}, {b}");
-    for (found, planned) in verdict.plan.positions.iter().zip(&plan.positions) {
+    for (found, planned) in verdict.cuts.iter().zip(&plan.positions) {
         same(found.hub_clearance, planned.hub_clearance);
         same(found.blade_clearance, planned.blade_clearance);
     }
@@ -159,7 +159,7 @@ fn fine_interruptions_stay_within_their_plunge() {
     let plan = &outcome.after.plan;
     let (program, verdict) = verified(&outcome);
     assert!(program.moves.len() > 50 * plan.positions.len(), "{} moves", program.moves.len());
-    assert_eq!(verdict.plan.positions.len(), plan.positions.len(), "each plunge counts once");
+    assert_eq!(verdict.cuts.len(), plan.positions.len(), "each plunge counts once");
 }
 
 #[test]

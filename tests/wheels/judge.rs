@@ -6,9 +6,8 @@ use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, FlankStrategy, Setup, Tool};
-use vanecut::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
 use vanecut::toolpath::ClProgram;
-use vanecut::verify::{verify, verify_flank};
+use vanecut::verify::{report_plunges, verify_flank};
 
 use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly};
 
@@ -92,22 +91,18 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
         Ok(program) => program,
         Err(error) => return wrong(format!("its program is not readable: {error}")),
     };
-    let verdict = match verify(&outcome.workpiece, &outcome.setup, &program) {
-        Ok(verdict) => verdict,
+    let report = match report_plunges(&outcome.workpiece, &outcome.setup, &program, CELLS) {
+        Ok(report) => report,
         Err(fault) => return wrong(format!("its program cannot be judged: {fault}")),
     };
+    let verdict = &report.verdict;
     if verdict.channels != 1 {
         wrong(format!("its program is found to work in {} channels", verdict.channels));
     }
     if let (true, Some(fault)) = (is_free, verdict.faults.first()) {
         wrong(format!("{} faults, line {}: {fault}", verdict.faults.len(), fault.line));
     }
-    let cutters = stretches_of_plan(&verdict.plan);
-    let source = FloorSource { workpiece: &outcome.workpiece, stock, cutters: &cutters };
-    let grid = FloorGrid::new(&source, CELLS);
-    let field = residual_field(&grid, &field_cutters(&verdict.plan));
-    let found = Summary::of(&verdict.plan, &grid, &field);
-    for ((name, planned), (_, verified)) in figures(summary).into_iter().zip(figures(&found)) {
+    for ((name, planned), (_, verified)) in figures(summary).into_iter().zip(figures(&report.summary)) {
         let same = (planned - verified).abs() <= SAME * planned.abs().max(1.0);
         if !(same || planned.is_nan() && verified.is_nan()) {
             wrong(format!("{name} is {planned} in the plan, {verified} in its program"));

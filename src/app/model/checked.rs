@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::preview::PreviewCutters;
+use super::preview::ShownCutters;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
 use crate::part::Impeller;
@@ -43,8 +43,8 @@ pub struct FaultPlace {
     pub axis: Vector,
     /// Radius of the cutter, mm.
     pub radius: f64,
-    /// The tool there, as a cutter to draw.
-    pub cutter: PreviewCutters,
+    /// The tool there.
+    pub cutter: ShownCutters,
 }
 
 /// A fault with what the window shows of it.

@@ -24,16 +24,40 @@ pub enum PreviewPlan {
     Evaluated(Arc<PlungePlan>),
 }
 
+/// Cutters that a view shows instead of those of its plan.
+#[derive(Clone, Debug)]
+pub struct ShownCutters {
+    /// The cutters as they are drawn.
+    pub cutters: Arc<[DrawnCutter]>,
+    /// The cutters over the floor of the last plan, for a preview of their stock on the device.
+    pub program: Option<Arc<FieldProgram>>,
+}
+
+impl ShownCutters {
+    /// Whether they are the same cutters; they are immutable, so pointer equality suffices.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.cutters, &other.cutters)
+    }
+}
+
 /// Cutters of a policy's plan before its residual stock is computed.
 #[derive(Clone, Debug)]
 pub struct PreviewCutters {
     /// The plan so far.
     pub plan: PreviewPlan,
-    /// The cutters over the floor of the last plan, for a preview of their stock on the device.
-    pub program: Option<Arc<FieldProgram>>,
+    /// Its cutters.
+    pub shown: ShownCutters,
 }
 
 impl PreviewCutters {
+    fn new(plan: PreviewPlan, program: Option<Arc<FieldProgram>>) -> Self {
+        let cutters = match &plan {
+            PreviewPlan::WarmStart(plan) | PreviewPlan::Evaluated(plan) => evaluated_cutters(plan),
+            PreviewPlan::Placed(plan) => placed_cutters(plan),
+        };
+        Self { plan, shown: ShownCutters { cutters: cutters.into(), program } }
+    }
+
     /// The plan, if core contact is checked.
     fn evaluated(&self) -> Option<&PlungePlan> {
         match &self.plan {
@@ -72,24 +96,6 @@ impl PreviewCutters {
     pub fn interfering_count(&self) -> Option<usize> {
         let interferes = |position: &&Position| position.evaluation.contact.interferes();
         self.evaluated().map(|plan| plan.positions.iter().filter(interferes).count())
-    }
-
-    /// The cutters as they are drawn.
-    pub fn drawn(&self) -> Vec<DrawnCutter> {
-        match &self.plan {
-            PreviewPlan::WarmStart(plan) | PreviewPlan::Evaluated(plan) => evaluated_cutters(plan),
-            PreviewPlan::Placed(plan) => placed_cutters(plan),
-        }
-    }
-
-    /// Whether the cutters are those of the same stage of the same plan.
-    pub fn is_same(&self, other: &Self) -> bool {
-        match (&self.plan, &other.plan) {
-            (PreviewPlan::WarmStart(a), PreviewPlan::WarmStart(b))
-            | (PreviewPlan::Evaluated(a), PreviewPlan::Evaluated(b)) => Arc::ptr_eq(a, b),
-            (PreviewPlan::Placed(a), PreviewPlan::Placed(b)) => Arc::ptr_eq(a, b),
-            _ => false,
-        }
     }
 }
 
@@ -185,7 +191,7 @@ impl PlanPreview {
     }
 
     fn take_cutters(&mut self, plan: PreviewPlan, program: Option<Arc<FieldProgram>>) {
-        let cutters = PreviewCutters { plan, program };
+        let cutters = PreviewCutters::new(plan, program);
         self.cutters.retain(|known| known.policy() != cutters.policy());
         self.cutters.push(cutters);
     }

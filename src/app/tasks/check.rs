@@ -7,22 +7,20 @@ use std::sync::Arc;
 
 use crate::app::model::checked::{CheckRequest, CheckedProgram, FaultPlace, ProgramFigure, ProgramFinding};
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
-use crate::app::model::preview::{PreviewCutters, PreviewPlan};
-use crate::cutting::contact::{CoreContact, Engagement};
+use crate::app::model::preview::ShownCutters;
+use crate::drawing::cutters::single_cutter;
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::error::ErrorCode;
+use crate::gpu::cutters::CutterState;
 use crate::gpu::mesh::Segment;
 use crate::io::InputError;
 use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::io::source::{name_of, read_bytes};
 use crate::palette::{CUTTER_CATEGORIES, INTERFERING};
 use crate::plunge::sections::check_part;
-use crate::plunge::{Evaluation, PlungeMotion, PlungePlan, Position, SectionPlan};
-use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
+use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Motion, Move};
-use crate::verify::{
-    Fault, FaultKind, FlankVerdict, PlungeReport, count_by_kind, report_plunges, verify_flank,
-};
+use crate::verify::{Fault, FlankVerdict, PlungeReport, count_by_kind, report_plunges, verify_flank};
 
 /// Cells of the floor along s and λ.
 const FLOOR_CELLS: usize = 192;
@@ -175,7 +173,7 @@ fn findings_of(program: &ClProgram, setup: &Setup, text: &str, faults: Vec<Fault
     let finding = |(index, fault): (usize, Fault)| {
         let step = moves.get(&fault.line).copied().filter(|_| fault.line > 0 && index < MAX_PLACES);
         let tool = step.and_then(|step| program.tools.get(step.tool?)).map(|tool| tool.completed(setup));
-        let place = step.zip(tool).map(|(step, tool)| place_of(step, tool, &fault));
+        let place = step.zip(tool).map(|(step, tool)| place_of(step, &tool));
         let text = fault.line.checked_sub(1).and_then(|line| lines.get(line));
         ProgramFinding { place, text: text.map_or_else(String::new, |text| text.trim().to_owned()), fault }
     };
@@ -183,48 +181,8 @@ fn findings_of(program: &ClProgram, setup: &Setup, text: &str, faults: Vec<Fault
 }
 
 /// The tool at the end of a move.
-fn place_of(step: &Move, tool: Tool, fault: &Fault) -> FaultPlace {
-    let depth = fault.value.filter(|_| fault.kind == FaultKind::CoreContact).unwrap_or_default();
-    let position = Position {
-        tip: step.tip,
-        axis: step.axis,
-        section: 0,
-        row: 0,
-        s: f64::NAN,
-        lambda: f64::NAN,
-        alpha_rad: f64::NAN,
-        contact_point: step.tip,
-        lift: 0.0,
-        blocked: None,
-        limited_by: None,
-        hub_clearance: f64::INFINITY,
-        blade_clearance: f64::INFINITY,
-        evaluation: Evaluation {
-            retract: step.tip + step.axis * tool.overhang,
-            contact: CoreContact { depth: depth.max(1.0), area_share: 1.0 },
-            retract_clearance: f64::INFINITY,
-            engagement: Engagement::default(),
-            motion: PlungeMotion::default(),
-        },
-    };
-    let radius = tool.radius();
-    let section = SectionPlan {
-        tool,
-        from: 1.0,
-        to: 0.0,
-        feed: CutDirection::OutletToInlet,
-        rows: 1,
-        kind: SectionKind::Rows,
-        added: None,
-    };
-    let plan = PlungePlan {
-        policy: AxisPolicy::Conventional,
-        sections: vec![section],
-        positions: vec![position],
-        dropped: Vec::new(),
-        iterations: 0,
-        converged: true,
-    };
-    let cutter = PreviewCutters { plan: PreviewPlan::Evaluated(Arc::new(plan)), program: None };
-    FaultPlace { tip: step.tip, axis: step.axis, radius, cutter }
+fn place_of(step: &Move, tool: &Tool) -> FaultPlace {
+    let cutter = single_cutter(tool, step.tip, step.axis, CutterState::Interfering);
+    let cutter = ShownCutters { cutters: [cutter].into(), program: None };
+    FaultPlace { tip: step.tip, axis: step.axis, radius: tool.radius(), cutter }
 }

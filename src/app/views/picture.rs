@@ -27,7 +27,7 @@ use crate::setup::AxisPolicy;
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::planned::{DisplayPlan, PerSide, Side};
-use crate::app::model::preview::PreviewCutters;
+use crate::app::model::preview::ShownCutters;
 use crate::app::model::solid::SolidColours;
 use crate::app::tasks::part_meshes::PartMeshes;
 use crate::app::tasks::solid::SolidPicture;
@@ -257,7 +257,7 @@ pub struct SidePicture {
     renderer: Option<Renderer>,
     scene: Scene,
     content: Option<Content>,
-    coming: Option<PreviewCutters>,
+    coming: Option<ShownCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     program: Option<Arc<CheckedProgram>>,
     borders: Vec<Segment>,
@@ -476,15 +476,15 @@ impl SidePicture {
         self.scene.framing()
     }
 
-    /// Shows the preview cutters of a running plan instead of the plan's; `None`: no preview.
-    pub fn load_preview(&mut self, coming: Option<&PreviewCutters>) {
+    /// Shows these cutters, those of a running plan for example, instead of the plan's; `None`: the plan's.
+    pub fn load_preview(&mut self, coming: Option<&ShownCutters>) {
         let same = match (&self.coming, coming) {
             (Some(a), Some(b)) => a.is_same(b),
             (None, None) => true,
             _ => false,
         };
         if !same {
-            self.scene.set_preview(coming.map(PreviewCutters::drawn));
+            self.scene.set_preview(coming.map(|coming| Arc::clone(&coming.cutters)));
             self.coming = coming.cloned();
             self.generation += 1;
         }

@@ -185,7 +185,7 @@ impl App {
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || coming.is_some();
         let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
-        let coming = coming.or(faulty.map(|place| &place.cutter));
+        let coming = coming.map(|coming| &coming.shown).or(faulty.map(|place| &place.cutter));
         let program = self.state.shown_program();
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());

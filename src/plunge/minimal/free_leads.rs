@@ -5,12 +5,14 @@
 //! direction and many in the other.
 
 use super::CandidateMaker;
+use super::section::candidate_maker;
 use crate::cutting::contact::BlankTop;
 use crate::monitor::Monitor;
-use crate::plunge::cycle::{PlanError, Planner};
+use crate::plunge::context::PlanContext;
+use crate::plunge::cycle::PlanError;
 use crate::plunge::row::RowMaker;
-use crate::plunge::section_layout::StretchLayout;
-use crate::setup::{CutDirection, tool_of};
+use crate::plunge::section_layout::{StretchLayout, row_maker};
+use crate::setup::CutDirection;
 
 use rayon::prelude::*;
 
@@ -47,53 +49,54 @@ enum Lean {
     Blocked,
 }
 
-impl Planner<'_> {
-    /// The blockage of section `index`.
-    ///
-    /// # Errors
-    /// When the tool of the section is missing.
-    pub(in crate::plunge) fn lead_blockage(&self, index: usize) -> Result<LeadBlockage, PlanError> {
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.workpiece.blank);
-        let monitor = &Monitor::default();
-        let mut sum = LeadBlockage::default();
-        let mut at_inlet: Vec<Lean> = Vec::new();
-        for layout in self.shared_layouts(index)? {
-            let rows = layout.rows.len();
-            let across: Vec<f64> = [0, rows / 2, rows.saturating_sub(1)]
-                .into_iter()
-                .filter_map(|row| Some(layout.rows.get(row)?.lambda))
-                .collect();
-            let StretchLayout { stretch, .. } = layout;
-            let weight = (stretch.from - stretch.to).abs() / STATIONS as f64 / across.len().max(1) as f64
-                * (stretch.lambdas.1 - stretch.lambdas.0).abs();
-            // From the inlet end on.
-            let places: Vec<(f64, f64)> = (0..STATIONS)
-                .map(|i| stretch.s_at(1.0 - (i as f64 + 0.5) / STATIONS as f64))
-                .flat_map(|s| across.iter().map(move |&lambda| (lambda, s)))
-                .collect();
-            let leans: Vec<[Lean; 2]> = places
-                .into_par_iter()
-                .map(|(lambda, s)| {
-                    [CutDirection::OutletToInlet, CutDirection::InletToOutlet].map(|direction| {
-                        let maker = self.row_maker(layout, tool, (lambda, rows), direction, monitor);
-                        lean_at(&self.candidate_maker(&maker, &top), &maker, s)
-                    })
+/// The blockage of section `index`.
+///
+/// # Errors
+/// When the tool of the section is missing.
+pub(in crate::plunge) fn lead_blockage(
+    context: &PlanContext,
+    index: usize,
+) -> Result<LeadBlockage, PlanError> {
+    let tool = context.tool_of_section(index)?;
+    let top = BlankTop::new(&context.workpiece.blank);
+    let monitor = &Monitor::default();
+    let mut sum = LeadBlockage::default();
+    let mut at_inlet: Vec<Lean> = Vec::new();
+    for layout in context.layouts(index)? {
+        let rows = layout.rows.len();
+        let across: Vec<f64> = [0, rows / 2, rows.saturating_sub(1)]
+            .into_iter()
+            .filter_map(|row| Some(layout.rows.get(row)?.lambda))
+            .collect();
+        let StretchLayout { stretch, .. } = layout;
+        let weight = (stretch.from - stretch.to).abs() / STATIONS as f64 / across.len().max(1) as f64
+            * (stretch.lambdas.1 - stretch.lambdas.0).abs();
+        // From the inlet end on.
+        let places: Vec<(f64, f64)> = (0..STATIONS)
+            .map(|i| stretch.s_at(1.0 - (i as f64 + 0.5) / STATIONS as f64))
+            .flat_map(|s| across.iter().map(move |&lambda| (lambda, s)))
+            .collect();
+        let leans: Vec<[Lean; 2]> = places
+            .into_par_iter()
+            .map(|(lambda, s)| {
+                [CutDirection::OutletToInlet, CutDirection::InletToOutlet].map(|direction| {
+                    let maker = row_maker(context, layout, tool, (lambda, rows), direction, monitor);
+                    lean_at(&candidate_maker(context, &maker, &top), &maker, s)
                 })
-                .collect();
-            if stretch.to <= self.setup.plunge.sections[index].to {
-                at_inlet.extend(leans[..STATIONS_AT_INLET * across.len()].iter().map(|[_, outward]| outward));
-            }
-            for at in leans {
-                let [inward, outward] = at.map(|lean| lean == Lean::Free);
-                sum.inward += if !inward && outward { weight } else { 0.0 };
-                sum.outward += if inward && !outward { weight } else { 0.0 };
-                sum.open += if inward || outward { weight } else { 0.0 };
-            }
+            })
+            .collect();
+        if stretch.to <= context.section(index).to {
+            at_inlet.extend(leans[..STATIONS_AT_INLET * across.len()].iter().map(|[_, outward]| outward));
         }
-        let count = |wanted: Lean| at_inlet.iter().filter(|lean| **lean == wanted).count();
-        Ok(LeadBlockage { too_short_at_inlet: count(Lean::TooShort) > count(Lean::Free), ..sum })
+        for at in leans {
+            let [inward, outward] = at.map(|lean| lean == Lean::Free);
+            sum.inward += if !inward && outward { weight } else { 0.0 };
+            sum.outward += if inward && !outward { weight } else { 0.0 };
+            sum.open += if inward || outward { weight } else { 0.0 };
+        }
     }
+    let count = |wanted: Lean| at_inlet.iter().filter(|lean| **lean == wanted).count();
+    Ok(LeadBlockage { too_short_at_inlet: count(Lean::TooShort) > count(Lean::Free), ..sum })
 }
 
 /// The axes at `s` that lean towards the uncut side.

@@ -1,15 +1,15 @@
 //! The second pass over the rows of a section. The rows that are cut first have only what earlier sections
 //! and they themselves removed to keep their cores free: beside a wall, where the axis cannot tilt as contact
-//! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open places
-//! of each row are searched again, from both of their ends.
+//! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open
+//! places of each row are searched again, from both of their ends.
 
-use super::section::{RowOf, RowPlaces, SHORT_RADII};
+use super::section::{RowOf, RowPlaces, SHORT_RADII, cut_path, with_row_search, with_rows_beside_walls};
 use super::stages::RowStages;
 use crate::monitor::Monitor;
+use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
-use crate::plunge::cycle::{PlanError, Planner};
-use crate::plunge::section_layout::StretchLayout;
-use crate::setup::{CutDirection, tool_of};
+use crate::plunge::cycle::PlanError;
+use crate::setup::CutDirection;
 
 /// Number of places before the open ones at which a path may begin.
 const PLACES_BEFORE: usize = 2;
@@ -53,81 +53,79 @@ impl OpenRow {
     }
 }
 
-impl Planner<'_> {
-    /// Cuts what it can of the `open` places of section `index`, after all of its rows in `cut`. When
-    /// stopped, what was found until then stays.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`].
-    pub(super) fn cut_open_places(
-        &self,
-        index: usize,
-        layouts: &[StretchLayout],
-        open: &[OpenRow],
-        cut: &mut SectionCut,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let back = match cut.feed {
-            CutDirection::OutletToInlet => CutDirection::InletToOutlet,
-            CutDirection::InletToOutlet => CutDirection::OutletToInlet,
-        };
-        // The last row has the most space beside it.
-        for open in open.iter().rev() {
-            let (number, row) = open.at;
-            let layout = &layouts[number];
-            let lambdas = self.with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
-            let row_of = RowOf { layout, lambdas: &lambdas, row };
-            let mut open = open.clone();
-            for feed in [cut.feed, back] {
-                match self.cut_open_row(index, row_of, feed, &mut open, cut, monitor) {
-                    Err(PlanError::Cancelled(_)) if monitor.is_stopped() => return Ok(()),
-                    done => done?,
-                }
+/// Cuts what it can of the `open` places of section `index`, after all of its rows in `cut`. When
+/// stopped, what was found until then stays.
+///
+/// # Errors
+/// As [`Planner::plan`](crate::plunge::Planner::plan).
+pub(super) fn cut_open_places(
+    context: &PlanContext,
+    index: usize,
+    open: &[OpenRow],
+    cut: &mut SectionCut,
+    monitor: &Monitor,
+) -> Result<(), PlanError> {
+    let layouts = context.layouts(index)?;
+    let tool = context.tool_of_section(index)?;
+    let back = match cut.feed {
+        CutDirection::OutletToInlet => CutDirection::InletToOutlet,
+        CutDirection::InletToOutlet => CutDirection::OutletToInlet,
+    };
+    // The last row has the most space beside it.
+    for open in open.iter().rev() {
+        let (number, row) = open.at;
+        let layout = &layouts[number];
+        let lambdas = with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
+        let row_of = RowOf { layout, lambdas: &lambdas, row };
+        let mut open = open.clone();
+        for feed in [cut.feed, back] {
+            match cut_open_row(context, index, row_of, feed, &mut open, cut, monitor) {
+                Err(PlanError::Cancelled(_)) if monitor.is_stopped() => return Ok(()),
+                done => done?,
             }
         }
-        Ok(())
     }
+    Ok(())
+}
 
-    /// Cuts the `open` places of a row in direction `feed` and takes from them what was cut.
-    fn cut_open_row(
-        &self,
-        index: usize,
-        row_of: RowOf,
-        feed: CutDirection,
-        open: &mut OpenRow,
-        cut: &mut SectionCut,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
-        if open.places.is_empty() {
-            return Ok(());
-        }
-        let closing = &monitor.ignoring_stop();
-        let lambda = row_of.layout.stretch.lambda_in_channel(row_of.lambdas[row_of.row]);
-        self.with_row_search(index, row_of, feed, monitor, |search, RowPlaces { s, .. }| {
-            let [first, second, ..] = s.as_slice() else { return Ok(()) };
-            let step = (second - first).abs();
-            let better = SHORT_RADII * search.candidates.maker.tool.radius();
-            for (from, to) in open.runs(s, step) {
-                let places = &s[from.saturating_sub(PLACES_BEFORE)..=to];
-                let path = search.path(places, s[from], &cut.columns, &mut RowStages::default())?;
-                let again = self.cut_path(path, search, lambda, &cut.columns, closing)?;
-                let cut_at = |s: f64| again.row.lift_at(s).map(|lift| (s, lift));
-                let lifts: Vec<(f64, f64)> = places.iter().filter_map(|&s| cut_at(s)).collect();
-                let deepened: Vec<f64> =
-                    lifts.iter().flat_map(|&(s, lift)| open.take_deepened(s, lift, step, better)).collect();
-                if deepened.is_empty() {
-                    continue;
-                }
-                let is_cut = |at: f64, s: f64| at == lambda && deepened.iter().any(|d| (d - s).abs() < 1e-9);
-                cut.rows.iter_mut().for_each(|row| row.forget_open(is_cut));
-                cut.columns = again.columns;
-                let row = again.row.without_dropped();
-                cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
-            }
-            Ok::<(), PlanError>(())
-        })?
+/// Cuts the `open` places of a row in direction `feed` and takes from them what was cut.
+fn cut_open_row(
+    context: &PlanContext,
+    index: usize,
+    row_of: RowOf,
+    feed: CutDirection,
+    open: &mut OpenRow,
+    cut: &mut SectionCut,
+    monitor: &Monitor,
+) -> Result<(), PlanError> {
+    if open.places.is_empty() {
+        return Ok(());
     }
+    let closing = &monitor.ignoring_stop();
+    let lambda = row_of.layout.stretch.lambda_in_channel(row_of.lambdas[row_of.row]);
+    with_row_search(context, index, row_of, feed, monitor, |search, RowPlaces { s, .. }| {
+        let [first, second, ..] = s.as_slice() else { return Ok(()) };
+        let step = (second - first).abs();
+        let better = SHORT_RADII * search.candidates.maker.tool.radius();
+        for (from, to) in open.runs(s, step) {
+            let places = &s[from.saturating_sub(PLACES_BEFORE)..=to];
+            let path = search.path(places, s[from], &cut.columns, &mut RowStages::default())?;
+            let again = cut_path(context, path, search, lambda, &cut.columns, closing)?;
+            let cut_at = |s: f64| again.row.lift_at(s).map(|lift| (s, lift));
+            let lifts: Vec<(f64, f64)> = places.iter().filter_map(|&s| cut_at(s)).collect();
+            let deepened: Vec<f64> =
+                lifts.iter().flat_map(|&(s, lift)| open.take_deepened(s, lift, step, better)).collect();
+            if deepened.is_empty() {
+                continue;
+            }
+            let is_cut = |at: f64, s: f64| at == lambda && deepened.iter().any(|d| (d - s).abs() < 1e-9);
+            cut.rows.iter_mut().for_each(|row| row.forget_open(is_cut));
+            cut.columns = again.columns;
+            let row = again.row.without_dropped();
+            cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
+        }
+        Ok::<(), PlanError>(())
+    })?
 }
 
 #[cfg(test)]

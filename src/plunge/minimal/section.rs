@@ -1,21 +1,23 @@
 //! `minimal` for one section: rows are planned one after the other, each after the plunges of all previous
 //! ones, in the cutting direction that leaves less.
 
-use super::second_pass::OpenRow;
+use super::second_pass::{OpenRow, cut_open_places};
 use super::stages::RowStages;
+use super::touch_up::add_extras;
 use super::{CandidateMaker, PathSearch, RowCrossing, RowPath};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::geometry::wrap_angle;
 use crate::monitor::Monitor;
 use crate::plunge::assembly::DropCause;
-use crate::plunge::cut::{CutRow, PlannedRow, SectionCut};
-use crate::plunge::cycle::{PlanError, Planner};
+use crate::plunge::context::PlanContext;
+use crate::plunge::cut::{CutRow, PlannedRow, SectionCut, cut_row};
+use crate::plunge::cycle::PlanError;
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
-use crate::plunge::section_layout::{PassageStretch, RowLayout, StretchLayout};
+use crate::plunge::section_layout::{PassageStretch, RowLayout, StretchLayout, row_ends, row_maker};
 use crate::plunge::sections::max_shroud_spacing;
-use crate::setup::{CutDirection, Tool, tool_of};
+use crate::setup::{CutDirection, Tool};
 
 /// Layer e for which the square term of the cost equals e, in cutter radii.
 pub const SCALE_RADII: f64 = 0.5;
@@ -116,305 +118,299 @@ pub(super) struct RowPlaces {
     pub start: f64,
 }
 
-impl Planner<'_> {
-    /// Plans section `index` with its layout `layouts` after the plunges of `earlier`, in the cutting
-    /// direction of the setup or else in the one that leaves less.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`].
-    pub(in crate::plunge) fn minimal_section(
-        &self,
-        index: usize,
-        layouts: &[StretchLayout],
-        earlier: &Columns,
-        monitor: &Monitor,
-    ) -> Result<SectionCut, PlanError> {
-        let plan_in = |feed: CutDirection, limit: &DirectionLimit| {
-            self.plan_in_direction(index, layouts, earlier, feed, limit, monitor)
-        };
-        let asked = self.setup.plunge.sections[index].cut_direction;
-        let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), &DirectionLimit::NONE)?;
-        let other = match &first {
-            Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
-                let limit = DirectionLimit {
-                    cost: first.cost,
-                    min_costs: &first.min_costs,
-                    done_before: FIRST_SHARE,
-                    share_of_work: SECOND_SHARE,
-                };
-                plan_in(CutDirection::InletToOutlet, &limit)?
-            }
-            _ => None,
-        };
-        // If stopped, discard the incomplete second direction.
-        let other = other.filter(|_| !monitor.is_stopped());
-        let Some(DirectedPlan { mut cut, open, .. }) = other.or(first) else {
-            return Ok(SectionCut::empty(CutDirection::OutletToInlet, earlier.clone()));
-        };
-        self.cut_open_places(index, layouts, &open, &mut cut, monitor)?;
-        self.add_extras(index, layouts, &mut cut, monitor)?;
-        Ok(cut)
-    }
-
-    /// The section planned in one direction, up to where it is stopped; `None` when it exceeds `limit`.
-    fn plan_in_direction(
-        &self,
-        index: usize,
-        layouts: &[StretchLayout],
-        earlier: &Columns,
-        feed: CutDirection,
-        limit: &DirectionLimit,
-        monitor: &Monitor,
-    ) -> Result<Option<DirectedPlan>, PlanError> {
-        let cut = SectionCut::empty(feed, earlier.clone());
-        let (min_costs, open) = (Vec::new(), Vec::new());
-        let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0, min_costs, open };
-        match self.plan_rows(index, layouts, &mut directed, limit, monitor) {
-            Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(directed)),
-            within => Ok(within?.then_some(directed)),
+/// Plans section `index` after the plunges of `earlier`, in the cutting direction of the setup or else in the
+/// one that leaves less.
+///
+/// # Errors
+/// As [`Planner::plan`](crate::plunge::Planner::plan).
+pub(in crate::plunge) fn plan_section(
+    context: &PlanContext,
+    index: usize,
+    earlier: &Columns,
+    monitor: &Monitor,
+) -> Result<SectionCut, PlanError> {
+    let plan_in = |feed: CutDirection, limit: &DirectionLimit| {
+        plan_in_direction(context, index, earlier, feed, limit, monitor)
+    };
+    let asked = context.section(index).cut_direction;
+    let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), &DirectionLimit::NONE)?;
+    let other = match &first {
+        Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
+            let limit = DirectionLimit {
+                cost: first.cost,
+                min_costs: &first.min_costs,
+                done_before: FIRST_SHARE,
+                share_of_work: SECOND_SHARE,
+            };
+            plan_in(CutDirection::InletToOutlet, &limit)?
         }
-    }
+        _ => None,
+    };
+    // If stopped, discard the incomplete second direction.
+    let other = other.filter(|_| !monitor.is_stopped());
+    let Some(DirectedPlan { mut cut, open, .. }) = other.or(first) else {
+        return Ok(SectionCut::empty(CutDirection::OutletToInlet, earlier.clone()));
+    };
+    cut_open_places(context, index, &open, &mut cut, monitor)?;
+    add_extras(context, index, &mut cut, monitor)?;
+    Ok(cut)
+}
 
-    /// Plans row after row into `directed`; `false` when it exceeds `limit`. Its rows are complete even when
-    /// this ends early.
-    fn plan_rows(
-        &self,
-        index: usize,
-        layouts: &[StretchLayout],
-        directed: &mut DirectedPlan,
-        limit: &DirectionLimit,
-        monitor: &Monitor,
-    ) -> Result<bool, PlanError> {
-        let DirectedPlan { cut, cost, acceptable_cost, min_costs, open } = directed;
-        let feed = cut.feed;
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let all_rows: usize = layouts.iter().map(|layout| layout.rows.len()).sum();
-        let mut stages = RowStages::default();
-        // Found paths are cut even after a stop.
-        let closing = &monitor.ignoring_stop();
-        for (number, layout) in layouts.iter().enumerate() {
-            let StretchLayout { stretch, lane, rows, .. } = layout;
-            let lambdas = self.with_rows_beside_walls(lane, stretch, tool, rows);
-            for (row, &lambda) in lambdas.iter().enumerate() {
-                let row_of = RowOf { layout, lambdas: &lambdas, row };
-                let lambda = stretch.lambda_in_channel(lambda);
-                let best = self.with_row_search(index, row_of, feed, monitor, |search, places| {
-                    let RowPlaces { s: places, start } = places;
-                    stages.next_row();
-                    let mut path = search.path(places, *start, &cut.columns, &mut stages)?;
-                    if let Some(first) = path.steps.first()
-                        && row > 0
-                        && first.lift > CROSSING_RADII * tool.radius()
-                    {
-                        let s = first.station.ends.s_hub;
-                        let crossing = RowCrossing { search, from: lambdas[row - 1], s };
-                        self.cut_split(crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
-                        path = search.path(places, *start, &cut.columns, &mut stages)?;
-                    }
-                    *acceptable_cost += path.acceptable_cost;
-                    min_costs.push(path.min_cost);
-                    let best = self.cut_path(path, search, lambda, &cut.columns, closing)?;
-                    if !best.has_lost {
-                        return Ok(best);
-                    }
-                    let search =
-                        PathSearch { is_strict: true, candidates: search.candidates.clone(), ..*search };
-                    let limit = best.cost + stages.cost_beside_layers();
-                    match search.path_below(places, *start, &cut.columns, &mut stages, limit) {
-                        Ok(None) => {}
-                        Ok(Some(path)) => {
-                            let strict = self.cut_path(path, &search, lambda, &cut.columns, closing)?;
-                            if strict.cost < best.cost {
-                                return Ok(strict);
-                            }
-                        }
-                        // A stop during this search leaves the row as it was cut first.
-                        Err(_) if monitor.is_stopped() => {}
-                        Err(cancelled) => return Err(cancelled.into()),
-                    }
-                    Ok::<CutPath, PlanError>(best)
-                })??;
-                *cost += best.cost;
-                let done = (min_costs.len() as f64 / all_rows as f64).min(1.0);
-                let share = limit.done_before + limit.share_of_work * done;
-                self.report_section(index, share, monitor);
-                if limit.is_exceeded(min_costs.len(), *cost) {
-                    return Ok(false);
+/// The section planned in one direction, up to where it is stopped; `None` when it exceeds `limit`.
+fn plan_in_direction(
+    context: &PlanContext,
+    index: usize,
+    earlier: &Columns,
+    feed: CutDirection,
+    limit: &DirectionLimit,
+    monitor: &Monitor,
+) -> Result<Option<DirectedPlan>, PlanError> {
+    let cut = SectionCut::empty(feed, earlier.clone());
+    let (min_costs, open) = (Vec::new(), Vec::new());
+    let mut directed = DirectedPlan { cut, cost: 0.0, acceptable_cost: 0.0, min_costs, open };
+    match plan_rows(context, index, &mut directed, limit, monitor) {
+        Err(PlanError::Cancelled(_)) if monitor.is_stopped() => Ok(Some(directed)),
+        within => Ok(within?.then_some(directed)),
+    }
+}
+
+/// Plans row after row into `directed`; `false` when it exceeds `limit`. Its rows are complete even when
+/// this ends early.
+fn plan_rows(
+    context: &PlanContext,
+    index: usize,
+    directed: &mut DirectedPlan,
+    limit: &DirectionLimit,
+    monitor: &Monitor,
+) -> Result<bool, PlanError> {
+    let layouts = context.layouts(index)?;
+    let DirectedPlan { cut, cost, acceptable_cost, min_costs, open } = directed;
+    let feed = cut.feed;
+    let tool = context.tool_of_section(index)?;
+    let all_rows: usize = layouts.iter().map(|layout| layout.rows.len()).sum();
+    let mut stages = RowStages::default();
+    // Found paths are cut even after a stop.
+    let closing = &monitor.ignoring_stop();
+    for (number, layout) in layouts.iter().enumerate() {
+        let StretchLayout { stretch, lane, rows, .. } = layout;
+        let lambdas = with_rows_beside_walls(lane, stretch, tool, rows);
+        for (row, &lambda) in lambdas.iter().enumerate() {
+            let row_of = RowOf { layout, lambdas: &lambdas, row };
+            let lambda = stretch.lambda_in_channel(lambda);
+            let best = with_row_search(context, index, row_of, feed, monitor, |search, places| {
+                let RowPlaces { s: places, start } = places;
+                stages.next_row();
+                let mut path = search.path(places, *start, &cut.columns, &mut stages)?;
+                if let Some(first) = path.steps.first()
+                    && row > 0
+                    && first.lift > CROSSING_RADII * tool.radius()
+                {
+                    let s = first.station.ends.s_hub;
+                    let crossing = RowCrossing { search, from: lambdas[row - 1], s };
+                    cut_split(context, crossing.stations(&cut.columns)?, lambda, tool, cut, closing)?;
+                    path = search.path(places, *start, &cut.columns, &mut stages)?;
                 }
-                open.extend(OpenRow::new((number, row), best.open()));
-                cut.columns = best.columns;
-                cut.rows.extend(best.row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
-                cut.note_missing(lambda, best.missing);
+                *acceptable_cost += path.acceptable_cost;
+                min_costs.push(path.min_cost);
+                let best = cut_path(context, path, search, lambda, &cut.columns, closing)?;
+                if !best.has_lost {
+                    return Ok(best);
+                }
+                let search = PathSearch { is_strict: true, candidates: search.candidates.clone(), ..*search };
+                let limit = best.cost + stages.cost_beside_layers();
+                match search.path_below(places, *start, &cut.columns, &mut stages, limit) {
+                    Ok(None) => {}
+                    Ok(Some(path)) => {
+                        let strict = cut_path(context, path, &search, lambda, &cut.columns, closing)?;
+                        if strict.cost < best.cost {
+                            return Ok(strict);
+                        }
+                    }
+                    // A stop during this search leaves the row as it was cut first.
+                    Err(_) if monitor.is_stopped() => {}
+                    Err(cancelled) => return Err(cancelled.into()),
+                }
+                Ok::<CutPath, PlanError>(best)
+            })??;
+            *cost += best.cost;
+            let done = (min_costs.len() as f64 / all_rows as f64).min(1.0);
+            let share = limit.done_before + limit.share_of_work * done;
+            context.report_section(index, share, monitor);
+            if limit.is_exceeded(min_costs.len(), *cost) {
+                return Ok(false);
             }
-        }
-        Ok(true)
-    }
-
-    /// Calls `plan` with the search of a row, cut in direction `feed`, and its places.
-    pub(super) fn with_row_search<T>(
-        &self,
-        index: usize,
-        RowOf { layout, lambdas, row }: RowOf,
-        feed: CutDirection,
-        monitor: &Monitor,
-        plan: impl FnOnce(&PathSearch, &RowPlaces) -> T,
-    ) -> Result<T, PlanError> {
-        let StretchLayout { stretch, lane, .. } = layout;
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.workpiece.blank);
-        let inward = feed.sign_along_s();
-        let (start, end) = self.row_ends(index, stretch, inward);
-        let maker = self.row_maker(layout, tool, (lambdas[row], lambdas.len()), feed, monitor);
-        let search = PathSearch {
-            candidates: CandidateMaker {
-                floor: &|s| self.floor_of_row(stretch, lane, lambdas, row, s),
-                max_side_shift: self.max_side_shifts(lane, stretch, tool, lambdas)[row],
-                ..self.candidate_maker(&maker, &top)
-            },
-            blank: &self.workpiece.blank,
-            max_axis_change_rad: self.setup.plunge.max_axis_change_rad,
-            is_strict: false,
-        };
-        let run_up = RUN_UP_DIAMETERS * tool.diameter / self.workpiece.part.hub.length() * inward;
-        let s = stage_positions(&maker, start + run_up, start, end);
-        Ok(plan(&search, &RowPlaces { s, start }))
-    }
-
-    /// Cuts the path of a row at `lambda` of the channel after the plunges of `earlier`.
-    pub(super) fn cut_path(
-        &self,
-        path: RowPath,
-        search: &PathSearch,
-        lambda: f64,
-        earlier: &Columns,
-        monitor: &Monitor,
-    ) -> Result<CutPath, PlanError> {
-        let maker = search.candidates.maker;
-        let mut stations: Vec<Station> =
-            path.steps.iter().filter_map(|step| maker.exact(&step.station)).collect();
-        fill_steps(maker, &search.candidates, &mut stations);
-        let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
-        let mut columns = earlier.clone();
-        let row = self.cut_row(row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut columns, monitor)?;
-        let cost = path.cost_as_cut(search.candidates.scale, |s| row.lift_at(s));
-        let lift_of = |s: f64| row.lift_at(s).unwrap_or(f64::INFINITY);
-        let has_lost = path.steps.iter().any(|step| lift_of(step.station.ends.s_hub).is_infinite());
-        let cut_to = path.places().map(|s| (s, lift_of(s)));
-        let short = cut_to.filter(|(_, lift)| *lift > SHORT_RADII * maker.tool.radius()).collect();
-        Ok(CutPath { row, columns, cost, short, has_lost, missing: path.missing })
-    }
-
-    /// Candidates of a row without a floor to clear and without limit of its tilt angle.
-    pub(super) fn candidate_maker<'r>(
-        &'r self,
-        maker: &'r RowMaker<'r>,
-        top: &'r BlankTop<'r>,
-    ) -> CandidateMaker<'r> {
-        let stock = &self.setup.allowances;
-        CandidateMaker {
-            maker,
-            finished: &self.workpiece.finished,
-            top,
-            hub_allowance: stock.hub_allowance,
-            blade_allowance: stock.blade_allowance,
-            max_tilt_rad: self.setup.plunge.max_tilt_rad,
-            machine: &self.setup.machine,
-            assembly: self.assembly_rule(maker.tool),
-            opened: self.workpiece.blank.outline().map(|_| (self.opening.all(), &self.workpiece.blank)),
-            scale: SCALE_RADII * maker.tool.radius(),
-            floor: &|_| None,
-            max_side_shift: f64::INFINITY,
-            fineness: 1,
+            open.extend(OpenRow::new((number, row), best.open()));
+            cut.columns = best.columns;
+            cut.rows.extend(best.row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
+            cut.note_missing(lambda, best.missing);
         }
     }
+    Ok(true)
+}
 
-    /// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, split into several rows
-    /// where the axis turns too much.
-    pub(super) fn cut_split(
-        &self,
-        stations: Vec<Station>,
-        lambda: f64,
-        tool: &Tool,
-        cut: &mut SectionCut,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
-        let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
-        let row = self.cut_row(row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;
-        cut.rows.extend(row.split_where_axes_turn(self.setup.plunge.max_axis_change_rad));
-        Ok(())
+/// Calls `plan` with the search of a row, cut in direction `feed`, and its places.
+pub(super) fn with_row_search<T>(
+    context: &PlanContext,
+    index: usize,
+    RowOf { layout, lambdas, row }: RowOf,
+    feed: CutDirection,
+    monitor: &Monitor,
+    plan: impl FnOnce(&PathSearch, &RowPlaces) -> T,
+) -> Result<T, PlanError> {
+    let StretchLayout { stretch, lane, .. } = layout;
+    let tool = context.tool_of_section(index)?;
+    let top = BlankTop::new(&context.workpiece.blank);
+    let inward = feed.sign_along_s();
+    let (start, end) = row_ends(context, index, stretch, inward);
+    let maker = row_maker(context, layout, tool, (lambdas[row], lambdas.len()), feed, monitor);
+    let search = PathSearch {
+        candidates: CandidateMaker {
+            floor: &|s| floor_of_row(context, stretch, lane, lambdas, row, s),
+            max_side_shift: max_side_shifts(lane, stretch, tool, lambdas)[row],
+            ..candidate_maker(context, &maker, &top)
+        },
+        blank: &context.workpiece.blank,
+        max_axis_change_rad: context.setup.plunge.max_axis_change_rad,
+        is_strict: false,
+    };
+    let run_up = RUN_UP_DIAMETERS * tool.diameter / context.workpiece.part.hub.length() * inward;
+    let s = stage_positions(&maker, start + run_up, start, end);
+    Ok(plan(&search, &RowPlaces { s, start }))
+}
+
+/// Cuts the path of a row at `lambda` of the channel after the plunges of `earlier`.
+pub(super) fn cut_path(
+    context: &PlanContext,
+    path: RowPath,
+    search: &PathSearch,
+    lambda: f64,
+    earlier: &Columns,
+    monitor: &Monitor,
+) -> Result<CutPath, PlanError> {
+    let maker = search.candidates.maker;
+    let mut stations: Vec<Station> =
+        path.steps.iter().filter_map(|step| maker.exact(&step.station)).collect();
+    fill_steps(maker, &search.candidates, &mut stations);
+    let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
+    let mut columns = earlier.clone();
+    let row = cut_row(context, row, maker.tool, Some(MAX_LIFT_OF_DEPTH), &mut columns, monitor)?;
+    let cost = path.cost_as_cut(search.candidates.scale, |s| row.lift_at(s));
+    let lift_of = |s: f64| row.lift_at(s).unwrap_or(f64::INFINITY);
+    let has_lost = path.steps.iter().any(|step| lift_of(step.station.ends.s_hub).is_infinite());
+    let cut_to = path.places().map(|s| (s, lift_of(s)));
+    let short = cut_to.filter(|(_, lift)| *lift > SHORT_RADII * maker.tool.radius()).collect();
+    Ok(CutPath { row, columns, cost, short, has_lost, missing: path.missing })
+}
+
+/// Candidates of a row without a floor to clear and without limit of its tilt angle.
+pub(super) fn candidate_maker<'r>(
+    context: &'r PlanContext,
+    maker: &'r RowMaker<'r>,
+    top: &'r BlankTop<'r>,
+) -> CandidateMaker<'r> {
+    let stock = &context.setup.allowances;
+    CandidateMaker {
+        maker,
+        finished: &context.workpiece.finished,
+        top,
+        hub_allowance: stock.hub_allowance,
+        blade_allowance: stock.blade_allowance,
+        max_tilt_rad: context.setup.plunge.max_tilt_rad,
+        machine: &context.setup.machine,
+        assembly: context.assembly_rule(maker.tool),
+        opened: context.workpiece.blank.outline().map(|_| (context.opening.all(), &context.workpiece.blank)),
+        scale: SCALE_RADII * maker.tool.radius(),
+        floor: &|_| None,
+        max_side_shift: f64::INFINITY,
+        fineness: 1,
     }
+}
 
-    /// Floor that row `row` has to clear at `s`: from half way to the previous row (or the wall's foot) to
-    /// half way to the next, as angles about Z from its M, rad. Rows without an axis at `s` are passed over.
-    fn floor_of_row(
-        &self,
-        stretch: &PassageStretch,
-        lane: &Lane,
-        rows: &[f64],
-        row: usize,
-        s: f64,
-    ) -> Option<[f64; 2]> {
-        let at = |lambda: f64| Some(lane.reference_axis(lambda, s)?.theta_hub);
-        let here = at(rows[row])?;
-        let walls = stretch.passage.wall_angles(&self.workpiece.part, s.clamp(0.0, 1.0), 0.0);
-        let margin = self.setup.allowances.blade_allowance / self.workpiece.part.hub.point(s).r
-            * self.workpiece.part.pitch().signum();
-        let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
-        let foot = |wall: usize| {
-            // Beyond the ends of a blade its end is used.
-            let walls = walls?;
-            let inward = if wall == 0 { margin } else { -margin };
-            Some(wrap_angle(walls[wall] + inward - here))
-        };
-        let from = (0..row).rev().find_map(half_way).or_else(|| foot(0))?;
-        let to = (row + 1..rows.len()).find_map(half_way).or_else(|| foot(1))?;
-        Some([from, to])
+/// Cuts the stations of a row at `lambda` of the channel and adds them to `cut`, split into several rows
+/// where the axis turns too much.
+pub(super) fn cut_split(
+    context: &PlanContext,
+    stations: Vec<Station>,
+    lambda: f64,
+    tool: &Tool,
+    cut: &mut SectionCut,
+    monitor: &Monitor,
+) -> Result<(), PlanError> {
+    let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
+    let row = cut_row(context, row, tool, Some(MAX_LIFT_OF_DEPTH), &mut cut.columns, monitor)?;
+    cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
+    Ok(())
+}
+
+/// Floor that row `row` has to clear at `s`: from half way to the previous row (or the wall's foot) to
+/// half way to the next, as angles about Z from its M, rad. Rows without an axis at `s` are passed over.
+fn floor_of_row(
+    context: &PlanContext,
+    stretch: &PassageStretch,
+    lane: &Lane,
+    rows: &[f64],
+    row: usize,
+    s: f64,
+) -> Option<[f64; 2]> {
+    let at = |lambda: f64| Some(lane.reference_axis(lambda, s)?.theta_hub);
+    let here = at(rows[row])?;
+    let walls = stretch.passage.wall_angles(&context.workpiece.part, s.clamp(0.0, 1.0), 0.0);
+    let margin = context.setup.allowances.blade_allowance / context.workpiece.part.hub.point(s).r
+        * context.workpiece.part.pitch().signum();
+    let half_way = |other: usize| Some(0.5 * wrap_angle(at(rows[other])? - here));
+    let foot = |wall: usize| {
+        // Beyond the ends of a blade its end is used.
+        let walls = walls?;
+        let inward = if wall == 0 { margin } else { -margin };
+        Some(wrap_angle(walls[wall] + inward - here))
+    };
+    let from = (0..row).rev().find_map(half_way).or_else(|| foot(0))?;
+    let to = (row + 1..rows.len()).find_map(half_way).or_else(|| foot(1))?;
+    Some([from, to])
+}
+
+/// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row
+/// the tilt angle can be smaller, which removes part of the wedge under the wall.
+pub(super) fn with_rows_beside_walls(
+    lane: &Lane,
+    stretch: &PassageStretch,
+    tool: &Tool,
+    rows: &[RowLayout],
+) -> Vec<f64> {
+    let mut lambdas: Vec<f64> = rows.iter().map(|row| row.lambda).collect();
+    if lambdas.len() < 2 {
+        return lambdas;
     }
-
-    /// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row
-    /// the tilt angle can be smaller, which removes part of the wedge under the wall.
-    pub(super) fn with_rows_beside_walls(
-        &self,
-        lane: &Lane,
-        stretch: &PassageStretch,
-        tool: &Tool,
-        rows: &[RowLayout],
-    ) -> Vec<f64> {
-        let mut lambdas: Vec<f64> = rows.iter().map(|row| row.lambda).collect();
-        if lambdas.len() < 2 {
-            return lambdas;
+    let gap = lambdas[1];
+    let wedge = |wall: usize| {
+        (0..=8)
+            .filter_map(|i| lane.lean_over(wall, stretch.s_at(f64::from(i) / 8.0)))
+            .map(|lean| tool.diameter * lean.sin())
+            .fold(0.0, f64::max)
+    };
+    for (wall, side) in [(0usize, 1.0), (1, -1.0)] {
+        if wedge(wall) > WEDGE_RADII * tool.radius() {
+            lambdas.push(wall as f64 + 0.5 * side * gap);
         }
-        let gap = lambdas[1];
-        let wedge = |wall: usize| {
-            (0..=8)
-                .filter_map(|i| lane.lean_over(wall, stretch.s_at(f64::from(i) / 8.0)))
-                .map(|lean| tool.diameter * lean.sin())
-                .fold(0.0, f64::max)
-        };
-        for (wall, side) in [(0usize, 1.0), (1, -1.0)] {
-            if wedge(wall) > WEDGE_RADII * tool.radius() {
-                lambdas.push(wall as f64 + 0.5 * side * gap);
-            }
-        }
-        lambdas.sort_by(f64::total_cmp);
-        lambdas
     }
+    lambdas.sort_by(f64::total_cmp);
+    lambdas
+}
 
-    /// Maximum displacement of W across each row without uncut stock between neighbours at the shroud, mm. It
-    /// grows with the distance from the walls, as neighbouring rows may be displaced together.
-    fn max_side_shifts(&self, lane: &Lane, stretch: &PassageStretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
-        let widest = (0..=8)
-            .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
-            .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
-        let slack = |i: usize| (max_shroud_spacing(tool) - widest * (rows[i + 1] - rows[i])).max(0.0);
-        (0..rows.len())
-            .map(|i| {
-                let before: f64 = (0..i).map(slack).sum();
-                let after: f64 = (i..rows.len() - 1).map(slack).sum();
-                before.min(after)
-            })
-            .collect()
-    }
+/// Maximum displacement of W across each row without uncut stock between neighbours at the shroud, mm. It
+/// grows with the distance from the walls, as neighbouring rows may be displaced together.
+fn max_side_shifts(lane: &Lane, stretch: &PassageStretch, tool: &Tool, rows: &[f64]) -> Vec<f64> {
+    let widest = (0..=8)
+        .filter_map(|i| lane.width(stretch.s_at(f64::from(i) / 8.0)))
+        .fold(0.0, |widest: f64, (_, shroud)| widest.max(shroud));
+    let slack = |i: usize| (max_shroud_spacing(tool) - widest * (rows[i + 1] - rows[i])).max(0.0);
+    (0..rows.len())
+        .map(|i| {
+            let before: f64 = (0..i).map(slack).sum();
+            let after: f64 = (i..rows.len() - 1).map(slack).sum();
+            before.min(after)
+        })
+        .collect()
 }
 
 /// s of the stages of a row from `run_up` over `start` to `end`, no further apart than the step limit on hub

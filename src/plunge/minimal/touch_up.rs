@@ -3,18 +3,19 @@
 
 use rayon::prelude::*;
 
-use super::section::SCALE_RADII;
+use super::section::{SCALE_RADII, candidate_maker, cut_split, with_rows_beside_walls};
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::monitor::Monitor;
 use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
+use crate::plunge::context::PlanContext;
 use crate::plunge::cut::{CutRow, SectionCut};
-use crate::plunge::cycle::{PlanError, Planner};
+use crate::plunge::cycle::PlanError;
 use crate::plunge::plan::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
-use crate::plunge::section_layout::StretchLayout;
+use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker, section_layout};
 use crate::plunge::sections::MAX_POSITIONS;
-use crate::setup::{CutDirection, tool_of};
+use crate::setup::tool_of;
 
 /// Settings of a search for single plunges.
 #[derive(Clone, Copy, Debug)]
@@ -59,152 +60,142 @@ struct ExtraLimits {
     rest_from: Option<f64>,
 }
 
-impl Planner<'_> {
-    /// Adds plunges where the rows of a section left the most, up to a multiple of their number.
-    pub(super) fn add_extras(
-        &self,
-        index: usize,
-        layouts: &[StretchLayout],
-        cut: &mut SectionCut,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
-        let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
-        let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(cut.columns.len());
-        let rest_from = rest_threshold_after(self.setup, index)?;
-        let most = MAX_ADDED_SHARE * planned;
-        let wanted =
-            ExtraLimits { max_count: most, left_in_plan, manner: BESIDE_ROWS, above: None, rest_from };
-        self.add_plunges(index, layouts, cut, wanted, monitor)
-    }
+/// Adds plunges where the rows of a section left the most, up to a multiple of their number.
+pub(super) fn add_extras(
+    context: &PlanContext,
+    index: usize,
+    cut: &mut SectionCut,
+    monitor: &Monitor,
+) -> Result<(), PlanError> {
+    let planned: usize = cut.rows.iter().map(|row| row.len()).sum();
+    let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(cut.columns.len());
+    let rest_from = rest_threshold_after(context.setup, index)?;
+    let most = MAX_ADDED_SHARE * planned;
+    let wanted = ExtraLimits { max_count: most, left_in_plan, manner: BESIDE_ROWS, above: None, rest_from };
+    add_plunges(context, index, context.layouts(index)?, cut, wanted, monitor)
+}
 
-    /// Plans section `index`, a rest-milling section: no rows, only single plunges where earlier sections
-    /// left a thick layer.
-    ///
-    /// # Errors
-    /// As [`Planner::plan`].
-    pub(in crate::plunge) fn rest_section(
-        &self,
-        index: usize,
-        columns: Columns,
-        monitor: &Monitor,
-    ) -> Result<SectionCut, PlanError> {
-        let section = &self.setup.plunge.sections[index];
-        let layouts = self.section_layout(section)?;
-        let above = Some(rest_threshold(tool_of(self.setup, section.tool)?));
-        let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
-        let mut cut =
-            SectionCut::empty(section.cut_direction.unwrap_or(CutDirection::OutletToInlet), columns);
-        let wanted = ExtraLimits {
-            max_count: left_in_plan,
-            left_in_plan,
-            manner: REST_MILLING,
-            above,
-            rest_from: None,
+/// Plans section `index`, a rest-milling section: no rows, only single plunges where earlier sections
+/// left a thick layer.
+///
+/// # Errors
+/// As [`Planner::plan`](crate::plunge::Planner::plan).
+pub(in crate::plunge) fn rest_section(
+    context: &PlanContext,
+    index: usize,
+    columns: Columns,
+    monitor: &Monitor,
+) -> Result<SectionCut, PlanError> {
+    let section = context.section(index);
+    let layouts = section_layout(context.workpiece, context.setup, section)?;
+    let above = Some(rest_threshold(tool_of(context.setup, section.tool)?));
+    let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
+    let mut cut = SectionCut::empty(section.direction(), columns);
+    let wanted =
+        ExtraLimits { max_count: left_in_plan, left_in_plan, manner: REST_MILLING, above, rest_from: None };
+    add_plunges(context, index, &layouts, &mut cut, wanted, monitor)?;
+    Ok(cut)
+}
+
+fn add_plunges(
+    context: &PlanContext,
+    index: usize,
+    layouts: &[StretchLayout],
+    cut: &mut SectionCut,
+    wanted: ExtraLimits,
+    monitor: &Monitor,
+) -> Result<(), PlanError> {
+    if monitor.is_stopped() {
+        cut.added = Some(AddedPlunges::UNFINISHED);
+        return Ok(());
+    }
+    // Found plunges are cut even after a stop.
+    let closing = &monitor.ignoring_stop();
+    let stock = &context.setup.allowances;
+    let tool = context.tool_of_section(index)?;
+    let top = BlankTop::new(&context.workpiece.blank);
+    let scale = SCALE_RADII * tool.radius();
+    let allowances = (stock.hub_allowance, stock.blade_allowance);
+    let most = wanted.left_in_plan.min(wanted.max_count);
+    let (mut added_in_all, mut stopped) = (0, StopReason::NothingWorthwhile);
+    for layout in layouts.iter().take_while(|_| !monitor.is_stopped()) {
+        let mut floor =
+            FloorHeightMap::new(&context.workpiece.part, &layout.stretch, tool, allowances, scale);
+        for column in cut.columns.as_slice().iter().take_while(|_| !monitor.is_cancelled()) {
+            floor.cut(&context.workpiece.part, &column.cutter);
+        }
+        if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
+            continue;
+        }
+        let rows = with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
+        let nearest = MIN_SPACING_RADII * tool.radius();
+        let width = (0..=8)
+            .filter_map(|i| layout.lane.width(layout.stretch.s_at(f64::from(i) / 8.0)))
+            .fold(0.0, |widest: f64, (hub, _)| widest.max(hub));
+        let lambdas = between_rows(&rows, nearest / width.max(1e-6), wanted.manner.parts);
+        let maker =
+            |&lambda: &f64| row_maker(context, layout, tool, (lambda, lambdas.len()), cut.feed, monitor);
+        let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
+        let Some(first) = makers.first() else { continue };
+        let (start, end) = row_ends(context, index, &layout.stretch, cut.feed.sign_along_s());
+        let step =
+            (wanted.manner.step_share * first.step_limit).max(nearest) / context.workpiece.part.hub.length();
+        let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
+        let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
+        let is_wanted = |&(row, s): &(usize, f64)| match wanted.above {
+            Some(above) => makers[row]
+                .lane
+                .isoparametric(makers[row].lambda, s)
+                .map(|ends| makers[row].lane.line(&ends))
+                .is_some_and(|(foot, axis)| {
+                    floor.is_thick_under(&context.workpiece.part, &tool.placed(foot, axis), above)
+                }),
+            None => true,
         };
-        self.add_plunges(index, &layouts, &mut cut, wanted, monitor)?;
-        Ok(cut)
-    }
-
-    fn add_plunges(
-        &self,
-        index: usize,
-        layouts: &[StretchLayout],
-        cut: &mut SectionCut,
-        wanted: ExtraLimits,
-        monitor: &Monitor,
-    ) -> Result<(), PlanError> {
-        if monitor.is_stopped() {
-            cut.added = Some(AddedPlunges::UNFINISHED);
-            return Ok(());
+        let feet: Vec<(usize, f64)> = (0..makers.len())
+            .into_par_iter()
+            .flat_map_iter(|row| (0..=count).map(move |i| (row, s_at(i))))
+            .filter(is_wanted)
+            .collect();
+        let candidates: Vec<CandidateMaker> =
+            makers.iter().map(|maker| candidate_maker(context, maker, &top)).collect();
+        let mut search = ExtraSearch::new(&candidates, &feet, floor, &context.workpiece.blank);
+        let mut budget = most / layouts.len();
+        for (round, &times) in wanted.manner.rounds.iter().enumerate() {
+            if round > 0
+                && let Some(above) = wanted.rest_from
+                && search.floor().share_above(above) >= THICK_SHARE
+            {
+                stopped = StopReason::SmallerCutter;
+                break;
+            }
+            let rows = search.stations(&cut.columns, budget, times)?;
+            budget -= rows.iter().map(Vec::len).sum::<usize>();
+            let before = cut.rows.len();
+            for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
+                cut_split(context, stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
+            }
+            // An added plunge that is dropped is not reported as missing.
+            let added: Vec<CutRow> = cut.rows.drain(before..).collect();
+            let added = added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0);
+            for row in added {
+                added_in_all += row.len();
+                cut.rows.push(row);
+            }
         }
-        // Found plunges are cut even after a stop.
-        let closing = &monitor.ignoring_stop();
-        let stock = &self.setup.allowances;
-        let tool = tool_of(self.setup, self.setup.plunge.sections[index].tool)?;
-        let top = BlankTop::new(&self.workpiece.blank);
-        let scale = SCALE_RADII * tool.radius();
-        let allowances = (stock.hub_allowance, stock.blade_allowance);
-        let most = wanted.left_in_plan.min(wanted.max_count);
-        let (mut added_in_all, mut stopped) = (0, StopReason::NothingWorthwhile);
-        for layout in layouts.iter().take_while(|_| !monitor.is_stopped()) {
-            let mut floor =
-                FloorHeightMap::new(&self.workpiece.part, &layout.stretch, tool, allowances, scale);
-            for column in cut.columns.as_slice().iter().take_while(|_| !monitor.is_cancelled()) {
-                floor.cut(&self.workpiece.part, &column.cutter);
-            }
-            if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
-                continue;
-            }
-            let rows = self.with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
-            let nearest = MIN_SPACING_RADII * tool.radius();
-            let width = (0..=8)
-                .filter_map(|i| layout.lane.width(layout.stretch.s_at(f64::from(i) / 8.0)))
-                .fold(0.0, |widest: f64, (hub, _)| widest.max(hub));
-            let lambdas = between_rows(&rows, nearest / width.max(1e-6), wanted.manner.parts);
-            let maker =
-                |&lambda: &f64| self.row_maker(layout, tool, (lambda, lambdas.len()), cut.feed, monitor);
-            let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
-            let Some(first) = makers.first() else { continue };
-            let (start, end) = self.row_ends(index, &layout.stretch, cut.feed.sign_along_s());
-            let step =
-                (wanted.manner.step_share * first.step_limit).max(nearest) / self.workpiece.part.hub.length();
-            let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
-            let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
-            let is_wanted = |&(row, s): &(usize, f64)| match wanted.above {
-                Some(above) => makers[row]
-                    .lane
-                    .isoparametric(makers[row].lambda, s)
-                    .map(|ends| makers[row].lane.line(&ends))
-                    .is_some_and(|(foot, axis)| {
-                        floor.is_thick_under(&self.workpiece.part, &tool.placed(foot, axis), above)
-                    }),
-                None => true,
+        if budget == 0 && most > 0 {
+            stopped = if wanted.left_in_plan <= wanted.max_count {
+                StopReason::PlanFull
+            } else {
+                StopReason::ShareReached
             };
-            let feet: Vec<(usize, f64)> = (0..makers.len())
-                .into_par_iter()
-                .flat_map_iter(|row| (0..=count).map(move |i| (row, s_at(i))))
-                .filter(is_wanted)
-                .collect();
-            let candidates: Vec<CandidateMaker> =
-                makers.iter().map(|maker| self.candidate_maker(maker, &top)).collect();
-            let mut search = ExtraSearch::new(&candidates, &feet, floor, &self.workpiece.blank);
-            let mut budget = most / layouts.len();
-            for (round, &times) in wanted.manner.rounds.iter().enumerate() {
-                if round > 0
-                    && let Some(above) = wanted.rest_from
-                    && search.floor().share_above(above) >= THICK_SHARE
-                {
-                    stopped = StopReason::SmallerCutter;
-                    break;
-                }
-                let rows = search.stations(&cut.columns, budget, times)?;
-                budget -= rows.iter().map(Vec::len).sum::<usize>();
-                let before = cut.rows.len();
-                for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                    self.cut_split(stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
-                }
-                // An added plunge that is dropped is not reported as missing.
-                let added: Vec<CutRow> = cut.rows.drain(before..).collect();
-                let added = added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0);
-                for row in added {
-                    added_in_all += row.len();
-                    cut.rows.push(row);
-                }
-            }
-            if budget == 0 && most > 0 {
-                stopped = if wanted.left_in_plan <= wanted.max_count {
-                    StopReason::PlanFull
-                } else {
-                    StopReason::ShareReached
-                };
-            }
         }
-        if monitor.is_stopped() {
-            stopped = StopReason::Cancelled;
-        }
-        cut.added = Some(AddedPlunges { count: added_in_all, stopped });
-        Ok(())
     }
+    if monitor.is_stopped() {
+        stopped = StopReason::Cancelled;
+    }
+    cut.added = Some(AddedPlunges { count: added_in_all, stopped });
+    Ok(())
 }
 
 /// The λ of `rows` and of more between them, no closer than `nearest`.

@@ -35,9 +35,8 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     let planned = after.planned;
     let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
     interferential(ui, plan, before, after);
-    if after.blocked > 0 {
-        let text =
-            RichText::new(format!("{} blocked", after.blocked)).color(Condition::Blocked.text(ui.visuals()));
+    if let Some(blocked) = after.blocked.filter(|count| *count > 0) {
+        let text = RichText::new(format!("{blocked} blocked")).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("Positions that cannot have the axis of the strategy");
     }
     let dropped = plan.dropped.len();

@@ -1,0 +1,86 @@
+//! What every step of planning reads and none changes: the workpiece and the complete setup, with what
+//! follows from both whichever policy plans. It is made in one place, [`PlanContext::new`].
+
+use rayon::prelude::*;
+
+use super::assembly::AssemblyRule;
+use super::cycle::PlanError;
+use super::opening::opening_columns;
+use super::section_layout::{StretchLayout, section_layout};
+use super::sections::{MAX_POSITIONS, too_many_positions};
+use crate::cutting::contact::Columns;
+use crate::monitor::Monitor;
+use crate::part::Workpiece;
+use crate::setup::{SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, tool_of};
+
+/// The context of planning one channel.
+#[derive(Debug)]
+pub(super) struct PlanContext<'a> {
+    /// The part with its channel, blank and finished surfaces.
+    pub workpiece: &'a Workpiece,
+    /// Allowances, tools, machine and sections; complete, see [`super::sections::resolve`].
+    pub setup: &'a Setup,
+    /// The plunges of the sections that open the blank.
+    pub opening: Columns,
+    /// Layout of each section; empty for sections that do not cut rows.
+    layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
+}
+
+impl<'a> PlanContext<'a> {
+    /// The context of planning `workpiece` with a complete `setup`.
+    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
+        let layout = |section: &SectionSetup| match section.kind {
+            SectionKind::Rows => section_layout(workpiece, setup, section),
+            SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
+        };
+        let layouts = setup.plunge.sections.par_iter().map(layout).collect();
+        let mut context = Self { workpiece, setup, opening: Columns::default(), layouts };
+        // A section that cannot be planned is reported with its place when it is.
+        context.opening = opening_columns(&context).unwrap_or_default();
+        context
+    }
+
+    /// Section `index` of the setup.
+    pub fn section(&self, index: usize) -> &'a SectionSetup {
+        &self.setup.plunge.sections[index]
+    }
+
+    /// The tool of section `index`.
+    ///
+    /// # Errors
+    /// When the setup lacks it.
+    pub fn tool_of_section(&self, index: usize) -> Result<&'a Tool, SetupFault> {
+        tool_of(self.setup, self.section(index).tool)
+    }
+
+    /// Layout of section `index`; empty for one that does not cut rows.
+    ///
+    /// # Errors
+    /// When the section's tool is missing.
+    pub fn layouts(&self, index: usize) -> Result<&[StretchLayout<'a>], PlanError> {
+        self.layouts[index].as_deref().map_err(PlanError::clone)
+    }
+
+    /// The rule for shank and holder of `tool`; `None` where neither is given.
+    pub fn assembly_rule<'r>(&'r self, tool: &'r Tool) -> Option<AssemblyRule<'r>> {
+        let Workpiece { finished, blank, .. } = self.workpiece;
+        AssemblyRule::new(tool, finished, blank, self.setup).map(|rule| rule.after(self.opening.all()))
+    }
+
+    /// Checks that the plan may have so many `positions`, of which the last ones are cut by `tool`.
+    ///
+    /// # Errors
+    /// At `place` when they are too many.
+    pub fn check_count(&self, positions: usize, tool: &Tool, place: SetupPlace) -> Result<(), PlanError> {
+        if positions <= MAX_POSITIONS {
+            return Ok(());
+        }
+        Err(too_many_positions(positions as f64, &self.setup.plunge, tool, place).into())
+    }
+
+    /// Reports that a share (0…1) of the work on section `index` is done.
+    pub fn report_section(&self, index: usize, share: f64, monitor: &Monitor) {
+        let done = (index as f64 + share) / self.setup.plunge.sections.len() as f64;
+        monitor.report(0.1 + 0.7 * done);
+    }
+}

@@ -1,0 +1,126 @@
+//! The planner as others use it: one context, and the steps of planning over it.
+
+use super::context::PlanContext;
+use super::cycle::{PlacedPlan, PlanError, place_plunges};
+use super::evaluation::evaluate;
+use super::opening::opening_for;
+use super::plan::PlungePlan;
+use super::section_cache::SectionCache;
+use super::subset::keep_plunges;
+use super::warm_start::warm_start;
+use crate::cutting::contact::Columns;
+use crate::geometry::{Point, Vector};
+use crate::monitor::Monitor;
+use crate::part::Workpiece;
+use crate::setup::{AxisPolicy, Setup, Tool};
+
+/// Planner for one part and one setup.
+#[derive(Debug)]
+pub struct Planner<'a> {
+    context: PlanContext<'a>,
+}
+
+impl<'a> Planner<'a> {
+    /// Planner for `workpiece` with a `setup` completed by [`super::sections::resolve`].
+    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
+        Self { context: PlanContext::new(workpiece, setup) }
+    }
+
+    /// The workpiece that it plans for.
+    pub fn workpiece(&self) -> &Workpiece {
+        self.context.workpiece
+    }
+
+    /// Plans one channel by `policy`. When the monitor is stopped, the plan consists of what was found until
+    /// then: all finished sections and the finished part of the current one, with contact and clearances.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] when the monitor is cancelled, or stopped before any position was found;
+    /// [`PlanError::Setup`] when part and setup do not match.
+    pub fn plan(&self, policy: AxisPolicy, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+        self.plan_cached(policy, &mut SectionCache::default(), monitor)
+    }
+
+    /// As [`Self::plan`], reusing the sections in `known` that are still valid: the cache from earlier plans
+    /// of the same part by the same policy. Finished sections are stored in it, even if planning is
+    /// cancelled.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn plan_cached(
+        &self,
+        policy: AxisPolicy,
+        known: &mut SectionCache,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
+        let plan = self.evaluate(self.place_plunges(policy, known, monitor)?, monitor)?;
+        monitor.report(1.0);
+        Ok(plan)
+    }
+
+    /// The first half of planning: positions, axes and depths.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn place_plunges(
+        &self,
+        policy: AxisPolicy,
+        known: &mut SectionCache,
+        monitor: &Monitor,
+    ) -> Result<PlacedPlan, PlanError> {
+        place_plunges(&self.context, policy, known, monitor)
+    }
+
+    /// The second half of planning: contact of the cores, retract points and links. A stopped monitor is
+    /// ignored here, so that partial plans are measured too.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] when the monitor is cancelled.
+    pub fn evaluate(&self, placed: PlacedPlan, monitor: &Monitor) -> Result<PlungePlan, PlanError> {
+        evaluate(&self.context, placed, monitor)
+    }
+
+    /// Plan with the axes of the last finished plan by `policy` in the cache `known`, fitted to this setup.
+    /// `None` when there is none, or its sections had other cutters.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn warm_start(
+        &self,
+        policy: AxisPolicy,
+        known: &SectionCache,
+        monitor: &Monitor,
+    ) -> Result<Option<PlungePlan>, PlanError> {
+        warm_start(&self.context, policy, known, monitor)
+    }
+
+    /// `plan` with only the plunges that are `kept`, one flag each, whose `columns` are given: contact is
+    /// measured anew, links are raised where they must be, and a row is split where the axes of the plunges
+    /// left in it differ by more than the setup allows. What the sections say of added plunges stays that of
+    /// the search.
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] when the monitor is cancelled.
+    pub fn keep_plunges(
+        &self,
+        plan: &PlungePlan,
+        kept: &[bool],
+        columns: &Columns,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
+        keep_plunges(&self.context, plan, kept, columns, monitor)
+    }
+
+    /// The plunges above the shroud that `tool` comes near at one of `poses`, tips with unit axes.
+    ///
+    /// # Errors
+    /// As [`Self::plan`].
+    pub fn opening_for(
+        &self,
+        tool: &Tool,
+        poses: impl Iterator<Item = (Point, Vector)>,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
+        opening_for(&self.context, tool, poses, monitor)
+    }
+}
