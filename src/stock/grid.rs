@@ -40,8 +40,9 @@ pub struct FloorGrid {
     pub areas: Vec<f32>,
     /// Whether the cell belongs to the floor (not under a splitter, not within the blade allowance).
     pub floor: Vec<bool>,
-    /// Whether any cutter used there could remove stock from the cell (see [`super::reach`]); true for all
-    /// cells without a blade above them.
+    /// Whether any cutter used there could remove stock from the cell. None can where no more than the hub
+    /// allowance stands, as at a slanted edge of the blank, and in the corner under a wall that leans over the
+    /// cell (see [`super::reach`]).
     pub reachable: Vec<bool>,
 }
 
@@ -162,9 +163,11 @@ impl GridRow<'_> {
             self.normals[j] = [(hub.normal.r * cos) as f32, (hub.normal.r * sin) as f32, hub.normal.z as f32];
             self.areas[j] = area;
             let underside = over.underside(angle);
-            self.blank_heights[j] = outline.min(underside) as f32;
+            let blank_height = outline.min(underside);
+            self.blank_heights[j] = blank_height as f32;
             self.floor[j] = underside > 0.0;
-            self.reachable[j] = underside >= outline || !covered.contains(angle);
+            let holds_stock = blank_height > source.stock.hub_allowance || !self.floor[j];
+            self.reachable[j] = holds_stock && (underside >= outline || !covered.contains(angle));
             direction = (sin * turn.1 + cos * turn.0, cos * turn.1 - sin * turn.0);
         }
     }

@@ -17,6 +17,7 @@ use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
+use vanecut::stock::{FloorGrid, FloorSource};
 
 use make::Wheel;
 
@@ -143,6 +144,23 @@ fn cores_stay_free_where_plunges_are_left_out() {
     let whole = outcome.whole.expect("plunges are left out").positions.len();
     assert!(summary.positions < whole, "{}: {whole} plunges", wheel.remarks);
     assert_eq!((summary.interfering, summary.max_contact_depth < 0.02), (0, true), "{}", wheel.remarks);
+}
+
+/// At slanted edges the blank ends a little above the hub: what may not be removed there is not left uncut.
+#[test]
+fn floor_that_holds_only_its_allowance_is_not_left_uncut() {
+    let wheel = make::wheel(53, 22);
+    let part = open(&wheel);
+    let setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(std::sync::Arc::new(part));
+    let grid =
+        FloorGrid::new(&FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &[] }, 128);
+    let allowance = setup.allowances.hub_allowance as f32;
+    let thin: Vec<usize> = (0..grid.floor.len())
+        .filter(|&cell| grid.floor[cell] && grid.blank_heights[cell] <= allowance)
+        .collect();
+    assert!(thin.len() > 100, "{}: {} cells", wheel.remarks, thin.len());
+    assert!(thin.iter().all(|&cell| !grid.reachable[cell]), "{}", wheel.remarks);
 }
 
 /// A number from an environment variable.
