@@ -240,8 +240,8 @@ impl<'a> FixedAxisSearch<'a> {
         spare
     }
 
-    /// Minimum height of the end of a holder of `radius` mm above stock that is up to `top` mm high above the hub
-    /// and within the blank, mm; where that is surely enough, a lower bound.
+    /// Minimum height of the end of a holder of `radius` mm above stock that is up to `top` mm high above the
+    /// hub and within the blank, mm; where that is surely enough, a lower bound.
     fn above_stock(&self, end: &Point, axis: &Vector, radius: f64, top: f64) -> f64 {
         let height = |p: &Point| {
             let off_blank = self.blank.at(p);
@@ -259,8 +259,9 @@ impl<'a> FixedAxisSearch<'a> {
         (0..RIM_POINTS).map(|k| height(&place(k))).fold(middle, f64::min)
     }
 
-    /// What shank or holder meet for a tool with `axis` and its tip at `tip`: the part with its allowances, and with
-    /// the clearances of those that are given, or the current layer. The layers above are cut before.
+    /// What shank or holder meet for a tool with `axis` and its tip at `tip`: the part with its allowances,
+    /// and with the clearances of those that are given, or the current layer. The layers above are cut
+    /// before.
     pub fn holder_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         if self.meets_part(tip, axis) {
             return Some(AxisObstacle::Holder);
@@ -273,8 +274,8 @@ impl<'a> FixedAxisSearch<'a> {
         self.shape.holder.iter().any(is_in_stock).then_some(AxisObstacle::Stock)
     }
 
-    /// Whether shank or holder meet the finished part: those that are given segment by segment, the assumed holder
-    /// as a cylinder beside blades.
+    /// Whether shank or holder meet the finished part: those that are given segment by segment, the assumed
+    /// holder as a cylinder beside blades.
     fn meets_part(&self, tip: Point, axis: Vector) -> bool {
         let allowances = [self.limits.hub_allowance, self.limits.blade_allowance];
         if self.tool.assembly.holder.is_empty()

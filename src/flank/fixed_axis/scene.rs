@@ -47,8 +47,8 @@ struct PointBlock {
 pub(super) struct ToolShape {
     pub(super) radius: f64,
     pub(super) corner: f64,
-    /// Shank and holder with their clearances, from bottom to top: heights above the centre of the corner, and radii;
-    /// see [`Tool::assembly_steps`].
+    /// Shank and holder with their clearances, from bottom to top: heights above the centre of the corner,
+    /// and radii; see [`Tool::assembly_steps`].
     pub(super) holder: Vec<(f64, f64)>,
 }
 
