@@ -112,6 +112,9 @@ impl<'m, 'a> EntityArguments<'m, 'a> {
     }
 
     /// A reference.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn reference(&self, at: usize) -> EntityResult<u32> {
         self.get(at, "a reference", Value::reference)
     }
@@ -122,11 +125,17 @@ impl<'m, 'a> EntityArguments<'m, 'a> {
     }
 
     /// A number.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn number(&self, at: usize) -> EntityResult<f64> {
         self.get(at, "a number", Value::number)
     }
 
     /// A whole number from 0 to `most`.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn count(&self, at: usize, most: usize) -> EntityResult<usize> {
         let x = self.number(at)?;
         if x.fract() == 0.0 && (0.0..=most as f64).contains(&x) {
@@ -136,23 +145,35 @@ impl<'m, 'a> EntityArguments<'m, 'a> {
     }
 
     /// A list.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn list(&self, at: usize) -> EntityResult<&'m [Value<'a>]> {
         self.get(at, "a list", Value::list)
     }
 
     /// A list of references.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn references(&self, at: usize) -> EntityResult<Vec<u32>> {
         let fault = || EntityFault::new(self.id, format!("argument {} is not a list of references", at + 1));
         self.list(at)?.iter().map(|v| v.reference().ok_or_else(fault)).collect()
     }
 
     /// A list of numbers.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn numbers(&self, at: usize) -> EntityResult<Vec<f64>> {
         let fault = || EntityFault::new(self.id, format!("argument {} is not a list of numbers", at + 1));
         self.list(at)?.iter().map(|v| v.number().ok_or_else(fault)).collect()
     }
 
     /// A logical value; unknown counts as false.
+    ///
+    /// # Errors
+    /// When the argument is not one.
     pub fn is_true(&self, at: usize) -> EntityResult<bool> {
         self.get(at, "a logical value", Value::word).map(|word| word == "T")
     }
