@@ -1,8 +1,9 @@
 //! End-to-end test: the program on a virtual X screen, driven by key and mouse events. Needs Xvfb, xdotool
-//! and a Vulkan driver; skipped with a message if Xvfb or xdotool is missing.
+//! and a Vulkan driver.
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
+use std::io::Read;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -42,11 +43,12 @@ fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
 
 #[test]
 fn keys_and_mouse_reach_the_program_on_a_real_screen() {
-    for program in ["Xvfb", "xdotool"] {
-        if !is_there(program) {
-            eprintln!("skipped: {program} is not installed");
-            return;
-        }
+    for (program, package) in [("Xvfb", "xvfb"), ("xdotool", "xdotool")] {
+        assert!(
+            is_there(program),
+            "{program} is not installed; install {package} (`scripts/setup screen` does), or leave this test \
+             out: `scripts/test -- --skip on_a_real_screen`"
+        );
     }
     let folder = tempfile::tempdir().expect("a folder");
     // A display number that is probably unused.
@@ -79,8 +81,10 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         Some((xdotool(display, &["getwindowname", &window])?, window))
     };
     let (_, window) = until("window with the part", || {
-        if let Ok(Some(_)) = program.0.try_wait() {
-            return None;
+        if let Ok(Some(status)) = program.0.try_wait() {
+            let mut errors = String::new();
+            let _ = program.0.stderr.take().map(|mut pipe| pipe.read_to_string(&mut errors));
+            panic!("the program ended, {status}: {errors}");
         }
         title(&display).filter(|(name, _)| name.contains("pump6"))
     });

@@ -14,14 +14,14 @@ use crate::part::Rotation;
 #[command(name = "vanecut", version, args_conflicts_with_subcommands = true)]
 pub struct Arguments {
     #[command(subcommand)]
-    pub command: Option<Command>,
+    pub command: Option<CliCommand>,
     /// Part or setup to open in the window
     pub file: Option<PathBuf>,
 }
 
 /// Subcommands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum CliCommand {
     /// Plunge plan of a part: plan.json and plunge.apt
     Plan(PlanArgs),
     /// Flank plan of a part, layer by layer: flank.json and flank.apt

@@ -28,7 +28,7 @@ use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretc
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
+enum PartFormat {
     Native,
     Glb,
     Gltf,
@@ -65,11 +65,11 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
         InputContent::Plan(plan) => (&plan.description, &plan.part),
         InputContent::Flank(plan) => (&plan.description, &plan.part),
     };
-    if format == Format::Native {
+    if format == PartFormat::Native {
         write_atomically(&args.output, write_native(description).as_bytes())?;
         return print_stdout(&format!("wrote {}: {}\n", args.output.display(), part.name));
     }
-    if format == Format::Step {
+    if format == PartFormat::Step {
         let file = args.output.file_name().unwrap_or_default().to_string_lossy();
         write_atomically(&args.output, step::write_part(part, &file).as_bytes())?;
         let solids = 1 + part.blade_count * (1 + part.splitters.len());
@@ -79,7 +79,7 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     }
     let asked = Fineness { chord_error: args.chord_error, ..Fineness::default() };
     let shape = Tessellation::new(part, &asked);
-    if format == Format::Stl {
+    if format == PartFormat::Stl {
         let mesh = whole_wheel(part, &shape);
         write_atomically(&args.output, &write_stl(&mesh.points, &mesh.triangles, &part.name))?;
         return print_stdout(&summary_text(args, part, &shape, &asked));
@@ -139,13 +139,13 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
     print_stdout(&text)
 }
 
-fn format_of(path: &Path) -> Result<Format, Failure> {
+fn format_of(path: &Path) -> Result<PartFormat, Failure> {
     match extension(path).as_str() {
-        "toml" => Ok(Format::Native),
-        "glb" => Ok(Format::Glb),
-        "gltf" => Ok(Format::Gltf),
-        "step" | "stp" => Ok(Format::Step),
-        "stl" => Ok(Format::Stl),
+        "toml" => Ok(PartFormat::Native),
+        "glb" => Ok(PartFormat::Glb),
+        "gltf" => Ok(PartFormat::Gltf),
+        "step" | "stp" => Ok(PartFormat::Step),
+        "stl" => Ok(PartFormat::Stl),
         other => {
             let what = if other.is_empty() {
                 "has no extension, so its format is unknown".to_owned()
@@ -197,8 +197,8 @@ fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -
     })
 }
 
-fn write_scene(scene: &GltfScene, path: &Path, format: Format) -> Result<(), Failure> {
-    if format == Format::Glb {
+fn write_scene(scene: &GltfScene, path: &Path, format: PartFormat) -> Result<(), Failure> {
+    if format == PartFormat::Glb {
         return Ok(write_atomically(path, &scene.glb())?);
     }
     let binary = path.with_extension("bin");

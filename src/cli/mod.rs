@@ -44,7 +44,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::error::ErrorCode;
-use args::{Arguments, Command};
+use args::{Arguments, CliCommand};
 use failure::Failure;
 #[cfg(not(feature = "gpu"))]
 use without_gpu::{assess_pictures, render};
@@ -123,17 +123,17 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
             Err(Failure::input(ErrorCode::Arguments, what, "see `vanecut --help`").at_path(&name))
         }
         None => open_window(arguments.file),
-        Some(Command::Plan(a)) => plan::run(&a),
-        Some(Command::Flank(a)) => flank::run(&a),
-        Some(Command::Assess(a)) => assess::run(&a),
-        Some(Command::Verify(a)) => verify::run(&a),
-        Some(Command::Post(a)) => post::run(&a),
-        Some(Command::Stock(a)) => stock::run(&a),
-        Some(Command::Render(a)) => render::run(&a),
-        Some(Command::Convert(a)) => convert::run(&a),
-        Some(Command::Study(a)) => study::run(&a),
-        Some(Command::Bench(a)) => bench::run(&a),
-        Some(Command::Explain(a)) => explain::run(&a),
+        Some(CliCommand::Plan(a)) => plan::run(&a),
+        Some(CliCommand::Flank(a)) => flank::run(&a),
+        Some(CliCommand::Assess(a)) => assess::run(&a),
+        Some(CliCommand::Verify(a)) => verify::run(&a),
+        Some(CliCommand::Post(a)) => post::run(&a),
+        Some(CliCommand::Stock(a)) => stock::run(&a),
+        Some(CliCommand::Render(a)) => render::run(&a),
+        Some(CliCommand::Convert(a)) => convert::run(&a),
+        Some(CliCommand::Study(a)) => study::run(&a),
+        Some(CliCommand::Bench(a)) => bench::run(&a),
+        Some(CliCommand::Explain(a)) => explain::run(&a),
     }
 }
 

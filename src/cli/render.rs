@@ -174,6 +174,9 @@ fn parse_size(word: &str) -> Result<UVec2, Failure> {
 }
 
 /// Parses LOW:HIGH, mm: pictures can be compared only with the same colour scale.
+///
+/// # Errors
+/// When the word is not of this form, or the range is empty.
 pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
     let ends = word.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
     let usable = |(low, high): &(f32, f32)| low.is_finite() && high.is_finite() && low < high;

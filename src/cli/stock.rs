@@ -29,7 +29,7 @@ const MAX_SHOWN: usize = 20;
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
+enum StockFormat {
     Stl,
     Glb,
 }
@@ -71,8 +71,8 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
     let surface = StockSurface::of(&stock);
     let (whole, volume) = (blank.volume(), surface.volume());
     let bytes = match format {
-        Format::Stl => write_stl(&surface.points, &surface.triangles, &part.name),
-        Format::Glb => GltfScene::of_stock(&part.name, &surface, volume).glb(),
+        StockFormat::Stl => write_stl(&surface.points, &surface.triangles, &part.name),
+        StockFormat::Glb => GltfScene::of_stock(&part.name, &surface, volume).glb(),
     };
     write_atomically(&args.output, &bytes)?;
     let collisions = Collisions { name: &name, program: &program, contacts: &contacts };
@@ -101,11 +101,11 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
     print_stdout(&text)
 }
 
-fn format_of(path: &Path) -> Result<Format, Failure> {
+fn format_of(path: &Path) -> Result<StockFormat, Failure> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "stl" => Ok(Format::Stl),
-        "glb" => Ok(Format::Glb),
+        "stl" => Ok(StockFormat::Stl),
+        "glb" => Ok(StockFormat::Glb),
         _ => {
             let what = "is not a format of solids";
             Err(Failure::input(ErrorCode::FileFormat, what, "give a .stl or .glb file").at_path(path))

@@ -22,7 +22,7 @@ pub struct MoveFault {
 pub type MoveCheck<'a> = dyn FnMut(&Tool, &[FlankMove], &Monitor) -> Result<Vec<MoveFault>, Cancelled> + 'a;
 
 /// A program after the check.
-pub(super) struct CheckedProgram {
+pub(super) struct CheckedMoves {
     pub(super) moves: Vec<FlankMove>,
     pub(super) left_out: Vec<UncutLength>,
     /// Faults that remain after the last iteration.
@@ -47,14 +47,14 @@ pub(super) fn remove_faults(
     lead_in_out: f64,
     check: &mut MoveCheck,
     monitor: &Monitor,
-) -> Result<CheckedProgram, Cancelled> {
+) -> Result<CheckedMoves, Cancelled> {
     let mut left_out = Vec::new();
     let mut round = 0;
     loop {
         let program = path.program(layers, monitor)?;
         let faults = check(path.tool, &program.moves, monitor)?;
         if faults.is_empty() || round == MAX_ITERATIONS {
-            return Ok(CheckedProgram { moves: program.moves, left_out, faults });
+            return Ok(CheckedMoves { moves: program.moves, left_out, faults });
         }
         remove_faulty_moves(layers, &program, &faults, round, lead_in_out, &mut left_out);
         round += 1;

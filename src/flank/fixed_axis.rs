@@ -20,7 +20,7 @@ use search::Greedy;
 
 /// Contact of a tool with a layer.
 #[derive(Clone, Copy, Debug)]
-pub struct Contact {
+pub struct LayerContact {
     /// Point of the layer, in the frame of the part.
     pub point: Point,
     /// Unit normal of the layer there, out of the stock.
@@ -110,7 +110,7 @@ pub struct FixedAxisSearch<'a> {
 /// A contact with the points that axes of a cone may collide with there.
 #[derive(Debug)]
 struct PreparedContact {
-    contact: Contact,
+    contact: LayerContact,
     /// Centre of the corner that touches the layer.
     centre: Point,
     /// Height above the hub up to which stock may remain, mm.
@@ -158,18 +158,18 @@ impl<'a> FixedAxisSearch<'a> {
     /// The runs of `stations`, sets of contacts of the tool on a layer in order along a region. `layer` is
     /// the surface of the layer offset by the corner radius: tools with a flat bottom are lifted until they
     /// do not cut into it.
-    pub fn runs(&self, stations: &[Vec<Contact>], layer: &DepthSurface) -> FixedAxes {
+    pub fn runs(&self, stations: &[Vec<LayerContact>], layer: &DepthSurface) -> FixedAxes {
         Greedy::new(self, layer, stations.to_vec()).run()
     }
 
     /// The obstacle of every axis at `contact`; `None` where an axis is free. See [`Self::runs`] for `layer`.
-    pub fn blocked(&self, contact: &Contact, layer: &DepthSurface) -> Option<AxisObstacle> {
+    pub fn blocked(&self, contact: &LayerContact, layer: &DepthSurface) -> Option<AxisObstacle> {
         Greedy::new(self, layer, Vec::new()).blocked(&self.prepare_contact(contact, None))
     }
 
     /// Tip of the tool with `axis` at `contact`: in contact, and lifted along the axis where the bottom would
     /// cut into `layer` (see [`Self::runs`]).
-    pub fn tip(&self, contact: &Contact, axis: &Vector, layer: &DepthSurface) -> Point {
+    pub fn tip(&self, contact: &LayerContact, axis: &Vector, layer: &DepthSurface) -> Point {
         let tip = self.tool.tip_at_contact(&contact.point, &contact.normal, axis);
         if self.tool.radius() - self.tool.corner_radius < 1e-9 {
             return tip;
@@ -181,7 +181,7 @@ impl<'a> FixedAxisSearch<'a> {
     }
 
     /// Prepares a contact for axes of `cone`; `None` for all axes it may have.
-    fn prepare_contact(&self, contact: &Contact, cone: Option<Cone>) -> PreparedContact {
+    fn prepare_contact(&self, contact: &LayerContact, cone: Option<Cone>) -> PreparedContact {
         let cone = cone.unwrap_or(Cone { axis: contact.normal, angle: self.limits.max_tilt_rad });
         let centre = contact.point + contact.normal * self.tool.corner_radius;
         let margin = self.limits.blade_allowance + self.blades.slack + search::SEED_SPARE;
@@ -240,8 +240,8 @@ impl<'a> FixedAxisSearch<'a> {
         spare
     }
 
-    /// Minimum height of the end of a holder of `radius` mm above stock that is up to `top` mm high above the hub
-    /// and within the blank, mm; where that is surely enough, a lower bound.
+    /// Minimum height of the end of a holder of `radius` mm above stock that is up to `top` mm high above the
+    /// hub and within the blank, mm; where that is surely enough, a lower bound.
     fn above_stock(&self, end: &Point, axis: &Vector, radius: f64, top: f64) -> f64 {
         let height = |p: &Point| {
             let off_blank = self.blank.at(p);
@@ -259,8 +259,9 @@ impl<'a> FixedAxisSearch<'a> {
         (0..RIM_POINTS).map(|k| height(&place(k))).fold(middle, f64::min)
     }
 
-    /// What shank or holder meet for a tool with `axis` and its tip at `tip`: the part with its allowances, and with
-    /// the clearances of those that are given, or the current layer. The layers above are cut before.
+    /// What shank or holder meet for a tool with `axis` and its tip at `tip`: the part with its allowances,
+    /// and with the clearances of those that are given, or the current layer. The layers above are cut
+    /// before.
     pub fn holder_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         if self.meets_part(tip, axis) {
             return Some(AxisObstacle::Holder);
@@ -273,8 +274,8 @@ impl<'a> FixedAxisSearch<'a> {
         self.shape.holder.iter().any(is_in_stock).then_some(AxisObstacle::Stock)
     }
 
-    /// Whether shank or holder meet the finished part: those that are given segment by segment, the assumed holder
-    /// as a cylinder beside blades.
+    /// Whether shank or holder meet the finished part: those that are given segment by segment, the assumed
+    /// holder as a cylinder beside blades.
     fn meets_part(&self, tip: Point, axis: Vector) -> bool {
         let allowances = [self.limits.hub_allowance, self.limits.blade_allowance];
         if self.tool.assembly.holder.is_empty()
@@ -342,7 +343,7 @@ impl<'a> FixedAxisSearch<'a> {
     /// The obstacle, if the tool is not free.
     fn check_exactly(
         &self,
-        contact: &Contact,
+        contact: &LayerContact,
         axis: &Vector,
         layer: &DepthSurface,
         least: f64,

@@ -86,8 +86,8 @@ impl LayerWall {
         self.rays.iter().map(|&(p, heading)| layer.geodesic(p, heading, length).0).collect()
     }
 
-    /// End points of all rays for each of the ascending `lengths` (mm), one row per length. Beyond the layer a
-    /// ray ends near the axis of rotation.
+    /// End points of all rays for each of the ascending `lengths` (mm), one row per length. Beyond the layer
+    /// a ray ends near the axis of rotation.
     pub fn fan(&self, layer: &LayerSurface, lengths: &[f64]) -> Vec<Vec<LayerPoint>> {
         let mut rows = vec![Vec::with_capacity(self.rays.len()); lengths.len()];
         let min_radius = NEAR_AXIS * layer.radius(layer.from).0.min(layer.radius(layer.to).0);

@@ -14,7 +14,7 @@ mod stretches;
 
 use super::chart::{LayerChart, Region};
 use super::curves::LayerLayout;
-use super::fixed_axis::{AxisObstacle, Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
+use super::fixed_axis::{AxisObstacle, FixedAxisLimits, FixedAxisSearch, LayerContact, MAX_TILT};
 use super::layer::{LayerPoint, LayerSurface};
 use super::path::Pass;
 use super::plan::{MilledWall, RegionAxis};
@@ -147,9 +147,9 @@ impl LayerPassMaker<'_> {
         is_open(self.layer, p, self.maker.setup.flank.lead_in_out_for(self.maker.tool))
     }
 
-    fn contact(&self, p: LayerPoint) -> Contact {
+    fn contact(&self, p: LayerPoint) -> LayerContact {
         let (point, normal) = self.layer.point_and_normal(p);
-        Contact { point, normal }
+        LayerContact { point, normal }
     }
 
     /// Records a length of passes (mm) as not cut.

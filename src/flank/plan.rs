@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::chart::{LayerChart, Region};
 use super::choice::ChosenTool;
 use super::curves::{FlankError, FlankLayout, LayoutInputs};
-use super::fault_removal::{CheckedProgram, MoveCheck, MoveFault, remove_faults};
+use super::fault_removal::{CheckedMoves, MoveCheck, MoveFault, remove_faults};
 use super::passes::{PassMaker, PlannedLayer, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
 use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
@@ -243,7 +243,7 @@ pub fn plan(
     };
     monitor.report(0.85);
     let lead_in_out = setup.flank.lead_in_out_for(tool);
-    let CheckedProgram { moves, left_out: more, faults } =
+    let CheckedMoves { moves, left_out: more, faults } =
         remove_faults(&path, &mut layers, lead_in_out, check, monitor)?;
     left_out.extend(more);
     left_out.sort_by_key(|left| left.layer);

@@ -7,9 +7,9 @@ use crate::setup::Tool;
 const FLAT_RADIUS: f64 = 1e9;
 
 /// Stepover: the largest distance between neighbouring passes, mm along the surface, at which the scallop
-/// between them is at most `scallop_height` mm high. `bulge` is the normal curvature of the surface across the
-/// passes, 1/mm, positive where it is convex. The tool axis is along the normal. The result is at most the
-/// tool diameter, and 0 for a scallop height of 0.
+/// between them is at most `scallop_height` mm high. `bulge` is the normal curvature of the surface across
+/// the passes, 1/mm, positive where it is convex. The tool axis is along the normal. The result is at most
+/// the tool diameter, and 0 for a scallop height of 0.
 ///
 /// Across the passes the surface is taken as a circle of radius 1/`bulge`. Half way between two positions, at
 /// arc length a from each, the point `scallop_height` above the surface is on the cutter: on a ball, on the

@@ -280,8 +280,11 @@ impl<'a> WallFit<'a> {
             let axis = line.axis();
             let tip = self.layers[layer].tip(tool, &line.low, &axis);
             let s = self.finished.hub.s_at(hub.project(Meridional::of(&line.low)).0);
-            let blocked =
-                tip.and_then(|tip| obstacle(self.finished.blades(), &tool.placed(tip, axis), wanted));
+            let blocked = tip.and_then(|tip| {
+                let cutter = tool.placed(tip, axis);
+                let near = obstacles(self.finished.blades(), None, &cutter, wanted);
+                near.min_by(|a, b| a.distance.total_cmp(&b.distance))
+            });
             let (u, forced) = (self.places[k], self.strips[layer].fitted[k].level);
             WallStation { u, s, foot: line.low, axis, tip, forced, blocked }
         };
@@ -296,12 +299,17 @@ impl WallAxes {
     }
 }
 
-/// The nearest of the sides to which `cutter` is nearer than `wanted` (mm).
-fn obstacle(probes: &[SideProbe], cutter: &CutterSolid, wanted: f64) -> Option<BladeObstacle> {
-    let near = |(side, probe): (usize, &SideProbe)| {
-        let near = probe.nearest_below(cutter, wanted)?;
+/// The sides, except that of index `but`, to which `cutter` is nearer than `wanted` (mm), each where it is
+/// nearest.
+fn obstacles<'a>(
+    sides: &'a [SideProbe],
+    but: Option<usize>,
+    cutter: &'a CutterSolid,
+    wanted: f64,
+) -> impl Iterator<Item = BladeObstacle> + 'a {
+    let others = sides.iter().enumerate().filter(move |(side, _)| Some(*side) != but);
+    others.filter_map(move |(side, probe)| {
+        let near = probe.nearest_below(cutter, wanted).filter(|near| near.distance < wanted)?;
         Some(BladeObstacle { side, u: near.u, v: near.v, distance: near.distance })
-            .filter(|n| n.distance < wanted)
-    };
-    probes.iter().enumerate().filter_map(near).min_by(|a, b| a.distance.total_cmp(&b.distance))
+    })
 }

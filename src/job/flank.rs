@@ -99,7 +99,7 @@ impl FlankJob {
             if let (Some(opener), None) = (&opener, &opening) {
                 opening = opener.opening(&workpiece, tool, moves, monitor)?;
             }
-            let program = Written { name: &part.name, tool, moves, opening: opening.as_ref() };
+            let program = ProgramInput { name: &part.name, tool, moves, opening: opening.as_ref() };
             faults_as_written(&mut verifier, &program, &mut faults, monitor)
         };
         let planned = self
@@ -107,7 +107,7 @@ impl FlankJob {
             .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor));
         let plan = FlankPlan { opening, ..planned? };
         let (tool, moves) = (&plan.tool, &plan.moves);
-        let written = Written { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
+        let written = ProgramInput { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
         let verdict = written.program().and_then(|p| verifier.verdict(&p).ok());
         if !setup.tools.contains(&chosen.tool) {
             setup.tools.push(chosen.tool.clone());
@@ -182,14 +182,14 @@ impl Opener {
 }
 
 /// What the program of a flank plan is made from.
-struct Written<'a> {
+struct ProgramInput<'a> {
     name: &'a str,
     tool: &'a Tool,
     moves: &'a [FlankMove],
     opening: Option<&'a FlankOpening>,
 }
 
-impl Written<'_> {
+impl ProgramInput<'_> {
     /// The program, written and read back; `None` if it cannot be read.
     fn program(&self) -> Option<ClProgram> {
         let program = ClProgram::of_flank(self.name, self.tool, self.moves).after_opening(self.opening);
@@ -201,7 +201,7 @@ impl Written<'_> {
 /// its passes.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
-    written: &Written,
+    written: &ProgramInput,
     found: &mut Vec<Fault>,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {

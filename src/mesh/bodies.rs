@@ -19,14 +19,14 @@ pub struct Body {
     pub surface: MeshSurface,
 }
 
-struct Measured {
+struct MeasuredBody {
     body: Body,
     area: f64,
     volume: f64,
     turned: bool,
 }
 
-impl Measured {
+impl MeasuredBody {
     fn of(body: Body) -> Self {
         let s = &body.surface;
         let (mut across, mut area, mut volume) = (0.0, 0.0, 0.0);
@@ -48,11 +48,11 @@ impl Measured {
 /// # Errors
 /// Returns the number of bodies of revolution if there are more than two.
 pub fn segment_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> Result<Option<Segments>, usize> {
-    let measured = bodies.into_iter().map(Measured::of);
-    let (mut round, mut others): (Vec<Measured>, Vec<Measured>) = measured.partition(|m| m.turned);
-    let most = |of: fn(&Measured) -> f64| others.iter().map(of).fold(0.0, f64::max);
+    let measured = bodies.into_iter().map(MeasuredBody::of);
+    let (mut round, mut others): (Vec<MeasuredBody>, Vec<MeasuredBody>) = measured.partition(|m| m.turned);
+    let most = |of: fn(&MeasuredBody) -> f64| others.iter().map(of).fold(0.0, f64::max);
     let (area, volume) = (most(|m| m.area), most(|m| if m.volume.is_finite() { m.volume } else { 0.0 }));
-    let is_sliver = |m: &Measured| m.area < SLIVER.0 * area || m.volume < SLIVER.1 * volume;
+    let is_sliver = |m: &MeasuredBody| m.area < SLIVER.0 * area || m.volume < SLIVER.1 * volume;
     let mut dropped: Vec<String> = Vec::new();
     others.retain(|m| {
         if is_sliver(m) {
@@ -70,7 +70,7 @@ pub fn segment_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> Result<Opti
         return Err(round.len());
     }
     // The hub is nearest to the axis.
-    let inner = |m: &Measured| {
+    let inner = |m: &MeasuredBody| {
         m.body.surface.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min)
     };
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));

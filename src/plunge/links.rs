@@ -108,8 +108,8 @@ impl<E> Links<'_, E> {
         [arrives, leaves]
     }
 
-    /// The retract point of position `k`, moved up until it, and where the tool leaves, keep the safety distance,
-    /// and the clearance, mm.
+    /// The retract point of position `k`, moved up until it, and where the tool leaves, keep the safety
+    /// distance, and the clearance, mm.
     fn clear_retract(&self, k: usize) -> (Point, f64) {
         let [arrives, leaves] = self.bottoms[k].map(|bottom| bottom.clearance);
         let cutter = self.cutter(k, self.retracts[k]);

@@ -166,6 +166,9 @@ impl RowAttempts<'_> {
     /// conventional stations, stage 3; it ends with `None` where the function that it is given, to be called
     /// with the row so far after each position, returns `false`. `None` when a position interferes and
     /// contacts are not allowed; in that case the first position must be free.
+    ///
+    /// # Errors
+    /// When planning is cancelled, or part and setup do not match.
     pub fn converge(
         &self,
         start: &RowStart,

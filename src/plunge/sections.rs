@@ -131,8 +131,8 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
     .at(SetupPlace::Stock("hub_allowance")))
 }
 
-/// Upper limit of the step along a row, mm: what insert width and stick-out permit and the `step` of the setup,
-/// and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
+/// Upper limit of the step along a row, mm: what insert width and stick-out permit and the `step` of the
+/// setup, and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
 pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
     let radius = tool.radius();
     let mut limit = step_by_stick_out(tool).min(radius);

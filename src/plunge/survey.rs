@@ -101,8 +101,9 @@ impl Survey {
         });
     }
 
-    /// Holds the given shanks and holders of `tools` against the part and the whole blank at every station, on the
-    /// conventional axes of mid channel: a tool whose holder is in the way there is as good as too short.
+    /// Holds the given shanks and holders of `tools` against the part and the whole blank at every station,
+    /// on the conventional axes of mid channel: a tool whose holder is in the way there is as good as too
+    /// short.
     pub fn try_assemblies(&mut self, workpiece: &Workpiece, setup: &Setup, tools: &[Tool]) {
         let given: Vec<&Tool> = tools.iter().filter(|tool| !tool.assembly.is_empty()).collect();
         if given.is_empty() {

@@ -21,14 +21,14 @@ pub fn write_record<'a>(out: &mut String, fields: impl Iterator<Item = &'a str>)
 }
 
 /// A record: its line, from 1, and its fields.
-pub type Record = (usize, Vec<String>);
+pub type CsvRecord = (usize, Vec<String>);
 
 /// The records of a file, each with its line; empty lines are left out.
 ///
 /// # Errors
 /// At a line where a quoted field is not closed, or holds text after its end, or beyond the limit of fields:
 /// what is wrong.
-pub fn records(text: &str) -> Result<Vec<Record>, (usize, String)> {
+pub fn records(text: &str) -> Result<Vec<CsvRecord>, (usize, String)> {
     let mut records = Vec::new();
     let mut fields: Vec<String> = Vec::new();
     let (mut line, mut first_line, mut count) = (1, 1, 0);

@@ -34,7 +34,7 @@ pub const PART: &str = "part";
 
 /// What varies: a key of the setup, or the part.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub struct StudyAxis {
     /// Dotted path of the key in the setup, or `PART`.
     pub key: String,
     /// Its values; of the axis of parts, paths as written in the study file.
@@ -53,7 +53,7 @@ pub struct StudyFile {
     /// The base setup.
     pub base: toml::Table,
     /// What varies, slowest first; one of them is `PART`.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<StudyAxis>,
     /// Combinations that are left out: per entry, the indices of the values that match on each axis it names.
     pub excludes: Vec<Vec<(usize, Vec<usize>)>>,
     /// Maximum number of runs.
@@ -115,7 +115,7 @@ impl StudyFile {
     /// As [`Self::setup_text`].
     pub fn text_with<'a>(
         &self,
-        values: impl Iterator<Item = (&'a Axis, &'a Scalar)>,
+        values: impl Iterator<Item = (&'a StudyAxis, &'a Scalar)>,
     ) -> Result<String, UserError> {
         let mut tree = self.base.clone();
         for (axis, value) in values.filter(|(axis, _)| axis.key != PART) {
@@ -159,7 +159,7 @@ fn base_setup(
 }
 
 /// All axes, with that of the parts first unless it has its own place.
-fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<Axis>, InputError> {
+fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<StudyAxis>, InputError> {
     let one =
         root.string("part")?.map(|part| Located { value: Scalar::Text(part.value.to_owned()), at: part.at });
     let many = root.strings("parts")?.map(|parts| {
@@ -173,7 +173,7 @@ fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<Axis>, 
     let tables = root.tables("axis")?;
     for table in &tables {
         let axis = axis(document, table)?;
-        if axes.iter().any(|known: &Axis| known.key == axis.key) {
+        if axes.iter().any(|known: &StudyAxis| known.key == axis.key) {
             let what = format!("`{}` varies on two axes", axis.key);
             return Err(table
                 .fault(what, "put all its values on one axis")
@@ -194,7 +194,7 @@ fn axes(document: &TomlDocument<'_>, root: &TomlTable<'_>) -> Result<Vec<Axis>, 
     Ok(axes)
 }
 
-fn axis(document: &TomlDocument<'_>, table: &TomlTable<'_>) -> Result<Axis, InputError> {
+fn axis(document: &TomlDocument<'_>, table: &TomlTable<'_>) -> Result<StudyAxis, InputError> {
     table.check_keys(&["key", "values", "range"])?;
     let key = table.string("key")?.ok_or_else(|| {
         table
@@ -230,7 +230,7 @@ fn new_axis(
     table: &TomlTable<'_>,
     key: String,
     values: Vec<Located<Scalar>>,
-) -> Result<Axis, InputError> {
+) -> Result<StudyAxis, InputError> {
     if values.is_empty() {
         return Err(table
             .fault(format!("the axis of `{key}` has no values"), "give one or more")
@@ -255,11 +255,11 @@ fn new_axis(
         }
     }
     let lines = values.iter().map(|value| document.line(value.at)).collect();
-    Ok(Axis { key, values: values.into_iter().map(|value| value.value).collect(), lines })
+    Ok(StudyAxis { key, values: values.into_iter().map(|value| value.value).collect(), lines })
 }
 
 /// One `[[exclude]]`: the axes it names and the values on them.
-fn exclude(table: &TomlTable<'_>, axes: &[Axis]) -> Result<Vec<(usize, Vec<usize>)>, InputError> {
+fn exclude(table: &TomlTable<'_>, axes: &[StudyAxis]) -> Result<Vec<(usize, Vec<usize>)>, InputError> {
     let keys = table.dotted_scalars()?;
     if keys.is_empty() {
         return Err(table.fault("the exclusion is empty", "give values of axes that are left out together"));

@@ -19,7 +19,7 @@ mod sha256;
 mod shard;
 
 pub use execute::{Execution, Tally, execute};
-pub use file::{Axis, MAX_RUNS, StudyFile};
+pub use file::{MAX_RUNS, StudyAxis, StudyFile};
 pub use result::{RESULT_VERSION, RunResult, RunStatus};
 pub use runs::{Run, RunList, StudyPart};
 pub use shard::{Lookup, Shard};

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::file::{Axis, StudyFile};
+use super::file::{StudyAxis, StudyFile};
 use super::result::RESULT_VERSION;
 use super::sha256::sha256_hex;
 use crate::error::{ErrorCode, UserError};
@@ -126,7 +126,7 @@ impl RunList {
             .collect()
     }
 
-    fn axes_but_part(&self) -> impl Iterator<Item = (usize, &Axis)> {
+    fn axes_but_part(&self) -> impl Iterator<Item = (usize, &StudyAxis)> {
         let part = self.file.part_axis();
         self.file.axes.iter().enumerate().filter(move |(place, _)| *place != part)
     }

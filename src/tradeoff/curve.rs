@@ -5,7 +5,7 @@ use crate::setup::Goal;
 
 /// A point of the curve: a plan, not yet made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurvePoint {
+pub struct TradeoffPoint {
     /// Plunges left out of the whole plan.
     pub left_out: usize,
     /// Time of one channel, s.
@@ -28,9 +28,9 @@ const BALANCE_POINTS: usize = 24;
 
 impl Thinning<'_> {
     /// The point without the first `count` plunges.
-    pub fn point(&self, count: usize) -> CurvePoint {
+    pub fn point(&self, count: usize) -> TradeoffPoint {
         let stock = self.stock_without(count);
-        CurvePoint {
+        TradeoffPoint {
             left_out: count,
             time_s: self.time_without(count),
             residual_mean: f64::from(stock.mean),
@@ -40,7 +40,7 @@ impl Thinning<'_> {
 
     /// `count` points from the whole plan to the thinnest one, evenly in time; fewer where they fall
     /// together.
-    pub fn points(&self, count: usize) -> Vec<CurvePoint> {
+    pub fn points(&self, count: usize) -> Vec<TradeoffPoint> {
         let (slow, fast) = (self.time_without(0), self.time_without(self.len()));
         let mut counts: Vec<usize> = (0..count)
             .map(|k| {
@@ -103,14 +103,14 @@ pub fn choose_point(thinning: &Thinning, goal: Goal) -> usize {
 }
 
 /// The point furthest below the chord from the first to the last point, both axes scaled to it.
-fn bend(points: &[CurvePoint]) -> usize {
+fn bend(points: &[TradeoffPoint]) -> usize {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return 0 };
     let (time, stock) = (first.time_s - last.time_s, last.residual_p95 - first.residual_p95);
     if time <= 0.0 || stock <= 0.0 {
         return last.left_out;
     }
     let below =
-        |p: &CurvePoint| (first.time_s - p.time_s) / time - (p.residual_p95 - first.residual_p95) / stock;
+        |p: &TradeoffPoint| (first.time_s - p.time_s) / time - (p.residual_p95 - first.residual_p95) / stock;
     points.iter().max_by(|a, b| below(a).total_cmp(&below(b))).map_or(0, |point| point.left_out)
 }
 
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn the_bend_is_where_more_time_buys_little() {
-        let point = |left_out, time_s, residual_p95| CurvePoint {
+        let point = |left_out, time_s, residual_p95| TradeoffPoint {
             left_out,
             time_s,
             residual_mean: 0.0,

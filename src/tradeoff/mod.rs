@@ -18,5 +18,5 @@ mod curve;
 mod floor;
 mod thinning;
 
-pub use curve::{CurvePoint, choose_point, max_mean_rise};
+pub use curve::{TradeoffPoint, choose_point, max_mean_rise};
 pub use thinning::{Thinning, ThinningInput};

@@ -67,13 +67,13 @@ impl<'a> Thinning<'a> {
     fn find_order(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
         let plunges = self.input.plan.positions.len();
         let mut kept = vec![true; plunges];
-        let mut rows = Neighbours::new(plunges);
+        let mut rows = KeptNeighbours::new(plunges);
         let max_uncut = self.floor.uncut_share_with(0.0) + MAX_MORE_UNCUT;
         let input = self.input;
-        let price = |change: &FloorChange, rows: &Neighbours, plunge: usize| {
+        let price = |change: &FloorChange, rows: &KeptNeighbours, plunge: usize| {
             change.cost / input.saved_time(rows, plunge).max(MIN_SAVED)
         };
-        let candidate = |floor: &ThinnedFloor, rows: &Neighbours, plunge: usize| Candidate {
+        let candidate = |floor: &ThinnedFloor, rows: &KeptNeighbours, plunge: usize| QueuedPlunge {
             price: price(&floor.change_without(plunge), rows, plunge),
             plunge,
         };
@@ -81,21 +81,21 @@ impl<'a> Thinning<'a> {
         let plan = input.plan;
         let opens =
             |&plunge: &usize| plan.sections[plan.positions[plunge].section].kind == SectionKind::Opening;
-        let mut queue: BinaryHeap<Candidate> = (0..plunges)
+        let mut queue: BinaryHeap<QueuedPlunge> = (0..plunges)
             .filter(|plunge| !opens(plunge))
             .map(|plunge| candidate(&self.floor, &rows, plunge))
             .collect();
         let mut order = Vec::new();
         // Plunges that the core of each one needs.
         let mut waiting: Vec<Vec<usize>> = vec![Vec::new(); plunges];
-        while let Some(Candidate { price: before, plunge }) = queue.pop() {
+        while let Some(QueuedPlunge { price: before, plunge }) = queue.pop() {
             if monitor.is_stopped() {
                 break;
             }
             let change = self.floor.change_without(plunge);
             let now = price(&change, &rows, plunge);
             if now > before && queue.peek().is_some_and(|next| next.price < now) {
-                queue.push(Candidate { price: now, plunge });
+                queue.push(QueuedPlunge { price: now, plunge });
                 continue;
             }
             if self.floor.uncut_share_with(change.uncut_area) > max_uncut
@@ -170,7 +170,7 @@ impl<'a> Thinning<'a> {
 impl ThinningInput<'_> {
     /// Time saved by leaving `plunge` out, s: its cut, its retract, and the links to and from it less the one
     /// that takes their place.
-    fn saved_time(&self, rows: &Neighbours, plunge: usize) -> f64 {
+    fn saved_time(&self, rows: &KeptNeighbours, plunge: usize) -> f64 {
         let plan = self.plan;
         let position = &plan.positions[plunge];
         let tool_of = |p: &Position| &plan.sections[p.section].tool;
@@ -188,7 +188,7 @@ impl ThinningInput<'_> {
     }
 
     /// Whether the plunges beside a wall stay close enough for its scallop without `plunge`.
-    fn wall_stays_smooth(&self, rows: &Neighbours, plunge: usize) -> bool {
+    fn wall_stays_smooth(&self, rows: &KeptNeighbours, plunge: usize) -> bool {
         let plan = self.plan;
         let position = &plan.positions[plunge];
         if !is_wall(position.lambda) {
@@ -207,33 +207,33 @@ impl ThinningInput<'_> {
 }
 
 /// A plunge in the queue, cheapest first; ties by number, so that the order does not depend on the heap.
-struct Candidate {
+struct QueuedPlunge {
     price: f64,
     plunge: usize,
 }
 
-impl Ord for Candidate {
+impl Ord for QueuedPlunge {
     fn cmp(&self, other: &Self) -> Ordering {
         other.price.total_cmp(&self.price).then(other.plunge.cmp(&self.plunge))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for QueuedPlunge {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for QueuedPlunge {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for QueuedPlunge {}
 
 /// The kept plunges before and after each one in cutting order: a doubly linked list.
-struct Neighbours {
+struct KeptNeighbours {
     before: Vec<usize>,
     after: Vec<usize>,
 }
@@ -241,7 +241,7 @@ struct Neighbours {
 /// No plunge.
 const NONE: usize = usize::MAX;
 
-impl Neighbours {
+impl KeptNeighbours {
     fn new(count: usize) -> Self {
         let before = (0..count).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
         let after = (0..count).map(|k| if k + 1 < count { k + 1 } else { NONE }).collect();

@@ -66,7 +66,8 @@ pub(super) fn assembly_findings(
     findings
 }
 
-/// The least distance found so far of the part of a tool that is further off, mm: larger ones need not be measured.
+/// The least distance found so far of the part of a tool that is further off, mm: larger ones need not be
+/// measured.
 struct LeastDistance(AtomicU64);
 
 impl Default for LeastDistance {

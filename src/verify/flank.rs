@@ -162,15 +162,15 @@ impl<'a> FlankVerifier<'a> {
         Self { workpiece, setup, holder_margin: 0.0, tools, cache, last: None }
     }
 
-    /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a finer
-    /// one finds nothing either.
+    /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a
+    /// finer one finds nothing either.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
         Self { holder_margin: 1.0, ..Self::new(workpiece, setup) }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
-    /// program whose moves have no faults themselves, and collisions with standing stock are searched for only
-    /// in one without other faults.
+    /// program whose moves have no faults themselves, and collisions with standing stock are searched for
+    /// only in one without other faults.
     ///
     /// # Errors
     /// As [`verify_flank`].

@@ -21,7 +21,8 @@ pub struct ProgramCut {
     pub swept: Vec<CutterSolid>,
     /// The rapids before the cut; of the last cut of a tool those after it, too.
     pub rapids: Vec<Rapid>,
-    /// The cutter along the move under feed by which it leaves the stock beside it, off it and up; empty without.
+    /// The cutter along the move under feed by which it leaves the stock beside it, off it and up; empty
+    /// without.
     pub lead_out: Vec<CutterSolid>,
     /// Index of its move in the program.
     pub index: usize,
@@ -67,8 +68,8 @@ impl ProgramCut {
         self.swept.len() == 1 && self.lead_out.is_empty()
     }
 
-    /// Whether a move from `from` to `cutter` goes on where this plunge was interrupted: further down in its own
-    /// column, after no other move than back in it.
+    /// Whether a move from `from` to `cutter` goes on where this plunge was interrupted: further down in its
+    /// own column, after no other move than back in it.
     fn is_continued_by(&self, from: &Point, cutter: &CutterSolid, rapids: &[Rapid]) -> bool {
         let own = |tip: &Point| is_axial(&(tip - self.cutter.tip), &self.cutter.axis, &cutter.axis);
         let below_start = |tip: &Point| (self.retract - tip).dot(&cutter.axis) >= 0.0;
@@ -81,12 +82,13 @@ impl ProgramCut {
     }
 }
 
-/// Share of a move under feed after a plunge that goes up the axis from which on it leaves the cut, and is none.
+/// Share of a move under feed after a plunge that goes up the axis from which on it leaves the cut, and is
+/// none.
 const LEAVING_SHARE: f64 = 0.5;
 
 /// All cuts of a program. Where the program gives no insert width, that of the setup's tool of the same
-/// number is used. A plunge that is interrupted to break the chip is one cut, and so is one with a move under feed
-/// that leaves it, up and off the stock.
+/// number is used. A plunge that is interrupted to break the chip is one cut, and so is one with a move under
+/// feed that leaves it, up and off the stock.
 ///
 /// # Errors
 /// When a cut comes before any tool, or a tool has no diameter; the fault names the line.

@@ -2,7 +2,7 @@
 
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::fixed_axis::{
-    AxisObstacle, Contact, FixedAxes, FixedAxisLimits, FixedAxisSearch, Unreachable,
+    AxisObstacle, FixedAxes, FixedAxisLimits, FixedAxisSearch, LayerContact, Unreachable,
 };
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
 use vanecut::part::{Channel, Impeller, Passage, SideProbe, Workpiece};
@@ -41,7 +41,7 @@ fn stations(
     height: f64,
     (s_from, s_to, count): (f64, f64, usize),
     across: usize,
-) -> Vec<Vec<Contact>> {
+) -> Vec<Vec<LayerContact>> {
     let sides: Vec<SideProbe> = channel.sides.iter().map(|side| SideProbe::new(side, 0.0, 1.0)).collect();
     (0..count)
         .map(|i| {
@@ -53,9 +53,9 @@ fn stations(
             let walls = passage.wall_angles(part, s, 0.1).expect("walls");
             let contact = |j: usize| {
                 let theta = walls[0] + (walls[1] - walls[0]) * (j as f64 + 0.5) / across as f64;
-                Contact { point: on_layer.at_angle(theta), normal: hub.normal.direction_at_angle(theta) }
+                LayerContact { point: on_layer.at_angle(theta), normal: hub.normal.direction_at_angle(theta) }
             };
-            let free = |c: &Contact| {
+            let free = |c: &LayerContact| {
                 let centre = c.point + c.normal * tool.corner_radius;
                 let reach = tool.radius() + LIMITS.blade_allowance + 0.3;
                 sides.iter().all(|side| side.nearest_to_point(&centre).distance > reach)
@@ -66,7 +66,7 @@ fn stations(
 }
 
 /// Whether a cutter and a holder of twice its diameter clear blades, hub and stock, by exact distances.
-fn is_free(workpiece: &Workpiece, tool: &Tool, contact: &Contact, cutter: &CutterSolid) -> bool {
+fn is_free(workpiece: &Workpiece, tool: &Tool, contact: &LayerContact, cutter: &CutterSolid) -> bool {
     let Workpiece { part, blank, finished, .. } = workpiece;
     let hub = part.hub.curve();
     let off_hub = |up: f64, radius: f64| {
@@ -98,7 +98,7 @@ fn is_free(workpiece: &Workpiece, tool: &Tool, contact: &Contact, cutter: &Cutte
 }
 
 /// The minimum number of runs with axes of a grid of directions `step`, rad, apart, by brute force.
-fn fewest_runs(workpiece: &Workpiece, tool: &Tool, stations: &[Vec<Contact>], step: f64) -> usize {
+fn fewest_runs(workpiece: &Workpiece, tool: &Tool, stations: &[Vec<LayerContact>], step: f64) -> usize {
     let mut axes = Vec::new();
     let rings = (std::f64::consts::PI / step) as usize;
     for i in 0..=rings {
@@ -109,7 +109,7 @@ fn fewest_runs(workpiece: &Workpiece, tool: &Tool, stations: &[Vec<Contact>], st
             axes.push(Vector::new(sin * c, sin * s, cos));
         }
     }
-    let free = |contact: &Contact, axis: &Vector| {
+    let free = |contact: &LayerContact, axis: &Vector| {
         let tip = tool.tip_at_contact(&contact.point, &contact.normal, axis);
         axis.angle(&contact.normal) <= LIMITS.max_tilt_rad
             && is_free(workpiece, tool, contact, &tool.placed(tip, *axis))
@@ -131,7 +131,12 @@ fn fewest_runs(workpiece: &Workpiece, tool: &Tool, stations: &[Vec<Contact>], st
 }
 
 /// Checks that every contact is in exactly one run or reported, and that every cutter of every run is free.
-fn check(workpiece: &Workpiece, tool: &Tool, layer: &DepthSurface, stations: &[Vec<Contact>]) -> FixedAxes {
+fn check(
+    workpiece: &Workpiece,
+    tool: &Tool,
+    layer: &DepthSurface,
+    stations: &[Vec<LayerContact>],
+) -> FixedAxes {
     let search = FixedAxisSearch::new(workpiece, tool, &LIMITS);
     let found = search.runs(stations, layer);
     for (k, station) in stations.iter().enumerate() {

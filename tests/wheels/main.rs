@@ -134,8 +134,8 @@ fn rows_beside_walls_go_on_where_those_between_them_end() {
     assert!(before_throat > 20, "{}: {before_throat} plunges", wheel.remarks);
 }
 
-/// A plunge that clears a core only between two of the lines on which contact is evaluated is needed as well: where
-/// it was left out as not worth its time, a later core met a sliver of stock .46 mm above its bottom.
+/// A plunge that clears a core only between two of the lines on which contact is evaluated is needed as well:
+/// where it was left out as not worth its time, a later core met a sliver of stock .46 mm above its bottom.
 #[test]
 fn cores_stay_free_where_plunges_are_left_out() {
     let wheel = make::wheel(53, 1);

@@ -230,8 +230,8 @@ impl Neighbours {
         left
     }
 
-    /// Lowest height at which the line enters removed stock, mm, infinite if it does not, and the number of the
-    /// plunge that removed it.
+    /// Lowest height at which the line enters removed stock, mm, infinite if it does not, and the number of
+    /// the plunge that removed it.
     pub fn first_entry(&self, line: &CoreLine) -> (f64, usize) {
         first_entry(self.passed.iter().chain(&self.columns), line)
     }

@@ -47,8 +47,8 @@ struct PointBlock {
 pub(super) struct ToolShape {
     pub(super) radius: f64,
     pub(super) corner: f64,
-    /// Shank and holder with their clearances, from bottom to top: heights above the centre of the corner, and radii;
-    /// see [`Tool::assembly_steps`].
+    /// Shank and holder with their clearances, from bottom to top: heights above the centre of the corner,
+    /// and radii; see [`Tool::assembly_steps`].
     pub(super) holder: Vec<(f64, f64)>,
 }
 
@@ -170,12 +170,12 @@ impl ToolShape {
 }
 
 /// A tool axis relative to the points, in single precision.
-struct AxisRay {
+struct RelativeAxis {
     axis: [f32; 3],
     offset: [f32; 3],
 }
 
-impl AxisRay {
+impl RelativeAxis {
     /// Height of the point of a lane along the axis, and its squared distance from the axis.
     #[inline(always)]
     fn seen(&self, block: &PointBlock, k: usize) -> (f32, f32) {
@@ -205,7 +205,7 @@ impl NearPoints {
         enough: MinDistances,
     ) -> MinDistances {
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
-        let ray = AxisRay { axis: single(axis), offset: single(offset) };
+        let ray = RelativeAxis { axis: single(axis), offset: single(offset) };
         let cutter = if shape.rim() < 1e-6 {
             self.column_min::<true>(shape, &ray, enough.cutter)
         } else {
@@ -233,7 +233,7 @@ impl NearPoints {
         MinDistances { cutter, holder: min_holder }
     }
 
-    fn column_min<const BALL: bool>(&self, shape: &ToolShape, ray: &AxisRay, enough: f64) -> f64 {
+    fn column_min<const BALL: bool>(&self, shape: &ToolShape, ray: &RelativeAxis, enough: f64) -> f64 {
         let rim = shape.rim() as f32;
         let (radius, corner) = (shape.radius as f32, shape.corner as f32);
         let mut least = f64::INFINITY;

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::scene::Cone;
 use super::{
-    AxisObstacle, Contact, FixedAxes, FixedAxisSearch, FixedRun, PreparedContact, SpareClearance, Unreachable,
+    AxisObstacle, FixedAxes, FixedAxisSearch, FixedRun, LayerContact, PreparedContact, SpareClearance,
+    Unreachable,
 };
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Vector, frame_about};
@@ -42,7 +43,7 @@ const ENOUGH_RADII: f64 = 1.0;
 pub(super) struct Greedy<'s, 'a> {
     search: &'s FixedAxisSearch<'a>,
     layer: &'s DepthSurface<'s>,
-    stations: Vec<Vec<Contact>>,
+    stations: Vec<Vec<LayerContact>>,
     /// Per station, whether the search uses all its contacts. At first it uses the two furthest apart:
     /// between two walls others seldom decide. The final check uses all.
     in_full: Vec<bool>,
@@ -56,7 +57,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
     pub(super) fn new(
         search: &'s FixedAxisSearch<'a>,
         layer: &'s DepthSurface<'s>,
-        stations: Vec<Vec<Contact>>,
+        stations: Vec<Vec<LayerContact>>,
     ) -> Self {
         let places = stations.iter().map(|_| Vec::new()).collect();
         let in_full = vec![false; stations.len()];
@@ -81,9 +82,9 @@ impl<'s, 'a> Greedy<'s, 'a> {
     /// Prepares a station for axes of `cone`, or for all axes.
     fn prepare_station(&mut self, station: usize, cone: Option<Cone>) {
         let contacts = &self.stations[station];
-        let deciding: Vec<&Contact> =
+        let deciding: Vec<&LayerContact> =
             if self.in_full[station] { contacts.iter().collect() } else { furthest_apart(contacts) };
-        let place = |contact: &&Contact| self.search.prepare_contact(contact, cone);
+        let place = |contact: &&LayerContact| self.search.prepare_contact(contact, cone);
         self.places[station] = deciding.par_iter().map(place).collect();
     }
 
@@ -346,7 +347,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         let stations: Vec<Result<f64, usize>> = (from..=to)
             .into_par_iter()
             .map(|station| {
-                let near = |least: f64, contact: &Contact| {
+                let near = |least: f64, contact: &LayerContact| {
                     self.search.check_exactly(contact, axis, self.layer, least)
                 };
                 self.stations[station].iter().try_fold(f64::INFINITY, near).map_err(|_| station)
@@ -396,7 +397,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
 }
 
 /// The two contacts furthest apart, or as many as there are.
-fn furthest_apart(contacts: &[Contact]) -> Vec<&Contact> {
+fn furthest_apart(contacts: &[LayerContact]) -> Vec<&LayerContact> {
     let mut best = (-1.0, 0, 0);
     for i in 0..contacts.len() {
         for j in i + 1..contacts.len() {

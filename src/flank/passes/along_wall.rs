@@ -162,8 +162,8 @@ impl LayerPassMaker<'_> {
         }
     }
 
-    /// Cuts the stretches of a curve along a wall where the axes fitted to it are blocked with fixed axes, under
-    /// which the round end touches the wall.
+    /// Cuts the stretches of a curve along a wall where the axes fitted to it are blocked with fixed axes,
+    /// under which the round end touches the wall.
     pub(super) fn cut_otherwise(
         &self,
         steps: &[WallStep],
@@ -209,8 +209,8 @@ impl LayerPassMaker<'_> {
         runs.filter(|run: &Vec<LayerPoint>| run.len() >= 2).collect()
     }
 
-    /// The layer point nearest to `p` at which the round end keeps the allowance from all blades; `None` where
-    /// none is found.
+    /// The layer point nearest to `p` at which the round end keeps the allowance from all blades; `None`
+    /// where none is found.
     fn moved_off_blades(&self, p: LayerPoint) -> Option<LayerPoint> {
         let (tool, finished) = (self.maker.tool, self.maker.finished);
         let wanted = tool.radius() + self.maker.setup.allowances.blade_allowance + OFF_BLADE;

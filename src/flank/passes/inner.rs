@@ -4,7 +4,7 @@ use super::along_wall::LayerPose;
 use super::stretches::pieces_between;
 use super::{CHORD, LayerPassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::fixed_axis::{AxisObstacle, Contact};
+use crate::flank::fixed_axis::{AxisObstacle, LayerContact};
 use crate::flank::layer::LayerPoint;
 use crate::flank::plan::RegionAxis;
 use crate::flank::strategies::PassRole;
@@ -101,7 +101,7 @@ impl LayerPassMaker<'_> {
         let width = (to - from) / count as f64;
         // A station is a strip across the region. Its contacts are on the curves at its start, middle and
         // end.
-        let stations: Vec<Vec<Contact>> = (0..count)
+        let stations: Vec<Vec<LayerContact>> = (0..count)
             .map(|k| {
                 let x = [0.0, 0.5, 1.0].map(|share| from + width * (k as f64 + share));
                 x.iter().flat_map(|&x| self.across(lines, x, round)).map(|p| self.contact(p)).collect()

@@ -4,7 +4,7 @@ use super::along_wall::{LayerPose, WallPositions, split_into_runs};
 use super::inner::MAX_TURN;
 use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
-use crate::flank::fixed_axis::Contact;
+use crate::flank::fixed_axis::LayerContact;
 use crate::flank::layer::LayerPoint;
 use crate::geometry::Vector;
 
@@ -132,7 +132,7 @@ impl LayerPassMaker<'_> {
     }
 
     /// Unit vector along the layer away from the middle of the nose.
-    fn off_nose(&self, contact: &Contact) -> Option<Vector> {
+    fn off_nose(&self, contact: &LayerContact) -> Option<Vector> {
         let nose = self.found.borders.splitter.as_ref()?.nose;
         let away = contact.point - self.layer.point(nose);
         (away - contact.normal * away.dot(&contact.normal)).try_normalize(1e-9)

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::fit::{AxisLine, FittedAxis};
 use super::strip::WallStrip;
 use super::swept::MapColumn;
-use super::{MAX_STATION_TURN, WallFit};
+use super::{MAX_STATION_TURN, WallFit, obstacles};
 use crate::flank::plan::MIN_WALL_TOLERANCE;
 use crate::geometry::{CutterSolid, Point, Vector, search};
 use crate::part::{BladeSide, SideProbe};
@@ -73,10 +73,7 @@ impl WallFit<'_> {
     fn other_blade_is_near(&self, layer: usize, line: &AxisLine) -> bool {
         let wanted = self.milling.blade_allowance - MIN_WALL_TOLERANCE;
         let Some(cutter) = self.cutter(layer, line) else { return false };
-        let others =
-            self.finished.blades().iter().enumerate().filter(|(side, _)| Some(*side) != self.own_side);
-        let mut near = others.filter_map(|(_, probe)| probe.nearest_below(&cutter, wanted));
-        near.any(|near| near.distance < wanted)
+        obstacles(self.finished.blades(), self.own_side, &cutter, wanted).next().is_some()
     }
 
     /// Shifts the axes of a layer off the own blade where the cutter, at a station or on the way to the next,
@@ -215,7 +212,8 @@ impl RaySweep {
         let mut travel = vec![0.0; rays.len()];
         for k in 1..rays.len() {
             let step = match (&rays[k - 1], &rays[k]) {
-                // The point of the next ray that is nearest to a point of the wall is at most that far along it.
+                // The point of the next ray that is nearest to a point of the wall is at most that far along
+                // it.
                 (Some(a), Some(b)) => {
                     let along = b.from.max((b.low - centre).norm() + radius);
                     (b.low - a.low).norm() + (b.axis - a.axis).norm() * along + (b.from - a.from).abs()
@@ -231,8 +229,8 @@ impl RaySweep {
     fn distance(&self, from: usize, point: &Point) -> f64 {
         let rays = &self.rays;
         let at = |k: usize| rays[k].map_or(f64::INFINITY, |ray| ray.distance(point));
-        // Inclined axes have several that are locally nearest. Those that cannot have come near enough yet are
-        // passed over.
+        // Inclined axes have several that are locally nearest. Those that cannot have come near enough yet
+        // are passed over.
         let (mut near, mut distance) = (from, at(from));
         let mut k = 0;
         while k < rays.len() {

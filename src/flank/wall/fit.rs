@@ -46,7 +46,7 @@ pub(super) struct LineDeviation {
 
 /// Heights (v) of the wall at which a fit evaluates the deviation, ascending.
 #[derive(Clone, Debug)]
-pub(super) struct Heights {
+pub(super) struct FitHeights {
     v: Vec<f64>,
     /// Number of the lowest heights, which the cutter forms; at those above only overcut counts.
     formed: usize,
@@ -243,7 +243,7 @@ impl OffsetSide<'_> {
     pub(super) fn fit(
         &self,
         u: f64,
-        heights: &Heights,
+        heights: &FitHeights,
         beside: Option<&FittedAxis>,
         max_tilt: f64,
     ) -> FittedAxis {
@@ -284,7 +284,7 @@ impl OffsetSide<'_> {
     }
 
     /// Maximum deviation of an axis fitted at `u` over the `heights`, mm.
-    pub(super) fn max_deviation(&self, u: f64, fitted: &FittedAxis, heights: &Heights) -> f64 {
+    pub(super) fn max_deviation(&self, u: f64, fitted: &FittedAxis, heights: &FitHeights) -> f64 {
         let mut seen = [LineDeviation::at(u); MAX_LINES];
         for _ in 0..2 {
             self.update_deviations(&fitted.line(), &heights.v, &mut seen);
@@ -298,7 +298,7 @@ impl OffsetSide<'_> {
         &self,
         u: f64,
         fitted: &FittedAxis,
-        heights: &Heights,
+        heights: &FitHeights,
         tolerance: f64,
     ) -> AxisLine {
         let mut x = fitted.x;
@@ -323,7 +323,7 @@ impl LineDeviation {
     }
 }
 
-impl Heights {
+impl FitHeights {
     /// `formed` heights from `low` to `top`, and `above` more from there to the tip of the wall; at most
     /// [`MAX_LINES`] in total.
     pub(super) fn new([low, top]: [f64; 2], formed: usize, above: usize) -> Self {
@@ -346,7 +346,7 @@ impl Heights {
 /// the wall at `heights`. The third parameter stays within ±`max_shift`; parameters without influence return
 /// to `rest`. `None` where none has any.
 fn minimax_step(
-    heights: &Heights,
+    heights: &FitHeights,
     seen: &[LineDeviation],
     FittedAxis { freedoms, x, .. }: &FittedAxis,
     rest: &Vector3<f64>,

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::fit::{AxisLine, FittedAxis, Heights, OffsetSide};
+use super::fit::{AxisLine, FitHeights, FittedAxis, OffsetSide};
 use super::stations::evenly;
 use super::swept::{MapColumn, correct_overcuts};
 use super::{MARGIN, MAX_LEAD_ANGLE, MAX_STATION_TURN, MAX_UNFORMED, WallMilling};
@@ -109,10 +109,10 @@ impl WallStrip {
         [low, self.top[station].max(low)]
     }
 
-    fn heights(&self, station: usize) -> Heights {
+    fn heights(&self, station: usize) -> FitHeights {
         let [low, top] = self.ends(station);
         let [formed, above] = self.heights;
-        Heights::new([low, top], formed, (above as f64 * (1.0 - top)).ceil() as usize)
+        FitHeights::new([low, top], formed, (above as f64 * (1.0 - top)).ceil() as usize)
     }
 
     /// Axes fitted to the strip, started from those `beside` it.

@@ -28,7 +28,7 @@ pub struct GltfDocument {
     #[serde(default, deserialize_with = "limited")]
     pub meshes: Vec<GltfMesh>,
     #[serde(default, deserialize_with = "limited")]
-    pub materials: Vec<Named>,
+    pub materials: Vec<NamedItem>,
     #[serde(default, deserialize_with = "limited")]
     pub accessors: Vec<Accessor>,
     #[serde(default, deserialize_with = "limited")]
@@ -49,7 +49,7 @@ pub struct SceneRoots {
 }
 
 #[derive(Debug, Deserialize)]
-pub struct Named {
+pub struct NamedItem {
     pub name: Option<String>,
 }
 

@@ -40,21 +40,21 @@ impl<'a> Expressions<'a> {
 
     fn named(&self, name: &str, depth: usize, steps: &mut usize) -> Option<f64> {
         let text = self.texts.get(name).filter(|text| depth < MAX_DEPTH && text.len() <= MAX_LENGTH)?;
-        let mut parser = Parser { all: self, rest: text.trim(), depth, steps };
+        let mut parser = ExpressionParser { all: self, rest: text.trim(), depth, steps };
         let value = parser.sum()?;
         parser.rest.trim().is_empty().then_some(value)
     }
 }
 
 /// Recursive descent over the rest of a text.
-struct Parser<'a, 'e, 's> {
+struct ExpressionParser<'a, 'e, 's> {
     all: &'e Expressions<'a>,
     rest: &'a str,
     depth: usize,
     steps: &'s mut usize,
 }
 
-impl Parser<'_, '_, '_> {
+impl ExpressionParser<'_, '_, '_> {
     fn take(&mut self, sign: char) -> bool {
         let rest = self.rest.trim_start();
         let found = rest.strip_prefix(sign);

@@ -6,10 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::exchange::Value;
-use super::model::{Arguments, EntityFault, Frame, Model, Units};
+use super::model::{EntityArguments, EntityFault, EntityResult, Frame, Model, Units};
 use crate::geometry::Point;
-
-type Result<T> = std::result::Result<T, EntityFault>;
 
 /// Deepest nesting of assemblies.
 const MAX_LEVELS: usize = 64;
@@ -102,7 +100,7 @@ struct Tree<'m, 'a> {
 ///
 /// # Errors
 /// When a placement or unit is not understood, or the tree contains itself.
-pub fn placed_bodies(model: &Model<'_>) -> Result<Vec<PlacedBody>> {
+pub fn placed_bodies(model: &Model<'_>) -> EntityResult<Vec<PlacedBody>> {
     let mut tree = Tree {
         model,
         same: BTreeMap::new(),
@@ -143,7 +141,7 @@ fn is_representation(keyword: &str) -> bool {
 }
 
 impl Tree<'_, '_> {
-    fn read_relationships(&mut self) -> Result<()> {
+    fn read_relationships(&mut self) -> EntityResult<()> {
         let model = self.model;
         // By relationship: the representations of the component of an occurrence, and the occurrence's name.
         let mut of_component: BTreeMap<u32, (BTreeSet<u32>, String)> = BTreeMap::new();
@@ -168,7 +166,7 @@ impl Tree<'_, '_> {
             }
         }
         for instance in model.exchange.iter() {
-            let record = |name: &str| instance.record(name).map(|v| Arguments::new(instance.id, v));
+            let record = |name: &str| instance.record(name).map(|v| EntityArguments::new(instance.id, v));
             let Some(pair) = record("REPRESENTATION_RELATIONSHIP").or_else(|| {
                 record("SHAPE_REPRESENTATION_RELATIONSHIP").filter(|_| instance.records.len() == 1)
             }) else {
@@ -197,7 +195,7 @@ impl Tree<'_, '_> {
             {
                 std::mem::swap(&mut from, &mut to);
             }
-            let frame = |placement: u32, of: u32| -> Result<Frame> {
+            let frame = |placement: u32, of: u32| -> EntityResult<Frame> {
                 model.frame(items.id, placement, self.units(of)?.mm)
             };
             let placement = Placement::between(&frame(from, child)?, &frame(to, parent)?);
@@ -206,12 +204,13 @@ impl Tree<'_, '_> {
             self.parts.entry(parent).or_default().push(Occurrence { child, placement, name });
         }
         for instance in model.exchange.iter().filter(|i| is_representation(i.keyword())) {
-            let a = Arguments::new(instance.id, instance.record(instance.keyword()).unwrap_or_default());
+            let a =
+                EntityArguments::new(instance.id, instance.record(instance.keyword()).unwrap_or_default());
             for item in a.list(1).unwrap_or_default().iter().filter_map(Value::reference) {
                 let Some(mapped) = model.exchange.get(item).and_then(|i| i.record("MAPPED_ITEM")) else {
                     continue;
                 };
-                let mapped = Arguments::new(item, mapped);
+                let mapped = EntityArguments::new(item, mapped);
                 let map = model.expect(item, mapped.reference(1)?, &["REPRESENTATION_MAP"])?;
                 let child = map.reference(1)?;
                 let from = model.frame(map.id, map.reference(0)?, self.units(child)?.mm)?;
@@ -225,9 +224,9 @@ impl Tree<'_, '_> {
         Ok(())
     }
 
-    fn arguments(&self, representation: u32) -> Option<Arguments<'_, '_>> {
+    fn arguments(&self, representation: u32) -> Option<EntityArguments<'_, '_>> {
         let instance = self.model.exchange.get(representation)?;
-        Some(Arguments::new(representation, instance.record(instance.keyword())?))
+        Some(EntityArguments::new(representation, instance.record(instance.keyword())?))
     }
 
     fn has_item(&self, representation: u32, item: u32) -> bool {
@@ -239,7 +238,7 @@ impl Tree<'_, '_> {
         self.group(representation).iter().any(holds)
     }
 
-    fn units(&self, representation: u32) -> Result<Units> {
+    fn units(&self, representation: u32) -> EntityResult<Units> {
         self.model.units(self.arguments(representation).and_then(|a| a.optional(2)))
     }
 
@@ -265,7 +264,7 @@ impl Tree<'_, '_> {
         placement: &Placement,
         above: &mut Vec<u32>,
         names: &mut Vec<String>,
-    ) -> Result<()> {
+    ) -> EntityResult<()> {
         if above.contains(&id) {
             return Err(EntityFault::new(id, "is an assembly that contains itself"));
         }
@@ -311,13 +310,13 @@ impl Tree<'_, '_> {
         Ok(())
     }
 
-    fn push(&mut self, id: u32, placement: &Placement, units: Units, names: &[String]) -> Result<()> {
+    fn push(&mut self, id: u32, placement: &Placement, units: Units, names: &[String]) -> EntityResult<()> {
         if self.found.len() >= MAX_BODIES {
             return Err(EntityFault::new(id, format!("is one of more than {MAX_BODIES} bodies")));
         }
         let instance = self.model.instance(id, id)?;
         let record = instance.record("REPRESENTATION_ITEM").or_else(|| instance.record(instance.keyword()));
-        let name = Arguments::new(id, record.unwrap_or_default()).text(0);
+        let name = EntityArguments::new(id, record.unwrap_or_default()).text(0);
         let mut parents: Vec<String> = names.iter().rev().filter(|n| !n.is_empty()).cloned().collect();
         parents.dedup();
         self.found.push(PlacedBody { id, name, parents, units, placement: *placement });

@@ -6,13 +6,11 @@ use std::sync::atomic::AtomicUsize;
 use super::assembly::PlacedBody;
 use super::edges::{EdgePoints, StepFineness};
 use super::face::mesh_face;
-use super::model::{Arguments, EntityFault, Model};
+use super::model::{EntityArguments, EntityFault, EntityResult, Model};
 use super::shape::ShapeReader;
 use super::surface::Surface;
 use crate::geometry::{Point, Vector};
 use crate::mesh::TriangleMesh;
-
-type Result<T> = std::result::Result<T, EntityFault>;
 
 /// How often a body is meshed again, each time this many times finer, where borders of its faces cross.
 const RETRIES: i32 = 2;
@@ -101,7 +99,7 @@ pub fn mesh_body(
     body: &PlacedBody,
     fineness: StepFineness,
     budget: &AtomicUsize,
-) -> Result<MeshedBody> {
+) -> EntityResult<MeshedBody> {
     let reader = ShapeReader { model, units: body.units, budget };
     let (faces, solid) = faces_of(model, body.id)?;
     let mut best: Option<MeshedBody> = None;
@@ -123,9 +121,9 @@ pub fn mesh_body(
 }
 
 /// Faces of a body with whether each is reversed, and whether the body is a solid.
-fn faces_of(model: &Model<'_>, id: u32) -> Result<(Vec<(u32, bool)>, bool)> {
+fn faces_of(model: &Model<'_>, id: u32) -> EntityResult<(Vec<(u32, bool)>, bool)> {
     let instance = model.instance(id, id)?;
-    let of = |name: &str| instance.record(name).map(|v| Arguments::new(id, v));
+    let of = |name: &str| instance.record(name).map(|v| EntityArguments::new(id, v));
     let mut shells: Vec<u32> = Vec::new();
     let mut solid = true;
     // The complex form of a solid has its attributes in separate records.
@@ -150,7 +148,7 @@ fn faces_of(model: &Model<'_>, id: u32) -> Result<(Vec<(u32, bool)>, bool)> {
         let s = model.instance(id, shell)?;
         let mut record = None;
         if let Some(values) = s.record("ORIENTED_CLOSED_SHELL") {
-            let o = Arguments::new(shell, values);
+            let o = EntityArguments::new(shell, values);
             reversed = !o.is_true(3)?;
             id_of_shell = o.reference(2)?;
         } else {
@@ -160,14 +158,14 @@ fn faces_of(model: &Model<'_>, id: u32) -> Result<(Vec<(u32, bool)>, bool)> {
                 .or_else(|| s.record("CONNECTED_FACE_SET"));
         }
         let a = match record {
-            Some(values) => Arguments::new(shell, values),
+            Some(values) => EntityArguments::new(shell, values),
             None => {
                 model.expect(shell, id_of_shell, &["CLOSED_SHELL", "OPEN_SHELL", "CONNECTED_FACE_SET"])?
             }
         };
         for face in a.references(1)? {
             let oriented = model.instance(id_of_shell, face)?.record("ORIENTED_FACE");
-            match oriented.map(|v| Arguments::new(face, v)) {
+            match oriented.map(|v| EntityArguments::new(face, v)) {
                 Some(o) => faces.push((o.reference(2)?, reversed ^ !o.is_true(3)?)),
                 None => faces.push((face, reversed)),
             }
@@ -205,7 +203,7 @@ fn mesh_once(
     faces: &[(u32, bool)],
     solid: bool,
     fineness: StepFineness,
-) -> Result<MeshedBody> {
+) -> EntityResult<MeshedBody> {
     let mut edges = EdgePoints::new(reader, fineness, curved_edges(reader.model, faces));
     let mut meshed = MeshedBody {
         id: body.id,

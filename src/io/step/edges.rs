@@ -4,11 +4,9 @@ use std::collections::{HashMap, HashSet};
 use std::f64::consts::{PI, TAU};
 
 use super::curve::Curve;
-use super::model::EntityFault;
+use super::model::{EntityFault, EntityResult};
 use super::shape::ShapeReader;
 use crate::geometry::{Point, Vector};
-
-type Result<T> = std::result::Result<T, EntityFault>;
 
 /// Pieces of a straight edge of a face that is not straight, so that its triangles are not slivers.
 const STRAIGHT_PIECES: usize = 8;
@@ -55,7 +53,7 @@ impl<'m, 'a> EdgePoints<'m, 'a> {
     ///
     /// # Errors
     /// When instance `id` is neither.
-    pub fn vertex(&mut self, from: u32, id: u32) -> Result<u32> {
+    pub fn vertex(&mut self, from: u32, id: u32) -> EntityResult<u32> {
         if let Some(known) = self.vertices.get(&id) {
             return Ok(*known);
         }
@@ -76,7 +74,7 @@ impl<'m, 'a> EdgePoints<'m, 'a> {
     ///
     /// # Errors
     /// When instance `id` is not an edge, or its curve is not understood.
-    pub fn edge(&mut self, from: u32, id: u32) -> Result<Vec<u32>> {
+    pub fn edge(&mut self, from: u32, id: u32) -> EntityResult<Vec<u32>> {
         if let Some(known) = self.edges.get(&id) {
             return Ok(known.clone());
         }

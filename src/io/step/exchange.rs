@@ -114,7 +114,7 @@ impl<'a> Exchange<'a> {
 /// When the bytes are not an exchange structure of a known schema, or two instances have the same number.
 pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError> {
     let source = Source::new(name, ErrorCode::StepFile);
-    let mut parser = Parser { bytes, at: 0, values: 0 };
+    let mut parser = ExchangeParser { bytes, at: 0, values: 0 };
     if !parser.takes(b"ISO-10303-21;") {
         let what = "is not a STEP file: it does not begin with ISO-10303-21";
         return Err(source
@@ -122,7 +122,7 @@ pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError
             .with_code(ErrorCode::FileFormat));
     }
     parser.file().map_err(|fault| {
-        let Fault { at, id, what, is_schema } = fault;
+        let SyntaxFault { at, id, what, is_schema } = fault;
         let place = id.map_or(String::new(), |id| format!("#{id}: "));
         let (code, cure) = match (is_schema, at >= bytes.len()) {
             (true, _) => (ErrorCode::StepFile, READABLE),
@@ -135,7 +135,7 @@ pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError
 }
 
 /// A fault of the syntax.
-struct Fault {
+struct SyntaxFault {
     /// Byte at which it was found.
     at: usize,
     /// The instance it is in.
@@ -145,21 +145,21 @@ struct Fault {
     is_schema: bool,
 }
 
-impl Fault {
+impl SyntaxFault {
     fn new(at: usize, id: Option<u32>, what: impl Into<String>) -> Self {
         Self { at, id, what: what.into(), is_schema: false }
     }
 }
 
-struct Parser<'a> {
+struct ExchangeParser<'a> {
     bytes: &'a [u8],
     at: usize,
     values: usize,
 }
 
-impl<'a> Parser<'a> {
-    fn fault<T>(&self, what: impl Into<String>) -> Result<T, Fault> {
-        Err(Fault::new(self.at, None, what))
+impl<'a> ExchangeParser<'a> {
+    fn fault<T>(&self, what: impl Into<String>) -> Result<T, SyntaxFault> {
+        Err(SyntaxFault::new(self.at, None, what))
     }
 
     /// Skips blanks and comments, and returns the next byte; 0 at the end.
@@ -185,7 +185,7 @@ impl<'a> Parser<'a> {
         is
     }
 
-    fn expect(&mut self, byte: u8) -> Result<(), Fault> {
+    fn expect(&mut self, byte: u8) -> Result<(), SyntaxFault> {
         if self.eat(byte) {
             return Ok(());
         }
@@ -216,7 +216,7 @@ impl<'a> Parser<'a> {
         std::str::from_utf8(word).unwrap_or_default()
     }
 
-    fn keyword(&mut self) -> Result<&'a str, Fault> {
+    fn keyword(&mut self) -> Result<&'a str, SyntaxFault> {
         self.peek();
         let word = self.while_bytes(|b| b.is_ascii_alphanumeric() || b"_-!".contains(&b));
         if word.is_empty() {
@@ -226,7 +226,7 @@ impl<'a> Parser<'a> {
         Ok(word)
     }
 
-    fn number_of_instance(&mut self) -> Result<u32, Fault> {
+    fn number_of_instance(&mut self) -> Result<u32, SyntaxFault> {
         let digits = self.while_bytes(|b| b.is_ascii_digit());
         match digits.parse() {
             Ok(id) => Ok(id),
@@ -234,7 +234,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn file(&mut self) -> Result<Exchange<'a>, Fault> {
+    fn file(&mut self) -> Result<Exchange<'a>, SyntaxFault> {
         self.header()?;
         let mut instances: Vec<Instance<'a>> = Vec::new();
         // AP242 files may have several data sections.
@@ -249,9 +249,10 @@ impl<'a> Parser<'a> {
                         let at = self.at;
                         self.at += 1;
                         let id = self.number_of_instance()?;
-                        let instance = self.instance(id).map_err(|fault| Fault { id: Some(id), ..fault })?;
+                        let instance =
+                            self.instance(id).map_err(|fault| SyntaxFault { id: Some(id), ..fault })?;
                         if instances.last().is_some_and(|last| last.id == id) {
-                            return Err(Fault::new(at, Some(id), "is defined twice"));
+                            return Err(SyntaxFault::new(at, Some(id), "is defined twice"));
                         }
                         instances.extend(instance);
                     }
@@ -277,7 +278,7 @@ impl<'a> Parser<'a> {
             instances.sort_by_key(|i| i.id);
         }
         if let Some(pair) = instances.windows(2).find(|pair| pair[0].id == pair[1].id) {
-            return Err(Fault::new(0, Some(pair[0].id), "is defined twice"));
+            return Err(SyntaxFault::new(0, Some(pair[0].id), "is defined twice"));
         }
         Ok(Exchange { instances })
     }
@@ -288,7 +289,7 @@ impl<'a> Parser<'a> {
         rest.windows(word.len()).position(|w| w == word).map(|at| self.at + at + word.len())
     }
 
-    fn header(&mut self) -> Result<(), Fault> {
+    fn header(&mut self) -> Result<(), SyntaxFault> {
         if !self.takes(b"HEADER;") {
             return self.fault("lacks a header");
         }
@@ -307,7 +308,7 @@ impl<'a> Parser<'a> {
                 known = names.iter().any(|name| SCHEMAS.iter().any(|s| name.trim_start().starts_with(s)));
                 if !known {
                     let what = format!("schema {} is not known", quote_for_message(&names.join(", ")));
-                    return Err(Fault { is_schema: true, ..Fault::new(at, None, what) });
+                    return Err(SyntaxFault { is_schema: true, ..SyntaxFault::new(at, None, what) });
                 }
             }
         }
@@ -315,11 +316,11 @@ impl<'a> Parser<'a> {
             return Ok(());
         }
         let what = "schema is not named in the header (FILE_SCHEMA)";
-        Err(Fault { is_schema: true, ..Fault::new(self.at, None, what) })
+        Err(SyntaxFault { is_schema: true, ..SyntaxFault::new(self.at, None, what) })
     }
 
     /// The records of an instance behind its number; `None` for a record that is empty.
-    fn instance(&mut self, id: u32) -> Result<Option<Instance<'a>>, Fault> {
+    fn instance(&mut self, id: u32) -> Result<Option<Instance<'a>>, SyntaxFault> {
         self.expect(b'=')?;
         let mut records = Vec::with_capacity(1);
         if self.eat(b'(') {
@@ -333,12 +334,12 @@ impl<'a> Parser<'a> {
         Ok((!records.is_empty()).then_some(Instance { id, records }))
     }
 
-    fn record(&mut self) -> Result<Record<'a>, Fault> {
+    fn record(&mut self) -> Result<Record<'a>, SyntaxFault> {
         let keyword = self.keyword()?;
         Ok(Record { keyword, values: self.list(0)? })
     }
 
-    fn list(&mut self, depth: usize) -> Result<Vec<Value<'a>>, Fault> {
+    fn list(&mut self, depth: usize) -> Result<Vec<Value<'a>>, SyntaxFault> {
         self.expect(b'(')?;
         if depth > MAX_DEPTH {
             return self.fault(format!("is nested more than {MAX_DEPTH} deep"));
@@ -361,7 +362,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn value(&mut self, depth: usize) -> Result<Value<'a>, Fault> {
+    fn value(&mut self, depth: usize) -> Result<Value<'a>, SyntaxFault> {
         Ok(match self.peek() {
             b'#' => {
                 self.at += 1;
@@ -404,7 +405,7 @@ impl<'a> Parser<'a> {
     }
 
     /// A string, with its apostrophes still doubled.
-    fn text(&mut self) -> Result<&'a [u8], Fault> {
+    fn text(&mut self) -> Result<&'a [u8], SyntaxFault> {
         self.at += 1;
         let start = self.at;
         loop {

@@ -7,12 +7,11 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, PositionInTriangulation, T
 
 use super::chart::{Chart, Ring, unwrapped};
 use super::edges::{EdgePoints, StepFineness, off_line};
-use super::model::{Arguments, EntityFault};
+use super::model::{EntityArguments, EntityFault, EntityResult};
 use super::shape::ShapeReader;
 use super::surface::Surface;
 use crate::geometry::{Point, Vector};
 
-type Result<T> = std::result::Result<T, EntityFault>;
 type Plane = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// Largest number of steps between two knots.
@@ -41,8 +40,8 @@ pub struct MeshedFace {
 fn border_rings(
     reader: ShapeReader<'_, '_>,
     edges: &mut EdgePoints<'_, '_>,
-    face: &Arguments<'_, '_>,
-) -> Result<Vec<Vec<u32>>> {
+    face: &EntityArguments<'_, '_>,
+) -> EntityResult<Vec<Vec<u32>>> {
     let model = reader.model;
     let mut rings = Vec::new();
     for bound in face.references(1)? {
@@ -53,8 +52,8 @@ fn border_rings(
             continue;
         }
         let found = if let Some(values) = l.record("POLY_LOOP") {
-            let corners = Arguments::new(loop_id, values).references(1)?;
-            vec![corners.iter().map(|c| edges.vertex(loop_id, *c)).collect::<Result<Vec<u32>>>()?]
+            let corners = EntityArguments::new(loop_id, values).references(1)?;
+            vec![corners.iter().map(|c| edges.vertex(loop_id, *c)).collect::<EntityResult<Vec<u32>>>()?]
         } else {
             edge_loops(reader, edges, bound, loop_id)?
         };
@@ -79,7 +78,7 @@ fn edge_loops(
     edges: &mut EdgePoints<'_, '_>,
     from: u32,
     id: u32,
-) -> Result<Vec<Vec<u32>>> {
+) -> EntityResult<Vec<Vec<u32>>> {
     let model = reader.model;
     let mut parts: Vec<(u32, bool)> = Vec::new();
     for oriented in model.expect(from, id, &["EDGE_LOOP"])?.references(1)? {
@@ -102,7 +101,7 @@ fn edge_loops(
             }
             Ok(line)
         })
-        .collect::<Result<Vec<Vec<u32>>>>()?;
+        .collect::<EntityResult<Vec<Vec<u32>>>>()?;
     if parts.len() == before {
         return Ok(vec![lines.concat()]);
     }
@@ -137,7 +136,7 @@ pub fn mesh_face(
     edges: &mut EdgePoints<'_, '_>,
     id: u32,
     fineness: StepFineness,
-) -> Result<MeshedFace> {
+) -> EntityResult<MeshedFace> {
     let a = reader.model.expect(id, id, &["ADVANCED_FACE", "FACE_SURFACE", "FACE"])?;
     let same = a.is_true(3).unwrap_or(true);
     let mut rings = border_rings(reader, edges, &a)?;
@@ -350,9 +349,9 @@ fn triangulate(
     rings: &[Ring],
     edges: &mut EdgePoints<'_, '_>,
     fineness: StepFineness,
-    spend: impl Fn(usize) -> Result<()>,
+    spend: impl Fn(usize) -> EntityResult<()>,
     normals: &mut Vec<(u32, Vector)>,
-) -> Result<(Vec<[u32; 3]>, bool)> {
+) -> EntityResult<(Vec<[u32; 3]>, bool)> {
     let mut plane = Plane::new();
     let mut crossing = false;
     let mut owner: Vec<u32> = Vec::new();

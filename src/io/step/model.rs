@@ -89,21 +89,22 @@ impl Frame {
 
 /// The arguments of an instance, with faults that name it.
 #[derive(Clone, Copy)]
-pub struct Arguments<'m, 'a> {
+pub struct EntityArguments<'m, 'a> {
     /// The instance's number.
     pub id: u32,
     values: &'m [Value<'a>],
 }
 
-type Result<T> = std::result::Result<T, EntityFault>;
+/// What a reader of instances returns.
+pub type EntityResult<T> = Result<T, EntityFault>;
 
-impl<'m, 'a> Arguments<'m, 'a> {
+impl<'m, 'a> EntityArguments<'m, 'a> {
     /// Arguments of instance `id`.
     pub fn new(id: u32, values: &'m [Value<'a>]) -> Self {
         Self { id, values }
     }
 
-    fn get<T>(&self, at: usize, kind: &str, of: impl Fn(&'m Value<'a>) -> Option<T>) -> Result<T> {
+    fn get<T>(&self, at: usize, kind: &str, of: impl Fn(&'m Value<'a>) -> Option<T>) -> EntityResult<T> {
         self.values
             .get(at)
             .and_then(of)
@@ -111,7 +112,10 @@ impl<'m, 'a> Arguments<'m, 'a> {
     }
 
     /// A reference.
-    pub fn reference(&self, at: usize) -> Result<u32> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn reference(&self, at: usize) -> EntityResult<u32> {
         self.get(at, "a reference", Value::reference)
     }
 
@@ -121,12 +125,18 @@ impl<'m, 'a> Arguments<'m, 'a> {
     }
 
     /// A number.
-    pub fn number(&self, at: usize) -> Result<f64> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn number(&self, at: usize) -> EntityResult<f64> {
         self.get(at, "a number", Value::number)
     }
 
     /// A whole number from 0 to `most`.
-    pub fn count(&self, at: usize, most: usize) -> Result<usize> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn count(&self, at: usize, most: usize) -> EntityResult<usize> {
         let x = self.number(at)?;
         if x.fract() == 0.0 && (0.0..=most as f64).contains(&x) {
             return Ok(x as usize);
@@ -135,24 +145,36 @@ impl<'m, 'a> Arguments<'m, 'a> {
     }
 
     /// A list.
-    pub fn list(&self, at: usize) -> Result<&'m [Value<'a>]> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn list(&self, at: usize) -> EntityResult<&'m [Value<'a>]> {
         self.get(at, "a list", Value::list)
     }
 
     /// A list of references.
-    pub fn references(&self, at: usize) -> Result<Vec<u32>> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn references(&self, at: usize) -> EntityResult<Vec<u32>> {
         let fault = || EntityFault::new(self.id, format!("argument {} is not a list of references", at + 1));
         self.list(at)?.iter().map(|v| v.reference().ok_or_else(fault)).collect()
     }
 
     /// A list of numbers.
-    pub fn numbers(&self, at: usize) -> Result<Vec<f64>> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn numbers(&self, at: usize) -> EntityResult<Vec<f64>> {
         let fault = || EntityFault::new(self.id, format!("argument {} is not a list of numbers", at + 1));
         self.list(at)?.iter().map(|v| v.number().ok_or_else(fault)).collect()
     }
 
     /// A logical value; unknown counts as false.
-    pub fn is_true(&self, at: usize) -> Result<bool> {
+    ///
+    /// # Errors
+    /// When the argument is not one.
+    pub fn is_true(&self, at: usize) -> EntityResult<bool> {
         self.get(at, "a logical value", Value::word).map(|word| word == "T")
     }
 
@@ -181,7 +203,7 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When the file does not have it.
-    pub fn instance(&self, from: u32, id: u32) -> Result<&Instance<'a>> {
+    pub fn instance(&self, from: u32, id: u32) -> EntityResult<&Instance<'a>> {
         let missing = || EntityFault::new(from, format!("refers to #{id}, which the file does not have"));
         self.exchange.get(id).ok_or_else(missing)
     }
@@ -190,29 +212,29 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When it is missing or something else.
-    pub fn expect(&self, from: u32, id: u32, keywords: &[&str]) -> Result<Arguments<'_, 'a>> {
+    pub fn expect(&self, from: u32, id: u32, keywords: &[&str]) -> EntityResult<EntityArguments<'_, 'a>> {
         let instance = self.instance(from, id)?;
         let record = instance.records.iter().find(|r| keywords.contains(&r.keyword));
         let wrong = || {
             let is = quote_for_message(instance.keyword());
             EntityFault::new(id, format!("is {is} where #{from} needs {}", keywords[0]))
         };
-        record.map(|r| Arguments { id, values: &r.values }).ok_or_else(wrong)
+        record.map(|r| EntityArguments { id, values: &r.values }).ok_or_else(wrong)
     }
 
     /// All records with a keyword, with their instances' numbers.
-    pub fn all(&self, keyword: &'static str) -> impl Iterator<Item = Arguments<'_, 'a>> {
+    pub fn all(&self, keyword: &'static str) -> impl Iterator<Item = EntityArguments<'_, 'a>> {
         let of = move |r: &&Record<'_>| r.keyword == keyword;
-        self.exchange
-            .iter()
-            .filter_map(move |i| i.records.iter().find(of).map(|r| Arguments { id: i.id, values: &r.values }))
+        self.exchange.iter().filter_map(move |i| {
+            i.records.iter().find(of).map(|r| EntityArguments { id: i.id, values: &r.values })
+        })
     }
 
     /// A point, mm.
     ///
     /// # Errors
     /// When instance `id` is not a point within 1,000,000 mm.
-    pub fn point(&self, from: u32, id: u32, mm: f64) -> Result<Point> {
+    pub fn point(&self, from: u32, id: u32, mm: f64) -> EntityResult<Point> {
         let x = self.expect(from, id, &["CARTESIAN_POINT"])?.numbers(1)?;
         let at = |k: usize| x.get(k).copied().unwrap_or(0.0) * mm;
         let p = Point::new(at(0), at(1), at(2));
@@ -229,7 +251,7 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When instance `id` is not a direction, or has no length.
-    pub fn direction(&self, from: u32, id: u32) -> Result<Vector> {
+    pub fn direction(&self, from: u32, id: u32) -> EntityResult<Vector> {
         let x = self.expect(from, id, &["DIRECTION"])?.numbers(1)?;
         let at = |k: usize| x.get(k).copied().unwrap_or(0.0);
         let none = || EntityFault::new(id, "has no direction");
@@ -240,7 +262,7 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When instance `id` is not a vector of some length.
-    pub fn vector(&self, from: u32, id: u32, mm: f64) -> Result<Vector> {
+    pub fn vector(&self, from: u32, id: u32, mm: f64) -> EntityResult<Vector> {
         let a = self.expect(from, id, &["VECTOR"])?;
         let length = a.number(2)? * mm;
         if !(length.abs() > 1e-12 && length.abs() <= MAX_COORDINATE) {
@@ -253,7 +275,7 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When instance `id` is not a placement.
-    pub fn frame(&self, from: u32, id: u32, mm: f64) -> Result<Frame> {
+    pub fn frame(&self, from: u32, id: u32, mm: f64) -> EntityResult<Frame> {
         let a = self.expect(from, id, &["AXIS2_PLACEMENT_3D", "AXIS1_PLACEMENT"])?;
         let origin = self.point(id, a.reference(1)?, mm)?;
         let of = |at: usize, default: Vector| match a.optional(at) {
@@ -269,13 +291,13 @@ impl<'a> Model<'a> {
     ///
     /// # Errors
     /// When a unit is not understood.
-    pub fn units(&self, context: Option<u32>) -> Result<Units> {
+    pub fn units(&self, context: Option<u32>) -> EntityResult<Units> {
         let own =
             context.and_then(|id| Some((id, self.exchange.get(id)?.record("GLOBAL_UNIT_ASSIGNED_CONTEXT")?)));
         let any = || self.all("GLOBAL_UNIT_ASSIGNED_CONTEXT").next().map(|a| (a.id, a.values));
         let Some((id, values)) = own.or_else(any) else { return Ok(Units::default()) };
         let mut units = Units::default();
-        for unit in Arguments::new(id, values).references(0)? {
+        for unit in EntityArguments::new(id, values).references(0)? {
             let instance = self.instance(id, unit)?;
             if instance.record("LENGTH_UNIT").is_some() {
                 units.mm = 1e3 * self.size_of_unit(id, unit, 0)?;
@@ -287,10 +309,10 @@ impl<'a> Model<'a> {
     }
 
     /// A unit in metres or radians.
-    fn size_of_unit(&self, from: u32, id: u32, depth: usize) -> Result<f64> {
+    fn size_of_unit(&self, from: u32, id: u32, depth: usize) -> EntityResult<f64> {
         let instance = self.instance(from, id)?;
         if let Some(values) = instance.record("SI_UNIT") {
-            let prefix = Arguments { id, values }.value(0).and_then(Value::word);
+            let prefix = EntityArguments { id, values }.value(0).and_then(Value::word);
             let known = [("MILLI", 1e-3), ("CENTI", 1e-2), ("DECI", 0.1), ("MICRO", 1e-6), ("KILO", 1e3)];
             return match prefix {
                 None => Ok(1.0),
@@ -302,11 +324,11 @@ impl<'a> Model<'a> {
         let Some(values) = instance.record("CONVERSION_BASED_UNIT").filter(|_| depth < MAX_CHAIN) else {
             return Err(EntityFault::new(id, "is not a unit of length or angle"));
         };
-        let measure = Arguments { id, values }.reference(1)?;
+        let measure = EntityArguments { id, values }.reference(1)?;
         let a = self.instance(id, measure)?;
         let record = a.records.iter().find(|r| r.keyword.ends_with("MEASURE_WITH_UNIT"));
         let record = record.ok_or_else(|| EntityFault::new(measure, "is not a measure with a unit"))?;
-        let a = Arguments { id: measure, values: &record.values };
+        let a = EntityArguments { id: measure, values: &record.values };
         let size = a.number(0)? * self.size_of_unit(measure, a.reference(1)?, depth + 1)?;
         if !(1e-7..=1e4).contains(&size) {
             return Err(EntityFault::new(measure, format!("a unit of {size} is not plausible")));

@@ -5,13 +5,11 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use super::curve::Curve;
 use super::exchange::{Instance, Value};
-use super::model::{Arguments, EntityFault, MAX_CHAIN, Model, Units};
+use super::model::{EntityArguments, EntityFault, EntityResult, MAX_CHAIN, Model, Units};
 use super::nurbs::{Knots, MAX_DEGREE, NurbsCurve, NurbsSurface};
 use super::surface::{Revolved, Surface};
 use crate::geometry::Point;
 use crate::io::source::{MAX_COORDINATE, quote_for_message};
-
-type Result<T> = std::result::Result<T, EntityFault>;
 
 /// Largest number of control points of a curve or surface.
 const MAX_CONTROL: usize = 1_000_000;
@@ -22,11 +20,11 @@ const WEIGHTS: std::ops::RangeInclusive<f64> = 1e-9..=1e9;
 
 /// The arguments of a B-spline in its simple or its complex form.
 struct SplineArguments<'m, 'a> {
-    own: Arguments<'m, 'a>,
+    own: EntityArguments<'m, 'a>,
     /// Index of the first argument of the B-spline in `own`.
     first: usize,
-    knots: Option<(Arguments<'m, 'a>, usize)>,
-    weights: Option<Arguments<'m, 'a>>,
+    knots: Option<(EntityArguments<'m, 'a>, usize)>,
+    weights: Option<EntityArguments<'m, 'a>>,
     /// Whether knots are uniform, Bézier, or quasi-uniform, where there are none.
     kind: &'static str,
 }
@@ -34,7 +32,7 @@ struct SplineArguments<'m, 'a> {
 /// `what` is `B_SPLINE_CURVE` or `B_SPLINE_SURFACE`, with `count` arguments behind its name.
 fn spline<'m, 'a>(instance: &'m Instance<'a>, what: &str, count: usize) -> Option<SplineArguments<'m, 'a>> {
     let id = instance.id;
-    let record = |name: &str| instance.record(name).map(|values| Arguments::new(id, values));
+    let record = |name: &str| instance.record(name).map(|values| EntityArguments::new(id, values));
     let weights = record(&format!("RATIONAL_{what}"));
     let with_knots = record(&format!("{what}_WITH_KNOTS"));
     let tail = what.strip_prefix("B_SPLINE_").unwrap_or_default();
@@ -53,7 +51,7 @@ fn spline<'m, 'a>(instance: &'m Instance<'a>, what: &str, count: usize) -> Optio
 
 impl SplineArguments<'_, '_> {
     /// Knots of parameter `which` of `of` (1 for a curve, 2 for a surface).
-    fn knots(&self, which: usize, of: usize, degree: usize, count: usize) -> Result<Knots> {
+    fn knots(&self, which: usize, of: usize, degree: usize, count: usize) -> EntityResult<Knots> {
         let id = self.own.id;
         let fault = |what: String| EntityFault::new(id, what);
         let knots = match &self.knots {
@@ -109,23 +107,23 @@ impl ShapeReader<'_, '_> {
     ///
     /// # Errors
     /// When nothing is left: instances refer to others so often that the file would take too long.
-    pub fn spend(&self, id: u32, work: usize) -> Result<()> {
+    pub fn spend(&self, id: u32, work: usize) -> EntityResult<()> {
         let left = self.budget.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(work));
         left.map(|_| ()).map_err(|_| EntityFault::new(id, format!("takes the file beyond {MAX_WORK} points")))
     }
 
-    fn length(&self, a: &Arguments<'_, '_>, at: usize) -> Result<f64> {
+    fn length(&self, a: &EntityArguments<'_, '_>, at: usize) -> EntityResult<f64> {
         let x = a.number(at)? * self.units.mm;
         let beyond = || EntityFault::new(a.id, format!("argument {} is a length of {x} mm", at + 1));
         if x.abs() <= MAX_COORDINATE { Ok(x) } else { Err(beyond()) }
     }
 
-    fn radius(&self, a: &Arguments<'_, '_>, at: usize) -> Result<f64> {
+    fn radius(&self, a: &EntityArguments<'_, '_>, at: usize) -> EntityResult<f64> {
         let r = self.length(a, at)?;
         if r > 0.0 { Ok(r) } else { Err(EntityFault::new(a.id, format!("has a radius of {r} mm"))) }
     }
 
-    fn weighted(&self, from: u32, point: &Value<'_>, weight: f64) -> Result<[f64; 4]> {
+    fn weighted(&self, from: u32, point: &Value<'_>, weight: f64) -> EntityResult<[f64; 4]> {
         let id = point
             .reference()
             .ok_or_else(|| EntityFault::new(from, "has a control point that is not a CARTESIAN_POINT"))?;
@@ -140,11 +138,11 @@ impl ShapeReader<'_, '_> {
     ///
     /// # Errors
     /// When it is not a curve that is understood.
-    pub fn curve(&self, from: u32, id: u32) -> Result<Curve> {
+    pub fn curve(&self, from: u32, id: u32) -> EntityResult<Curve> {
         self.curve_within(from, id, 0)
     }
 
-    fn curve_within(&self, from: u32, id: u32, depth: usize) -> Result<Curve> {
+    fn curve_within(&self, from: u32, id: u32, depth: usize) -> EntityResult<Curve> {
         if depth > MAX_CHAIN {
             return Err(EntityFault::new(id, "is part of a chain of curves without end"));
         }
@@ -153,7 +151,7 @@ impl ShapeReader<'_, '_> {
             return self.spline_curve(&a);
         }
         let keyword = instance.keyword();
-        let a = Arguments::new(id, instance.record(keyword).unwrap_or_default());
+        let a = EntityArguments::new(id, instance.record(keyword).unwrap_or_default());
         let mm = self.units.mm;
         let frame = |at: usize| self.model.frame(id, a.reference(at)?, mm);
         Ok(match keyword {
@@ -174,7 +172,7 @@ impl ShapeReader<'_, '_> {
                     return Err(EntityFault::new(id, "has fewer than two points"));
                 }
                 let point = |p: &u32| self.model.point(id, *p, mm);
-                Curve::Polyline(points.iter().map(point).collect::<Result<Vec<Point>>>()?)
+                Curve::Polyline(points.iter().map(point).collect::<EntityResult<Vec<Point>>>()?)
             }
             "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" | "BOUNDED_SURFACE_CURVE" => {
                 self.curve_within(id, a.reference(1)?, depth + 1)?
@@ -201,7 +199,7 @@ impl ShapeReader<'_, '_> {
         })
     }
 
-    fn spline_curve(&self, a: &SplineArguments<'_, '_>) -> Result<Curve> {
+    fn spline_curve(&self, a: &SplineArguments<'_, '_>) -> EntityResult<Curve> {
         let id = a.own.id;
         let degree = a.own.count(a.first, MAX_DEGREE)?;
         let points = a.own.list(a.first + 1)?;
@@ -212,17 +210,17 @@ impl ShapeReader<'_, '_> {
         self.spend(id, points.len())?;
         let weight = |k: usize| weights.as_ref().and_then(|w| w.get(k)).copied().unwrap_or(1.0);
         let control = points.iter().enumerate().map(|(k, p)| self.weighted(id, p, weight(k)));
-        let control = control.collect::<Result<Vec<_>>>()?;
+        let control = control.collect::<EntityResult<Vec<_>>>()?;
         Ok(Curve::Nurbs(NurbsCurve { knots: a.knots(0, 1, degree, points.len())?, control }))
     }
 
-    fn trimmed(&self, a: &Arguments<'_, '_>, depth: usize) -> Result<Curve> {
+    fn trimmed(&self, a: &EntityArguments<'_, '_>, depth: usize) -> EntityResult<Curve> {
         let curve = self.curve_within(a.id, a.reference(1)?, depth + 1)?;
         let (scale, offset) = match &curve {
             Curve::Ellipse(..) => (self.units.rad, 0.0),
             _ => (1.0, 0.0),
         };
-        let end = |at: usize| -> Result<f64> {
+        let end = |at: usize| -> EntityResult<f64> {
             let values = a.list(at)?;
             let parameter =
                 values.iter().find_map(|v| if v.reference().is_none() { v.number() } else { None });
@@ -253,11 +251,11 @@ impl ShapeReader<'_, '_> {
     ///
     /// # Errors
     /// When it is not a surface that is understood.
-    pub fn surface(&self, from: u32, id: u32) -> Result<Surface> {
+    pub fn surface(&self, from: u32, id: u32) -> EntityResult<Surface> {
         self.surface_within(from, id, 0)
     }
 
-    fn surface_within(&self, from: u32, id: u32, depth: usize) -> Result<Surface> {
+    fn surface_within(&self, from: u32, id: u32, depth: usize) -> EntityResult<Surface> {
         if depth > MAX_CHAIN {
             return Err(EntityFault::new(id, "is part of a chain of surfaces without end"));
         }
@@ -266,7 +264,7 @@ impl ShapeReader<'_, '_> {
             return self.spline_surface(&a);
         }
         let keyword = instance.keyword();
-        let a = Arguments::new(id, instance.record(keyword).unwrap_or_default());
+        let a = EntityArguments::new(id, instance.record(keyword).unwrap_or_default());
         let mm = self.units.mm;
         let frame = |at: usize| self.model.frame(id, a.reference(at)?, mm);
         Ok(match keyword {
@@ -306,7 +304,7 @@ impl ShapeReader<'_, '_> {
         })
     }
 
-    fn spline_surface(&self, a: &SplineArguments<'_, '_>) -> Result<Surface> {
+    fn spline_surface(&self, a: &SplineArguments<'_, '_>) -> EntityResult<Surface> {
         let id = a.own.id;
         let wrong = || EntityFault::new(id, "has a net of control points or weights of a wrong size");
         let degrees = [a.own.count(a.first, MAX_DEGREE)?, a.own.count(a.first + 1, MAX_DEGREE)?];

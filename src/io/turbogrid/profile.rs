@@ -36,7 +36,7 @@ enum Mark {
 }
 
 /// One closed profile loop.
-struct Loop {
+struct ProfileLoop {
     line: usize,
     points: Vec<(Point, Mark)>,
 }
@@ -45,7 +45,7 @@ struct Loop {
 struct ProfileBlade {
     name: String,
     line: usize,
-    loops: Vec<Loop>,
+    loops: Vec<ProfileLoop>,
 }
 
 /// Reads main blade and splitters of a profile file; `line` is its line in the `.inf` file.
@@ -101,7 +101,7 @@ fn blades(source: Source<'_>, text: &str, frame: TurboGridFrame) -> Result<Vec<P
             }
             span = percent.unwrap_or(span);
             if let Some(blade) = blades.last_mut() {
-                blade.loops.push(Loop { line, points: Vec::new() });
+                blade.loops.push(ProfileLoop { line, points: Vec::new() });
             }
         } else if !row.is_empty() && !row.starts_with(['#', '!']) {
             let (point, token) = frame.point(source, line, row)?;
@@ -217,7 +217,7 @@ impl SplitBlade {
 /// Splits a loop at its edges into the sides of smaller and of larger θ.
 fn split(
     source: Source<'_>,
-    mut profile: Loop,
+    mut profile: ProfileLoop,
     ruler: &Ruler,
     span: f64,
 ) -> Result<[Vec<Point>; 2], InputError> {

@@ -136,7 +136,7 @@ struct RevolvedMesher {
 }
 
 /// Points of a ring: (index of the first, their number; one on the axis).
-type Ring = (u32, u32);
+type PointRing = (u32, u32);
 
 impl RevolvedMesher {
     /// Chooses the number of steps so that the sagitta at the radius `widest` stays within `error`, mm.
@@ -150,7 +150,7 @@ impl RevolvedMesher {
         TAU * (j % self.steps) as f64 / self.steps as f64
     }
 
-    fn ring(&mut self, p: Meridional) -> Ring {
+    fn ring(&mut self, p: Meridional) -> PointRing {
         let first = self.solid.points.len() as u32;
         if p.r < SAME {
             self.solid.points.push(Point::new(0.0, 0.0, p.z));
@@ -163,7 +163,7 @@ impl RevolvedMesher {
     }
 
     /// Adds the face through rings, each given with its meridional normal.
-    fn add(&mut self, kind: FaceKind, rings: &[(Ring, Meridional)]) {
+    fn add(&mut self, kind: FaceKind, rings: &[(PointRing, Meridional)]) {
         let columns = self.steps + 1;
         let points = rings
             .iter()

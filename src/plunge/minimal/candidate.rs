@@ -62,8 +62,8 @@ impl RowCandidate {
         if count == 0.0 || budget >= self.uncut_cost(scale) {
             return f64::INFINITY;
         }
-        // Inverse of cost(l) = cost(0) + n/N·(l·(1 + 2·mean(e)/scale) + l²/scale) over the n covered ones of N
-        // strips.
+        // Inverse of cost(l) = cost(0) + n/N·(l·(1 + 2·mean(e)/scale) + l²/scale) over the n covered ones of
+        // N strips.
         let half = 0.5 * (scale + 2.0 * sum / count);
         (half * half + scale * spare * STRIPS as f64 / count).sqrt() - half
     }
@@ -315,8 +315,8 @@ impl CandidateMaker<'_> {
         }
     }
 
-    /// Why none of these stations is long enough; of those with only the holder in the way, the least overhang
-    /// that would do.
+    /// Why none of these stations is long enough; of those with only the holder in the way, the least
+    /// overhang that would do.
     pub fn why_too_short<'s>(&self, stations: impl Iterator<Item = &'s Station>) -> DropCause {
         let Some(rule) = &self.assembly else { return DropReason::Overhang.into() };
         let cause = |station: &Station| {

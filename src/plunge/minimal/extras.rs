@@ -68,7 +68,7 @@ struct CoarseProbe {
 
 /// How far an entry of the pool has been evaluated.
 #[derive(Clone, Debug)]
-enum Evaluation {
+enum PoolStage {
     /// A foot, with the few axes of the coarse evaluation.
     Foot(Vec<CoarseProbe>),
     /// One axis, blades and contact not checked.
@@ -94,16 +94,16 @@ struct PoolEntry {
     s: f64,
     /// Number of added plunges at the last evaluation; `None` when it has to be evaluated anyway.
     seen: Option<usize>,
-    look: Evaluation,
+    look: PoolStage,
 }
 
 impl PoolEntry {
     /// Approximate position.
     fn foot(&self) -> Option<&Point> {
         match &self.look {
-            Evaluation::Foot(few) => few.first().map(|probe| &probe.cutter.tip),
-            Evaluation::Axis(station) | Evaluation::Clear(station) => Some(&station.tip),
-            Evaluation::ContactLimited { station, .. } | Evaluation::Plunge { station, .. } => {
+            PoolStage::Foot(few) => few.first().map(|probe| &probe.cutter.tip),
+            PoolStage::Axis(station) | PoolStage::Clear(station) => Some(&station.tip),
+            PoolStage::ContactLimited { station, .. } | PoolStage::Plunge { station, .. } => {
                 Some(&station.tip)
             }
         }
@@ -112,8 +112,8 @@ impl PoolEntry {
     /// Its station, if contact limits that.
     fn contact_limited_station(&self) -> Option<Station> {
         match self.look {
-            Evaluation::ContactLimited { station, .. } => Some(station),
-            Evaluation::Plunge { station, lift } if lift > 0.0 => Some(station),
+            PoolStage::ContactLimited { station, .. } => Some(station),
+            PoolStage::Plunge { station, lift } if lift > 0.0 => Some(station),
             _ => None,
         }
     }
@@ -177,7 +177,7 @@ impl<'a> ExtraSearch<'a> {
             let few =
                 maker.axis_fan(s, (0..LEAD_COUNT).step_by(2).map(lead_rad), &COARSE_TILT_SHARES).into_iter();
             let probe = |station| CoarseProbe { cutter: maker.maker.cutter(&station), gain: f64::INFINITY };
-            let look = Evaluation::Foot(few.map(probe).collect());
+            let look = PoolStage::Foot(few.map(probe).collect());
             search.with_current_gain(PoolEntry {
                 gain: f64::INFINITY,
                 order: (index, 0),
@@ -227,7 +227,7 @@ impl<'a> ExtraSearch<'a> {
                 self.heap.push(best);
                 break;
             }
-            let Evaluation::Plunge { station, lift } = best.look else {
+            let PoolStage::Plunge { station, lift } = best.look else {
                 self.heap.push(best);
                 self.refine_top(columns);
                 continue;
@@ -253,7 +253,7 @@ impl<'a> ExtraSearch<'a> {
             if let Some(station) = extra.contact_limited_station()
                 && added.any_near(&station.tip, 0)
             {
-                (extra.look, extra.gain, extra.seen) = (Evaluation::Clear(station), f64::INFINITY, None);
+                (extra.look, extra.gain, extra.seen) = (PoolStage::Clear(station), f64::INFINITY, None);
                 self.waiting.push(extra);
             }
         }
@@ -283,7 +283,7 @@ impl<'a> ExtraSearch<'a> {
             if changed(&station.tip) { self.gain(row, station, lift).cost } else { before }
         };
         let (gain, least) = match &mut extra.look {
-            Evaluation::Foot(few) => {
+            PoolStage::Foot(few) => {
                 let part = self.rows[row].maker.part;
                 for probe in few.iter_mut().filter(|probe| changed(&probe.cutter.tip)) {
                     probe.gain = self.floor.gain(part, &probe.cutter).cost;
@@ -292,10 +292,8 @@ impl<'a> ExtraSearch<'a> {
                 let most = few.iter().map(|probe| probe.gain).fold(0.0, f64::max);
                 (GAIN_BOUND_FACTOR * most + GAIN_BOUND_MARGIN * self.min_gain, self.min_gain)
             }
-            Evaluation::Axis(station) | Evaluation::Clear(station) => {
-                (now(station, 0.0, gain), self.min_gain)
-            }
-            Evaluation::ContactLimited { station, lift } | Evaluation::Plunge { station, lift } => {
+            PoolStage::Axis(station) | PoolStage::Clear(station) => (now(station, 0.0, gain), self.min_gain),
+            PoolStage::ContactLimited { station, lift } | PoolStage::Plunge { station, lift } => {
                 (now(station, *lift, gain), 0.0)
             }
         };
@@ -312,7 +310,7 @@ impl<'a> ExtraSearch<'a> {
         while best.len() < TOP_COUNT
             && let Some(next) = self.heap.pop()
         {
-            if matches!(next.look, Evaluation::Plunge { .. }) { planned.push(next) } else { best.push(next) }
+            if matches!(next.look, PoolStage::Plunge { .. }) { planned.push(next) } else { best.push(next) }
         }
         self.heap.extend(planned);
         let again: Vec<Option<(f64, PoolEntry)>> =
@@ -349,7 +347,7 @@ impl<'a> ExtraSearch<'a> {
         let PoolEntry { row, s, order, .. } = extra;
         let makes = &self.rows[row];
         match extra.look {
-            Evaluation::Foot(_) => {
+            PoolStage::Foot(_) => {
                 // Hot spot: split so that an idle worker can steal half of it.
                 let axes = |tilts: Range<usize>| -> Vec<PoolEntry> {
                     let fan = makes.axis_fan(s, tilts.clone().map(lead_rad), &TILT_SHARES);
@@ -357,7 +355,7 @@ impl<'a> ExtraSearch<'a> {
                     let axis = |(number, station)| PoolEntry {
                         order: (order.0, from + number),
                         seen: None,
-                        look: Evaluation::Axis(station),
+                        look: PoolStage::Axis(station),
                         ..extra
                     };
                     let axes = fan.into_iter().enumerate().map(axis);
@@ -368,23 +366,23 @@ impl<'a> ExtraSearch<'a> {
                 some.extend(more);
                 some
             }
-            Evaluation::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
+            PoolStage::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
                 .maker
                 .exact(&station)
                 .filter(|station| makes.is_allowed(station))
                 .map(|station| {
                     self.checked_for_contact(
-                        PoolEntry { look: Evaluation::Clear(station), ..extra },
+                        PoolEntry { look: PoolStage::Clear(station), ..extra },
                         columns,
                         search,
                     )
                 })
                 .into_iter()
                 .collect(),
-            Evaluation::Clear(_) | Evaluation::ContactLimited { .. } => {
+            PoolStage::Clear(_) | PoolStage::ContactLimited { .. } => {
                 vec![self.checked_for_contact(extra, columns, search)]
             }
-            Evaluation::Axis(_) | Evaluation::Plunge { .. } => vec![extra],
+            PoolStage::Axis(_) | PoolStage::Plunge { .. } => vec![extra],
         }
     }
 
@@ -396,7 +394,7 @@ impl<'a> ExtraSearch<'a> {
         columns: &Columns,
         search: &mut ContactSearch,
     ) -> PoolEntry {
-        let (Evaluation::Clear(station) | Evaluation::ContactLimited { station, .. }) = extra.look else {
+        let (PoolStage::Clear(station) | PoolStage::ContactLimited { station, .. }) = extra.look else {
             return extra;
         };
         let PoolEntry { row, .. } = extra;
@@ -410,14 +408,14 @@ impl<'a> ExtraSearch<'a> {
             let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
             (lift, if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost })
         };
-        if matches!(extra.look, Evaluation::Clear(_)) {
+        if matches!(extra.look, PoolStage::Clear(_)) {
             let (lift, gain) = lifted(lines.depth_by_few(self.blank, enough));
             if gain < UNCHANGED_SHARE * free.cost {
-                return PoolEntry { gain, look: Evaluation::ContactLimited { station, lift }, ..extra };
+                return PoolEntry { gain, look: PoolStage::ContactLimited { station, lift }, ..extra };
             }
         }
         let (lift, gain) = lifted(lines.depth(self.blank, enough));
-        PoolEntry { gain, look: Evaluation::Plunge { station, lift }, ..extra }
+        PoolEntry { gain, look: PoolStage::Plunge { station, lift }, ..extra }
     }
 }
 

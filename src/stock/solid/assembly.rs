@@ -12,7 +12,7 @@ pub(super) const OVERLAP: f64 = 1e-6;
 
 /// A cylinder or cone of shank or holder.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub struct SolidSegment {
     /// Which part of the tool it belongs to.
     pub part: ToolPart,
     /// Height of its lower end above the tip, mm.
@@ -25,7 +25,7 @@ pub struct Segment {
     pub upper: f64,
 }
 
-impl Segment {
+impl SolidSegment {
     fn of(described: &AssemblySegment) -> Self {
         let part = match described.part {
             AssemblyPart::Shank => ToolPart::Shank,
@@ -52,7 +52,7 @@ pub struct SolidTool {
     /// Radius of the core, which has no cutting edge, mm; 0 where there is none.
     pub core_radius: f64,
     /// Shank and holder, from the cutter to the spindle.
-    pub segments: Vec<Segment>,
+    pub segments: Vec<SolidSegment>,
 }
 
 impl SolidTool {
@@ -71,11 +71,11 @@ impl SolidTool {
         let described = tool.assembly.segments(tool.overhang);
         let shank = described.iter().find(|segment| segment.part == AssemblyPart::Shank);
         let cutting_length = shank.map_or(tool.overhang, |shank| shank.from).max(tool.corner_radius);
-        let mut segments: Vec<Segment> = described.iter().map(Segment::of).collect();
+        let mut segments: Vec<SolidSegment> = described.iter().map(SolidSegment::of).collect();
         if tool.assembly.holder.is_empty() && assumes_holder {
             let radius = 0.5 * tool.holder_diameter();
             let (part, from) = (ToolPart::Holder, tool.overhang);
-            segments.push(Segment { part, from, length: ENDLESS, lower: radius, upper: radius });
+            segments.push(SolidSegment { part, from, length: ENDLESS, lower: radius, upper: radius });
         }
         Self {
             number: tool.number,

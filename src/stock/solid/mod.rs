@@ -24,7 +24,7 @@ pub mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use assembly::{Segment, SolidTool};
+pub use assembly::{SolidSegment, SolidTool};
 pub use carve::Contact;
 pub use lattice::{Lattice, SolidError};
 pub use mesh_blank::{MeshBlank, MeshFault};

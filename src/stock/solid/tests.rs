@@ -331,7 +331,7 @@ fn shanks_and_tapers_are_cones() {
     let surface = StockSurface::of(&cut_with(&disc(), 0.2, &bare, &[step]).0);
     assert_near("cone", disc().volume() - surface.volume(), PI / 3.0 * 10.0 * (1.0 + top + top * top), 2e-3);
     // A shank wider than its cutter rubs where the cutter left too little room.
-    let segment = Segment { part: ToolPart::Shank, from: 5.0, length: 50.0, lower: 6.0, upper: 8.0 };
+    let segment = SolidSegment { part: ToolPart::Shank, from: 5.0, length: 50.0, lower: 6.0, upper: 8.0 };
     let thin = SolidTool { cutting_length: 5.0, segments: vec![segment], ..SolidTool::of(&tool(8.0, 0.0)) };
     let (_, contacts) =
         cut_with(&disc(), 0.5, &[thin], &[plunge(0, pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]))]);

@@ -20,8 +20,8 @@ use crate::stock::solid::{
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
 
-/// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its step. Given
-/// holders count as `holder_margin` spacings of the rays thicker: stock between two rays is not seen.
+/// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its step.
+/// Given holders count as `holder_margin` spacings of the rays thicker: stock between two rays is not seen.
 ///
 /// # Errors
 /// When cancelled.

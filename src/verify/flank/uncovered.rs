@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::stock::SAMPLE_SCALLOP;
 use crate::cutting::drop_cutter::DepthSurface;
-use crate::flank::fixed_axis::{Contact, FixedAxisLimits, FixedAxisSearch, MAX_TILT};
+use crate::flank::fixed_axis::{FixedAxisLimits, FixedAxisSearch, LayerContact, MAX_TILT};
 use crate::geometry::{Meridional, Point, Vector};
 use crate::part::{FinishedPart, Workpiece};
 use crate::setup::{Setup, Tool};
@@ -71,7 +71,7 @@ impl Uncovered {
         let whole: f64 = cells.iter().map(|&cell| area_of(cell)).sum();
         // Cells with too much stock, and for those that are not fillets the contact point of a corner that
         // would cut them.
-        let left: Vec<(usize, Option<Contact>)> = cells
+        let left: Vec<(usize, Option<LayerContact>)> = cells
             .into_par_iter()
             .filter_map(|cell| {
                 let over = f64::from(heights[cell]) - stock.hub_allowance - allowed;
@@ -82,7 +82,7 @@ impl Uncovered {
                 (over > 0.0).then(|| (cell, lower().map(|(contact, _)| contact)))
             })
             .collect();
-        let mut blocks: BTreeMap<usize, (Contact, f64)> = BTreeMap::new();
+        let mut blocks: BTreeMap<usize, (LayerContact, f64)> = BTreeMap::new();
         let mut fillet = 0.0;
         for (cell, contact) in left {
             let area = area_of(cell);
@@ -93,8 +93,8 @@ impl Uncovered {
             let block = cell / grid.columns / BLOCK * grid.columns + cell % grid.columns / BLOCK;
             blocks.entry(block).or_insert((contact, 0.0)).1 += area;
         }
-        let blocks: Vec<(Contact, f64)> = blocks.into_values().collect();
-        let blocked = |(contact, area): &(Contact, f64)| {
+        let blocks: Vec<(LayerContact, f64)> = blocks.into_values().collect();
+        let blocked = |(contact, area): &(LayerContact, f64)| {
             if search.blocked(contact, &layer).is_some() { [*area, 0.0] } else { [0.0, *area] }
         };
         let judged: Vec<[f64; 2]> = blocks.par_iter().map(blocked).collect();
@@ -116,7 +116,7 @@ impl CornerBall<'_> {
     /// The contact of the ball where it is nearest to the ray from `foot` along the hub's normal `up`, and
     /// the stock it leaves there above the allowance, mm: infinite where it misses the ray. `None` where it
     /// does not fit between the blades.
-    fn contact_over(&self, foot: &Point, up: &Vector) -> Option<(Contact, f64)> {
+    fn contact_over(&self, foot: &Point, up: &Vector) -> Option<(LayerContact, f64)> {
         let hub = self.finished.hub.curve();
         let height = self.hub_allowance + self.radius;
         let (mut centre, mut normal) = (foot + up * height, *up);
@@ -140,7 +140,7 @@ impl CornerBall<'_> {
             normal = place.normal.direction_at_angle(angle);
             centre = place.point.at_angle(angle) + normal * height;
         }
-        let contact = Contact { point: centre - normal * self.radius, normal };
+        let contact = LayerContact { point: centre - normal * self.radius, normal };
         let to_centre = centre - foot;
         let along = to_centre.dot(up);
         let across = to_centre.norm_squared() - along * along;

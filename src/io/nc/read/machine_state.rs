@@ -27,7 +27,7 @@ const MAX_LISTED: usize = 10_000;
 
 /// What the coordinates of a block mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Frame {
+enum CoordinateMode {
     /// Positions of the axes, counted from the program's zero.
     Joints,
     /// The tip in program coordinates.
@@ -52,7 +52,7 @@ pub(super) struct NcState<'a> {
     dialect: Dialect,
     context: &'a ReadContext<'a>,
     out: NcReading,
-    frame: Frame,
+    frame: CoordinateMode,
     at: [Option<f64>; 3],
     angles: [Option<f64>; 2],
     vector: Option<Vector>,
@@ -82,7 +82,7 @@ impl<'a> NcState<'a> {
                 program: ClProgram { part, rounding: ROUNDING, ..ClProgram::default() },
                 ..NcReading::default()
             },
-            frame: Frame::Joints,
+            frame: CoordinateMode::Joints,
             at: [None; 3],
             angles: [None; 2],
             vector: None,
@@ -182,7 +182,7 @@ impl<'a> NcState<'a> {
     }
 
     fn set_vector(&mut self, line: usize, v: Vector) -> Result<(), InputError> {
-        if self.frame != Frame::Tip {
+        if self.frame != CoordinateMode::Tip {
             let what = "a direction of the tool while the control does not hold the tip";
             return Err(self.source.fault(line, what, "switch TCP on before"));
         }
@@ -223,13 +223,13 @@ impl<'a> NcState<'a> {
                     if needs_offset {
                         self.length_on = true;
                     }
-                    self.set_frame(Frame::Tip);
+                    self.set_frame(CoordinateMode::Tip);
                 }
                 NcWord::TipByVector if self.dialect == Dialect::Fanuc => {
                     self.length_on = true;
-                    self.set_frame(Frame::Tip);
+                    self.set_frame(CoordinateMode::Tip);
                 }
-                NcWord::TipByVector if self.frame != Frame::Tip => {
+                NcWord::TipByVector if self.frame != CoordinateMode::Tip => {
                     let what = "a vector while the control does not hold the tip";
                     return Err(self.source.fault(line, what, "switch TCP on before"));
                 }
@@ -238,15 +238,17 @@ impl<'a> NcState<'a> {
                         self.length_on = false;
                     }
                     // What ends TCP does not end a tilted plane.
-                    if self.frame == Frame::Tip {
-                        self.set_frame(Frame::Joints);
+                    if self.frame == CoordinateMode::Tip {
+                        self.set_frame(CoordinateMode::Joints);
                     }
                 }
                 NcWord::Plane(frame) => {
-                    self.set_frame(Frame::Plane(*frame));
+                    self.set_frame(CoordinateMode::Plane(*frame));
                     self.angles = [None; 2];
                 }
-                NcWord::PlaneOff if matches!(self.frame, Frame::Plane(_)) => self.set_frame(Frame::Joints),
+                NcWord::PlaneOff if matches!(self.frame, CoordinateMode::Plane(_)) => {
+                    self.set_frame(CoordinateMode::Joints)
+                }
                 NcWord::Tool(number) => self.next_tool = Some(*number),
                 NcWord::Change => self.change_tool(line)?,
                 NcWord::Speed(speed) => {
@@ -262,7 +264,7 @@ impl<'a> NcState<'a> {
         Ok(())
     }
 
-    fn set_frame(&mut self, frame: Frame) {
+    fn set_frame(&mut self, frame: CoordinateMode) {
         let retracted = self.at[2].is_none();
         self.frame = frame;
         self.at = [None; 3];
@@ -273,7 +275,7 @@ impl<'a> NcState<'a> {
     }
 
     fn set_length(&mut self, on: bool) {
-        if self.length_on != on && self.frame == Frame::Joints {
+        if self.length_on != on && self.frame == CoordinateMode::Joints {
             self.at[2] = None;
         }
         self.length_on = on;
@@ -292,12 +294,12 @@ impl<'a> NcState<'a> {
     /// Checks that neither TCP nor a plane is on.
     fn check_free(&self, line: usize, when: &str) -> Result<(), InputError> {
         match self.frame {
-            Frame::Joints => Ok(()),
-            Frame::Tip => {
+            CoordinateMode::Joints => Ok(()),
+            CoordinateMode::Tip => {
                 let what = format!("{when} while the control holds the tip");
                 Err(self.source.fault(line, what, "switch TCP off before"))
             }
-            Frame::Plane(_) => {
+            CoordinateMode::Plane(_) => {
                 let what = format!("{when} in a tilted plane");
                 Err(self.source.fault(line, what, "switch the plane off before"))
             }
@@ -418,7 +420,7 @@ impl<'a> NcState<'a> {
         };
         let [Some(x), Some(y), Some(z)] = self.at else {
             // Above the part only single axes may be positioned, and not while the control holds the tip.
-            if self.frame == Frame::Tip && self.at != [None; 3] {
+            if self.frame == CoordinateMode::Tip && self.at != [None; 3] {
                 let what = "the first position after TCP is on is not given whole";
                 return Err(self.source.fault(line, what, "give X, Y and Z in one block"));
             }
@@ -462,23 +464,23 @@ impl<'a> NcState<'a> {
             _ => None,
         };
         let (pose, joints, by_angles) = match (self.frame, angles) {
-            (Frame::Joints, angles) => {
+            (CoordinateMode::Joints, angles) => {
                 let angles = angles.ok_or_else(whole)?;
                 let zero = machine.zero(length);
                 let joints: [f64; 3] = std::array::from_fn(|i| at[i] + zero[i]);
                 let tip = machine.tip(&joints, &angles, length);
                 (Pose { tip, axis: machine.tool_axis(&angles), angles }, joints, true)
             }
-            (Frame::Tip, Some(angles)) => {
+            (CoordinateMode::Tip, Some(angles)) => {
                 let tip = Point::from(Vector::from(at));
                 let joints = machine.joints(&tip, &angles, length);
                 (Pose { tip, axis: machine.tool_axis(&angles), angles }, joints, true)
             }
-            (Frame::Tip, None) => {
+            (CoordinateMode::Tip, None) => {
                 let axis = self.vector.ok_or_else(whole)?;
                 (Pose { tip: Point::from(Vector::from(at)), axis, angles: [0.0; 2] }, [0.0; 3], false)
             }
-            (Frame::Plane([x, y, z]), _) => {
+            (CoordinateMode::Plane([x, y, z]), _) => {
                 let tip = Point::from(x * at[0] + y * at[1] + z * at[2]);
                 (Pose { tip, axis: z, angles: [0.0; 2] }, [0.0; 3], false)
             }
@@ -486,7 +488,7 @@ impl<'a> NcState<'a> {
         if by_angles {
             self.check_limits(line, &joints, &pose.angles);
         }
-        Ok(Place { pose, by_angles, joints, frame_is_joints: self.frame == Frame::Joints })
+        Ok(Place { pose, by_angles, joints, frame_is_joints: self.frame == CoordinateMode::Joints })
     }
 
     fn check_limits(&mut self, line: usize, joints: &[f64; 3], angles: &[f64; 2]) {

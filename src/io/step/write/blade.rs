@@ -1,7 +1,7 @@
 //! Blades: both sides as their own B-spline surfaces, tip and foot on shroud and hub, a blunt trailing edge
 //! straight between the sides.
 
-use super::instances::{Edge, EdgeUse, Instances, Knots};
+use super::instances::{ClampedKnots, Edge, EdgeUse, Instances};
 use super::spline::control_points;
 use crate::geometry::{Meridional, Point};
 use crate::part::{Blade, BladeSide, Impeller};
@@ -45,12 +45,12 @@ impl Net {
         Self { degree_across: if ruled { 1 } else { 3 }, rows, along, across }
     }
 
-    fn along(&self) -> Knots<'_> {
-        Knots { values: &self.along, inner: 1 }
+    fn along(&self) -> ClampedKnots<'_> {
+        ClampedKnots { values: &self.along, inner: 1 }
     }
 
-    fn across(&self) -> Knots<'_> {
-        Knots { values: &self.across, inner: 2 }
+    fn across(&self) -> ClampedKnots<'_> {
+        ClampedKnots { values: &self.across, inner: 2 }
     }
 
     /// Control points across the blade at its leading (0) or trailing edge (1).
@@ -158,7 +158,7 @@ fn tail_surface(
 ) -> (u32, crate::geometry::Vector) {
     let (a, _, across) = sides[0].derivatives(1.0, 0.5);
     let normal = (sides[1].point(1.0, 0.5) - a).cross(&across);
-    let knots = Knots { values: &[0.0, 1.0], inner: 1 };
+    let knots = ClampedKnots { values: &[0.0, 1.0], inner: 1 };
     let same = nets[0].across == nets[1].across && nets[0].degree_across == nets[1].degree_across;
     let rows: Vec<Vec<[f64; 3]>> = if same {
         nets.iter().map(|net| net.end(true).to_vec()).collect()

@@ -22,7 +22,7 @@ pub struct Edge {
 pub type EdgeUse = (Edge, bool);
 
 /// Knots of a clamped B-spline: values with multiplicities.
-pub struct Knots<'a> {
+pub struct ClampedKnots<'a> {
     /// Distinct values, increasing.
     pub values: &'a [f64],
     /// Multiplicity of the inner ones; the outer ones have degree + 1.
@@ -66,7 +66,7 @@ impl Instances {
     }
 
     /// A B-spline curve.
-    pub fn curve(&mut self, degree: usize, control: &[[f64; 3]], knots: &Knots<'_>) -> u32 {
+    pub fn curve(&mut self, degree: usize, control: &[[f64; 3]], knots: &ClampedKnots<'_>) -> u32 {
         let points: Vec<u32> = control.iter().map(|p| self.point(*p)).collect();
         let (counts, values) = knots.lists(degree);
         self.add(&format!(
@@ -76,7 +76,12 @@ impl Instances {
     }
 
     /// A B-spline surface; `control` are its rows by the first parameter.
-    pub fn surface(&mut self, degrees: [usize; 2], control: &[Vec<[f64; 3]>], knots: [&Knots<'_>; 2]) -> u32 {
+    pub fn surface(
+        &mut self,
+        degrees: [usize; 2],
+        control: &[Vec<[f64; 3]>],
+        knots: [&ClampedKnots<'_>; 2],
+    ) -> u32 {
         let rows: Vec<String> = control
             .iter()
             .map(|row| list(&row.iter().map(|p| self.point(*p)).collect::<Vec<u32>>()))
@@ -141,7 +146,7 @@ impl Instances {
     }
 }
 
-impl Knots<'_> {
+impl ClampedKnots<'_> {
     fn lists(&self, degree: usize) -> (String, String) {
         let last = self.values.len().saturating_sub(1);
         let count = |k: usize| if k == 0 || k == last { degree + 1 } else { self.inner };

@@ -1,6 +1,6 @@
 //! Hub body and shroud.
 
-use super::instances::{Edge, EdgeUse, Instances, Knots};
+use super::instances::{ClampedKnots, Edge, EdgeUse, Instances};
 use super::spline::generatrix;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::Impeller;
@@ -23,7 +23,7 @@ fn revolved(out: &mut Instances, curve: &MeridionalCurve, from: f64, to: f64) ->
     let (knots, control) = generatrix(curve, from, to);
     let end = |p: Option<&[f64; 3]>| p.map_or_else(Meridional::default, |p| Meridional { r: p[0], z: p[2] });
     let ends = [end(control.first()), end(control.last())];
-    let curve = out.curve(3, &control, &Knots { values: &knots, inner: 1 });
+    let curve = out.curve(3, &control, &ClampedKnots { values: &knots, inner: 1 });
     let (origin, z) = (out.point([0.0; 3]), out.direction([0.0, 0.0, 1.0]));
     let axis = out.add(&format!("AXIS1_PLACEMENT('',#{origin},#{z})"));
     let id = out.add(&format!("SURFACE_OF_REVOLUTION('',#{curve},#{axis})"));
