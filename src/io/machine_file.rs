@@ -9,7 +9,7 @@ use super::table::{Located, NumberRange, TomlDocument, TomlTable};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::machine::{
-    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side,
+    AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,
     TurnLink,
 };
 
@@ -184,7 +184,7 @@ fn rotary_axes(root: &TomlTable<'_>) -> Result<[RotaryAxis; 2], InputError> {
     if axes[0].letter == axes[1].letter {
         return Err(second.fault("both rotary axes have the same letter", "give A, B or C once each"));
     }
-    if axes[0].side == Side::Head && axes[1].side == Side::Table {
+    if axes[0].side == AxisSide::Head && axes[1].side == AxisSide::Table {
         let what = "a head comes before a table";
         return Err(second.fault(what, "list the axes from the workpiece to the tool: tables, then heads"));
     }
@@ -214,8 +214,8 @@ fn rotary_axis(table: &TomlTable<'_>) -> Result<RotaryAxis, InputError> {
     };
     let side = required(table, "side", table.string("side")?)?;
     let side = match side.value {
-        "table" => Side::Table,
-        "head" => Side::Head,
+        "table" => AxisSide::Table,
+        "head" => AxisSide::Head,
         other => {
             let what = format!("unknown side {}", quote_for_message(other));
             return Err(table

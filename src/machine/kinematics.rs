@@ -5,7 +5,7 @@
 //! `rot(k₁, ±t₁) · rot(k₂, ±t₂) · z`, with + for heads and − for tables, whatever the machine. The angles for
 //! a direction are Paden and Kahan's second subproblem: two solutions, one at the edge of the reach, or none.
 
-use super::model::{MachineTool, RotaryAxis, Side};
+use super::model::{AxisSide, MachineTool, RotaryAxis};
 use crate::geometry::{Point, Vector};
 
 /// Direction of the tool nearer to the first rotary axis than this counts as the pole, rad: a sixth of the
@@ -36,7 +36,7 @@ pub struct AngleSolution {
 
 impl MachineTool {
     fn sign(&self, axis: usize) -> f64 {
-        if self.rotary[axis].side == Side::Head { 1.0 } else { -1.0 }
+        if self.rotary[axis].side == AxisSide::Head { 1.0 } else { -1.0 }
     }
 
     /// `v`, given in the frame of the tool, in that of the part, at rotary positions `angles` (rad).
@@ -60,7 +60,7 @@ impl MachineTool {
     fn tip_under_heads(&self, angles: &[f64; 2], length: f64) -> Point {
         let mut tip = Point::new(0.0, 0.0, -length);
         for (axis, angle) in self.rotary.iter().zip(angles).rev() {
-            if axis.side == Side::Head {
+            if axis.side == AxisSide::Head {
                 tip = turned_about(axis, *angle, &tip);
             }
         }
@@ -72,7 +72,7 @@ impl MachineTool {
     pub fn joints(&self, tip: &Point, angles: &[f64; 2], length: f64) -> [f64; 3] {
         let mut carried = self.part.origin + tip.coords;
         for (axis, angle) in self.rotary.iter().zip(angles) {
-            if axis.side == Side::Table {
+            if axis.side == AxisSide::Table {
                 carried = turned_about(axis, *angle, &carried);
             }
         }
@@ -83,7 +83,7 @@ impl MachineTool {
     pub fn tip(&self, joints: &[f64; 3], angles: &[f64; 2], length: f64) -> Point {
         let mut tip = self.tip_under_heads(angles, length) + Vector::from(*joints);
         for (axis, angle) in self.rotary.iter().zip(angles).rev() {
-            if axis.side == Side::Table {
+            if axis.side == AxisSide::Table {
                 tip = turned_about(axis, -angle, &tip);
             }
         }

@@ -31,7 +31,7 @@ pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
 pub use kinematics::{AngleSolution, turned};
 pub use model::{
-    LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis, Side,
+    AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,
     TurnLink,
 };
 pub use motion::{

@@ -19,7 +19,7 @@ pub struct LinearAxis {
 
 /// What a rotary axis carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum AxisSide {
     /// The workpiece.
     Table,
     /// The tool.
@@ -32,7 +32,7 @@ pub struct RotaryAxis {
     /// Its letter in programs: A, B or C.
     pub letter: char,
     /// What it carries.
-    pub side: Side,
+    pub side: AxisSide,
     /// Unit vector about which a positive command turns the *body* (table or head) by the right hand, with
     /// all rotary axes at 0.
     pub direction: Vector,
@@ -176,7 +176,7 @@ impl MachineTool {
 
     /// Whether the table carries both rotary axes, so that the tool's length only shifts Z.
     pub fn is_table_only(&self) -> bool {
-        self.rotary.iter().all(|axis| axis.side == Side::Table)
+        self.rotary.iter().all(|axis| axis.side == AxisSide::Table)
     }
 }
 

@@ -2,7 +2,7 @@
 //! `xyzbc-trt-kins`, `5axiskins`, `maxkins`), rewritten from their formulas; and its own inverse.
 
 use vanecut::geometry::{Point, Vector, wrap_angle};
-use vanecut::machine::{MachineTool, RotaryAxis, Side};
+use vanecut::machine::{AxisSide, MachineTool, RotaryAxis};
 
 use super::programs::{MACHINES, machine};
 
@@ -51,7 +51,7 @@ fn b_head_c_table([x, y, z]: [f64; 3], b: f64, c: f64) -> [f64; 3] {
     [r * theta.cos() - PIVOT * b.sin(), r * theta.sin(), z - PIVOT + PIVOT * b.cos()]
 }
 
-fn rotary(letter: char, side: Side, direction: [f64; 3], point: [f64; 3]) -> RotaryAxis {
+fn rotary(letter: char, side: AxisSide, direction: [f64; 3], point: [f64; 3]) -> RotaryAxis {
     let mut axis = machine("ac-trunnion").rotary[0].clone();
     axis.letter = letter;
     axis.side = side;
@@ -71,8 +71,8 @@ fn of_axes(first: RotaryAxis, second: RotaryAxis) -> MachineTool {
 
 #[test]
 fn joints_agree_with_linuxcnc() {
-    let table = |letter, direction, point| rotary(letter, Side::Table, direction, point);
-    let head = |letter, direction| rotary(letter, Side::Head, direction, [0.0, 0.0, PIVOT]);
+    let table = |letter, direction, point| rotary(letter, AxisSide::Table, direction, point);
+    let head = |letter, direction| rotary(letter, AxisSide::Head, direction, [0.0, 0.0, PIVOT]);
     let beside = |offset: [f64; 3]| [ROT[0] + offset[0], ROT[1] + offset[1], ROT[2] + offset[2]];
     let c_table = || table('C', [0.0, 0.0, 1.0], ROT);
     let cases: [(MachineTool, ClosedForm, &str); 4] = [
