@@ -241,3 +241,43 @@ fn every_module_is_in_the_order() {
         }
     }
 }
+
+/// Names of the types that code declares, each with its line.
+fn declared_types(code: &str) -> Vec<(usize, String)> {
+    let declared = |(number, line): (usize, &str)| {
+        let item = line.trim_start();
+        // What an implementation or a trait calls its own type is indented; an alias of a module is not.
+        let kinds: &[&str] =
+            if item.len() == line.len() { &["struct", "enum", "trait", "type"] } else { &["struct", "enum"] };
+        let mut words = item.split_whitespace().skip_while(|word| word.starts_with("pub"));
+        let is_declared = words.next().is_some_and(|kind| kinds.contains(&kind));
+        let name = words.next().filter(|_| is_declared).and_then(identifier)?;
+        Some((number + 1, name))
+    };
+    code.lines().enumerate().filter_map(declared).collect()
+}
+
+#[test]
+fn names_of_types_are_unique() {
+    let mut places: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for path in MODULES.iter().flat_map(|module| sources(module)) {
+        for (line, name) in declared_types(&code(&path)) {
+            places.entry(name).or_default().push(format!("{}:{line}", path.display()));
+        }
+    }
+    assert!(places.len() > 100, "types are found");
+    let twice: Vec<String> = places
+        .into_iter()
+        .filter(|(_, places)| places.len() > 1)
+        .map(|(name, places)| format!("{name}: {}", places.join(", ")))
+        .collect();
+    assert!(twice.is_empty(), "\n{}", twice.join("\n"));
+}
+
+#[test]
+fn declarations_of_types_are_seen() {
+    let code = "pub struct Axis<T> {\n    kind: u32,\n}\npub(super) enum Side {\n}\ntype Rows = Vec<f64>;\n\
+        impl Iterator for A {\n    type Item = f64;\n    fn f() {\n        struct Local(f64);\n    }\n}";
+    let expected = [(1, "Axis"), (4, "Side"), (6, "Rows"), (10, "Local")];
+    assert_eq!(declared_types(code), expected.map(|(line, name)| (line, name.to_owned())));
+}
