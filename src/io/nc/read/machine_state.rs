@@ -247,7 +247,7 @@ impl<'a> NcState<'a> {
                     self.angles = [None; 2];
                 }
                 NcWord::PlaneOff if matches!(self.frame, CoordinateMode::Plane(_)) => {
-                    self.set_frame(CoordinateMode::Joints)
+                    self.set_frame(CoordinateMode::Joints);
                 }
                 NcWord::Tool(number) => self.next_tool = Some(*number),
                 NcWord::Change => self.change_tool(line)?,
