@@ -17,7 +17,7 @@
 //! | [`cutting`] | a cutter against part and stock: shank, holder, drop-cutter depth, links, core contact |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
-//! | [`stock`] | the heightfield of residual stock on the channel floor, its CPU kernel; the stock as a solid |
+//! | [`stock`] | the heightfield of stock left on the channel floor, its CPU kernel; the stock as a solid |
 //! | [`tradeoff`] | time against stock: which plunges of a plan are worth their time |
 //! | [`verify`] | judges any program against a part |
 //! | [`io`] | readers and writers of part, setup, program and plan files |

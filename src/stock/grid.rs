@@ -41,8 +41,8 @@ pub struct FloorGrid {
     /// Whether the cell belongs to the floor (not under a splitter, not within the blade allowance).
     pub floor: Vec<bool>,
     /// Whether any cutter used there could remove stock from the cell. None can where no more than the hub
-    /// allowance stands, as at a slanted edge of the blank, and in the corner under a wall that leans over the
-    /// cell (see [`super::reach`]).
+    /// allowance stands, as at a slanted edge of the blank, and in the corner under a wall that leans over
+    /// the cell (see [`super::reach`]).
     pub reachable: Vec<bool>,
 }
 
