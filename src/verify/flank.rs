@@ -32,6 +32,7 @@ use crate::stock::solid::Contact;
 use crate::toolpath::RAPID_MM_PER_MIN;
 use crate::toolpath::{ClProgram, Motion, Move};
 use gouge::{StepClearance, StepSurroundings};
+use standing::StandingStock;
 use steps::{CutterStep, steps_of};
 use stock::{FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};
 pub use uncovered::Uncovered;
@@ -113,8 +114,8 @@ pub fn verify_flank(
 pub struct FlankVerifier<'a> {
     workpiece: &'a Workpiece,
     setup: &'a Setup,
-    /// By how much holders keep off stock that stands, in spacings of the rays of the solid.
-    holder_margin: f64,
+    /// Search for contacts with stock that stands.
+    standing: StandingStock,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
@@ -158,14 +159,19 @@ fn step_key(step: &CutterStep) -> StepKey {
 impl<'a> FlankVerifier<'a> {
     /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, holder_margin: 0.0, tools, cache, last: None }
+        Self::with_holder_margin(workpiece, setup, 0.0)
     }
 
     /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a finer
     /// one finds nothing either.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self { holder_margin: 1.0, ..Self::new(workpiece, setup) }
+        Self::with_holder_margin(workpiece, setup, 1.0)
+    }
+
+    fn with_holder_margin(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64) -> Self {
+        let standing = StandingStock::new(holder_margin);
+        let (tools, cache) = (Vec::new(), HashMap::new());
+        Self { workpiece, setup, standing, tools, cache, last: None }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
@@ -271,7 +277,7 @@ impl<'a> FlankVerifier<'a> {
             Some(known) => known,
             None => {
                 let Workpiece { part, blank, .. } = self.workpiece;
-                standing::collisions(part, blank, &self.tools, steps, self.holder_margin, monitor)?
+                self.standing.collisions(part, blank, &self.tools, steps, monitor)?
             }
         };
         let fault = |contact: &Contact| {
@@ -295,6 +301,7 @@ impl<'a> FlankVerifier<'a> {
         if tools != self.tools {
             self.cache.clear();
             self.last = None;
+            self.standing.forget();
             self.tools = tools;
         }
         let looks = match self.examine_steps(&steps, monitor) {
