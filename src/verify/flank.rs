@@ -34,7 +34,7 @@ use crate::toolpath::{ClProgram, Motion, Move};
 use gouge::{StepClearance, StepSurroundings};
 use standing::StandingStock;
 use steps::{CutterStep, steps_of};
-use stock::{FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};
+use stock::{FloorCache, FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};
 pub use uncovered::Uncovered;
 use walls::wall_deviation;
 
@@ -116,6 +116,8 @@ pub struct FlankVerifier<'a> {
     setup: &'a Setup,
     /// Search for contacts with stock that stands.
     standing: StandingStock,
+    /// The floor, once one was cut.
+    floor: Option<FloorCache>,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
@@ -171,7 +173,7 @@ impl<'a> FlankVerifier<'a> {
     fn with_holder_margin(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64) -> Self {
         let standing = StandingStock::new(holder_margin);
         let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, standing, tools, cache, last: None }
+        Self { workpiece, setup, standing, floor: None, tools, cache, last: None }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
@@ -401,7 +403,7 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// The floor of channel `number` after its steps.
-    fn floor(&self, steps: &[CutterStep], looks: &[StepResult], number: i64) -> FloorResult {
+    fn floor(&mut self, steps: &[CutterStep], looks: &[StepResult], number: i64) -> FloorResult {
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
         let ours: Vec<&CutterStep> = here.iter().map(|&k| &steps[k]).collect();
         let place = |(index, k): (usize, &usize)| {
@@ -411,7 +413,7 @@ impl<'a> FlankVerifier<'a> {
             rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
         };
         let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
-        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places)
+        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places, &mut self.floor)
     }
 
     /// The faults of a step.
