@@ -14,6 +14,10 @@ use super::trace::{PositionTrace, TraceSums, VolumeUnit, whole_units_between};
 use crate::geometry::{Point, Vector};
 use crate::setup::Tool;
 
+mod cache;
+
+pub use cache::FieldCache;
+
 /// Depth above which a cell counts as contact of the core, mm. The kernel gets it as a constant.
 pub const CONTACT_TOLERANCE: f32 = crate::cutting::contact::CONTACT_TOLERANCE as f32;
 /// Height by which a cell must drop to count as cut, mm. The kernel gets it as a constant.
@@ -76,17 +80,38 @@ pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualFiel
             for across in 0..bins.across {
                 let mut tile = Tile::load(grid, unit, down, across);
                 seen.extend(bins.cutters_of(down, across).iter().map(|&k| tile.cut(&cutters[k as usize])));
-                tile.store(heights, across, grid.columns);
+                store(&tile.height, heights, across, grid.columns);
             }
             seen
         })
         .collect();
-    // Integer sums and maxima do not depend on how the tasks were distributed.
-    let mut sums = vec![TraceSums::default(); cutters.len()];
-    for (&k, part) in bins.list.iter().zip(seen.iter().flatten()) {
+    let traces = traces(&bins, cutters.len(), unit, seen.iter().flatten());
+    ResidualField { heights, traces }
+}
+
+/// The traces of `count` cutters, from what each tile has `seen` of its cutters, tile by tile.
+///
+/// Integer sums and maxima do not depend on how tiles were distributed over threads.
+fn traces<'a>(
+    bins: &TileBins,
+    count: usize,
+    unit: VolumeUnit,
+    seen: impl Iterator<Item = &'a TraceSums>,
+) -> Vec<PositionTrace> {
+    let mut sums = vec![TraceSums::default(); count];
+    for (&k, part) in bins.list.iter().zip(seen) {
         sums[k as usize].add(part);
     }
-    ResidualField { heights, traces: sums.iter().map(|sums| sums.trace(unit)).collect() }
+    sums.iter().map(|sums| sums.trace(unit)).collect()
+}
+
+/// Writes the heights of a tile to a row of tiles.
+fn store(tile: &[LaneRow<f32>; TILE], heights: &mut [f32], across: usize, columns: usize) {
+    let first = across * TILE;
+    let lanes = TILE.min(columns - first);
+    for (line, row) in heights.chunks_exact_mut(columns).zip(tile) {
+        line[first..first + lanes].copy_from_slice(&row[..lanes]);
+    }
 }
 
 /// The cells of one tile, by component, so that a row of them fits vector registers.
@@ -135,15 +160,6 @@ impl Tile {
             height: blank,
             floor,
             units,
-        }
-    }
-
-    /// Writes the heights to a row of tiles.
-    fn store(&self, heights: &mut [f32], across: usize, columns: usize) {
-        let first = across * TILE;
-        let lanes = TILE.min(columns - first);
-        for (row, line) in heights.chunks_exact_mut(columns).enumerate() {
-            line[first..first + lanes].copy_from_slice(&self.height[row][..lanes]);
         }
     }
 

@@ -21,7 +21,7 @@ pub mod surface;
 pub mod tiles;
 pub(crate) mod trace;
 
-pub use field::{FieldCutter, ResidualField, residual_field};
+pub use field::{FieldCache, FieldCutter, ResidualField, residual_field};
 pub use grid::{FloorGrid, FloorSource};
 pub use levels::{FieldProgram, FloorLevel, FloorLevels};
 pub use reach::CutterStretch;

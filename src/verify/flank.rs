@@ -32,8 +32,9 @@ use crate::stock::solid::Contact;
 use crate::toolpath::RAPID_MM_PER_MIN;
 use crate::toolpath::{ClProgram, Motion, Move};
 use gouge::{StepClearance, StepSurroundings};
+use standing::StandingStock;
 use steps::{CutterStep, steps_of};
-use stock::{FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};
+use stock::{FloorCache, FloorResult, ProbeSample, StockCollision, StockProbe, evaluate_floor};
 pub use uncovered::Uncovered;
 use walls::wall_deviation;
 
@@ -113,8 +114,10 @@ pub fn verify_flank(
 pub struct FlankVerifier<'a> {
     workpiece: &'a Workpiece,
     setup: &'a Setup,
-    /// By how much holders keep off stock that stands, in spacings of the rays of the solid.
-    holder_margin: f64,
+    /// Search for contacts with stock that stands.
+    standing: StandingStock,
+    /// The floor, once one was cut.
+    floor: Option<FloorCache>,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
@@ -158,14 +161,19 @@ fn step_key(step: &CutterStep) -> StepKey {
 impl<'a> FlankVerifier<'a> {
     /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, holder_margin: 0.0, tools, cache, last: None }
+        Self::with_holder_margin(workpiece, setup, 0.0)
     }
 
     /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a
     /// finer one finds nothing either.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self { holder_margin: 1.0, ..Self::new(workpiece, setup) }
+        Self::with_holder_margin(workpiece, setup, 1.0)
+    }
+
+    fn with_holder_margin(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64) -> Self {
+        let standing = StandingStock::new(holder_margin);
+        let (tools, cache) = (Vec::new(), HashMap::new());
+        Self { workpiece, setup, standing, floor: None, tools, cache, last: None }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
@@ -271,7 +279,7 @@ impl<'a> FlankVerifier<'a> {
             Some(known) => known,
             None => {
                 let Workpiece { part, blank, .. } = self.workpiece;
-                standing::collisions(part, blank, &self.tools, steps, self.holder_margin, monitor)?
+                self.standing.collisions(part, blank, &self.tools, steps, monitor)?
             }
         };
         let fault = |contact: &Contact| {
@@ -295,6 +303,7 @@ impl<'a> FlankVerifier<'a> {
         if tools != self.tools {
             self.cache.clear();
             self.last = None;
+            self.standing.forget();
             self.tools = tools;
         }
         let looks = match self.examine_steps(&steps, monitor) {
@@ -394,7 +403,7 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// The floor of channel `number` after its steps.
-    fn floor(&self, steps: &[CutterStep], looks: &[StepResult], number: i64) -> FloorResult {
+    fn floor(&mut self, steps: &[CutterStep], looks: &[StepResult], number: i64) -> FloorResult {
         let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
         let ours: Vec<&CutterStep> = here.iter().map(|&k| &steps[k]).collect();
         let place = |(index, k): (usize, &usize)| {
@@ -404,7 +413,7 @@ impl<'a> FlankVerifier<'a> {
             rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
         };
         let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
-        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places)
+        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places, &mut self.floor)
     }
 
     /// The faults of a step.

@@ -11,7 +11,7 @@ use vanecut::io::part_file::read_part;
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::setup::{Setup, Tool};
 use vanecut::toolpath::{ClProgram, ClTool, Motion, Move};
-use vanecut::verify::{FaultKind, FlankVerdict, verify_flank};
+use vanecut::verify::{FaultKind, FlankVerdict, FlankVerifier, verify_flank};
 
 /// Range of the passes, as s of the foot of the axis: beyond the hub's ends, cutters would drop too low.
 const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
@@ -293,4 +293,29 @@ fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
         moves[length - 1].tip -= up;
     }));
     assert!(!low.faults.is_empty(), "flies across the blank at the height of the floor");
+}
+
+#[test]
+fn programs_after_others_are_judged_as_by_themselves() {
+    let mut made = made(3);
+    // The holder of a short cutter meets stock.
+    made.tool.overhang = 25.0;
+    let passes: Vec<&Vec<Place>> = made.walls.iter().chain(&made.inner).collect();
+    let length = passes[0].len() + 2;
+    let program =
+        |count: usize, change: &dyn Fn(&mut Vec<Move>)| made.program(passes[..count].iter().copied(), change);
+    let programs = [
+        program(3, &|_| {}),
+        // Goes on where the first one ends.
+        program(5, &|_| {}),
+        program(5, &|moves| drop(moves.drain(3 * length + 60..3 * length + 90))),
+        program(5, &|moves| moves[length + 100].motion = Motion::Rapid),
+    ];
+    let mut verifier = FlankVerifier::new(&made.workpiece, &made.setup);
+    for program in &programs {
+        let alone = verify_flank(&made.workpiece, &made.setup, program).expect("can be judged");
+        let after = verifier.verdict(program).expect("can be judged");
+        assert!(count(&alone, FaultKind::HolderInStock) > 0, "{:#?}", shown(&alone));
+        assert_eq!(format!("{after:#?}"), format!("{alone:#?}"));
+    }
 }

@@ -33,6 +33,7 @@ pub use part::ToolPart;
 pub use player::StockPlayer;
 pub use program::{ProgramFault, SolidProgram};
 pub use revolved::TurnedOutline;
+pub use runs::MAX_RUN;
 pub use span::{Span, SpanEnd};
 pub use surface::StockSurface;
 
@@ -183,13 +184,31 @@ impl SolidStock {
         moves: &[SolidMove],
         monitor: &Monitor,
     ) -> Result<Vec<Contact>, SolidError> {
+        self.make_moves_from(0, tools, moves, monitor, |_, _, _| ())
+    }
+
+    /// As [`Self::make_moves`], for a stock in which the first `made` of `moves` are made already. `keep`
+    /// gets some states on the way: the number of moves made, the stock, and the contacts since `made`. A
+    /// program with the same moves up to [`MAX_RUN`] beyond such a state may go on from it, with the same
+    /// result as from the blank.
+    ///
+    /// # Errors
+    /// As [`Self::make_moves`].
+    pub fn make_moves_from(
+        &mut self,
+        made: usize,
+        tools: &[SolidTool],
+        moves: &[SolidMove],
+        monitor: &Monitor,
+        mut keep: impl FnMut(usize, &Self, &[Contact]),
+    ) -> Result<Vec<Contact>, SolidError> {
         let spacing = self.lattice.spacing;
         let bounds = self.lattice.bounds();
         let maker = PieceMaker { tools, tolerance: TURN_TOLERANCE * spacing, bounds, near: &self.near };
         let mut contacts = Vec::new();
         let mut pieces = Vec::new();
         let mut bodies = Vec::new();
-        let mut index = 0;
+        let mut index = made;
         while index < moves.len() {
             let (merged, count) = runs::next_run(&moves[index..], tools, RUN_TOLERANCE * spacing);
             let run = &moves[index..index + count];
@@ -210,6 +229,7 @@ impl SolidStock {
                 if self.span_count() > MAX_SPANS {
                     return Err(SolidError::Pieces(spacing));
                 }
+                keep(index, self, &contacts);
             }
         }
         Ok(carve::deepest(contacts))

@@ -25,7 +25,7 @@ pub struct ToolPose {
 }
 
 /// One move of a program.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidMove {
     /// Number of the move in its program, from 0.
     pub number: u32,

@@ -8,7 +8,7 @@ use super::assembly::SolidTool;
 use super::motion::SolidMove;
 
 /// Largest number of moves in a run.
-const MAX_RUN: usize = 64;
+pub const MAX_RUN: usize = 64;
 
 /// The cut that stands for the longest run at the beginning of `moves`, and the length of the run; 1 where
 /// the first move stands for itself: rapids, moves along the axis, tight curves.

@@ -268,6 +268,47 @@ fn the_order_of_plunges_and_the_number_of_threads_do_not_matter() {
 }
 
 #[test]
+fn a_program_goes_on_from_a_stock_kept_on_the_way() {
+    let tools = [SolidTool::of(&tool(10.0, 1.0))];
+    let monitor = Monitor::default();
+    // The states on the way, and the stock at the end.
+    let states = |moves: &[SolidMove]| {
+        let mut stock = SolidStock::new(&disc(), 3.0).expect("a stock");
+        let mut kept = Vec::new();
+        let keep = |made: usize, stock: &SolidStock, contacts: &[Contact]| {
+            kept.push((made, stock.clone(), contacts.to_vec()));
+        };
+        stock.make_moves_from(0, &tools, moves, &monitor, keep).expect("made");
+        (kept, stock)
+    };
+    // Plunges nearly up to the first state, then cuts that form runs, and rapids that meet stock.
+    let mut moves = many_plunges(CHUNK as u32);
+    moves.truncate(states(&moves).0[0].0 - 4);
+    let at =
+        |k: u32| pose([-45.0 + 0.25 * f64::from(k % 360), 0.1 * f64::from(k / 90), 6.0], [0.1, 0.0, 1.0]);
+    let count = moves.len() as u32;
+    moves.extend((0..600).map(|k| {
+        let (rapid, step) = (k % 90 == 89, feed(count + k, at(k), at(k + 1)));
+        let down = Vector::z() * if rapid { 4.0 } else { 0.0 };
+        SolidMove { rapid, to: ToolPose { tip: step.to.tip - down, ..step.to }, ..step }
+    }));
+    let (mut kept, stock) = states(&moves);
+    let (made, mut later, mut contacts) = kept.swap_remove(0);
+    assert!(made > count as usize && made + MAX_RUN < moves.len(), "the state is within the runs: {made}");
+    // Another program from the first place on that allows it.
+    let (head, tail) = moves.split_at(made + MAX_RUN);
+    let lifted = |pose: ToolPose| ToolPose { tip: pose.tip + pose.axis * 1.5, ..pose };
+    let tail = tail.iter().map(|step| SolidMove { from: lifted(step.from), to: lifted(step.to), ..*step });
+    let other: Vec<SolidMove> = head.iter().copied().chain(tail).collect();
+    contacts.extend(later.make_moves_from(made, &tools, &other, &monitor, |_, _, _| ()).expect("made"));
+    let (whole, all) = cut_with(&disc(), 3.0, &tools, &other);
+    assert_eq!(ends_of(&later), ends_of(&whole));
+    assert!(contacts.iter().any(|contact| contact.number as usize > made), "also after the state");
+    assert_eq!(carve::deepest(contacts), all);
+    assert_ne!(ends_of(&stock), ends_of(&whole), "the programs differ");
+}
+
+#[test]
 fn a_core_is_found_as_deep_as_it_is_in_stock() {
     let cutter = Tool { insert_width: 3.0, ..tool(16.0, 0.0) };
     let spacing = 0.5;

@@ -14,38 +14,102 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
 use crate::setup::Tool;
 use crate::stock::solid::{
-    Contact, SolidBlank, SolidError, SolidMove, SolidStock, SolidTool, ToolPart, ToolPose,
+    Contact, MAX_RUN, SolidBlank, SolidError, SolidMove, SolidStock, SolidTool, ToolPart, ToolPose,
 };
 
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
 
-/// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its step.
-/// Given holders count as `holder_margin` spacings of the rays thicker: stock between two rays is not seen.
-///
-/// # Errors
-/// When cancelled.
-pub(super) fn collisions(
-    part: &Impeller,
-    blank: &Blank,
-    tools: &[Tool],
-    steps: &[CutterStep],
+/// Parts of a program between which the stock is kept.
+const KEPT_PARTS: usize = 16;
+
+/// Searches programs of one part, with the same tools, for contacts with stock that stands: a program that
+/// begins as the one before goes on from the stock kept of it.
+pub(super) struct StandingStock {
+    /// By how much holders count as thicker, in spacings of the rays: stock between two rays is not seen.
     holder_margin: f64,
-    monitor: &Monitor,
-) -> Result<Vec<Contact>, Cancelled> {
-    let solid = SolidBlank::of(part, blank);
-    let (low, high) = solid.bounds();
-    let spacing = SPACING_SHARE * (high.x - low.x).max(high.y - low.y);
-    let margin = holder_margin * spacing;
-    let solid_tools: Vec<SolidTool> =
-        tools.iter().map(|tool| SolidTool::of(&with_thicker_holder(tool, margin))).collect();
-    let simulated = SolidStock::new(&solid, spacing)
-        .and_then(|mut stock| stock.make_moves(&solid_tools, &moves(part, steps), monitor));
-    match simulated {
-        Ok(contacts) => judge_cores(part, blank, tools, steps, contacts, monitor),
-        Err(SolidError::Cancelled(cancelled)) => Err(cancelled),
-        // At this spacing a blank fits the memory allowed; stock in more pieces than that is not milling.
-        Err(_) => Ok(Vec::new()),
+    /// The moves of the last program.
+    moves: Vec<SolidMove>,
+    /// The stock at some places in it, in order.
+    kept: Vec<KeptStock>,
+}
+
+/// The stock after the first moves of a program.
+struct KeptStock {
+    /// Number of moves made.
+    made: usize,
+    stock: SolidStock,
+    /// What was met in them.
+    contacts: Vec<Contact>,
+}
+
+impl StandingStock {
+    /// Before the first program.
+    pub(super) fn new(holder_margin: f64) -> Self {
+        Self { holder_margin, moves: Vec::new(), kept: Vec::new() }
+    }
+
+    /// Forgets the last program: the tools change.
+    pub(super) fn forget(&mut self) {
+        *self = Self::new(self.holder_margin);
+    }
+
+    /// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its
+    /// step. Only `steps` differ from the last call, unless [`Self::forget`] was called.
+    ///
+    /// # Errors
+    /// When cancelled.
+    pub(super) fn collisions(
+        &mut self,
+        part: &Impeller,
+        blank: &Blank,
+        tools: &[Tool],
+        steps: &[CutterStep],
+        monitor: &Monitor,
+    ) -> Result<Vec<Contact>, Cancelled> {
+        match self.simulate(part, blank, tools, moves(part, steps), monitor) {
+            Ok(contacts) => judge_cores(part, blank, tools, steps, contacts, monitor),
+            Err(SolidError::Cancelled(cancelled)) => Err(cancelled),
+            // At this spacing a blank fits the memory allowed; stock in more pieces than that is not milling.
+            Err(_) => Ok(Vec::new()),
+        }
+    }
+
+    /// Makes the moves of a program on the solid, from the last kept stock that it has in common with the
+    /// one before; their contacts.
+    fn simulate(
+        &mut self,
+        part: &Impeller,
+        blank: &Blank,
+        tools: &[Tool],
+        moves: Vec<SolidMove>,
+        monitor: &Monitor,
+    ) -> Result<Vec<Contact>, SolidError> {
+        let solid = SolidBlank::of(part, blank);
+        let (low, high) = solid.bounds();
+        let spacing = SPACING_SHARE * (high.x - low.x).max(high.y - low.y);
+        let margin = self.holder_margin * spacing;
+        let solid_tools: Vec<SolidTool> =
+            tools.iter().map(|tool| SolidTool::of(&with_thicker_holder(tool, margin))).collect();
+        let alike = self.moves.iter().zip(&moves).take_while(|(known, new)| known == new).count();
+        self.kept.retain(|kept| kept.made + MAX_RUN <= alike);
+        self.moves = moves;
+        let (made, mut stock, mut contacts) = match self.kept.last() {
+            Some(kept) => (kept.made, kept.stock.clone(), kept.contacts.clone()),
+            None => (0, SolidStock::new(&solid, spacing)?, Vec::new()),
+        };
+        let interval = self.moves.len() / KEPT_PARTS;
+        let mut next = made + interval;
+        let before = contacts.clone();
+        let keep = |made: usize, stock: &SolidStock, since: &[Contact]| {
+            if made >= next {
+                let contacts = before.iter().chain(since).copied().collect();
+                self.kept.push(KeptStock { made, stock: stock.clone(), contacts });
+                next = made + interval;
+            }
+        };
+        contacts.extend(stock.make_moves_from(made, &solid_tools, &self.moves, monitor, keep)?);
+        Ok(contacts)
     }
 }
 

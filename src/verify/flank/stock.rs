@@ -1,13 +1,15 @@
 //! Residual stock of a flank program over the floor, and collisions of rapids and holders with stock, by the
 //! heightfield.
 
+use std::sync::Arc;
+
 use super::steps::CutterStep;
 use super::uncovered::Uncovered;
 use crate::geometry::CutterSolid;
 use crate::part::Workpiece;
 use crate::setup::{Setup, Tool};
 use crate::stock::{
-    CutterStretch, FieldCutter, FloorGrid, FloorSource, ResidualStatistics, residual_field, statistics,
+    CutterStretch, FieldCache, FieldCutter, FloorGrid, FloorSource, ResidualStatistics, statistics,
 };
 
 /// Cells of the floor along either direction.
@@ -58,7 +60,7 @@ pub(super) struct FloorResult {
 
 /// Residual stock over the floor.
 struct ResidualFloor {
-    grid: FloorGrid,
+    grid: Arc<FloorGrid>,
     heights: Vec<f32>,
     /// The cutter with the smallest corner.
     finest: Tool,
@@ -76,26 +78,40 @@ impl FloorResult {
     }
 }
 
-/// Applies `steps` (of one channel) in order.
+/// The floor of a channel, with what is known of it after the last program.
+pub(super) struct FloorCache {
+    /// Radius of the cutter by which the floor was divided into cells.
+    radius: f64,
+    field: FieldCache,
+}
+
+impl FloorCache {
+    /// The floor for cutters of which `finest` has the smallest corner.
+    fn new(workpiece: &Workpiece, setup: &Setup, finest: &Tool) -> Self {
+        let radius = finest.radius();
+        let cutters = &[CutterStretch { from: 1.0, to: 0.0, radius }];
+        let source = FloorSource { workpiece, stock: &setup.allowances, cutters };
+        Self { radius, field: FieldCache::new(FloorGrid::new(&source, CELLS)) }
+    }
+}
+
+/// Applies `steps` (of one channel) in order. `cache` is `None`, or of the same workpiece and setup.
 pub(super) fn evaluate_floor(
     workpiece: &Workpiece,
     setup: &Setup,
     tools: &[Tool],
     steps: &[&CutterStep],
     places: &[ProbeSample],
+    cache: &mut Option<FloorCache>,
 ) -> FloorResult {
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
         return FloorResult { collisions: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
     };
-    let source = FloorSource {
-        workpiece,
-        stock: &setup.allowances,
-        cutters: &[CutterStretch { from: 1.0, to: 0.0, radius: finest.radius() }],
-    };
-    let grid = FloorGrid::new(&source, CELLS);
+    let known = cache.take().filter(|known| known.radius == finest.radius());
+    let cache = cache.insert(known.unwrap_or_else(|| FloorCache::new(workpiece, setup, finest)));
     let (cutters, owners) = sweep_cutters(tools, steps, places);
-    let field = residual_field(&grid, &cutters);
+    let field = cache.field.residual_field(cutters);
     let mut struck: Vec<StockCollision> = Vec::new();
     let (mut removed, mut depths): (f64, Vec<(f64, usize)>) = (0.0, Vec::new());
     for (trace, owner) in field.traces.iter().zip(&owners) {
@@ -120,7 +136,11 @@ pub(super) fn evaluate_floor(
             }
         }
     }
-    let left = ResidualFloor { grid, heights: field.heights, finest: finest.clone() };
+    let left = ResidualFloor {
+        grid: Arc::clone(cache.field.grid()),
+        heights: field.heights,
+        finest: finest.clone(),
+    };
     FloorResult { collisions: struck, removed, depths, left: Some(left) }
 }
 
