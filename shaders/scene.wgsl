@@ -266,6 +266,8 @@ fn floor_fragment(in: SurfaceOut) -> @location(0) vec4f {
 // Kinds of paint, in the upper byte; a colour is in the lower three.
 const PAINT_BY_VALUE = 0u;
 const PAINT_UNCUT = 1u;
+// A colour of something that the section plane does not cut.
+const PAINT_WHOLE = 3u;
 
 struct SolidOut {
     @builtin(position) clip: vec4f,
@@ -294,7 +296,7 @@ fn solid_fragment(in: SolidOut) -> @location(0) vec4f {
     if dot(n, n) < 0.04 {
         n = facet;
     }
-    if cut_off(in.world) {
+    if in.paint >> 24u != PAINT_WHOLE && cut_off(in.world) {
         discard;
     }
     let bright = light(facing(n, v), v, 1.0);

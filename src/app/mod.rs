@@ -38,6 +38,7 @@ use model::problem::{Problem, Topic};
 use model::state::AppState;
 use tasks::engine::Engine;
 use tasks::files;
+use tasks::machine::MachineWork;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
 use tasks::work::{PROGRESS_EVERY, Work};
@@ -66,6 +67,8 @@ pub struct App {
     pictures: Option<Pictures>,
     scrubbed: TimelineStock,
     inspected: InspectedSection,
+    /// The shown plan on the chosen machine.
+    machining: MachineWork,
     /// The solid stock of each side.
     solids: PerSide<SolidWork>,
     hover: Option<Hover>,
@@ -114,6 +117,7 @@ impl App {
             pictures,
             scrubbed: TimelineStock::new(&repaint(&cc.egui_ctx)),
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
+            machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
             context_hit: None,
@@ -190,6 +194,7 @@ impl App {
             || self.dialogs.is_busy()
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
+            || self.machining.is_busy()
             || self.solids.iter().any(SolidWork::is_busy)
     }
 
@@ -229,11 +234,14 @@ impl App {
     fn middle(&mut self, ui: &mut Ui) {
         if self.state.results.planned.is_some() && self.state.look.operation == Operation::Roughing {
             let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));
-            Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::HEIGHT).show(ui, |ui| {
-                if let Some(command) = panels::timeline::show(ui, &mut self.state) {
-                    self.run_command(ui.ctx(), command);
-                }
-            });
+            Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::height(&self.state)).show(
+                ui,
+                |ui| {
+                    if let Some(command) = panels::timeline::show(ui, &mut self.state) {
+                        self.run_command(ui.ctx(), command);
+                    }
+                },
+            );
             if self.state.look.plots && ui.available_height() > MIN_HEIGHT_FOR_PLOTS {
                 Panel::bottom("plots").frame(frame).exact_size(panels::plots::HEIGHT + 8.0).show(ui, |ui| {
                     let menu = panels::plots::show(ui, &mut self.state);
@@ -332,6 +340,7 @@ impl eframe::App for App {
         }
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
+        self.state.results.on_machine = self.machining.follow(&self.state);
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side].follow(wanted) {

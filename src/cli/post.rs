@@ -17,7 +17,6 @@ use crate::machine::{
     machine_program, section_times,
 };
 use crate::monitor::Monitor;
-use crate::part::Impeller;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 
@@ -139,20 +138,13 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
     for (number, step) in (1..).zip(&mut program.moves) {
         step.line = number;
     }
-    Ok(PostSource { program, inlet_up, blank: Some(blank_size(&part, &setup)), name, has_lines: false })
-}
-
-/// Extent of the blank: of the body between hub and shroud, or of the outline that the setup gives.
-fn blank_size(part: &Impeller, setup: &Setup) -> BlankSize {
-    if let Some(outline) = setup.allowances.blank_of(part).outline() {
-        let (radius, z) = outline.bounds();
-        return BlankSize { radius, z };
-    }
-    let places = (0..=20).map(|i| f64::from(i) / 20.0);
-    let points: Vec<_> = places.flat_map(|s| [part.hub.point(s), part.shroud.point(s)]).collect();
-    let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-    let high = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-    BlankSize { radius: points.iter().map(|p| p.r).fold(0.0, f64::max), z: (low, high) }
+    Ok(PostSource {
+        program,
+        inlet_up,
+        blank: Some(BlankSize::of(&part, &setup.allowances)),
+        name,
+        has_lines: false,
+    })
 }
 
 /// Completes tools by those of the setup with the same number.

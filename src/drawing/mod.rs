@@ -7,11 +7,13 @@
 //! | [`floor`] | the floor of a channel with its stock or with contact depths |
 //! | [`cutters`] | the plunges of a plan |
 //! | [`flank`] | passes, moves and walls of a flank plan |
+//! | [`machine`] | a machine as simple solids |
 //! | [`solid`] | the stock as a solid |
 
 pub mod cutters;
 pub mod flank;
 pub mod floor;
+pub mod machine;
 pub mod part;
 pub mod solid;
 pub mod walls;

@@ -36,9 +36,19 @@ impl Paint {
 
     /// A colour of its own.
     pub fn colour(colour: Rgb) -> Self {
-        let [r, g, b] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-        Self(2 << 24 | b << 16 | g << 8 | r)
+        Self(2 << 24 | packed(colour))
     }
+
+    /// A colour of its own, of something that the section plane does not cut.
+    pub fn whole(colour: Rgb) -> Self {
+        Self(3 << 24 | packed(colour))
+    }
+}
+
+/// A colour in three bytes, as the shader unpacks it.
+fn packed(colour: Rgb) -> u32 {
+    let [r, g, b] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
+    b << 16 | g << 8 | r
 }
 
 impl Vertex {
@@ -101,8 +111,7 @@ impl Segment {
 
     /// A line with an RGB colour of its own, packed as the shader unpacks it.
     pub fn coloured(a: [f32; 3], b: [f32; 3], width: f32, colour: Rgb) -> Self {
-        let [r, g, blue] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-        Self { a, width, b, colour: Self::PACKED_COLOUR | blue << 16 | g << 8 | r }
+        Self { a, width, b, colour: Self::PACKED_COLOUR | packed(colour) }
     }
 
     /// The same line, clipped by the section plane together with the part.

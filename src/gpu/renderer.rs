@@ -278,6 +278,7 @@ impl Renderer {
         self.ensure_target(gpu, size, samples);
         let set = usize::from(samples == 4);
         self.ensure_pipelines(gpu, samples);
+        let camera = &scene.enclosing(camera, options);
         let uniform = FrameUniform::new(scene.framing(), camera, options, size);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
         self.stream_cutters(gpu, scene, camera, options);
@@ -318,6 +319,10 @@ impl Renderer {
         match body {
             Some(solid) => draw_solid_cap(pass, wheel, options, pipelines, solid),
             None => draw_section_cap(pass, wheel, options, &pipelines.parity, &pipelines.cap),
+        }
+        if let Some(machine) = scene.machine(options) {
+            pass.set_pipeline(&pipelines.solid);
+            draw_solid(pass, machine);
         }
         let unit = self.cutter_mesh(options);
         let solid = 0..unit.solid;

@@ -54,6 +54,8 @@ pub struct SceneOptions {
     pub show_floor_colours: FloorColours,
     /// The stock as a solid, instead of hub and blades; see [`Scene::set_solid`].
     pub show_solid: bool,
+    /// The machine; see [`Scene::set_machine`].
+    pub show_machine: bool,
     /// Draws stock raised by its height instead of as flat colours on the hub.
     pub relief: bool,
     /// Draws the walls of the active channel transparent where they hide it.
@@ -116,6 +118,7 @@ impl Default for SceneOptions {
             show_links: false,
             show_floor_colours: FloorColours::Residual,
             show_solid: false,
+            show_machine: false,
             relief: false,
             cut_away: true,
             range_mm: (0.0, 4.0),
@@ -325,6 +328,8 @@ pub struct Scene {
     pub(super) contact: Option<MeshBuffers>,
     /// The stock as a solid, for drawing and picking.
     solid: Option<(MeshBuffers, Arc<Mesh>)>,
+    /// The machine, and the distance of its farthest corner from the origin, mm.
+    machine: Option<(MeshBuffers, f32)>,
     pub(super) cutters: Vec<DrawnCutter>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
     pub(super) preview: Option<Arc<[DrawnCutter]>>,
@@ -358,6 +363,7 @@ impl Scene {
             stock: None,
             contact: None,
             solid: None,
+            machine: None,
             cutters: Vec::new(),
             preview: None,
             framing,
@@ -416,6 +422,26 @@ impl Scene {
     pub fn set_solid(&mut self, gpu: &Gpu, solid: Option<Arc<Mesh>>) {
         let some = solid.filter(|mesh| !mesh.indices.is_empty());
         self.solid = some.map(|mesh| (MeshBuffers::new(gpu, &mesh), mesh));
+    }
+
+    /// Sets the machine, with corners by [`super::mesh::Vertex::painted`], or removes it. It cannot be picked.
+    pub fn set_machine(&mut self, gpu: &Gpu, mesh: Option<&Mesh>) {
+        let reach =
+            |mesh: &Mesh| mesh.vertices.iter().map(|v| Vec3::from(v.position).length()).fold(0.0, f32::max);
+        let some = mesh.filter(|mesh| !mesh.indices.is_empty());
+        self.machine = some.map(|mesh| (MeshBuffers::new(gpu, mesh), reach(mesh)));
+    }
+
+    /// The machine, if these options show it.
+    pub(super) fn machine(&self, options: &SceneOptions) -> Option<&MeshBuffers> {
+        self.machine.as_ref().filter(|_| options.show_machine).map(|(buffers, _)| buffers)
+    }
+
+    /// `camera` with a depth range that holds what these options show beside the part.
+    pub(super) fn enclosing(&self, camera: &Camera, options: &SceneOptions) -> Camera {
+        let (centre, radius) = camera.bounds;
+        let reach = self.machine.as_ref().filter(|_| options.show_machine).map_or(0.0, |(_, reach)| *reach);
+        Camera { bounds: (centre, radius.max(centre.length() + reach)), ..*camera }
     }
 
     /// The solid, if these options show it.

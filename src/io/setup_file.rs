@@ -515,9 +515,23 @@ pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
     out
 }
 
-/// `setup` with the file of its blank named as seen from a file at `path`.
+/// The file of a machine that the setup at `path` names: absolute, so that it is found from anywhere. Machines
+/// that come with the program keep their names.
+pub fn locate_machine(setup: &mut Setup, path: &Path) {
+    let Some(file) = setup.machine.file.as_deref() else { return };
+    if !built_in_names().any(|name| name == file) {
+        let file = path.parent().unwrap_or(Path::new("")).join(file);
+        let file = std::path::absolute(&file).unwrap_or(file);
+        setup.machine.file = Some(file.to_string_lossy().into_owned());
+    }
+}
+
+/// `setup` with the files of its blank and its machine named as seen from a file at `path`.
 pub(super) fn beside(setup: &Setup, path: &Path) -> Setup {
     let mut setup = setup.clone();
+    if let Some(file) = setup.machine.file.as_deref().map(Path::new).filter(|file| file.is_absolute()) {
+        setup.machine.file = Some(relative(file, path).to_string_lossy().into_owned());
+    }
     if let BlankShape::File(file) = &setup.allowances.blank {
         let name = relative(&file.path, path).to_string_lossy().into_owned();
         setup.allowances.blank = BlankShape::File(Arc::new(BlankFile { name, ..BlankFile::clone(file) }));

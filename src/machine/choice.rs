@@ -8,7 +8,8 @@
 use std::ops::Range;
 
 use super::fault::MotionFault;
-use super::model::{LINEAR_NAMES, MachineTool, TurnLink};
+use super::limits::LimitFault;
+use super::model::{MachineTool, TurnLink};
 use crate::geometry::{Point, Vector, wrap_angle};
 use crate::monitor::Monitor;
 
@@ -87,7 +88,7 @@ pub(super) fn choose(
         }
         let (solutions, count) = machine.solve(&stretch.axis);
         if count > 0 && solutions[0].first.is_none() {
-            found.check_pole(machine, stretch, solutions[0].second);
+            found.check(machine, stretch, &[]);
             continue;
         }
         let candidates = found.candidates(machine, stretch, tips);
@@ -103,95 +104,49 @@ pub(super) fn choose(
 /// The first position without a candidate, and how many there are.
 #[derive(Default)]
 struct Found {
-    first: Option<(usize, String)>,
+    first: Option<(usize, LimitFault)>,
     count: usize,
 }
 
 impl Found {
-    fn note(&mut self, line: usize, what: impl FnOnce() -> String) {
-        self.count += 1;
-        if self.first.is_none() {
-            self.first = Some((line, what()));
+    /// Notes what keeps the machine from `stretch`, if anything does.
+    fn check(&mut self, machine: &MachineTool, stretch: &Stretch, tips: &[Point]) {
+        if let Some(fault) = machine.limit_fault(&stretch.axis, tips, stretch.length) {
+            self.count += 1;
+            self.first.get_or_insert((stretch.line, fault));
         }
     }
 
     fn fault(self) -> Option<MotionFault> {
-        let (line, what) = self.first?;
-        Some(MotionFault::OutOfLimits { line, what, count: self.count })
-    }
-
-    fn check_pole(&mut self, machine: &MachineTool, stretch: &Stretch, second: f64) {
-        if !machine.rotary[1].turns_within_limits(second).any(|_| true) {
-            self.note(stretch.line, || limit_text(machine, 1, &[second]));
-        }
+        let (line, fault) = self.first?;
+        Some(MotionFault::OutOfLimits { line, what: fault.to_string(), count: self.count })
     }
 
     /// All positions of a stretch that the limits allow.
     fn candidates(&mut self, machine: &MachineTool, stretch: &Stretch, tips: &[Point]) -> Vec<Candidate> {
         let (solutions, count) = machine.solve(&stretch.axis);
+        let tips = &tips[stretch.moves.clone()];
         let mut out = Vec::new();
-        let mut beyond = None;
-        let mut wanted = [Vec::new(), Vec::new()];
         for (branch, solution) in solutions.iter().take(count).enumerate() {
             let first = solution.first.unwrap_or(0.0);
-            wanted[0].push(first);
-            wanted[1].push(solution.second);
             let at = [first, solution.second];
-            let over = tips[stretch.moves.clone()].iter().find_map(|tip| {
-                let joints = machine.joints(tip, &at, stretch.length);
-                machine.linear_axis_beyond(&joints).map(|axis| (axis, joints[axis]))
-            });
+            let is_beyond =
+                |tip: &Point| machine.linear_axis_beyond(&machine.joints(tip, &at, stretch.length)).is_some();
+            if tips.iter().any(is_beyond) {
+                continue;
+            }
             for first in machine.rotary[0].turns_within_limits(first) {
                 for second in machine.rotary[1].turns_within_limits(solution.second) {
-                    match over {
-                        None => out.push(Candidate {
-                            angles: [first, second],
-                            branch,
-                            cost: f64::INFINITY,
-                            from: usize::MAX,
-                        }),
-                        Some(found) => beyond = Some(found),
-                    }
+                    let angles = [first, second];
+                    out.push(Candidate { angles, branch, cost: f64::INFINITY, from: usize::MAX });
                 }
             }
         }
         if out.is_empty() {
-            self.note(stretch.line, || match beyond {
-                Some((axis, at)) => {
-                    let (low, high) = machine.linear[axis].limits;
-                    format!("{} {at:.1} mm is beyond its limits {low} … {high}", LINEAR_NAMES[axis])
-                }
-                None if count == 0 => format!(
-                    "no position of {} and {} points the tool along ({:.4}, {:.4}, {:.4}), {:.1}° from the \
-                     table's normal",
-                    machine.rotary[0].letter,
-                    machine.rotary[1].letter,
-                    stretch.axis.x,
-                    stretch.axis.y,
-                    stretch.axis.z,
-                    stretch.axis.angle(&Vector::z()).to_degrees()
-                ),
-                None => {
-                    let axis =
-                        usize::from(machine.rotary[0].turns_within_limits(wanted[0][0]).next().is_some());
-                    limit_text(machine, axis, &wanted[axis])
-                }
-            });
+            self.check(machine, stretch, tips);
         }
         out
     }
-}
-
-fn limit_text(machine: &MachineTool, axis: usize, wanted: &[f64]) -> String {
-    let (low, high) = machine.rotary[axis].limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
-    let wanted: Vec<String> = wanted.iter().map(|a| format!("{:.2}°", a.to_degrees())).collect();
-    format!(
-        "{} would have to be {}, beyond its limits {:.0}° … {:.0}°",
-        machine.rotary[axis].letter,
-        wanted.join(" or "),
-        low.to_degrees(),
-        high.to_degrees()
-    )
 }
 
 /// Turn of an axis from one position to another: an endless one goes the shorter way.

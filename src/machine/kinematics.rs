@@ -25,6 +25,19 @@ fn turned_about(axis: &RotaryAxis, angle: f64, p: &Point) -> Point {
     axis.point + turned(&axis.direction, angle, &(p - axis.point))
 }
 
+/// A body of a machine, between two of its axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// What the table axis of this index turns.
+    Table(usize),
+    /// What stands still.
+    Base,
+    /// What the linear axes move.
+    Ram,
+    /// What the head axis of this index turns.
+    Head(usize),
+}
+
 /// Rotary positions for a direction of the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleSolution {
@@ -88,6 +101,33 @@ impl MachineTool {
             }
         }
         tip - self.part.origin.coords
+    }
+
+    /// A point of a body of the machine, in program coordinates, when the axes stand at `joints` (mm) and
+    /// `angles` (rad). `point` is where it is with all rotary axes at 0: of tables and base in machine
+    /// coordinates, of ram and heads seen from the gauge point.
+    pub fn body_point(&self, body: Body, point: &Point, joints: &[f64; 3], angles: &[f64; 2]) -> Point {
+        let mut at = *point;
+        let is = |axis: usize, side: Side| self.rotary[axis].side == side;
+        match body {
+            Body::Table(first) => {
+                for axis in (first..2).filter(|&axis| is(axis, Side::Table)) {
+                    at = turned_about(&self.rotary[axis], angles[axis], &at);
+                }
+            }
+            Body::Base => {}
+            Body::Ram => at += Vector::from(*joints),
+            Body::Head(last) => {
+                for axis in (0..=last).rev().filter(|&axis| is(axis, Side::Head)) {
+                    at = turned_about(&self.rotary[axis], angles[axis], &at);
+                }
+                at += Vector::from(*joints);
+            }
+        }
+        for axis in (0..2).rev().filter(|&axis| is(axis, Side::Table)) {
+            at = turned_about(&self.rotary[axis], -angles[axis], &at);
+        }
+        at - self.part.origin.coords
     }
 
     /// Machine coordinates of the program's zero: the tip there, all rotary axes at 0. Programs of joint

@@ -6,6 +6,7 @@
 //! | `kinematics` | the chain of axes, forwards and backwards, for any two rotary axes |
 //! | [`placement`](PlacedPart) | how the part lies on the table |
 //! | `reach` | how far the tool can be tilted |
+//! | [`limits`](LimitFault) | positions beyond the limits, and near the pole |
 //! | `choice` | rotary positions of a whole program: branches, turns, poles |
 //! | [`course`](Pose) | how far a move in joint space strays from the planned one |
 //! | `clear` | links that leave the part |
@@ -21,6 +22,7 @@ mod clear;
 mod course;
 mod fault;
 mod kinematics;
+mod limits;
 mod model;
 mod motion;
 mod placement;
@@ -29,7 +31,8 @@ mod time;
 
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
-pub use kinematics::{AngleSolution, turned};
+pub use kinematics::{AngleSolution, Body, turned};
+pub use limits::{LimitFault, NEAR_POLE_RAD};
 pub use model::{
     AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,
     TurnLink,

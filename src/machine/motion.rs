@@ -10,6 +10,8 @@ use super::placement::PlacedPart;
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 use crate::monitor::Monitor;
+use crate::part::Impeller;
+use crate::setup::AllowanceSetup;
 use crate::toolpath::{ClProgram, ClTool, Motion};
 
 /// Directions closer than this are the same, rad.
@@ -69,6 +71,21 @@ pub struct BlankSize {
     pub radius: f64,
     /// Lowest and highest z.
     pub z: (f64, f64),
+}
+
+impl BlankSize {
+    /// That of the outline that the allowances give, else of the body between hub and shroud.
+    pub fn of(part: &Impeller, allowances: &AllowanceSetup) -> Self {
+        if let Some(outline) = allowances.blank_of(part).outline() {
+            let (radius, z) = outline.bounds();
+            return Self { radius, z };
+        }
+        let places = (0..=20).map(|i| f64::from(i) / 20.0);
+        let points: Vec<_> = places.flat_map(|s| [part.hub.point(s), part.shroud.point(s)]).collect();
+        let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+        Self { radius: points.iter().map(|p| p.r).fold(0.0, f64::max), z: (low, high) }
+    }
 }
 
 impl MotionOptions {

@@ -4,6 +4,7 @@
 
 mod faults;
 mod kinematics;
+mod limits;
 mod programs;
 mod round_trips;
 mod times;

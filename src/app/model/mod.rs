@@ -8,6 +8,7 @@ pub mod figures;
 pub mod file_purpose;
 pub mod history;
 pub mod look;
+pub mod machine;
 pub mod mouse_preset;
 pub mod number;
 pub mod part_source;

@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::io::InputError;
 use crate::io::project_file::SetFigures;
 use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
 use crate::setup::Setup;
 
 use crate::app::model::checked::CheckedProgram;
+use crate::app::model::machine::PlanOnMachine;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::PlanPreview;
 
@@ -44,6 +46,8 @@ pub struct Results {
     pub flank: Option<Arc<FlankOutcome>>,
     /// The program that was checked last.
     pub checked: Option<Arc<CheckedProgram>>,
+    /// The shown plan on the machine of the setup; `None` without a machine, or until it is known.
+    pub on_machine: Option<Result<Arc<PlanOnMachine>, InputError>>,
     figures: Vec<(Setup, SetFigures)>,
 }
 

@@ -11,7 +11,7 @@ use crate::app::model::part_source::PartSource;
 use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
 use crate::io::project_file::{Project, read_project};
-use crate::io::setup_file::read_setup;
+use crate::io::setup_file::{locate_machine, read_setup};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
 use crate::monitor::Monitor;
 use crate::part::BlankFile;
@@ -73,7 +73,9 @@ pub(in crate::app) fn open(
 ) -> Result<Opened, InputError> {
     let (source, setup, project) = match task {
         OpenTask::Project(path, instead) => {
-            let project = read_project(path)?;
+            let mut project = read_project(path)?;
+            let sets = project.sets.iter_mut().map(|set| &mut set.setup);
+            std::iter::once(&mut project.setup).chain(sets).for_each(|setup| locate_machine(setup, path));
             let source = instead.clone().unwrap_or_else(|| source_of(&project));
             (Some(source), None, Some((path.clone(), project)))
         }
@@ -97,7 +99,9 @@ pub(in crate::app) fn open(
     };
     let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
         let Some((path, known)) = setup else { return Ok(None) };
-        Ok(Some((path.clone(), read_setup(path, defaults.unwrap_or(known))?)))
+        let mut setup = read_setup(path, defaults.unwrap_or(known))?;
+        locate_machine(&mut setup, path);
+        Ok(Some((path.clone(), setup)))
     };
     let Some(source) = source else {
         return Ok(Opened { setup: read(None)?, project, ..Opened::default() });

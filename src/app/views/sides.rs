@@ -5,6 +5,7 @@ use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
 
 use crate::app::App;
 use crate::app::model::look::{Operation, Tab};
+use crate::app::model::problem::Problem;
 use crate::app::views::command::Command;
 use crate::app::views::panels;
 use crate::app::views::theme;
@@ -63,6 +64,11 @@ impl App {
         let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
         if let Some(command) = asked.flatten() {
             self.run_command(ui.ctx(), command);
+        }
+        let setup = &mut self.state.document.edited.setup;
+        let fault = heading(ui, "Machine", fresh, |ui| panels::setup::machine(ui, setup));
+        if let Some(error) = fault.flatten() {
+            self.state.report_problem(Problem::from(&error));
         }
         if let Some(command) =
             heading(ui, "Variants", fresh, |ui| panels::whatif::show(ui, &mut self.state)).flatten()

@@ -9,11 +9,57 @@ use crate::app::model::state::{AppState, Boundary, PLAY_RATE};
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
 
-/// Height of the panel, points.
-pub const HEIGHT: f32 = 34.0;
+/// Height of the timeline, points.
+const HEIGHT: f32 = 34.0;
+/// Height of the line of the machine below it, points.
+const AXES_HEIGHT: f32 = 20.0;
 
-/// Draws the timeline; returns the command that was pressed.
+/// Height of the panel, points.
+pub fn height(state: &AppState) -> f32 {
+    if state.document.edited.setup.machine.file.is_some() { HEIGHT + AXES_HEIGHT } else { HEIGHT }
+}
+
+/// Draws the timeline, with the axes of the machine; returns the command that was pressed.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
+    let chosen = slider(ui, state);
+    if state.document.edited.setup.machine.file.is_some() {
+        axes(ui, state);
+    }
+    chosen
+}
+
+/// Where the axes of the chosen machine stand at the position of the timeline, or why it cannot run the plan.
+fn axes(ui: &mut Ui, state: &AppState) {
+    let line = |ui: &mut Ui, text: String, tip: &str| {
+        let text = RichText::new(text).color(Condition::Interfering.text(ui.visuals()));
+        ui.add(egui::Label::new(text).truncate()).on_hover_text(tip);
+    };
+    match &state.results.on_machine {
+        None => {
+            ui.label(RichText::new("Axes: calculating…").weak());
+        }
+        Some(Err(error)) => line(ui, error.message.clone(), &error.help),
+        Some(Ok(plan)) => match (&plan.fault, plan.at(state.look.cut_count)) {
+            (Some((what, help)), _) => {
+                line(ui, format!("{}: {what}", plan.machine.name), &format!("{what}\nTo do: {help}"));
+            }
+            (None, None) => {
+                ui.label(RichText::new(&plan.machine.name).weak());
+            }
+            (None, Some(at)) => {
+                // Padded, so that nothing jumps while the axes move.
+                let values = plan.named(at).map(|(name, value, unit)| format!("{name} {value:>8.3}{unit}"));
+                let text = RichText::new(format!("{}  {}", values.join("  "), plan.machine.name));
+                ui.add(egui::Label::new(text.monospace().size(12.0)).truncate()).on_hover_text(AXES_TIP);
+            }
+        },
+    }
+}
+
+const AXES_TIP: &str = "Where the axes of the machine stand at the position of the timeline: machine coordinates of the \n\
+     spindle nose in mm, rotary axes as the program commands them, chosen over the whole program";
+
+fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let count = state.position_count();
     let mut chosen = None;
     ui.horizontal(|ui| {

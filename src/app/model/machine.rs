@@ -1,0 +1,70 @@
+//! The shown plan on the chosen machine: where all axes stand at the end of each plunge.
+
+use std::path::Path;
+
+use crate::io::InputError;
+use crate::io::machine_file::read_machine;
+use crate::machine::{LINEAR_NAMES, MachineTool, PlacedPart, Pose};
+use crate::setup::Setup;
+
+/// All axes at one moment of the program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisPositions {
+    /// Tool and rotary positions, in program coordinates.
+    pub pose: Pose,
+    /// Machine coordinates X Y Z, mm.
+    pub joints: [f64; 3],
+    /// Length of the tool from gauge point to tip, mm.
+    pub length: f64,
+}
+
+/// A plan as a machine runs it.
+#[derive(Clone, Debug)]
+pub struct PlanOnMachine {
+    /// The machine.
+    pub machine: MachineTool,
+    /// How the part lies on it.
+    pub placed: PlacedPart,
+    /// Before the first plunge.
+    pub start: Option<AxisPositions>,
+    /// At the end of each plunge; empty where the machine cannot run the program.
+    pub plunges: Vec<Option<AxisPositions>>,
+    /// Why it cannot: what is wrong, and what to do.
+    pub fault: Option<(String, String)>,
+}
+
+impl PlanOnMachine {
+    /// The axes after `cut` plunges; `None`: after all.
+    pub fn at(&self, cut: Option<usize>) -> Option<&AxisPositions> {
+        match cut.unwrap_or(self.plunges.len()).min(self.plunges.len()) {
+            0 => self.start.as_ref(),
+            count => self.plunges.get(count - 1)?.as_ref(),
+        }
+    }
+
+    /// Name and position of each axis, with its unit: X Y Z, then the rotary axes by their letters.
+    pub fn named(&self, at: &AxisPositions) -> [(char, f64, &'static str); 5] {
+        let linear = |i: usize| (LINEAR_NAMES[i], at.joints[i], "");
+        let rotary = |i: usize| (self.machine.rotary[i].letter, at.pose.angles[i].to_degrees(), "°");
+        let [a, b] = self.rotary_by_letter();
+        [linear(0), linear(1), linear(2), rotary(a), rotary(b)]
+    }
+
+    /// Indices of the rotary axes in the order of their letters.
+    pub fn rotary_by_letter(&self) -> [usize; 2] {
+        if self.machine.rotary[0].letter <= self.machine.rotary[1].letter { [0, 1] } else { [1, 0] }
+    }
+}
+
+/// Chooses the machine of a setup by its name, or none; the planner then keeps to the tilt that it reaches.
+///
+/// # Errors
+/// When the machine cannot be read.
+pub fn choose_machine(setup: &mut Setup, name: Option<&str>) -> Result<(), InputError> {
+    setup.machine.max_axis_tilt_rad = match name {
+        Some(name) => read_machine(Path::new(name))?.max_axis_tilt_rad(),
+        None => Setup::default().machine.max_axis_tilt_rad,
+    };
+    setup.machine.file = name.map(str::to_owned);
+    Ok(())
+}

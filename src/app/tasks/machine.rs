@@ -1,0 +1,131 @@
+//! The shown plan on the chosen machine, as `vanecut post` has it run: rotary positions chosen over the whole
+//! program.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::Repaint;
+use crate::app::model::look::Operation;
+use crate::app::model::machine::{AxisPositions, PlanOnMachine};
+use crate::app::model::planned::DisplayPlan;
+use crate::app::model::state::AppState;
+use crate::app::tasks::latest::Latest;
+use crate::io::InputError;
+use crate::io::machine_file::read_machine;
+use crate::io::nc::read_post;
+use crate::machine::{
+    BlankSize, MachineProgram, MachineTool, MotionOptions, PlacedPart, gauge_length, machine_program,
+};
+use crate::monitor::Monitor;
+use crate::plunge::{PlungePlan, Position};
+use crate::setup::AxisPolicy;
+use crate::toolpath::ClProgram;
+
+/// A plan, and the machine that is to run it.
+#[derive(Clone)]
+struct MachineRequest {
+    planned: Arc<DisplayPlan>,
+    policy: AxisPolicy,
+    machine: String,
+}
+
+impl PartialEq for MachineRequest {
+    /// Plans are immutable, so pointer equality suffices.
+    fn eq(&self, other: &Self) -> bool {
+        (self.policy, &self.machine) == (other.policy, &other.machine)
+            && Arc::ptr_eq(&self.planned, &other.planned)
+    }
+}
+
+/// The answer: the plan on the machine, or why the machine is not known.
+type MachineAnswer = Result<Arc<PlanOnMachine>, InputError>;
+
+/// Finds the positions of the axes in the background.
+pub(in crate::app) struct MachineWork(Latest<MachineRequest, MachineAnswer>);
+
+impl MachineWork {
+    /// Starts the thread.
+    pub(in crate::app) fn new(repaint: &Repaint) -> Self {
+        Self(Latest::new("machine", repaint, |request: &MachineRequest| run(request).map(Arc::new)))
+    }
+
+    /// Requests the shown plan on the machine of the setup. Returns it once it is known; `None` without a
+    /// machine.
+    pub(in crate::app) fn follow(&mut self, state: &AppState) -> Option<MachineAnswer> {
+        let machine = state.document.edited.setup.machine.file.clone();
+        let machine = machine.filter(|_| state.look.operation == Operation::Roughing);
+        let wanted = machine.zip(state.shown()).map(|(machine, shown)| MachineRequest {
+            planned: Arc::clone(shown.planned),
+            policy: shown.policy,
+            machine,
+        });
+        self.0.request(wanted.clone());
+        // Positions of another plan or machine would mislead.
+        let (of, answer) = self.0.answer()?;
+        wanted.filter(|wanted| wanted == of).map(|_| answer.clone())
+    }
+
+    /// Whether a request is being computed.
+    pub(in crate::app) fn is_busy(&self) -> bool {
+        self.0.is_busy()
+    }
+}
+
+fn run(request: &MachineRequest) -> Result<PlanOnMachine, InputError> {
+    let machine = read_machine(Path::new(&request.machine))?;
+    let post = read_post(&machine.control)?;
+    let outcome = &request.planned.outcome;
+    let part = &outcome.workpiece.part;
+    let plan = request.planned.plan(request.policy);
+    let mut program = ClProgram::of_plan(&part.name, plan);
+    for (number, step) in (1..).zip(&mut program.moves) {
+        step.line = number;
+    }
+    let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
+    let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
+    options.blank = Some(BlankSize::of(part, &outcome.setup.allowances));
+    let made = machine_program(&machine, &placed, &program, &options, &Monitor::default());
+    let (start, plunges, fault) = match made {
+        Ok(motion) => {
+            let (start, plunges) = axis_positions(&machine, plan, &program, &motion);
+            (start, plunges, None)
+        }
+        Err(fault) => {
+            let error = fault.explained();
+            (None, Vec::new(), Some((error.message, error.help)))
+        }
+    };
+    Ok(PlanOnMachine { machine, placed, start, plunges, fault })
+}
+
+/// The axes before the first plunge, and at the end of each.
+fn axis_positions(
+    machine: &MachineTool,
+    plan: &PlungePlan,
+    program: &ClProgram,
+    motion: &MachineProgram,
+) -> (Option<AxisPositions>, Vec<Option<AxisPositions>>) {
+    // The step that ends each move: a move may have several.
+    let mut ends = vec![None; program.moves.len()];
+    for (index, step) in motion.steps.iter().enumerate() {
+        if let Some(end) = ends.get_mut(step.source) {
+            *end = Some(index);
+        }
+    }
+    let after = |index: usize| {
+        let step = motion.steps.get(ends.get(index).copied().flatten()?)?;
+        let length = gauge_length(machine, program.tools.get(step.tool)?);
+        let joints = machine.joints(&step.pose.tip, &step.pose.angles, length);
+        Some(AxisPositions { pose: step.pose, joints, length })
+    };
+    let starts = program.plunge_starts();
+    let mut plunges = starts.iter().zip(starts.iter().skip(1).copied().chain([program.moves.len()]));
+    let at_tip = |position: &Position| {
+        plan.sections.get(position.section)?;
+        let (&first, end) = plunges.next()?;
+        let tip = program.moves[first..end].iter().position(|step| step.tip == position.tip)?;
+        after(first + tip)
+    };
+    let at_tips = plan.positions.iter().map(at_tip).collect();
+    (after(0), at_tips)
+}
