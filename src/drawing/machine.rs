@@ -6,7 +6,7 @@
 
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::{Mesh, Paint, Vertex};
-use crate::machine::{BlankSize, Body, MachineTool, PlacedPart, Side};
+use crate::machine::{AxisSide, BlankSize, Body, MachineTool, PlacedPart};
 use crate::palette::Rgb;
 
 /// Colours of table, what carries it, head, what carries it, holder and cutter.
@@ -79,7 +79,7 @@ impl Solids<'_> {
         let radius = blank.radius;
         let ends = [blank.z.0, blank.z.1].map(|z| placed.point_in_program(&Point::new(0.0, 0.0, z)).z);
         let mut top = machine.part.origin + Vector::z() * ends[0].min(ends[1]);
-        let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == Side::Table).collect();
+        let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == AxisSide::Table).collect();
         let down = |top: Point, by: f64| top - Vector::z() * (by * radius);
         for (&axis, is_last) in carried.iter().zip((1..=carried.len()).map(|n| n == carried.len())) {
             let (turned, k) = (Body::Table(axis), machine.rotary[axis].direction);
@@ -137,7 +137,7 @@ impl Solids<'_> {
     /// Cutter, holder, spindle, and the heads that carry it, from the tip upwards.
     fn head(&mut self) {
         let PosedMachine { machine, tool, .. } = *self.posed;
-        let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == Side::Head).collect();
+        let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == AxisSide::Head).collect();
         let spindle = carried.last().map_or(Body::Ram, |&axis| Body::Head(axis));
         let at = |z: f64| Point::new(0.0, 0.0, z);
         let shoulder = -machine.holder_length.min(tool.length);

@@ -108,23 +108,23 @@ impl MachineTool {
     /// coordinates, of ram and heads seen from the gauge point.
     pub fn body_point(&self, body: Body, point: &Point, joints: &[f64; 3], angles: &[f64; 2]) -> Point {
         let mut at = *point;
-        let is = |axis: usize, side: Side| self.rotary[axis].side == side;
+        let is = |axis: usize, side: AxisSide| self.rotary[axis].side == side;
         match body {
             Body::Table(first) => {
-                for axis in (first..2).filter(|&axis| is(axis, Side::Table)) {
+                for axis in (first..2).filter(|&axis| is(axis, AxisSide::Table)) {
                     at = turned_about(&self.rotary[axis], angles[axis], &at);
                 }
             }
             Body::Base => {}
             Body::Ram => at += Vector::from(*joints),
             Body::Head(last) => {
-                for axis in (0..=last).rev().filter(|&axis| is(axis, Side::Head)) {
+                for axis in (0..=last).rev().filter(|&axis| is(axis, AxisSide::Head)) {
                     at = turned_about(&self.rotary[axis], angles[axis], &at);
                 }
                 at += Vector::from(*joints);
             }
         }
-        for axis in (0..2).rev().filter(|&axis| is(axis, Side::Table)) {
+        for axis in (0..2).rev().filter(|&axis| is(axis, AxisSide::Table)) {
             at = turned_about(&self.rotary[axis], -angles[axis], &at);
         }
         at - self.part.origin.coords
