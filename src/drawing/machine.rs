@@ -6,7 +6,7 @@
 
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::{Mesh, Paint, Vertex};
-use crate::machine::{AxisSide, BlankSize, Body, MachineTool, PlacedPart};
+use crate::machine::{AxisSide, BlankSize, MachineBody, MachineTool, PlacedPart};
 use crate::palette::Rgb;
 
 /// Colours of table, what carries it, head, what carries it, holder and cutter.
@@ -82,8 +82,8 @@ impl Solids<'_> {
         let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == AxisSide::Table).collect();
         let down = |top: Point, by: f64| top - Vector::z() * (by * radius);
         for (&axis, is_last) in carried.iter().zip((1..=carried.len()).map(|n| n == carried.len())) {
-            let (turned, k) = (Body::Table(axis), machine.rotary[axis].direction);
-            let carrier = if is_last { Body::Base } else { Body::Table(axis + 1) };
+            let (turned, k) = (MachineBody::Table(axis), machine.rotary[axis].direction);
+            let carrier = if is_last { MachineBody::Base } else { MachineBody::Table(axis + 1) };
             if k.z.abs() > UPRIGHT {
                 let centre = Point::new(machine.rotary[axis].point.x, machine.rotary[axis].point.y, top.z);
                 self.cylinder(turned, [down(centre, THICK), centre], [TABLE_RADIUS * radius; 2], TABLE);
@@ -96,15 +96,15 @@ impl Solids<'_> {
                 return;
             }
         }
-        self.cuboid(Body::Base, down(top, 1.5 * THICK), Vector::x(), [1.3, 1.3, 1.5 * THICK], BASE);
+        self.cuboid(MachineBody::Base, down(top, 1.5 * THICK), Vector::x(), [1.3, 1.3, 1.5 * THICK], BASE);
     }
 
     /// A cradle that hangs between two journals on a level axis, and the posts that hold these.
-    fn cradle(&mut self, axis: usize, carrier: Body, top: Point) {
+    fn cradle(&mut self, axis: usize, carrier: MachineBody, top: Point) {
         let radius = self.posed.blank.radius;
         let rotary = &self.posed.machine.rotary[axis];
         let along = Vector::new(rotary.direction.x, rotary.direction.y, 0.0).normalize();
-        let turned = Body::Table(axis);
+        let turned = MachineBody::Table(axis);
         let plate = top - Vector::z() * (0.5 * THICK * radius);
         self.cuboid(turned, plate, along, [1.36, 0.6, 0.5 * THICK], CRADLE);
         let pivot = Point::new(top.x, top.y, rotary.point.z);
@@ -120,11 +120,11 @@ impl Solids<'_> {
     }
 
     /// A knuckle on a slanting axis below the table, and the base that holds it.
-    fn knuckle(&mut self, axis: usize, carrier: Body, top: Point) {
+    fn knuckle(&mut self, axis: usize, carrier: MachineBody, top: Point) {
         let radius = self.posed.blank.radius;
         let rotary = &self.posed.machine.rotary[axis];
         let down = if rotary.direction.z < 0.0 { rotary.direction } else { -rotary.direction };
-        let turned = Body::Table(axis);
+        let turned = MachineBody::Table(axis);
         let plate = [top - Vector::z() * (THICK * radius), top];
         self.cylinder(turned, plate, [0.7 * radius; 2], CRADLE);
         // From where the axis is below the plate.
@@ -138,7 +138,7 @@ impl Solids<'_> {
     fn head(&mut self) {
         let PosedMachine { machine, tool, .. } = *self.posed;
         let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == AxisSide::Head).collect();
-        let spindle = carried.last().map_or(Body::Ram, |&axis| Body::Head(axis));
+        let spindle = carried.last().map_or(MachineBody::Ram, |&axis| MachineBody::Head(axis));
         let at = |z: f64| Point::new(0.0, 0.0, z);
         let shoulder = -machine.holder_length.min(tool.length);
         self.cylinder(spindle, [at(-tool.length), at(shoulder)], [tool.radius; 2], CUTTER);
@@ -147,8 +147,8 @@ impl Solids<'_> {
         let mut top = SPINDLE.1;
         for (&axis, before) in carried.iter().rev().zip(carried.iter().rev().skip(1).map(Some).chain([None]))
         {
-            let (body, rotary) = (Body::Head(axis), &machine.rotary[axis]);
-            let carrier = before.map_or(Body::Ram, |&axis| Body::Head(axis));
+            let (body, rotary) = (MachineBody::Head(axis), &machine.rotary[axis]);
+            let carrier = before.map_or(MachineBody::Ram, |&axis| MachineBody::Head(axis));
             if rotary.direction.z.abs() > UPRIGHT {
                 let centre = Point::new(rotary.point.x, rotary.point.y, top);
                 let ends = [centre, centre + Vector::z() * 60.0];
@@ -160,16 +160,16 @@ impl Solids<'_> {
             }
         }
         if carried.is_empty() {
-            self.cylinder(Body::Ram, [at(0.0), at(top)], [SPINDLE.0; 2], HEAD);
+            self.cylinder(MachineBody::Ram, [at(0.0), at(top)], [SPINDLE.0; 2], HEAD);
         }
         let ram = Point::new(0.0, 0.0, top + 120.0);
-        self.block(Body::Ram, ram, Vector::x(), [RAM_HALF, RAM_HALF, 120.0], RAM);
+        self.block(MachineBody::Ram, ram, Vector::x(), [RAM_HALF, RAM_HALF, 120.0], RAM);
     }
 
     /// The spindle on a tilting axis, and the fork that holds it.
-    fn fork(&mut self, axis: usize, carrier: Body) {
+    fn fork(&mut self, axis: usize, carrier: MachineBody) {
         let rotary = &self.posed.machine.rotary[axis];
-        let (body, pivot) = (Body::Head(axis), rotary.point);
+        let (body, pivot) = (MachineBody::Head(axis), rotary.point);
         let level = Vector::new(rotary.direction.x, rotary.direction.y, 0.0);
         let along = level.try_normalize(1e-9).unwrap_or_else(Vector::y);
         let nose = Point::new(pivot.x, pivot.y, 0.0);
@@ -188,13 +188,13 @@ impl Solids<'_> {
     }
 
     /// A cuboid whose half sizes are given in radii of the blank.
-    fn cuboid(&mut self, body: Body, centre: Point, along: Vector, half: [f64; 3], colour: Rgb) {
+    fn cuboid(&mut self, body: MachineBody, centre: Point, along: Vector, half: [f64; 3], colour: Rgb) {
         let radius = self.posed.blank.radius;
         self.block(body, centre, along, half.map(|x| x * radius), colour);
     }
 
     /// A cuboid about `centre`, with half sizes (mm) along the level direction `along`, across it, and up.
-    fn block(&mut self, body: Body, centre: Point, along: Vector, half: [f64; 3], colour: Rgb) {
+    fn block(&mut self, body: MachineBody, centre: Point, along: Vector, half: [f64; 3], colour: Rgb) {
         let edges = [along * half[0], Vector::z().cross(&along) * half[1], Vector::z() * half[2]];
         for face in 0..3 {
             let [u, v] = [edges[(face + 1) % 3], edges[(face + 2) % 3]];
@@ -207,7 +207,7 @@ impl Solids<'_> {
     }
 
     /// A cylinder or cone between two points, with its radius at each, mm.
-    fn cylinder(&mut self, body: Body, ends: [Point; 2], radii: [f64; 2], colour: Rgb) {
+    fn cylinder(&mut self, body: MachineBody, ends: [Point; 2], radii: [f64; 2], colour: Rgb) {
         let Some(along) = (ends[1] - ends[0]).try_normalize(1e-9) else { return };
         let across = if along.z.abs() < 0.9 { Vector::z() } else { Vector::x() };
         let u = along.cross(&across).normalize();
@@ -226,7 +226,7 @@ impl Solids<'_> {
     }
 
     /// A flat convex face; corners where all axes are at 0.
-    fn face(&mut self, body: Body, corners: &[Point], colour: Rgb) {
+    fn face(&mut self, body: MachineBody, corners: &[Point], colour: Rgb) {
         let PosedMachine { machine, placed, joints, angles, .. } = *self.posed;
         let first = self.mesh.vertices.len() as u32;
         let vertex = |corner: &Point| {

@@ -27,7 +27,7 @@ fn turned_about(axis: &RotaryAxis, angle: f64, p: &Point) -> Point {
 
 /// A body of a machine, between two of its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Body {
+pub enum MachineBody {
     /// What the table axis of this index turns.
     Table(usize),
     /// What stands still.
@@ -106,18 +106,24 @@ impl MachineTool {
     /// A point of a body of the machine, in program coordinates, when the axes stand at `joints` (mm) and
     /// `angles` (rad). `point` is where it is with all rotary axes at 0: of tables and base in machine
     /// coordinates, of ram and heads seen from the gauge point.
-    pub fn body_point(&self, body: Body, point: &Point, joints: &[f64; 3], angles: &[f64; 2]) -> Point {
+    pub fn body_point(
+        &self,
+        body: MachineBody,
+        point: &Point,
+        joints: &[f64; 3],
+        angles: &[f64; 2],
+    ) -> Point {
         let mut at = *point;
         let is = |axis: usize, side: AxisSide| self.rotary[axis].side == side;
         match body {
-            Body::Table(first) => {
+            MachineBody::Table(first) => {
                 for axis in (first..2).filter(|&axis| is(axis, AxisSide::Table)) {
                     at = turned_about(&self.rotary[axis], angles[axis], &at);
                 }
             }
-            Body::Base => {}
-            Body::Ram => at += Vector::from(*joints),
-            Body::Head(last) => {
+            MachineBody::Base => {}
+            MachineBody::Ram => at += Vector::from(*joints),
+            MachineBody::Head(last) => {
                 for axis in (0..=last).rev().filter(|&axis| is(axis, AxisSide::Head)) {
                     at = turned_about(&self.rotary[axis], angles[axis], &at);
                 }

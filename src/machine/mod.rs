@@ -31,7 +31,7 @@ mod time;
 
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
-pub use kinematics::{AngleSolution, Body, turned};
+pub use kinematics::{AngleSolution, MachineBody, turned};
 pub use limits::{LimitFault, NEAR_POLE_RAD};
 pub use model::{
     AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,

@@ -6,7 +6,7 @@ use vanecut::app::model::machine::PlanOnMachine;
 use vanecut::geometry::rotate_vector_z;
 
 use crate::fake;
-use crate::harness::{Window, settle, with_sample, words};
+use crate::harness::{Window, press, settle, snapshot_view, with_sample, words};
 
 /// A window with a planned sample on a machine.
 pub fn with_machine(name: &str) -> Window {
@@ -83,6 +83,7 @@ fn the_axes_beside_the_timeline_hold_the_tool_where_the_position_says() {
     assert!(stray < 1e-3, "{now:?} holds the tool {stray}° off");
     let tip = machine.placed.point_in_part(&machine.plunges[4].expect("a position").pose.tip);
     assert!((tip - plan.positions[4].tip).norm() < 1e-9);
+    snapshot_view(&mut window, "machine_axes");
 }
 
 #[test]
@@ -103,4 +104,96 @@ fn a_machine_that_cannot_run_the_plan_says_why() {
     choose(&mut window, "None");
     assert!(window.state().state().results.on_machine.is_none());
     assert_eq!(words(&window, "A would have to be"), None);
+}
+
+#[test]
+fn the_table_warns_of_axis_limits_and_of_the_pole() {
+    let mut window = with_machine("ac-trunnion");
+    assert!(window.query_by_label("Sort by axis warnings").is_some(), "a column of its own");
+    let count = window.state().state().position_count();
+    let first = on_machine(&window).plunges[0].expect("a position").pose.axis;
+    let folder = tempfile::tempdir().unwrap();
+    // A tilts as far as the position in the middle needs.
+    let middle = on_machine(&window).machine.pole_angle(&on_machine(&window).plunges[8].unwrap().pose.axis);
+    let text = include_str!("../../assets/machines/ac-trunnion.toml");
+    // C is where the tool of the first position is, with the part turned so that A reaches there.
+    let pole = format!("dir = [0, {:?}, {:?}]", -first.x.hypot(first.y), -first.z);
+    let clock = format!("clock = {:?}", 90.0 - first.y.atan2(first.x).to_degrees());
+    let narrow = format!("[-{0:?}, {0:?}]", middle.to_degrees());
+    let open = |window: &mut Window, text: &str| {
+        std::fs::write(folder.path().join("own.toml"), text).unwrap();
+        let setup = folder.path().join("setup.toml");
+        std::fs::write(&setup, "[machine]\nfile = \"own.toml\"\nmax_axis_tilt = 90\n").unwrap();
+        choose(window, "None");
+        window.state_mut().open_path(setup);
+        settle(window);
+    };
+    let only_warnings = |window: &mut Window| {
+        window.get_by_role_and_label(Role::ComboBox, "Positions").click();
+        window.run_steps(2);
+        window.get_by_label("Axis warnings only").click();
+        window.run_steps(3);
+        window.state().state().rows()
+    };
+    open(&mut window, &text.replace("[-120, 120]", &narrow));
+    let beyond = only_warnings(&mut window);
+    assert!(beyond.len() > 3 && beyond.len() + 3 < count, "{} of {count} beyond", beyond.len());
+    window.get_by_label("Sort by axis warnings").click();
+    window.run_steps(3);
+    let worst = window.state().state().rows()[0];
+    let excess = |k: usize| on_machine(&window).demands[k].fault.as_ref().and_then(|fault| fault.excess());
+    assert!(beyond.iter().all(|&k| excess(k) <= excess(worst)), "the worst one first");
+    let cell = format!("A +{:.0}°", excess(worst).expect("beyond").to_degrees());
+    window.get_all_by_label(&cell).next().expect("the excess in the row");
+    snapshot_view(&mut window, "machine_limits");
+
+    open(&mut window, &text.replace("dir = [0, 0, -1]", &pole).replace("clock = 0.0", &clock));
+    let near = only_warnings(&mut window);
+    assert!(near.contains(&0) && near.len() < count, "near the pole: {near:?}");
+    window.get_all_by_label("P 0.0°").next().expect("at the pole");
+}
+
+#[test]
+fn a_click_in_the_plot_of_the_rotary_axes_moves_the_timeline() {
+    let mut window = with_machine("b-head-c-table");
+    let count = window.state().state().position_count();
+    let rect = window.get_by_label("Rotary axes over the program").rect();
+    for (share, wanted) in [(0.5, count.div_ceil(2)), (0.999, count), (0.001, 1)] {
+        press(&mut window, rect.lerp_inside(egui::vec2(share, 0.6)));
+        window.run_steps(3);
+        let cut = window.state().state().look.cut_count.expect("on the timeline");
+        assert!(cut.abs_diff(wanted) <= 1, "{cut} of {count} at {share}");
+        assert_eq!(window.state().state().look.selected, Some(cut - 1), "the table follows");
+    }
+    choose(&mut window, "None");
+    assert!(window.query_by_label("Rotary axes over the program").is_none(), "no machine, no plot");
+}
+
+#[test]
+fn the_machine_is_a_layer_of_the_view() {
+    let mut window = with_machine("ac-trunnion");
+    assert!(!window.state().state().look.layers.machine, "off at first");
+    window.get_by_role_and_label(Role::Button, "Layers").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::CheckBox, "Machine").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
+    assert!(window.state().state().look.layers.machine);
+    window.state_mut().look_mut().cut_count = Some(9);
+    let view = window.get_by_label("3D view").rect();
+    window.hover_at(view.center());
+    for _ in 0..2 {
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, -120.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        });
+        window.run_steps(6);
+    }
+    settle(&mut window);
+    snapshot_view(&mut window, "machine_trunnion");
+    choose(&mut window, "b-head-c-table");
+    snapshot_view(&mut window, "machine_head");
 }

@@ -1,7 +1,13 @@
 //! The timeline while it plays.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::job::{Listener, PlanRequest};
+use vanecut::monitor::Monitor;
+use vanecut::toolpath::{ClProgram, Travel};
 
 use crate::fake;
 use crate::harness::{Window, press, settle, snapshot_view, with_sample};
@@ -135,4 +141,22 @@ fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
     window.get_by_label("0 min");
     choose(&mut window, "State");
     assert!(window.query_by_label("0 min").is_none(), "states have no scale");
+}
+
+#[test]
+fn the_clock_counts_every_move_of_a_plunge() {
+    let (engine, _) = fake::engine();
+    let sound = Arc::clone(&engine.plan);
+    let lifted = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = sound(request, monitor, listener)?;
+        for position in &mut outcome.after.plan.positions {
+            position.evaluation.motion.lift_off = position.axis * 3.0;
+        }
+        Ok(outcome)
+    };
+    let window = with_sample(Engine { plan: Arc::new(lifted), ..engine });
+    let state = window.state().state();
+    let program = ClProgram::of_plan("", state.shown().expect("planned").plan());
+    assert_eq!(program.moves.len(), 4 * state.position_count());
+    assert_eq!(state.clock().map(|(_, whole)| whole), Travel::clock(&program).last().copied());
 }

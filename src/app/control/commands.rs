@@ -189,6 +189,7 @@ impl App {
             C::Holders => look.layers.holders ^= true,
             C::Links => look.layers.links ^= true,
             C::Stock => look.layers.stock ^= true,
+            C::Machine => look.layers.machine ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
                 self.store_preferences();

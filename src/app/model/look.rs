@@ -30,6 +30,8 @@ pub struct Layers {
     pub links: bool,
     /// The stock as a solid, instead of hub and blades.
     pub stock: bool,
+    /// The machine of the setup as simple solids.
+    pub machine: bool,
     /// Quantity that colours the floor of the current channel.
     pub floor: FloorColours,
     /// Quantity that colours the cutters.
@@ -47,6 +49,7 @@ impl Default for Layers {
             holders: false,
             links: false,
             stock: false,
+            machine: false,
             floor: FloorColours::Residual,
             cutter_colours: CutterColours::State,
         }
@@ -95,11 +98,13 @@ pub enum Filter {
     Interfering,
     /// Positions without the axis their policy asks for.
     Blocked,
+    /// Positions beyond a limit of the machine or near its pole.
+    AxisWarnings,
 }
 
 impl Filter {
     /// All filters.
-    pub const ALL: [Self; 3] = [Self::All, Self::Interfering, Self::Blocked];
+    pub const ALL: [Self; 4] = [Self::All, Self::Interfering, Self::Blocked, Self::AxisWarnings];
 
     /// Label in the list.
     pub fn label(self) -> &'static str {
@@ -107,6 +112,7 @@ impl Filter {
             Self::All => "All positions",
             Self::Interfering => "Interfering only",
             Self::Blocked => "Blocked only",
+            Self::AxisWarnings => "Axis warnings only",
         }
     }
 }
@@ -127,12 +133,14 @@ pub enum TableColumn {
     Contact,
     /// Residual stock under the cutter.
     Hub,
+    /// Limits and pole of the machine.
+    Axes,
 }
 
 impl TableColumn {
-    /// All columns, left to right.
-    pub const ALL: [Self; 6] =
-        [Self::Order, Self::Row, Self::Diameter, Self::Alpha, Self::Contact, Self::Hub];
+    /// All columns, left to right; the last one only with a machine.
+    pub const ALL: [Self; 7] =
+        [Self::Order, Self::Row, Self::Diameter, Self::Alpha, Self::Contact, Self::Hub, Self::Axes];
 
     /// Head of the column.
     pub fn label(self) -> &'static str {
@@ -143,6 +151,7 @@ impl TableColumn {
             Self::Alpha => "α °",
             Self::Contact => "Contact",
             Self::Hub => "Hub",
+            Self::Axes => "Axes",
         }
     }
 
@@ -155,6 +164,7 @@ impl TableColumn {
             Self::Alpha => "lead angle",
             Self::Contact => "contact",
             Self::Hub => "residual stock",
+            Self::Axes => "axis warnings",
         }
     }
 
@@ -167,6 +177,11 @@ impl TableColumn {
             Self::Alpha => "Lead angle: between hub normal and axis, positive towards the inlet",
             Self::Contact => "Height above the tip at which the core meets stock, mm",
             Self::Hub => "Mean residual stock on the hub under the cutter, mm",
+            Self::Axes => {
+                "Machine: how far an axis would be beyond its limits, ° or mm; or, below 5.7°, the angle of \
+                 the tool axis from the pole, the line of the rotary axis nearest to the workpiece. Near it \
+                 that axis turns by more than ten times as much as the tool"
+            }
         }
     }
 }
@@ -181,13 +196,16 @@ pub struct Sort {
 }
 
 impl Sort {
-    /// Order after a click on the head of `column`; a second click reverses it. Contact and residual stock
-    /// start with the largest, as the worst positions are of interest.
+    /// Order after a click on the head of `column`; a second click reverses it. Contact, residual stock and
+    /// axis warnings start with the largest, as the worst positions are of interest.
     pub fn clicked(self, column: TableColumn) -> Self {
         if self.column == column {
             Self { column, descending: !self.descending }
         } else {
-            Self { column, descending: matches!(column, TableColumn::Contact | TableColumn::Hub) }
+            Self {
+                column,
+                descending: matches!(column, TableColumn::Contact | TableColumn::Hub | TableColumn::Axes),
+            }
         }
     }
 }

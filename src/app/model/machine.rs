@@ -1,10 +1,13 @@
 //! The shown plan on the chosen machine: where all axes stand at the end of each plunge.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
+use crate::drawing::machine::{DrawnTool, PosedMachine, machine_mesh};
+use crate::gpu::mesh::Mesh;
 use crate::io::InputError;
 use crate::io::machine_file::read_machine;
-use crate::machine::{LINEAR_NAMES, MachineTool, PlacedPart, Pose};
+use crate::machine::{BlankSize, LINEAR_NAMES, LimitFault, MachineTool, NEAR_POLE_RAD, PlacedPart, Pose};
 use crate::setup::Setup;
 
 /// All axes at one moment of the program.
@@ -14,8 +17,8 @@ pub struct AxisPositions {
     pub pose: Pose,
     /// Machine coordinates X Y Z, mm.
     pub joints: [f64; 3],
-    /// Length of the tool from gauge point to tip, mm.
-    pub length: f64,
+    /// The tool in the spindle.
+    pub tool: DrawnTool,
 }
 
 /// A plan as a machine runs it.
@@ -25,12 +28,46 @@ pub struct PlanOnMachine {
     pub machine: MachineTool,
     /// How the part lies on it.
     pub placed: PlacedPart,
+    /// Extent of the blank.
+    pub blank: BlankSize,
     /// Before the first plunge.
     pub start: Option<AxisPositions>,
     /// At the end of each plunge; empty where the machine cannot run the program.
     pub plunges: Vec<Option<AxisPositions>>,
     /// Why it cannot: what is wrong, and what to do.
     pub fault: Option<(String, String)>,
+    /// What each position asks of the axes.
+    pub demands: Vec<AxisDemand>,
+}
+
+/// What a position asks of the axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisDemand {
+    /// What keeps the machine from it, at the tip or at the retract point.
+    pub fault: Option<LimitFault>,
+    /// Angle from the pole, rad.
+    pub pole_rad: f64,
+}
+
+impl AxisDemand {
+    /// Whether it is beyond a limit, or near the pole.
+    pub fn is_warning(&self) -> bool {
+        self.fault.is_some() || self.is_near_pole()
+    }
+
+    /// Whether it is near the pole; see [`NEAR_POLE_RAD`].
+    pub fn is_near_pole(&self) -> bool {
+        self.pole_rad < NEAR_POLE_RAD
+    }
+
+    /// Order of warnings: the larger, the worse. What is beyond limits comes before what is near the pole.
+    pub fn weight(&self) -> f64 {
+        match &self.fault {
+            // More than a turn, so that no angle from the pole weighs as much; mm count as rad.
+            Some(fault) => fault.excess().map_or(f64::MAX, |excess| TAU + excess),
+            None => -self.pole_rad,
+        }
+    }
 }
 
 impl PlanOnMachine {
@@ -40,6 +77,13 @@ impl PlanOnMachine {
             0 => self.start.as_ref(),
             count => self.plunges.get(count - 1)?.as_ref(),
         }
+    }
+
+    /// The machine as solids after `cut` plunges; see [`Self::at`].
+    pub fn mesh(&self, cut: Option<usize>) -> Option<Mesh> {
+        let AxisPositions { pose, joints, tool } = *self.at(cut)?;
+        let (machine, placed, blank) = (&self.machine, &self.placed, self.blank);
+        Some(machine_mesh(&PosedMachine { machine, placed, blank, joints, angles: pose.angles, tool }))
     }
 
     /// Name and position of each axis, with its unit: X Y Z, then the rotary axes by their letters.

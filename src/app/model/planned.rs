@@ -208,9 +208,11 @@ fn tools_in_words(setup: &Setup) -> String {
 
 /// Time from the start to the end of each plunge of a plan, s.
 fn clock_of(plan: &PlungePlan) -> Vec<f64> {
-    let moves = Travel::clock(&ClProgram::of_plan("", plan));
-    // Rapid, plunge and rapid back.
-    moves.chunks_exact(3).map(|plunge| plunge[2]).collect()
+    let program = ClProgram::of_plan("", plan);
+    let moves = Travel::clock(&program);
+    // A plunge ends before the next one starts.
+    let ends = program.plunge_starts().into_iter().skip(1).chain([moves.len()]);
+    ends.filter_map(|end| moves.get(end.checked_sub(1)?).copied()).collect()
 }
 
 /// The plunges `cutters` of a plan over a floor: one of `known`, if it has the same.

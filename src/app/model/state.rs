@@ -11,6 +11,7 @@ use crate::setup::AxisPolicy;
 use crate::app::model::checked::{CheckRequest, CheckedProgram, ProgramFinding};
 use crate::app::model::document::{Document, Edited, OpenPart};
 use crate::app::model::look::{Arrangement, Filter, Look, Operation, REVEAL, TableColumn};
+use crate::app::model::machine::{AxisDemand, PlanOnMachine};
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::preview::PreviewCutters;
@@ -400,17 +401,28 @@ impl AppState {
         self.look.cut_count = self.look.cut_count.map(|cut| cut.min(count));
     }
 
+    /// The shown plan on the machine of the setup, once it is known.
+    pub fn on_machine(&self) -> Option<&Arc<PlanOnMachine>> {
+        self.results.on_machine.as_ref()?.as_ref().ok()
+    }
+
+    /// What a position of the shown plan asks of the axes of the machine.
+    pub fn axis_demand(&self, position: usize) -> Option<&AxisDemand> {
+        self.on_machine()?.demands.get(position)
+    }
+
     /// Positions that pass the filter, in table order.
     pub fn rows(&self) -> Vec<usize> {
         let Some(shown) = self.shown() else { return Vec::new() };
         let plan = shown.plan();
         let filter = self.look.filter;
-        let passes = |position: &Position| match filter {
+        let passes = |k: usize, position: &Position| match filter {
             Filter::All => true,
             Filter::Interfering => position.condition() == Condition::Interfering,
             Filter::Blocked => position.condition() == Condition::Blocked,
+            Filter::AxisWarnings => self.axis_demand(k).is_some_and(AxisDemand::is_warning),
         };
-        let passing = plan.positions.iter().enumerate().filter(|(_, p)| passes(p));
+        let passing = plan.positions.iter().enumerate().filter(|(k, p)| passes(*k, p));
         let mut rows: Vec<(f64, usize)> = passing
             .map(|(k, p)| {
                 let key = match self.look.sort.column {
@@ -423,6 +435,7 @@ impl AppState {
                     TableColumn::Hub => {
                         Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from)
                     }
+                    TableColumn::Axes => self.axis_demand(k).map_or(0.0, AxisDemand::weight),
                 };
                 (key, k)
             })

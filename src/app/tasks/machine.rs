@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use super::Repaint;
 use crate::app::model::look::Operation;
-use crate::app::model::machine::{AxisPositions, PlanOnMachine};
+use crate::app::model::machine::{AxisDemand, AxisPositions, PlanOnMachine};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::state::AppState;
 use crate::app::tasks::latest::Latest;
+use crate::drawing::machine::DrawnTool;
 use crate::io::InputError;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
@@ -19,7 +20,7 @@ use crate::machine::{
 use crate::monitor::Monitor;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
-use crate::toolpath::ClProgram;
+use crate::toolpath::{ClProgram, ClTool};
 
 /// A plan, and the machine that is to run it.
 #[derive(Clone)]
@@ -83,7 +84,8 @@ fn run(request: &MachineRequest) -> Result<PlanOnMachine, InputError> {
     }
     let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
     let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
-    options.blank = Some(BlankSize::of(part, &outcome.setup.allowances));
+    let blank = BlankSize::of(part, &outcome.setup.allowances);
+    options.blank = Some(blank);
     let made = machine_program(&machine, &placed, &program, &options, &Monitor::default());
     let (start, plunges, fault) = match made {
         Ok(motion) => {
@@ -95,7 +97,17 @@ fn run(request: &MachineRequest) -> Result<PlanOnMachine, InputError> {
             (None, Vec::new(), Some((error.message, error.help)))
         }
     };
-    Ok(PlanOnMachine { machine, placed, start, plunges, fault })
+    let demands = plan.positions.iter().map(|position| demand(&machine, &placed, plan, position)).collect();
+    Ok(PlanOnMachine { machine, placed, blank, start, plunges, fault, demands })
+}
+
+/// What a position asks of the axes.
+fn demand(machine: &MachineTool, placed: &PlacedPart, plan: &PlungePlan, position: &Position) -> AxisDemand {
+    let axis = placed.vector_in_program(&position.axis);
+    let tips = [position.tip, position.evaluation.retract].map(|tip| placed.point_in_program(&tip));
+    let tool = plan.sections.get(position.section).map(|section| ClTool::of(&section.tool));
+    let length = gauge_length(machine, &tool.unwrap_or_default());
+    AxisDemand { fault: machine.limit_fault(&axis, &tips, length), pole_rad: machine.pole_angle(&axis) }
 }
 
 /// The axes before the first plunge, and at the end of each.
@@ -114,9 +126,10 @@ fn axis_positions(
     }
     let after = |index: usize| {
         let step = motion.steps.get(ends.get(index).copied().flatten()?)?;
-        let length = gauge_length(machine, program.tools.get(step.tool)?);
-        let joints = machine.joints(&step.pose.tip, &step.pose.angles, length);
-        Some(AxisPositions { pose: step.pose, joints, length })
+        let cutter = program.tools.get(step.tool)?;
+        let tool = DrawnTool { radius: 0.5 * cutter.diameter, length: gauge_length(machine, cutter) };
+        let joints = machine.joints(&step.pose.tip, &step.pose.angles, tool.length);
+        Some(AxisPositions { pose: step.pose, joints, tool })
     };
     let starts = program.plunge_starts();
     let mut plunges = starts.iter().zip(starts.iter().skip(1).copied().chain([program.moves.len()]));

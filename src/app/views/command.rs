@@ -156,6 +156,8 @@ commands! {
     Links "Rapids" "Shows the rapids from retract point to retract point" [];
     Stock "Stock"
         "Shows the stock as a solid at the position of the timeline, instead of hub and blades" [NONE, S];
+    Machine "Machine"
+        "Shows table and head of the machine of the setup, as simple solids that move with the timeline" [];
     FlankCurves "Flank passes" "Shows the passes of the flank plan" [];
     MouseVanecut "Mouse: Vanecut" "Left button orbits, middle or shift-left pans" [];
     MouseNx "Mouse: NX" "Middle button orbits, shift-middle pans, ctrl-middle zooms" [];

@@ -210,7 +210,7 @@ pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
 }
 
 /// The layers with the commands that switch them.
-pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 8] {
+pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 9] {
     [
         (&mut layers.hub, Command::Hub),
         (&mut layers.blades, Command::Blades),
@@ -220,6 +220,7 @@ pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 8] {
         (&mut layers.holders, Command::Holders),
         (&mut layers.links, Command::Links),
         (&mut layers.stock, Command::Stock),
+        (&mut layers.machine, Command::Machine),
     ]
 }
 

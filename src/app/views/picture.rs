@@ -26,6 +26,7 @@ use crate::setup::AxisPolicy;
 
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
+use crate::app::model::machine::PlanOnMachine;
 use crate::app::model::planned::{DisplayPlan, PerSide, Side};
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::solid::SolidColours;
@@ -265,6 +266,8 @@ pub struct SidePicture {
     coloured: Option<ColouredCutters>,
     /// The stock as a solid.
     solid: Option<Arc<SolidPicture>>,
+    /// The plan on the machine that is drawn, and the number of plunges cut.
+    machine: Option<(Arc<PlanOnMachine>, Option<usize>)>,
     /// Computes and draws the stock on the device; `None` where the core's heights are drawn.
     stock_floor: Option<StockFloor>,
     /// Texture id in egui, and the generation of the renderer's texture it refers to.
@@ -287,6 +290,7 @@ impl SidePicture {
             borders: Vec::new(),
             coloured: None,
             solid: None,
+            machine: None,
             stock_floor: kernel.map(StockFloor::new),
             texture: None,
             drawn: None,
@@ -508,6 +512,20 @@ impl SidePicture {
         if !same {
             self.scene.set_solid(&self.gpu, solid.as_ref().map(|solid| Arc::clone(&solid.mesh)));
             self.solid = solid;
+            self.generation += 1;
+        }
+    }
+
+    /// Shows the machine after so many plunges of a plan on it, or none.
+    pub fn load_machine(&mut self, machine: Option<(Arc<PlanOnMachine>, Option<usize>)>) {
+        let same = match (&self.machine, &machine) {
+            (Some((a, cut)), Some((b, wanted))) => Arc::ptr_eq(a, b) && cut == wanted,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        if !same {
+            let mesh = machine.as_ref().and_then(|(plan, cut)| plan.mesh(*cut));
+            self.scene.set_machine(&self.gpu, mesh.as_ref());
+            self.machine = machine;
             self.generation += 1;
         }
     }

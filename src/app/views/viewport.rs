@@ -190,6 +190,10 @@ impl App {
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());
         let look = &self.state.look;
+        // Table and timeline are those of the active side.
+        let is_shown = look.layers.machine && pane.side == look.side;
+        let machine =
+            self.state.on_machine().filter(|_| is_shown).map(|plan| (Arc::clone(plan), look.cut_count));
         let scrubs = look.playing.is_some() || (held && look.cut_count.is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
@@ -201,6 +205,7 @@ impl App {
         picture.load_preview(coming);
         picture.load_borders(borders);
         picture.load_solid(solid);
+        picture.load_machine(machine);
         // The first picture is coarse, too, to appear sooner.
         let moving = moving || !picture.has_drawn() || (scrubs && picture.is_on_software());
         let scale = ui.pixels_per_point();
@@ -379,6 +384,7 @@ impl App {
                 false => CutterFilter::Hidden,
             },
             show_solid: layers.stock,
+            show_machine: layers.machine && roughing,
             show_axes: layers.axes && roughing,
             show_holders: layers.holders && roughing,
             show_links: layers.links && roughing,

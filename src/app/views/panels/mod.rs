@@ -11,6 +11,7 @@ pub mod policies;
 pub mod positions;
 pub mod problems;
 pub mod program;
+pub mod rotary;
 pub mod section;
 pub mod setup;
 pub mod status;

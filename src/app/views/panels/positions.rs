@@ -3,10 +3,12 @@
 use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
+use crate::machine::LimitFault;
 use crate::plunge::{Blocked, Position};
 
 use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
+use crate::app::model::machine::AxisDemand;
 use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
@@ -31,7 +33,9 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
                 .width(132.0)
                 .selected_text(state.look.filter.label())
                 .show_ui(ui, |ui| {
-                    for filter in Filter::ALL {
+                    let has_machine = state.on_machine().is_some();
+                    let shown = |filter: &Filter| has_machine || *filter != Filter::AxisWarnings;
+                    for filter in Filter::ALL.into_iter().filter(shown) {
                         ui.selectable_value(&mut state.look.filter, filter, filter.label());
                     }
                 })
@@ -51,6 +55,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
             Filter::All => "The plan has no positions",
             Filter::Interfering => "No interfering plunge",
             Filter::Blocked => "No blocked position",
+            Filter::AxisWarnings => "No position beyond a limit of the machine or near its pole",
         };
         ui.label(RichText::new(words).weak());
         return None;
@@ -78,6 +83,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let pitch = theme::ROW_HEIGHT + ui.spacing().item_spacing.y;
     // Of this frame: the panel below may just have taken some of it.
     let height = ui.available_height() - pitch;
+    let has_machine = state.document.edited.setup.machine.file.is_some();
+    let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
     let mut builder = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
@@ -89,8 +96,11 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
         .column(Column::exact(30.0))
         .column(Column::exact(46.0))
         .column(Column::exact(50.0))
-        .column(Column::exact(44.0))
-        .column(Column::remainder());
+        .column(Column::exact(44.0));
+    if has_machine {
+        builder = builder.column(Column::exact(AXES_WIDTH));
+    }
+    builder = builder.column(Column::remainder());
     // The offset acts in this frame; scrolling to a row would act in the next one, many positions later while
     // the timeline plays.
     let mut scroll = state.look.table;
@@ -106,7 +116,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let output = builder
         .header(theme::ROW_HEIGHT, |mut header| {
             header.col(|_| ());
-            for key in Key::ALL {
+            for key in keys() {
                 header.col(|ui| {
                     if head(ui, key, (sort.column == key).then_some(sort.descending)) {
                         sorted = Some(sort.clicked(key));
@@ -144,6 +154,10 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                         RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
                     );
                 });
+                let demand = state.axis_demand(k);
+                if has_machine {
+                    row.col(|ui| axis_warning(ui, demand));
+                }
                 // Space for the scroll bar.
                 row.col(|_| ());
                 let name = format!("Position {}", k + 1);
@@ -154,7 +168,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k)) {
                     chosen = chosen.or(menu.inner.map(|command| (command, k)));
                 }
-                if response.on_hover_ui(|ui| row_tooltip(ui, k, position)).clicked() {
+                if response.on_hover_ui(|ui| row_tooltip(ui, state, k, position)).clicked() {
                     clicked = Some(k);
                 }
             });
@@ -191,6 +205,53 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
     let name = format!("Sort by {}", key.name());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
     response.on_hover_text(format!("{}; click to sort", key.tip())).clicked()
+}
+
+/// Width of the column of axis warnings, points.
+const AXES_WIDTH: f32 = 54.0;
+
+/// The worst that a position asks of the axes: an axis with its excess, or the angle from the pole.
+fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>) {
+    let Some(demand) = demand.filter(|demand| demand.is_warning()) else { return };
+    let (text, condition) = match &demand.fault {
+        Some(LimitFault::Unreachable { .. }) => ("none".to_owned(), Condition::Interfering),
+        Some(fault @ LimitFault::Beyond { letter, is_rotary, .. }) => {
+            let excess = fault.excess().unwrap_or_default();
+            let text = if *is_rotary {
+                // As much as the column has room for.
+                let degrees = excess.to_degrees();
+                if degrees < 9.95 {
+                    format!("{letter} +{degrees:.1}°")
+                } else {
+                    format!("{letter} +{degrees:.0}°")
+                }
+            } else {
+                format!("{letter} +{excess:.0}")
+            };
+            (text, Condition::Interfering)
+        }
+        None => (format!("P {:.1}°", demand.pole_rad.to_degrees()), Condition::Blocked),
+    };
+    cell(ui, RichText::new(text).color(condition.text(ui.visuals())).strong());
+}
+
+/// What a position asks of the axes, in words.
+fn axis_remarks(ui: &mut Ui, state: &AppState, k: usize) {
+    let Some((plan, demand)) = state.on_machine().zip(state.axis_demand(k)) else { return };
+    if let Some(fault) = &demand.fault {
+        ui.label(format!("{}: {fault}", plan.machine.name));
+    } else if demand.is_near_pole() {
+        let [first, angle] = [plan.machine.rotary[0].letter.to_string(), degrees(demand.pole_rad)];
+        let ratio = 1.0 / demand.pole_rad.sin().max(1e-3);
+        ui.label(format!(
+            "{}: {angle} from the pole, the line of {first}, which turns {ratio:.0} times as much as the tool",
+            plan.machine.name
+        ));
+    }
+}
+
+fn degrees(angle_rad: f64) -> String {
+    format!("{:.1}°", angle_rad.to_degrees())
 }
 
 /// Contact depth, mm; "0" if it would round to 0.00.
@@ -243,6 +304,7 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
     let plan = shown.plan();
     let Some(position) = plan.positions.get(k) else { return };
     remarks(ui, position);
+    axis_remarks(ui, state, k);
     Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
         let mut fact = |name: &str, value: String| {
             ui.label(RichText::new(name).weak());
@@ -265,6 +327,12 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         fact("Tool tip X Y Z", format!("{x:.3} {y:.3} {z:.3} mm"));
         let [i, j, l] = [position.axis.x, position.axis.y, position.axis.z];
         fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
+        if let Some((plan, at)) = state.on_machine().and_then(|plan| Some((plan, plan.at(Some(k + 1))?))) {
+            let [x, y, z, a, b] = plan.named(at);
+            fact("Machine X Y Z", [x, y, z].map(|(_, value, _)| format!("{value:.3}")).join(" ") + " mm");
+            let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
+            fact("Rotary axes", angles.join(" "));
+        }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
         let [hub, blade] = [position.hub_clearance, position.blade_clearance];
         fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
@@ -311,7 +379,7 @@ pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
 }
 
 /// Tooltip of a row.
-fn row_tooltip(ui: &mut Ui, k: usize, position: &Position) {
+fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
     ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().label())).strong());
     if position.evaluation.contact.interferes() {
         let share = 100.0 * position.evaluation.contact.area_share;
@@ -321,6 +389,7 @@ fn row_tooltip(ui: &mut Ui, k: usize, position: &Position) {
         ));
     }
     remarks(ui, position);
+    axis_remarks(ui, state, k);
     ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
     ui.label(format!(
         "Clearance: hub {:.3} mm, blade {:.3} mm",

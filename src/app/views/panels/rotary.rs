@@ -1,0 +1,127 @@
+//! Plot of both rotary axes of the machine over the program, with the position of the timeline. A click moves
+//! the timeline there.
+
+use egui::{Align2, Color32, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui};
+
+use super::positions::position_menu;
+use crate::app::model::machine::{AxisPositions, PlanOnMachine};
+use crate::app::model::state::{AppState, Boundary};
+use crate::app::views::command::Command;
+use crate::app::views::theme;
+use crate::palette::CUTTER_CATEGORIES;
+
+/// Height of the plot, points.
+pub const HEIGHT: f32 = 66.0;
+
+/// Height of the line with names and ranges, points.
+const HEAD: f32 = 18.0;
+/// Shortest scale, degrees, so that rounding is not magnified.
+const MIN_RANGE: f64 = 1.0;
+
+/// A rotary axis over the program.
+struct AxisCurve {
+    letter: char,
+    colour: Color32,
+    /// Degrees at the end of each plunge; NaN where it is not known.
+    values: Vec<f64>,
+    /// Ends of its scale, degrees.
+    range: (f64, f64),
+}
+
+impl AxisCurve {
+    fn of(plan: &PlanOnMachine, axis: usize, colour: Color32) -> Self {
+        let value = |at: &Option<_>| {
+            at.as_ref().map_or(f64::NAN, |at: &AxisPositions| at.pose.angles[axis].to_degrees())
+        };
+        let values: Vec<f64> = plan.plunges.iter().map(value).collect();
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        let low = finite().fold(f64::INFINITY, f64::min);
+        let high = finite().fold(f64::NEG_INFINITY, f64::max);
+        let range = (low, high.max(low + MIN_RANGE));
+        Self { letter: plan.machine.rotary[axis].letter, colour, values, range }
+    }
+}
+
+/// Draws the plot; a click moves the timeline. Returns a command from the context menu, with the position it
+/// is for.
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
+    let size = egui::vec2(ui.available_width(), ui.available_height().min(HEIGHT));
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Rotary axes over the program"));
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
+    let Some(plan) = state.on_machine().filter(|plan| !plan.plunges.is_empty()) else {
+        let is_known = state.results.on_machine.is_some();
+        let text = if is_known { "The machine cannot run the plan" } else { "Axes: calculating…" };
+        let (font, ink) = (FontId::proportional(theme::MIN_TEXT_SIZE), ui.visuals().weak_text_color());
+        painter.text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
+        return None;
+    };
+    let colours = [0, 1].map(|k| {
+        let [r, g, b] = CUTTER_CATEGORIES[k].map(|x| (255.0 * x) as u8);
+        Color32::from_rgb(r, g, b)
+    });
+    let axes = plan.rotary_by_letter();
+    let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
+    let count = plan.plunges.len();
+    let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, HEAD), rect.max - egui::vec2(5.0, 5.0));
+    let last = (count - 1).max(1) as f32;
+    let x_of = |k: usize| inner.left() + inner.width() * k as f32 / last;
+    let upright = |k: usize, stroke: Stroke| {
+        painter.vline(x_of(k), inner.y_range(), stroke);
+    };
+    let faint = ui.visuals().weak_text_color().gamma_multiply(0.4);
+    for k in state.boundaries(Boundary::Section).into_iter().filter(|&k| k > 0) {
+        upright(k, Stroke::new(1.0, faint));
+    }
+    let now = state.look.cut_count.map_or(count, |cut| cut.min(count)).checked_sub(1);
+    let accent = theme::accent(ui.visuals());
+    if let Some(k) = now {
+        upright(k, Stroke::new(1.0, accent));
+    }
+    let font = FontId::proportional(theme::MIN_TEXT_SIZE);
+    let mut at = rect.min + egui::vec2(5.0, 3.0);
+    for curve in &curves {
+        let (low, high) = curve.range;
+        let place = |k: usize, v: f64| {
+            Pos2::new(x_of(k), inner.bottom() - inner.height() * ((v - low) / (high - low)) as f32)
+        };
+        let known = curve.values.iter().enumerate().filter(|(_, v)| v.is_finite());
+        painter.line(known.map(|(k, &v)| place(k, v)).collect(), Stroke::new(1.4, curve.colour));
+        if let Some((k, &v)) =
+            now.and_then(|k| Some((k, curve.values.get(k)?))).filter(|(_, v)| v.is_finite())
+        {
+            painter.circle_filled(place(k, v), 2.5, curve.colour);
+        }
+        let swatch = Rect::from_min_size(at + egui::vec2(0.0, 2.0), egui::vec2(9.0, 9.0));
+        painter.rect_filled(swatch, 2.0, curve.colour);
+        let text = format!("{} {low:.1}° to {high:.1}°", curve.letter);
+        let ink = ui.visuals().text_color();
+        let drawn = painter.text(at + egui::vec2(13.0, 0.0), Align2::LEFT_TOP, text, font.clone(), ink);
+        at.x = drawn.right() + 16.0;
+    }
+    let near = |at: Pos2| {
+        let share = (at.x - inner.left()) / inner.width().max(1.0);
+        ((share * last).round().clamp(0.0, last) as usize).min(count - 1)
+    };
+    if let Some(k) = response.hover_pos().map(near) {
+        let values = curves.iter().map(|curve| format!("{} {:.3}°", curve.letter, curve.values[k]));
+        let text = format!("Position {}: {}", k + 1, values.collect::<Vec<_>>().join(", "));
+        response.clone().on_hover_text_at_pointer(text);
+    }
+    let pointer = response.interact_pointer_pos();
+    // The menu stays with the position that was right-clicked.
+    let id = response.id.with("menu position");
+    if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
+        ui.data_mut(|data| data.insert_temp(id, near(at)));
+    }
+    let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+    let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
+    if let Some(at) = pointer.filter(|_| picks) {
+        state.look.playing = None;
+        state.set_timeline(Some(near(at) + 1));
+    }
+    let menu = Popup::context_menu(&response).show(|ui| position_menu(ui, of_menu));
+    menu.and_then(|menu| menu.inner).map(|command| (command, of_menu))
+}
