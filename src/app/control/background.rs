@@ -96,15 +96,14 @@ impl App {
         }
         // While a slider is held, let the task finish if it is past half way. Also wait for its first checked
         // stage: otherwise continuous movement would restart planning before anything is shown.
-        let worth_waiting = self.work.planner.progress().is_some_and(|fraction| {
-            let has_stage = self
-                .state
-                .results
-                .preview
-                .as_ref()
-                .is_some_and(|coming| coming.task == self.work.tasks && coming.has_checked_stage());
-            !has_stage || fraction > 0.5
-        });
+        let worth_waiting =
+            self.work.planner.progress().is_some_and(|fraction| {
+                let has_stage =
+                    self.state.results.preview.as_ref().is_some_and(|preview| {
+                        preview.task == self.work.tasks && preview.has_checked_stage()
+                    });
+                !has_stage || fraction > 0.5
+            });
         if !(held && worth_waiting) {
             self.submit_plan(held);
         }
@@ -112,11 +111,11 @@ impl App {
 
     /// Stores the latest preview; previews of finished or superseded tasks are dropped.
     fn collect_coming(&mut self) {
-        let coming = self.work.coming.take().filter(|coming| coming.task == self.work.tasks);
+        let preview = self.work.preview.take().filter(|preview| preview.task == self.work.tasks);
         if !self.work.planner.is_busy() {
             self.state.results.preview = None;
-        } else if coming.is_some() {
-            self.state.results.preview = coming;
+        } else if preview.is_some() {
+            self.state.results.preview = preview;
         }
     }
 

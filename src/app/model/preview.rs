@@ -246,9 +246,9 @@ impl PreviewSlot {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Replaces the content by `coming`.
-    pub(in crate::app) fn put(&self, coming: PlanPreview) {
-        *self.latest() = Some(Arc::new(coming));
+    /// Replaces the content by `preview`.
+    pub(in crate::app) fn put(&self, preview: PlanPreview) {
+        *self.latest() = Some(Arc::new(preview));
     }
 
     /// Takes the content out.

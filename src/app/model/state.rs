@@ -305,8 +305,9 @@ impl AppState {
 
     /// Plan on a side: the running task's once that side is finished, otherwise the last whole plan.
     pub fn shown_on(&self, side: Side) -> Option<ShownPlan<'_>> {
-        let coming = self.results.preview.as_ref().and_then(|coming| coming.planned.as_ref());
-        let finished = coming.zip(self.pending_policy(side)).filter(|(planned, policy)| planned.has(*policy));
+        let preview = self.results.preview.as_ref().and_then(|preview| preview.planned.as_ref());
+        let finished =
+            preview.zip(self.pending_policy(side)).filter(|(planned, policy)| planned.has(*policy));
         finished.map(|(planned, policy)| ShownPlan { planned, policy }).or_else(|| self.last_whole_plan(side))
     }
 
@@ -319,21 +320,21 @@ impl AppState {
 
     /// Policy that a side will show when the running task finishes.
     fn pending_policy(&self, side: Side) -> Option<AxisPolicy> {
-        let coming = self.results.preview.as_ref()?;
+        let preview = self.results.preview.as_ref()?;
         let default = match side {
             Side::Before => AxisPolicy::Conventional,
-            Side::After => coming.setup.plunge.axis,
+            Side::After => preview.setup.plunge.axis,
         };
         Some(self.look.policies[side].unwrap_or(default))
     }
 
     /// Preview cutters that a side shows instead of those of the last plan.
     pub fn preview_on(&self, side: Side) -> Option<&PreviewCutters> {
-        let (coming, policy) = self.results.preview.as_ref().zip(self.pending_policy(side))?;
-        if coming.planned.as_ref().is_some_and(|planned| planned.has(policy)) {
+        let (preview, policy) = self.results.preview.as_ref().zip(self.pending_policy(side))?;
+        if preview.planned.as_ref().is_some_and(|planned| planned.has(policy)) {
             return None;
         }
-        coming.cutters(policy)
+        preview.cutters(policy)
     }
 
     /// Whether what a side shows is older than the setup.

@@ -93,28 +93,28 @@ impl Engine {
             field_cells: if task.draft { DRAFT_CELLS } else { FIELD_CELLS },
         };
         let last = task.last.clone().filter(|last| Arc::ptr_eq(&last.outcome.workpiece.part, &task.part));
-        let coming = PlanPreview::new(task.number, task.setup.clone(), last.clone());
-        let coming = Mutex::new(coming);
+        let preview = PlanPreview::new(task.number, task.setup.clone(), last.clone());
+        let preview = Mutex::new(preview);
         let listen = |stage: PlanStage| {
             if monitor.is_cancelled() {
                 return;
             }
-            let lock = || coming.lock().unwrap_or_else(PoisonError::into_inner);
+            let lock = || preview.lock().unwrap_or_else(PoisonError::into_inner);
             let (floor, known) = {
-                let mut coming = lock();
-                (coming.floor_of(&stage), coming.programs())
+                let mut preview = lock();
+                (preview.floor_of(&stage), preview.programs())
             };
             // Sorted without the lock, so that other policies can report their stages.
             let program = floor.and_then(|floor| Some(program_of(stage.cutters()?, &floor, &known)));
-            let mut coming = lock();
-            coming.add_stage(stage, program);
-            slot.put(coming.clone());
-            drop(coming);
+            let mut preview = lock();
+            preview.add_stage(stage, program);
+            slot.put(preview.clone());
+            drop(preview);
             notify();
         };
         let outcome = (self.plan)(&request, monitor, Listener::new(&listen))?;
-        let coming = coming.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let (floor, known) = coming.into_floor(&outcome);
+        let preview = preview.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (floor, known) = preview.into_floor(&outcome);
         Ok(DisplayPlan::new(request.setup, outcome, &floor, &known))
     }
 }

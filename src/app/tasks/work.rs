@@ -27,7 +27,7 @@ pub(in crate::app) struct Work {
     pub checker: Worker<CheckRequest, CheckedProgram, InputError>,
     pub writer: Worker<WriteTask, Written, InputError>,
     /// Slot through which the planner passes its preview.
-    pub coming: PreviewSlot,
+    pub preview: PreviewSlot,
     /// The last request to the planner.
     pub asked: Option<PlanKey>,
     /// Setup of the last request to the flank planner.
@@ -49,9 +49,9 @@ impl Work {
             move || repaint()
         };
         let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
-        let coming = PreviewSlot::default();
+        let preview = PreviewSlot::default();
         let plan = {
-            let (slot, notify) = (coming.clone(), repaint());
+            let (slot, notify) = (preview.clone(), repaint());
             move |task: &PlanTask, monitor: &Monitor| to_plan.planned(task, monitor, &slot, &notify)
         };
         Self {
@@ -64,7 +64,7 @@ impl Work {
             ),
             checker: Worker::new("check", |request, _| check(request), repaint()),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
-            coming,
+            preview,
             asked: None,
             asked_flank: None,
             asked_check: None,

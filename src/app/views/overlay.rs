@@ -93,7 +93,7 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
 }
 
 /// Badge and border of a stale plan, with a summary of the preview of the next plan.
-pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&PreviewCutters>) {
+pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, preview: Option<&PreviewCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
@@ -103,12 +103,12 @@ pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, coming: Option<&Previ
             let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
             ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
         }
-        let Some(coming) = coming else { return };
-        let is_warm_start = coming.is_warm_start();
+        let Some(preview) = preview else { return };
+        let is_warm_start = preview.is_warm_start();
         let axes = if is_warm_start { ", axes as before" } else { "" };
-        let policy = format!("{}{axes}", policy_label(coming.policy()).to_lowercase());
-        let count = coming.count();
-        let (words, colour) = match coming.interfering_count() {
+        let policy = format!("{}{axes}", policy_label(preview.policy()).to_lowercase());
+        let count = preview.count();
+        let (words, colour) = match preview.interfering_count() {
             None => (format!("New {policy}: {count} positions, not checked yet"), ui.visuals().text_color()),
             Some(0) => {
                 (format!("New {policy}: none of {count} interferes"), Condition::Sound.text(ui.visuals()))

@@ -258,7 +258,7 @@ pub struct SidePicture {
     renderer: Option<Renderer>,
     scene: Scene,
     content: Option<Content>,
-    coming: Option<ShownCutters>,
+    preview: Option<ShownCutters>,
     flank: Option<(Arc<FlankOutcome>, FlankColours)>,
     program: Option<Arc<CheckedProgram>>,
     borders: Vec<Segment>,
@@ -284,7 +284,7 @@ impl SidePicture {
             renderer: None,
             scene: Scene::new(gpu, Arc::clone(&mesh.fine)).with_draft(gpu, &mesh.draft),
             content: None,
-            coming: None,
+            preview: None,
             flank: None,
             program: None,
             borders: Vec::new(),
@@ -388,10 +388,10 @@ impl SidePicture {
         let Some(floor) = &mut self.stock_floor else { return };
         let last = self.content.as_ref().and_then(Content::stock_states);
         // Cutters of a running plan, over the floor of the plan that is shown.
-        let coming = self.coming.as_ref().and_then(|coming| coming.program.clone()).filter(|program| {
+        let preview = self.preview.as_ref().and_then(|preview| preview.program.clone()).filter(|program| {
             last.as_ref().is_some_and(|(last, _)| Arc::ptr_eq(&program.floor, &last.program.floor))
         });
-        let states = match coming {
+        let states = match preview {
             Some(program) => Some((StockState { count: program.cutters.len(), program }, None)),
             None => last,
         };
@@ -481,15 +481,15 @@ impl SidePicture {
     }
 
     /// Shows these cutters, those of a running plan for example, instead of the plan's; `None`: the plan's.
-    pub fn load_preview(&mut self, coming: Option<&ShownCutters>) {
-        let same = match (&self.coming, coming) {
+    pub fn load_preview(&mut self, preview: Option<&ShownCutters>) {
+        let same = match (&self.preview, preview) {
             (Some(a), Some(b)) => a.is_same(b),
             (None, None) => true,
             _ => false,
         };
         if !same {
-            self.scene.set_preview(coming.map(|coming| Arc::clone(&coming.cutters)));
-            self.coming = coming.cloned();
+            self.scene.set_preview(preview.map(|preview| Arc::clone(&preview.cutters)));
+            self.preview = preview.cloned();
             self.generation += 1;
         }
     }

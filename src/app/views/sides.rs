@@ -76,9 +76,9 @@ impl App {
             self.run_command(ui.ctx(), command);
         }
         let compare = &mut self.state.compare;
-        let coming = self.state.results.preview.as_ref().and_then(|coming| coming.planned.clone());
+        let preview = self.state.results.preview.as_ref().and_then(|preview| preview.planned.clone());
         heading(ui, "Axis strategies", fresh, |ui| {
-            panels::policies::show(ui, compare, planned.as_deref(), coming.as_deref());
+            panels::policies::show(ui, compare, planned.as_deref(), preview.as_deref());
         });
         let change = self.state.results.tool_change.as_deref();
         let setup = &mut self.state.document.edited.setup;

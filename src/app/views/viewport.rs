@@ -181,11 +181,11 @@ impl App {
         let is_roughing = self.state.look.operation == Operation::Roughing;
         let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
         let solid = self.solids[pane.side].shown().cloned();
-        let coming = self.state.preview_on(pane.side).filter(|_| is_roughing);
+        let preview = self.state.preview_on(pane.side).filter(|_| is_roughing);
         // The next stage replaces a preview soon, so draw it coarsely.
-        let moving = moving || coming.is_some();
+        let moving = moving || preview.is_some();
         let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
-        let coming = coming.map(|coming| &coming.shown).or(faulty.map(|place| &place.cutter));
+        let preview = preview.map(|preview| &preview.shown).or(faulty.map(|place| &place.cutter));
         let program = self.state.shown_program();
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());
@@ -202,7 +202,7 @@ impl App {
         picture.load_program(program);
         picture.load(content);
         picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
-        picture.load_preview(coming);
+        picture.load_preview(preview);
         picture.load_borders(borders);
         picture.load_solid(solid);
         picture.load_machine(machine);
@@ -248,9 +248,9 @@ impl App {
             overlay::fault_mark(ui, panes[0].visible, panes[0].rect, &camera, finding);
         }
         for pane in panes.iter().filter(|_| roughing) {
-            let coming = self.state.preview_on(pane.side);
-            if self.state.is_stale(pane.side) || coming.is_some() {
-                overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), coming);
+            let preview = self.state.preview_on(pane.side);
+            if self.state.is_stale(pane.side) || preview.is_some() {
+                overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), preview);
             }
         }
         if let Some(points) = self.state.look.measure.clone() {

@@ -1,5 +1,5 @@
-//! Plots along the row of the selected position: lead angle, contact, residual stock, step, engaged arc, thickness
-//! of the chip. A click selects.
+//! Plots along the row of the selected position: lead angle, contact, residual stock, step, engaged arc,
+//! thickness of the chip. A click selects.
 
 use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui, Vec2};
 

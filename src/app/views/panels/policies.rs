@@ -10,13 +10,13 @@ use crate::app::model::figures::{format_percent, format_residual, format_times};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
 
-/// Draws the switch and the figures; a policy that the running task `coming` has finished takes precedence.
-pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, coming: Option<&DisplayPlan>) {
+/// Draws the switch and the figures; a policy that the running task has finished, in its `preview`, goes first.
+pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, preview: Option<&DisplayPlan>) {
     ui.checkbox(compare, "Compare all strategies")
         .on_hover_text("The next calculation plans every strategy, not only the chosen one");
-    let Some(whole) = planned.or(coming) else { return };
+    let Some(whole) = planned.or(preview) else { return };
     for policy in AxisPolicy::ALL {
-        let of = [coming, Some(whole)].into_iter().flatten().find(|planned| planned.has(policy));
+        let of = [preview, Some(whole)].into_iter().flatten().find(|planned| planned.has(policy));
         let Some(summary) = of.map(|planned| &planned.result(policy).summary) else { continue };
         let name = RichText::new(policy_label(policy));
         let is_asked = policy == whole.outcome.after.plan.policy;

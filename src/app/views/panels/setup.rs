@@ -1,4 +1,5 @@
-//! Panels "Plunge", "Allowances" and "Machine": policy, limits, allowances, clearances and machine of the setup.
+//! Panels "Plunge", "Allowances" and "Machine": policy, limits, allowances, clearances and machine of the
+//! setup.
 
 use std::path::Path;
 
@@ -216,8 +217,8 @@ pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command
     asks_for_file.then_some(Command::OpenBlank)
 }
 
-const MACHINE_TIP: &str = "Machine that the program is for. The timeline shows where its axes stand, and the planner keeps to\n\
-     the tilt that it reaches. Machine files are given in the setup file: `[machine] file`";
+const MACHINE_TIP: &str = "Machine that the program is for. The timeline shows where its axes stand, and the\n\
+     planner keeps to the tilt that it reaches. Machine files are given in the setup file: `[machine] file`";
 
 /// Draws the list of machines; returns why one could not be chosen.
 pub fn machine(ui: &mut Ui, setup: &mut Setup) -> Option<InputError> {

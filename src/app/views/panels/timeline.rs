@@ -56,8 +56,8 @@ fn axes(ui: &mut Ui, state: &AppState) {
     }
 }
 
-const AXES_TIP: &str = "Where the axes of the machine stand at the position of the timeline: machine coordinates of the \n\
-     spindle nose in mm, rotary axes as the program commands them, chosen over the whole program";
+const AXES_TIP: &str = "Where the axes of the machine stand at the position of the timeline: machine coordinates\n\
+     of the spindle nose in mm, rotary axes as the program commands them, chosen over the whole program";
 
 fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let count = state.position_count();

@@ -21,8 +21,8 @@ const S: FieldSpec = FieldSpec {
     slide: None,
 };
 
-/// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools. Returns the command
-/// that was asked for.
+/// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools. Returns the
+/// command that was asked for.
 pub fn show(
     ui: &mut Ui,
     setup: &mut Setup,
