@@ -123,7 +123,7 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
 fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.set_size(egui::vec2(1100.0, 1900.0));
     window.run_steps(3);
     click(&mut window, "Edit tools and sections");
     let headers: Vec<egui::Rect> =

@@ -76,7 +76,7 @@ fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
         assert!(window.state().state().results.figures(&set.setup).is_some(), "both were planned");
     }
     snapshot_view(&mut window, "what_if");
-    window.get_by_label("Load Variant 1").click();
+    window.get_by_label("Load Variant 1").click_accesskit();
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(window.state().state().document.edited.setup.plunge.step, None, "the first set is active");
