@@ -61,7 +61,7 @@ fn dragging_a_slider_plans_drafts_and_a_full_plan_at_the_end() {
 fn sets_are_kept_compared_used_and_removed_and_undo_covers_it() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1100.0, 1000.0));
+    window.set_size(egui::vec2(1100.0, 1180.0));
     window.run_steps(2);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
     window.run_steps(2);
