@@ -274,7 +274,7 @@ fn codes_are_shown_when_asked_for() {
     assert_eq!(without_code(&errors("1")), (plain, Some(ErrorCode::Arguments)));
 }
 
-/// What the system refuses while the program works is no fault of its input.
+/// An error of the system, such as a full disk, is not reported as a fault of the input.
 #[test]
 #[cfg(target_os = "linux")]
 fn output_that_cannot_be_written() {

@@ -20,7 +20,7 @@ use crate::plunge::Planner;
 use crate::setup::{AxisPolicy, SectionKind, Setup, Tool};
 #[cfg(feature = "gpu")]
 use crate::stock::FieldCutter;
-use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
 
 /// Runs per measurement, of which the median is reported.
 const RUNS: usize = 5;
@@ -148,7 +148,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
     let source = FloorSource {
         workpiece: &outcome.workpiece,
         stock: &outcome.setup.allowances,
-        cutters: &stretches_of_plan(plan),
+        cutters: &stretches_of(&plan.sections),
     };
     let grid = FloorGrid::new(&source, 1024);
     let cutters: Vec<_> = field_cutters(plan).into_iter().cycle().take(1000).collect();

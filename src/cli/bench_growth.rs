@@ -17,7 +17,7 @@ use crate::part::{Impeller, PartDescription};
 use crate::plunge::Planner;
 use crate::plunge::sections::MAX_POSITIONS;
 use crate::setup::{AxisPolicy, Setup};
-use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
 use crate::toolpath::ClProgram;
 use crate::verify::verify;
 
@@ -90,7 +90,7 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     let plan =
         planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_err(|error| failed(error.into()))?;
     lap(0);
-    let cutters = stretches_of_plan(&plan);
+    let cutters = stretches_of(&plan.sections);
     let source = FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &cutters };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let summary = Summary::of(&plan, &grid, &residual_field(&grid, &field_cutters(&plan)));

@@ -24,7 +24,7 @@ use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Impeller, PartDescription};
 use crate::stock::surface::fitting_range;
-use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_plan};
+use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -180,8 +180,11 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -> GltfScene {
     let StoredPlan { part, setup, plan, .. } = stored;
     let workpiece = setup.allowances.workpiece_of(part.clone());
-    let source =
-        FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &stretches_of_plan(plan) };
+    let source = FloorSource {
+        workpiece: &workpiece,
+        stock: &setup.allowances,
+        cutters: &stretches_of(&plan.sections),
+    };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let field = residual_field(&grid, &field_cutters(plan));
     GltfScene::of_plan(&PlanScene {

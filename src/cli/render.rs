@@ -22,7 +22,7 @@ use crate::monitor::Monitor;
 use crate::part::Impeller;
 use crate::plunge::PlungePlan;
 use crate::stock::surface::fitting_range;
-use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_plan};
+use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of};
 use crate::toolpath::ClProgram;
 
 /// Word of `--show` for the stock as a solid.
@@ -104,7 +104,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             let source = FloorSource {
                 workpiece: &workpiece,
                 stock: &setup.allowances,
-                cutters: &stretches_of_plan(plan),
+                cutters: &stretches_of(&plan.sections),
             };
             let grid = FloorGrid::new(&source, FIELD_CELLS);
             let field = residual_field(&grid, &field_cutters(plan)[..shown]);

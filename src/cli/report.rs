@@ -4,11 +4,11 @@ use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
 use crate::part::Impeller;
-use crate::plunge::{AddedPlunges, DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
-use crate::setup::{CutDirection, SectionKind, Setup, Tool};
+use crate::setup::{CutDirection, SectionKind, Setup};
 use crate::stock::FloorGrid;
-use crate::verify::{AssemblyDistances, Fault, PlungeReport, ProgramSection};
+use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
 /// A number, or null if it is not finite. An empty sum is −0; adding 0 makes it 0.
 pub fn number(x: f64) -> Value {
@@ -94,55 +94,38 @@ pub struct SectionFigures<'a> {
     pub index: usize,
     /// Its figures.
     pub summary: Summary,
-    /// Its tool.
-    pub tool: &'a Tool,
-    /// s at the outlet end, and at the inlet end.
-    pub range: [f64; 2],
-    /// Cutting direction of the rows.
-    pub feed: CutDirection,
-    /// What it cuts.
-    pub kind: SectionKind,
-    /// What the planner added to its rows.
-    pub added: Option<AddedPlunges>,
+    /// The section.
+    pub section: &'a SectionPlan,
 }
 
 impl<'a> PlungeFigures<'a> {
     /// Figures of a plan of one channel.
     pub fn of_result(result: &'a PolicyResult, grid: &FloorGrid) -> Self {
         let PolicyResult { plan, field, .. } = result;
-        let section = |(index, section): (usize, &'a SectionPlan)| SectionFigures {
-            index,
-            summary: Summary::of_section(plan, grid, field, index),
-            tool: &section.tool,
-            range: [section.from, section.to],
-            feed: section.feed,
-            kind: section.kind,
-            added: section.added,
+        let figures = |(index, section): (usize, &'a SectionPlan)| {
+            let summary = Summary::of_section(plan, grid, field, index);
+            SectionFigures { index, summary, section }
         };
         Self {
             plan: Some(plan),
             summary: result.summary.clone(),
-            sections: plan.sections.iter().enumerate().filter(|(_, s)| s.is_cut()).map(section).collect(),
+            sections: plan.sections.iter().enumerate().filter(|(_, s)| s.is_cut()).map(figures).collect(),
             rows: plan.sections.iter().map(|section| section.rows).sum(),
         }
     }
 
     /// Figures of a verified program.
     pub fn of_program(report: &'a PlungeReport) -> Self {
-        let section = |(index, (section, summary)): (usize, (&'a ProgramSection, &Summary))| SectionFigures {
+        let figures = |(index, (section, summary)): (usize, (&'a SectionPlan, &Summary))| SectionFigures {
             index,
             summary: summary.clone(),
-            tool: &section.tool,
-            range: [section.from, section.to],
-            feed: section.feed,
-            kind: section.kind,
-            added: None,
+            section,
         };
         let sections = report.verdict.sections.iter().zip(&report.sections).enumerate();
         Self {
             plan: None,
             summary: report.summary.clone(),
-            sections: sections.filter(|(_, (s, _))| s.is_cut()).map(section).collect(),
+            sections: sections.filter(|(_, (s, _))| s.is_cut()).map(figures).collect(),
             rows: report.verdict.rows(),
         }
     }
@@ -193,14 +176,12 @@ pub fn comparison_object(figures: &PlungeFigures, reasons: &[Option<String>]) ->
 }
 
 fn by_section(figures: &PlungeFigures, reasons: &[Option<String>]) -> Value {
-    let object = |section: &SectionFigures| {
-        let (index, s) = (section.index, &section.summary);
-        let [from, to] = section.range;
+    let object = |&SectionFigures { index, summary: ref s, section }: &SectionFigures| {
         let mut map = Map::new();
         map.insert("tool".into(), json!(section.tool.number));
         map.insert("diameter".into(), number(section.tool.diameter));
-        map.insert("from".into(), number(from));
-        map.insert("to".into(), number(to));
+        map.insert("from".into(), number(section.from));
+        map.insert("to".into(), number(section.to));
         map.insert("feed".into(), json!(feed_word(section.feed)));
         map.insert("rest".into(), json!(section.kind == SectionKind::Rest));
         if section.kind == SectionKind::Opening {
@@ -264,9 +245,9 @@ pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlungeFigures<'a>)>) -> St
     );
     for (name, figures) in rows {
         let whole = (String::from("all"), String::new(), &figures.summary);
-        let parts = figures.sections.iter().map(|section| {
-            let [from, to] = section.range;
-            (format!("{from:.2} to {to:.2}"), format!("D {}", section.tool.diameter), &section.summary)
+        let parts = figures.sections.iter().map(|SectionFigures { section, summary, .. }| {
+            let SectionPlan { from, to, tool, .. } = section;
+            (format!("{from:.2} to {to:.2}"), format!("D {}", tool.diameter), summary)
         });
         for (section, tool, s) in parts.chain([whole]) {
             let blocked = s.blocked.map_or_else(|| "-".to_owned(), |count| count.to_string());

@@ -42,7 +42,7 @@ pub fn read_program_bytes(
     let post = read_post(target.control.unwrap_or(&machine.control))?;
     let library = [plunge_cutters(), flank_cutters()].concat();
     let tools: Vec<Tool> = setup.tools.iter().chain(&library).cloned().collect();
-    let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
+    let placed = PlacedPart::of(&machine.part, part);
     let context = ReadContext { machine: &machine, placed, tools: &tools };
     let reading = read_nc(name, bytes, post.dialect, &context)?;
     Ok((reading.program, reading.overruns.iter().map(overrun_fault).collect()))

@@ -2,6 +2,7 @@
 
 use super::model::PartPlacement;
 use crate::geometry::{Point, Vector, rotate_vector_z, rotate_z};
+use crate::part::Impeller;
 
 /// The turn from the part frame to the program's, whose Z is the table's normal at rest.
 ///
@@ -17,6 +18,11 @@ impl PlacedPart {
     /// A part whose inlet points along +Z of its own frame, or (`inlet_up_in_part` false) along −Z.
     pub fn new(placement: &PartPlacement, inlet_up_in_part: bool) -> Self {
         Self { flipped: placement.inlet_up != inlet_up_in_part, clock_rad: placement.clock_rad }
+    }
+
+    /// `part` by its own inlet.
+    pub fn of(placement: &PartPlacement, part: &Impeller) -> Self {
+        Self::new(placement, part.out_of_inlet().z > 0.0)
     }
 
     /// A tip of the part frame, in the program's.

@@ -359,7 +359,7 @@ pub struct Dropped {
     pub stick_out: Option<f64>,
 }
 
-/// Plan of one section: a stretch of s cut with one tool.
+/// A section, planned or found in a program: a stretch of s cut with one tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionPlan {
     /// The tool.
@@ -374,7 +374,8 @@ pub struct SectionPlan {
     pub rows: usize,
     /// What it cuts.
     pub kind: SectionKind,
-    /// Plunges added to those of the rows; `None` for policies that add none, unless they were stopped.
+    /// Plunges added to those of the rows; `None` for policies that add none, unless they were stopped, and in
+    /// programs, which do not tell.
     pub added: Option<AddedPlunges>,
 }
 

@@ -139,9 +139,9 @@ impl RowAttempts<'_> {
         station
     }
 
-    /// Moves the start of the row out of the stock until the core column of its first station is free;
-    /// unmoved where no retreat frees it. `None` where there is no axis. `inclined` gives the first station
-    /// from the conventional one, after so many of the [`START_RETREATS`].
+    /// Moves the start of the row out of the stock until the core column of its first station is free. If no
+    /// retreat frees it, the start stays where it was. `None` where there is no axis. `inclined` turns the
+    /// conventional first station into the wanted one, given the index of the retreat in [`START_RETREATS`].
     pub fn find_free_start(&self, mut inclined: impl FnMut(usize, Station) -> Station) -> Option<RowStart> {
         let maker = self.maker;
         let radius_s = maker.tool.radius() / self.context.workpiece.part.hub.length();

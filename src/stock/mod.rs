@@ -49,8 +49,8 @@ pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
         .collect()
 }
 
-/// As [`stretches_of_setup`], of the sections of a plan.
-pub fn stretches_of_plan(plan: &PlungePlan) -> Vec<CutterStretch> {
+/// As [`stretches_of_setup`], of the sections of a plan or program.
+pub fn stretches_of(sections: &[SectionPlan]) -> Vec<CutterStretch> {
     let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
-    plan.sections.iter().filter(|section| section.kind == SectionKind::Rows).map(stretch).collect()
+    sections.iter().filter(|section| section.kind == SectionKind::Rows).map(stretch).collect()
 }

@@ -29,7 +29,7 @@ use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
-pub use verdict::{JudgedCut, PlungeVerdict, ProgramSection};
+pub use verdict::{JudgedCut, PlungeVerdict};
 
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::contact::{
@@ -39,6 +39,7 @@ use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Blank, Impeller, Workpiece};
+use crate::plunge::SectionPlan;
 use crate::setup::{AllowanceSetup, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
@@ -251,7 +252,7 @@ fn rotate_cutter(cutter: &CutterSolid, angle: f64) -> CutterSolid {
 }
 
 /// The cuts between two tool changes as sections, each with its tool and range of s.
-fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<ProgramSection> {
+fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
     let count = cuts.iter().map(|c| c.section + 1).max().unwrap_or(0);
     (0..count)
         .filter_map(|index| {
@@ -261,13 +262,14 @@ fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<ProgramSection> {
                 part.hub.s_at(part.hub.curve().project(Meridional::of(&c.cutter.tip)).0).clamp(0.0, 1.0)
             };
             let (first, last) = (s(ours.first()?), s(ours.last()?));
-            Some(ProgramSection {
+            Some(SectionPlan {
                 tool,
                 from: ours.iter().map(s).fold(0.0, f64::max),
                 to: ours.iter().map(s).fold(1.0, f64::min),
                 feed: if last <= first { CutDirection::OutletToInlet } else { CutDirection::InletToOutlet },
                 rows: ours.iter().map(|c| c.row + 1).max().unwrap_or(0),
                 kind: SectionKind::Rows,
+                added: None,
             })
         })
         .collect()

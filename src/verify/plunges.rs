@@ -1,7 +1,8 @@
 //! Groups the moves of a program into cuts, each with the rapids around it.
 
-use super::{Fault, ProgramSection};
+use super::Fault;
 use crate::geometry::{CutterSolid, Point, Vector};
+use crate::plunge::SectionPlan;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, ClTool, Motion, Move, is_axial};
 
@@ -206,7 +207,7 @@ pub(super) fn named_sections(
     program: &ClProgram,
     setup: &Setup,
     cuts: &mut [ProgramCut],
-) -> Option<Vec<ProgramSection>> {
+) -> Option<Vec<SectionPlan>> {
     let mut tools: Vec<Option<usize>> = vec![None; program.sections.len()];
     let mut places = Vec::with_capacity(cuts.len());
     for cut in cuts.iter() {
@@ -230,14 +231,15 @@ pub(super) fn named_sections(
         let mut rows: Vec<usize> = places.iter().filter(|p| p.0 == index).map(|p| p.1).collect();
         rows.sort_unstable();
         rows.dedup();
-        ProgramSection {
+        SectionPlan {
             tool: described.completed(setup),
             from: section.from,
             to: section.to,
             feed: section.feed,
             rows: rows.len(),
             kind: section.kind,
+            added: None,
         }
     });
-    Some(named.collect()).filter(|sections: &Vec<ProgramSection>| !sections.is_empty())
+    Some(named.collect()).filter(|sections: &Vec<SectionPlan>| !sections.is_empty())
 }

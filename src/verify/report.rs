@@ -4,11 +4,12 @@ use std::collections::BTreeSet;
 
 use super::assembly::unknown_assemblies;
 use super::summary::{CutFigures, Floors, Summary};
-use super::{Fault, JudgedCut, PlungeVerdict, ProgramSection, verify};
+use super::{Fault, JudgedCut, PlungeVerdict, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
 use crate::part::{Impeller, Workpiece};
-use crate::setup::{SectionKind, Setup};
-use crate::stock::{CutterStretch, FieldCutter, FloorGrid, FloorSource, residual_field};
+use crate::plunge::SectionPlan;
+use crate::setup::Setup;
+use crate::stock::{FieldCutter, FloorGrid, FloorSource, residual_field, stretches_of};
 use crate::toolpath::{ClProgram, Travel};
 
 /// Tolerance within which cuts of two channels count as equal, mm: a program has six decimals.
@@ -50,7 +51,7 @@ pub fn report_plunges(
     let floors = Floors { grid: &grid, heights: &heights };
     let summary =
         Summary::of_cuts(verdict.cuts.iter().map(CutFigures::of_cut), &floors, Travel::of(program), None);
-    let section = |(index, section): (usize, &ProgramSection)| {
+    let section = |(index, section): (usize, &SectionPlan)| {
         let ours = verdict.cuts.iter().filter(|cut| cut.section == index).map(CutFigures::of_cut);
         Summary::of_cuts(ours, &floors, Travel::default(), Some([section.from, section.to]))
     };
@@ -61,13 +62,6 @@ pub fn report_plunges(
     }
     notes.extend(unknown_assemblies(program, setup));
     Ok(PlungeReport { verdict, summary, sections, notes })
-}
-
-/// The ranges of s that define which floor is reachable, each with the radius of its cutter: those of the
-/// sections cut in rows.
-fn stretches_of(sections: &[ProgramSection]) -> Vec<CutterStretch> {
-    let stretch = |s: &ProgramSection| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
-    sections.iter().filter(|section| section.kind == SectionKind::Rows).map(stretch).collect()
 }
 
 /// Heights of the floor after the program, once per group of equal channels, and the number of channels in

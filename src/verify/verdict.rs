@@ -3,7 +3,7 @@
 use super::{AssemblyDistances, Fault};
 use crate::cutting::contact::{CoreContact, Engagement};
 use crate::geometry::{Point, Vector};
-use crate::setup::{CutDirection, SectionKind, Tool};
+use crate::plunge::SectionPlan;
 
 /// Result of checking a plunge program.
 #[derive(Clone, Debug)]
@@ -11,7 +11,7 @@ pub struct PlungeVerdict {
     /// Every cut as it was measured, in the order of the program.
     pub cuts: Vec<JudgedCut>,
     /// The sections that the program names; otherwise the cuts between two tool changes.
-    pub sections: Vec<ProgramSection>,
+    pub sections: Vec<SectionPlan>,
     /// Number of channels with cuts.
     pub channels: usize,
     /// Deepest plunge: from its bottom to the top of the blank above it, mm.
@@ -46,30 +46,6 @@ pub struct JudgedCut {
     pub blade_clearance: f64,
     /// Least distance of the bottom to the blank in the rapids of the cut, mm; `None` where it has none.
     pub retract_clearance: Option<f64>,
-}
-
-/// A stretch of s that a program cuts with one tool.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ProgramSection {
-    /// The tool.
-    pub tool: Tool,
-    /// s at the outlet end.
-    pub from: f64,
-    /// s at the inlet end.
-    pub to: f64,
-    /// Cutting direction of the rows.
-    pub feed: CutDirection,
-    /// Number of rows.
-    pub rows: usize,
-    /// What it cuts.
-    pub kind: SectionKind,
-}
-
-impl ProgramSection {
-    /// Whether it is part of the program.
-    pub fn is_cut(&self) -> bool {
-        self.kind.is_cut(self.rows)
-    }
 }
 
 impl PlungeVerdict {

@@ -82,7 +82,7 @@ fn run(request: &MachineRequest) -> Result<PlanOnMachine, InputError> {
     for (number, step) in (1..).zip(&mut program.moves) {
         step.line = number;
     }
-    let placed = PlacedPart::new(&machine.part, part.out_of_inlet().z > 0.0);
+    let placed = PlacedPart::of(&machine.part, part);
     let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
     let blank = BlankSize::of(part, &outcome.setup.allowances);
     options.blank = Some(blank);

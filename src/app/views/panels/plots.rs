@@ -1,7 +1,7 @@
 //! Plots along the row of the selected position: lead angle, contact, residual stock, step, engaged arc,
 //! thickness of the chip. A click selects.
 
-use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui, Vec2};
+use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
 use crate::plunge::inspect::{row_of, step_before};
 
@@ -84,11 +84,55 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     menu
 }
 
-/// What was done in a plot: indices within the row.
+/// What was done in a plot: indices within it.
 #[derive(Default)]
-struct Picked {
-    clicked: Option<usize>,
-    menu: Option<(Command, usize)>,
+pub(super) struct Picked {
+    /// Where it was clicked or dragged.
+    pub clicked: Option<usize>,
+    /// A command from the context menu, and where it was opened.
+    pub menu: Option<(Command, usize)>,
+}
+
+/// Where the values of so many positions stand in a plot, side by side.
+#[derive(Clone, Copy)]
+pub(super) struct PositionScale {
+    /// The plot without its head and margins.
+    pub inner: Rect,
+    /// Number of positions, at least one.
+    pub count: usize,
+}
+
+impl PositionScale {
+    fn last(self) -> f32 {
+        (self.count - 1).max(1) as f32
+    }
+
+    /// The place of a value at the `height` (0 at the bottom, 1 at the top) of position `k`.
+    pub fn place(self, k: usize, height: f32) -> Pos2 {
+        let Rect { min, max } = self.inner;
+        Pos2::new(min.x + self.inner.width() * k as f32 / self.last(), max.y - self.inner.height() * height)
+    }
+
+    /// The position nearest to a place.
+    pub fn near(self, at: Pos2) -> usize {
+        let share = (at.x - self.inner.left()) / self.inner.width().max(1.0);
+        ((share * self.last()).round().clamp(0.0, self.last()) as usize).min(self.count - 1)
+    }
+
+    /// What `response` to the plot picks; in the table its first position has the number `first`.
+    pub fn picked(self, ui: &Ui, response: &Response, first: usize) -> Picked {
+        let pointer = response.interact_pointer_pos();
+        let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
+        // The menu stays with the position that was right-clicked.
+        let id = response.id.with("menu position");
+        if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
+            ui.data_mut(|data| data.insert_temp(id, self.near(at)));
+        }
+        let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
+        let menu = Popup::context_menu(response).show(|ui| position_menu(ui, first + of_menu));
+        let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
+        Picked { clicked: pointer.filter(|_| picks).map(|at| self.near(at)), menu }
+    }
 }
 
 fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Option<usize>) -> Picked {
@@ -117,11 +161,8 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let is_tight = rect.width() < TIGHT;
     let head = if is_tight { 18.0 + LINE } else { 18.0 };
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, head), rect.max - egui::vec2(5.0, 6.0));
-    let last = (curve.values.len() - 1).max(1) as f32;
-    let place = |k: usize, v: f64| -> Pos2 {
-        let y = ((v - low) / (high - low)) as f32;
-        egui::pos2(inner.left() + inner.width() * k as f32 / last, inner.bottom() - inner.height() * y)
-    };
+    let scale = PositionScale { inner, count: curve.values.len() };
+    let place = |k: usize, v: f64| scale.place(k, ((v - low) / (high - low)) as f32);
     if low < 0.0 && high > 0.0 {
         let zero = place(0, 0.0).y;
         let ends = [egui::pos2(inner.left(), zero), egui::pos2(inner.right(), zero)];
@@ -159,23 +200,9 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
     let at = rect.right_top() + egui::vec2(-5.0, if is_tight { 3.0 + LINE } else { 3.0 });
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
-    let near = |at: Pos2| {
-        let share = (at.x - inner.left()) / inner.width().max(1.0);
-        ((share * last).round().clamp(0.0, last) as usize).min(curve.values.len() - 1)
-    };
-    let tip = response.hover_pos().map(near).and_then(|k| Some((k, *curve.values.get(k)?)));
+    let tip = response.hover_pos().map(|at| scale.near(at)).and_then(|k| Some((k, *curve.values.get(k)?)));
     if let Some((k, v)) = tip {
         response.clone().on_hover_text_at_pointer(format!("{} of the row: {v:.3}{}", k + 1, curve.unit));
     }
-    let pointer = response.interact_pointer_pos();
-    let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
-    // The menu stays with the position that was right-clicked.
-    let id = response.id.with("menu position");
-    if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
-        ui.data_mut(|data| data.insert_temp(id, near(at)));
-    }
-    let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-    let menu = Popup::context_menu(&response).show(|ui| position_menu(ui, curve.first + of_menu));
-    let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
-    Picked { clicked: pointer.filter(|_| picks).map(near), menu }
+    scale.picked(ui, &response, curve.first)
 }

@@ -218,7 +218,7 @@ fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>) {
         Some(fault @ LimitFault::Beyond { letter, is_rotary, .. }) => {
             let excess = fault.excess().unwrap_or_default();
             let text = if *is_rotary {
-                // As much as the column has room for.
+                // A decimal only where it fits into the column.
                 let degrees = excess.to_degrees();
                 if degrees < 9.95 {
                     format!("{letter} +{degrees:.1}°")

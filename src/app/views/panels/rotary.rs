@@ -1,9 +1,9 @@
 //! Plot of both rotary axes of the machine over the program, with the position of the timeline. A click moves
 //! the timeline there.
 
-use egui::{Align2, Color32, FontId, PointerButton, Popup, Pos2, Rect, Sense, Stroke, Ui};
+use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui};
 
-use super::positions::position_menu;
+use super::plots::PositionScale;
 use crate::app::model::machine::{AxisPositions, PlanOnMachine};
 use crate::app::model::state::{AppState, Boundary};
 use crate::app::views::command::Command;
@@ -66,10 +66,9 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
     let count = plan.plunges.len();
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, HEAD), rect.max - egui::vec2(5.0, 5.0));
-    let last = (count - 1).max(1) as f32;
-    let x_of = |k: usize| inner.left() + inner.width() * k as f32 / last;
+    let scale = PositionScale { inner, count };
     let upright = |k: usize, stroke: Stroke| {
-        painter.vline(x_of(k), inner.y_range(), stroke);
+        painter.vline(scale.place(k, 0.0).x, inner.y_range(), stroke);
     };
     let faint = ui.visuals().weak_text_color().gamma_multiply(0.4);
     for k in state.boundaries(Boundary::Section).into_iter().filter(|&k| k > 0) {
@@ -84,9 +83,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let mut at = rect.min + egui::vec2(5.0, 3.0);
     for curve in &curves {
         let (low, high) = curve.range;
-        let place = |k: usize, v: f64| {
-            Pos2::new(x_of(k), inner.bottom() - inner.height() * ((v - low) / (high - low)) as f32)
-        };
+        let place = |k: usize, v: f64| scale.place(k, ((v - low) / (high - low)) as f32);
         let known = curve.values.iter().enumerate().filter(|(_, v)| v.is_finite());
         painter.line(known.map(|(k, &v)| place(k, v)).collect(), Stroke::new(1.4, curve.colour));
         if let Some((k, &v)) =
@@ -101,27 +98,15 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         let drawn = painter.text(at + egui::vec2(13.0, 0.0), Align2::LEFT_TOP, text, font.clone(), ink);
         at.x = drawn.right() + 16.0;
     }
-    let near = |at: Pos2| {
-        let share = (at.x - inner.left()) / inner.width().max(1.0);
-        ((share * last).round().clamp(0.0, last) as usize).min(count - 1)
-    };
-    if let Some(k) = response.hover_pos().map(near) {
+    if let Some(k) = response.hover_pos().map(|at| scale.near(at)) {
         let values = curves.iter().map(|curve| format!("{} {:.3}°", curve.letter, curve.values[k]));
         let text = format!("Position {}: {}", k + 1, values.collect::<Vec<_>>().join(", "));
         response.clone().on_hover_text_at_pointer(text);
     }
-    let pointer = response.interact_pointer_pos();
-    // The menu stays with the position that was right-clicked.
-    let id = response.id.with("menu position");
-    if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
-        ui.data_mut(|data| data.insert_temp(id, near(at)));
-    }
-    let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-    let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
-    if let Some(at) = pointer.filter(|_| picks) {
+    let picked = scale.picked(ui, &response, 0);
+    if let Some(k) = picked.clicked {
         state.look.playing = None;
-        state.set_timeline(Some(near(at) + 1));
+        state.set_timeline(Some(k + 1));
     }
-    let menu = Popup::context_menu(&response).show(|ui| position_menu(ui, of_menu));
-    menu.and_then(|menu| menu.inner).map(|command| (command, of_menu))
+    picked.menu
 }
