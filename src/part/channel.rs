@@ -14,7 +14,24 @@ pub struct Wall {
     /// s of the wall's foot on the hub at even steps of u over [0, u of its end]: start values of Newton's
     /// method.
     starts: Vec<f64>,
+    /// First and last s up to which the linear extension of the flank is of use, at even steps of η over
+    /// [0, 1]; `None` where all of it is.
+    limits: [Option<Vec<f64>>; 2],
 }
+
+/// Steps of η at which [`Wall::limits`] are kept.
+const LIMIT_STEPS: usize = 8;
+/// Step of s in which a limit is looked for.
+const LIMIT_STEP: f64 = 0.01;
+/// Distance in s beyond the channel up to which that is done.
+const LIMIT_REACH: f64 = 0.3;
+/// Step in s by which a point of the extension is looked for nearer to the flank than a limit.
+const LIMIT_MARGIN: f64 = 2e-3;
+/// Number of such steps.
+const LIMIT_TRIES: usize = 30;
+/// Distance across the meridional direction per distance along it beyond which an extension is too steep to
+/// be followed: 76° from the meridional plane.
+const MAX_STEEPNESS: f64 = 4.0;
 
 /// Angle of a wall at a meridional point, with derivatives.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +73,50 @@ impl Wall {
                 part.hub.s_at(part.hub.curve().project(foot).0)
             })
             .collect();
-        Self { side, whole, starts }
+        let mut wall = Self { side, whole, starts, limits: [None, None] };
+        wall.limits = [-1.0, 1.0].map(|outward| {
+            let at = |j: usize| wall.limit(part, j as f64 / LIMIT_STEPS as f64, outward);
+            let found: Vec<(f64, bool)> = (0..=LIMIT_STEPS).map(at).collect();
+            found.iter().any(|(_, ends)| *ends).then(|| found.iter().map(|(s, _)| *s).collect())
+        });
+        wall
+    }
+
+    /// The last s that the extension of the flank at `eta` reaches without getting too steep, beyond the
+    /// leading (`outward` −1) or the trailing edge (1), and whether it ends there or only the search does.
+    ///
+    /// The tangent of a flank that runs nearly across the meridional direction leaves the flow path before it
+    /// gets further along it.
+    fn limit(&self, part: &Impeller, eta: f64, outward: f64) -> (f64, bool) {
+        let (begin, end) = self.side.u_range();
+        let middle = Meridional::of(&self.side.point(0.5 * (begin + end), eta));
+        let on = |path: &super::Flowpath| path.s_at(path.curve().project(middle).0);
+        // Between the values at hub and shroud: anywhere on the flank will do.
+        let from = (1.0 - eta) * on(&part.hub) + eta * on(&part.shroud);
+        let s_at = |i: usize| from + outward * LIMIT_STEP * i as f64;
+        let is_of_use = |s: f64| {
+            self.on_extension(part, s, eta).is_some_and(|place| {
+                let is_flank = (begin..=end).contains(&place.u);
+                is_flank || self.steepness(part, (s, eta), &place) <= MAX_STEEPNESS
+            })
+        };
+        let to = if outward < 0.0 { -LIMIT_REACH } else { 1.0 + LIMIT_REACH };
+        let steps = ((to - from).abs() / LIMIT_STEP) as usize + 1;
+        let Some(lost) = (0..=steps).find(|&i| !is_of_use(s_at(i))).filter(|&lost| lost > 0) else {
+            return (s_at(steps), false);
+        };
+        let (mut inside, mut outside) = (s_at(lost - 1), s_at(lost));
+        for _ in 0..20 {
+            let middle = 0.5 * (inside + outside);
+            if is_of_use(middle) { inside = middle } else { outside = middle }
+        }
+        (inside, true)
+    }
+
+    /// Distance across the meridional direction per distance along it at (s, η).
+    fn steepness(&self, part: &Impeller, (s, eta): (f64, f64), place: &WallPoint) -> f64 {
+        let (by_r, by_z) = along_path(part, s, eta);
+        (part.meridional(s, eta).r * place.theta_s / norm2(by_r, by_z)).abs()
     }
 
     /// The flank as a surface.
@@ -75,9 +135,29 @@ impl Wall {
         (-TOLERANCE_U..=1.0 + TOLERANCE_U).contains(&place.u)
     }
 
-    /// The wall at (s, η), by Newton's method on its meridional image. `None` where that does not converge,
-    /// as where the wall does not reach (s, η).
+    /// The wall at (s, η). Where the linear extension of the flank does not reach it, or only after turning
+    /// far across the meridional direction, the wall goes on along that direction. `None` far from any place
+    /// at which Newton's method converges.
     pub fn at(&self, part: &Impeller, s: f64, eta: f64) -> Option<WallPoint> {
+        let limit = |end: usize| self.limits[end].as_ref().map(|limits| interpolated(limits, eta));
+        let (limit, inward) = match (limit(0), limit(1)) {
+            (Some(first), _) if s < first => (first, 1.0),
+            (_, Some(last)) if s > last => (last, -1.0),
+            _ => match self.on_extension(part, s, eta) {
+                Some(place) => return Some(place),
+                None => (s, if s < 0.5 { 1.0 } else { -1.0 }),
+            },
+        };
+        // Limits are known at a few η only, and Newton's method may fail close to one.
+        let mut near = (0..=LIMIT_TRIES).map(|i| limit + inward * LIMIT_MARGIN * i as f64);
+        let place = near.find_map(|s| self.on_extension(part, s, eta))?;
+        // Further from the flank in u as well, so that nobody takes it for a point of the blade.
+        Some(WallPoint { theta_s: 0.0, u: place.u - inward * (s - limit).abs(), ..place })
+    }
+
+    /// The flank or its linear extension at (s, η), by Newton's method on its meridional image. `None` where
+    /// that does not converge, as where the extension does not reach (s, η).
+    fn on_extension(&self, part: &Impeller, s: f64, eta: f64) -> Option<WallPoint> {
         let wanted = part.meridional(s, eta);
         let n = self.starts.len() - 1;
         let (begin, end) = self.side.u_range();
@@ -93,12 +173,8 @@ impl Wall {
         };
         let on = self.at_meridional(wanted, u, eta)?;
         // Chain rule: θ depends on (s, η) through the meridional point (r, z).
+        let by_s = along_path(part, s, eta);
         let (hub, shroud) = (part.hub.at(s), part.shroud.at(s));
-        let (lh, ls) = (part.hub.length(), part.shroud.length());
-        let by_s = (
-            (1.0 - eta) * hub.tangent.r * lh + eta * shroud.tangent.r * ls,
-            (1.0 - eta) * hub.tangent.z * lh + eta * shroud.tangent.z * ls,
-        );
         let by_eta = (shroud.point.r - hub.point.r, shroud.point.z - hub.point.z);
         Some(WallPoint {
             theta: on.theta,
@@ -147,6 +223,21 @@ impl Wall {
         }
         None
     }
+}
+
+/// Linear interpolation of `values` at even steps over [0, 1].
+fn interpolated(values: &[f64], at: f64) -> f64 {
+    let steps = values.len() - 1;
+    let at = at.clamp(0.0, 1.0) * steps as f64;
+    let low = (at as usize).min(steps - 1);
+    values[low] + (at - low as f64) * (values[low + 1] - values[low])
+}
+
+/// Derivative by s of the meridional point at (s, η), mm.
+fn along_path(part: &Impeller, s: f64, eta: f64) -> (f64, f64) {
+    let (hub, shroud) = (part.hub.at(s).tangent, part.shroud.at(s).tangent);
+    let (on_hub, on_shroud) = ((1.0 - eta) * part.hub.length(), eta * part.shroud.length());
+    (on_hub * hub.r + on_shroud * shroud.r, on_hub * hub.z + on_shroud * shroud.z)
 }
 
 /// A point of a channel with its derivatives by the channel coordinates, mm.

@@ -11,11 +11,12 @@ mod sampled_tool;
 
 use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
+use vanecut::geometry::wrap_angle;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::write_native;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::Impeller;
+use vanecut::part::{Channel, Impeller};
 use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
 use vanecut::stock::{FloorGrid, FloorSource};
 
@@ -91,6 +92,31 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         let flat = name.ends_with("cylindrical");
         let turn = found.blades[0].shape.normal_turn_rad.to_degrees();
         assert!(!flat || turn < 3.0, "{name}: cylindrical blades turn by {turn}°");
+    }
+}
+
+/// The tangent of a flank that runs nearly across the meridional direction leaves the flow path before it gets
+/// far along it: rows that ended where it does left whole inlets uncut.
+#[test]
+fn walls_bound_the_passage_from_the_leading_edge_to_the_rim() {
+    for index in 0..20 {
+        let wheel = make::wheel(53, index);
+        let part = open(&wheel);
+        for (number, wall) in Channel::of(&part).full.walls.iter().enumerate() {
+            for eta in [0.0, 0.3, 1.0] {
+                let theta = |s: f64| wall.at(&part, s, eta).map(|place| place.theta);
+                let mut before = theta(-0.1);
+                for i in -99..=1100 {
+                    let s = f64::from(i) / 1000.0;
+                    let place = format!("{}, wall {number}, s {s}, η {eta}", wheel.description.name);
+                    let here = theta(s);
+                    assert!(here.is_some(), "{place}: no wall");
+                    let jump = before.zip(here).map_or(0.0, |(a, b)| wrap_angle(a - b).abs());
+                    assert!(jump < 0.1, "{place}: turns by {jump} rad");
+                    before = here;
+                }
+            }
+        }
     }
 }
 

@@ -24,6 +24,9 @@ const COARSE_SHARE: f64 = 0.4;
 const DRAFT_SLACK: f64 = 5e-3;
 /// Factor by which the search widens the core, so that its few lines miss nothing of the real one.
 const WIDER_CORE: f64 = 1.012;
+/// Factor by which a cutter is widened to tell how deep it is in the blank: where it grazes an edge of it, the
+/// depth jumps.
+const WIDER_CUTTER: f64 = 1.01;
 /// Strips of the floor, side by side across the row, and sample points of each along the row.
 const STRIPS: usize = 9;
 const ALONG: usize = 7;
@@ -308,7 +311,8 @@ impl CandidateMaker<'_> {
 
     fn is_longer_than_deep(&self, station: &Station) -> bool {
         let tool = self.maker.tool;
-        let column = PlungeColumn::new(self.maker.cutter(station), tool.radius(), self.top);
+        let wide = WIDER_CUTTER * tool.radius();
+        let column = PlungeColumn::new(self.maker.cutter(station), wide, self.top);
         match self.opened {
             Some((opening, blank)) => !cuts_deeper_than(&column, tool.overhang, opening, blank),
             None => column.top <= tool.overhang,

@@ -59,6 +59,9 @@ impl RowCrossing<'_> {
         let mut best: Option<(f64, RowCandidate, f64)> = None;
         for index in (0..place.lead_count()).map(|lead| (lead, 0)) {
             let Some(candidate) = candidates.cleared(&place, index) else { continue };
+            if !candidates.is_cleared_long_enough(&place, index) {
+                continue;
+            }
             if before.is_some_and(|b| b.axis.angle(&candidate.station.axis) > self.search.max_axis_change_rad)
             {
                 continue;

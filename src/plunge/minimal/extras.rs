@@ -369,7 +369,7 @@ impl<'a> ExtraSearch<'a> {
             PoolStage::Axis(station) if !makes.maker.monitor.is_cancelled() => makes
                 .maker
                 .exact(&station)
-                .filter(|station| makes.is_allowed(station))
+                .filter(|station| makes.is_allowed(station) && makes.is_long_enough(station))
                 .map(|station| {
                     self.checked_for_contact(
                         PoolEntry { look: PoolStage::Clear(station), ..extra },

@@ -290,6 +290,8 @@ pub(super) fn cut_path(
     let maker = search.candidates.maker;
     let mut stations: Vec<Station> =
         path.steps.iter().filter_map(|step| maker.exact(&step.station)).collect();
+    // Where the way out of the blank is oblique the exact axis may be much deeper in it than its draft.
+    stations.retain(|station| search.candidates.is_long_enough(station));
     fill_steps(maker, &search.candidates, &mut stations);
     let row = PlannedRow { stations, iterations: 1, ..PlannedRow::empty(lambda) };
     let mut columns = earlier.clone();
@@ -454,7 +456,7 @@ fn fill_steps(maker: &RowMaker, candidates: &CandidateMaker, stations: &mut Vec<
     }
 }
 
-/// The station midway between two, if it clears the blades.
+/// The station midway between two, if it clears the blades and the tool is long enough for it.
 fn station_between(
     maker: &RowMaker,
     candidates: &CandidateMaker,
@@ -474,5 +476,5 @@ fn station_between(
         }
     };
     let station = maker.exact(&maker.lower_to_hub(ends))?;
-    candidates.is_allowed(&station).then_some(station)
+    (candidates.is_allowed(&station) && candidates.is_long_enough(&station)).then_some(station)
 }
