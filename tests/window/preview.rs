@@ -3,7 +3,7 @@
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::planned::Side;
 use vanecut::app::tasks::engine::Engine;
-use vanecut::app::views::picture::PreviewSource;
+use vanecut::app::views::pictures::PreviewSource;
 use vanecut::job::{JobError, Listener, PlanRequest};
 use vanecut::monitor::Monitor;
 

@@ -16,6 +16,7 @@ pub mod palette;
 pub mod panels;
 pub mod picture;
 pub mod picture_dialog;
+pub mod pictures;
 mod point_menu;
 pub mod release;
 pub mod roles;

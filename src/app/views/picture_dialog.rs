@@ -2,6 +2,8 @@
 
 use egui::{DragValue, Modal, RichText, Ui};
 
+use crate::gpu::image::MAX_SIDE;
+
 /// Settings of a saved picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ExportSettings {
@@ -12,9 +14,6 @@ pub struct ExportSettings {
     /// Whether the legend is included.
     pub legend: bool,
 }
-
-/// Maximum side length of a picture, pixels.
-pub(in crate::app) const MAX_SIDE: u32 = 8192;
 
 /// The dialog with the settings of a picture.
 #[derive(Default)]

@@ -10,7 +10,8 @@ use crate::gpu::{CutterFilter, Theme, View};
 use crate::mesh::Role;
 use crate::mesh::axis::Axis;
 
-use crate::app::views::picture::{Pictures, SidePicture};
+use crate::app::views::picture::SidePicture;
+use crate::app::views::pictures::Pictures;
 
 /// Zoom exponent per point of scrolling.
 const ZOOM: f32 = 0.0025;

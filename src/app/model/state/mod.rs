@@ -1,5 +1,9 @@
 //! The window's state: the document, the results and the look, with the rules that connect them. No drawing.
 
+mod program;
+mod table;
+mod timeline;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,9 +12,8 @@ use crate::job::flank::FlankOutcome;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
 
-use crate::app::model::checked::{CheckRequest, CheckedProgram, ProgramFinding};
 use crate::app::model::document::{Document, Edited, OpenPart};
-use crate::app::model::look::{Arrangement, Filter, Look, Operation, REVEAL, TableColumn};
+use crate::app::model::look::{Arrangement, Look, Operation};
 use crate::app::model::machine::{AxisDemand, PlanOnMachine};
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::{DisplayPlan, Side};
@@ -18,10 +21,7 @@ use crate::app::model::preview::PreviewCutters;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::results::Results;
 use crate::plunge::inspect::CutPlane;
-use crate::plunge::plan::Condition;
-
-/// Positions that a playing timeline cuts per second at speed 1.
-pub const PLAY_RATE: f64 = 15.0;
+pub use timeline::{Boundary, PLAY_RATE};
 
 /// Kind of a status bar message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,15 +95,6 @@ impl Default for AppState {
             opening: None,
         }
     }
-}
-
-/// Where a timeline jumps to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Boundary {
-    /// The first plunge of a tool.
-    Tool,
-    /// The first plunge of a section.
-    Section,
 }
 
 /// A plan that is shown.
@@ -222,68 +213,6 @@ impl AppState {
         }
     }
 
-    /// Stores a checked program and shows it, with its first fault selected.
-    pub fn take_checked(&mut self, checked: CheckedProgram) {
-        self.look.operation = Operation::Program;
-        self.look.finding = None;
-        self.solve(Topic::Program);
-        self.notice = None;
-        self.results.checked = Some(Arc::new(checked));
-    }
-
-    /// The check of the program of the last check against the present setup.
-    pub fn check_request(&self) -> Option<CheckRequest> {
-        let checked = self.results.checked.as_ref()?;
-        self.check_request_of(checked.request.path.clone())
-    }
-
-    /// The check of a program against the present setup; `None` without a part.
-    pub fn check_request_of(&self, path: PathBuf) -> Option<CheckRequest> {
-        let part = Arc::clone(&self.document.part.as_ref()?.impeller);
-        let machine = self.look.check_machine.clone();
-        Some(CheckRequest { path, machine, part, setup: self.document.edited.setup.clone() })
-    }
-
-    /// Whether the setup was edited after the program was checked.
-    pub fn program_is_stale(&self) -> bool {
-        let checked = self.results.checked.as_ref().zip(self.check_request());
-        checked.is_some_and(|(checked, now)| !checked.request.is_same(&now))
-    }
-
-    /// The checked program, while it is shown.
-    pub fn shown_program(&self) -> Option<&Arc<CheckedProgram>> {
-        self.results.checked.as_ref().filter(|_| self.look.operation == Operation::Program)
-    }
-
-    /// The selected fault of the shown program.
-    pub fn selected_finding(&self) -> Option<&ProgramFinding> {
-        self.shown_program()?.findings.get(self.look.finding?)
-    }
-
-    /// Selects a fault of the shown program, and zooms to it.
-    pub fn select_finding(&mut self, index: Option<usize>) {
-        self.look.finding = index;
-        self.look.fly = index.is_some();
-    }
-
-    /// Selects the fault `step` after the selected one, with wrap-around if `wraps`.
-    fn select_next_finding(&mut self, step: isize, wraps: bool) {
-        let count = self.shown_program().map_or(0, |checked| checked.findings.len());
-        let Some(last) = count.checked_sub(1) else { return };
-        let next = match self.look.finding {
-            None => {
-                if step < 0 {
-                    last
-                } else {
-                    0
-                }
-            }
-            Some(now) if wraps => now.wrapping_add_signed(step + count as isize) % count,
-            Some(now) => now.saturating_add_signed(step).min(last),
-        };
-        self.select_finding(Some(next));
-    }
-
     /// Whether allowances, tool or flank fields were edited after the flank plan was requested.
     pub fn flank_is_stale(&self) -> bool {
         let Some(outcome) = &self.results.flank else { return false };
@@ -388,14 +317,6 @@ impl AppState {
         self.results.planned.as_ref().map(|planned| planned.range).or_else(first).unwrap_or((0.0, 1.0))
     }
 
-    /// Time of the program at the position of the timeline and at its end, s.
-    pub fn clock(&self) -> Option<(f64, f64)> {
-        let shown = self.shown()?;
-        let count = shown.plan().positions.len();
-        let at = |cut| shown.planned.time_after(shown.policy, cut);
-        at(self.look.cut_count.unwrap_or(count)).zip(at(count))
-    }
-
     fn keep_within_plan(&mut self) {
         let count = self.position_count();
         self.look.selected = self.look.selected.filter(|&k| k < count);
@@ -410,171 +331,6 @@ impl AppState {
     /// What a position of the shown plan asks of the axes of the machine.
     pub fn axis_demand(&self, position: usize) -> Option<&AxisDemand> {
         self.on_machine()?.demands.get(position)
-    }
-
-    /// Positions that pass the filter, in table order.
-    pub fn rows(&self) -> Vec<usize> {
-        let Some(shown) = self.shown() else { return Vec::new() };
-        let plan = shown.plan();
-        let filter = self.look.filter;
-        let passes = |k: usize, position: &Position| match filter {
-            Filter::All => true,
-            Filter::Interfering => position.condition() == Condition::Interfering,
-            Filter::Blocked => position.condition() == Condition::Blocked,
-            Filter::AxisWarnings => self.axis_demand(k).is_some_and(AxisDemand::is_warning),
-        };
-        let passing = plan.positions.iter().enumerate().filter(|(k, p)| passes(*k, p));
-        let mut rows: Vec<(f64, usize)> = passing
-            .map(|(k, p)| {
-                let key = match self.look.sort.column {
-                    TableColumn::Order => k as f64,
-                    TableColumn::Row => p.section as f64 * 1e6 + p.row as f64,
-                    TableColumn::Diameter => plan.sections.get(p.section).map_or(0.0, |s| s.tool.diameter),
-                    TableColumn::Alpha => p.alpha_rad,
-                    TableColumn::Contact => p.evaluation.contact.depth,
-                    // Without floor under the cutter: sort as the smallest.
-                    TableColumn::Hub => {
-                        Some(shown.stock(k)).filter(|s| s.is_finite()).map_or(-1.0, f64::from)
-                    }
-                    TableColumn::Axes => self.axis_demand(k).map_or(0.0, AxisDemand::weight),
-                };
-                (key, k)
-            })
-            .collect();
-        let descending = self.look.sort.descending;
-        rows.sort_by(|a, b| {
-            let order = a.0.total_cmp(&b.0);
-            (if descending { order.reverse() } else { order }).then(a.1.cmp(&b.1))
-        });
-        rows.into_iter().map(|(_, k)| k).collect()
-    }
-
-    /// Scrolls the table to the selected position; clears a filter that hides it.
-    pub fn show_in_table(&mut self) {
-        if self.look.selected.is_some_and(|k| !self.rows().contains(&k)) {
-            self.look.filter = Filter::All;
-        }
-        self.look.reveal_selection = REVEAL;
-    }
-
-    /// Selects the row `step` below the selected one in table order, clamped to the first and last row.
-    pub fn select_next_row(&mut self, step: isize) {
-        if self.look.operation == Operation::Program {
-            self.select_next_finding(step, false);
-            return;
-        }
-        let rows = self.rows();
-        let Some(last) = rows.len().checked_sub(1) else { return };
-        let now = self.look.selected.and_then(|k| rows.iter().position(|&row| row == k));
-        let next = match now {
-            None => 0,
-            Some(now) => now.saturating_add_signed(step).min(last),
-        };
-        self.look.select_and_zoom(rows.get(next).copied());
-    }
-
-    /// Selects the next or previous interfering plunge in cutting order, with wrap-around.
-    pub fn select_next_fault(&mut self, forward: bool) {
-        if self.look.operation == Operation::Program {
-            self.select_next_finding(if forward { 1 } else { -1 }, true);
-            return;
-        }
-        let Some(shown) = self.shown() else { return };
-        let positions = shown.plan().positions.iter().enumerate();
-        let faults: Vec<usize> =
-            positions.filter(|(_, p)| p.evaluation.contact.interferes()).map(|(k, _)| k).collect();
-        let Some((&first, &last)) = faults.first().zip(faults.last()) else { return };
-        let next = match (self.look.selected, forward) {
-            (None, true) => first,
-            (None, false) => last,
-            (Some(now), true) => faults.iter().copied().find(|&k| k > now).unwrap_or(first),
-            (Some(now), false) => faults.iter().copied().rev().find(|&k| k < now).unwrap_or(last),
-        };
-        self.look.select_and_zoom(Some(next));
-    }
-
-    /// Moves the timeline by `step` positions and selects the position cut last. From the end it starts at
-    /// the selected position, if there is one.
-    pub fn step_timeline(&mut self, step: isize) {
-        let count = self.position_count();
-        if count == 0 {
-            return;
-        }
-        let now = self.look.cut_count.unwrap_or_else(|| match self.look.selected {
-            Some(k) => k + 1,
-            None => count,
-        });
-        self.set_timeline(Some(now.saturating_add_signed(step).min(count)));
-    }
-
-    /// Indices of the first positions of each section, or after each tool change.
-    pub fn boundaries(&self, of: Boundary) -> Vec<usize> {
-        let Some(shown) = self.shown() else { return Vec::new() };
-        let plan = shown.plan();
-        let key = |position: &Position| match of {
-            Boundary::Section => position.section as u32,
-            Boundary::Tool => plan.sections.get(position.section).map_or(0, |s| s.tool.number),
-        };
-        let keys: Vec<u32> = plan.positions.iter().map(key).collect();
-        (0..keys.len()).filter(|&k| k == 0 || keys[k - 1] != keys[k]).collect()
-    }
-
-    /// Moves the timeline to the first plunge of the next or previous tool or section, and selects it. At the
-    /// end of the timeline it starts from the selected position, else forward from the blank, backward from
-    /// the end.
-    pub fn jump_to_boundary(&mut self, of: Boundary, forward: bool) {
-        let now = self.look.cut_count.or(self.look.selected.map(|k| k + 1));
-        let mut cuts = self.boundaries(of).into_iter().map(|k| k + 1);
-        let next = match (now, forward) {
-            (None, true) => cuts.next(),
-            (None, false) => cuts.next_back(),
-            (Some(now), true) => cuts.find(|&cut| cut > now),
-            (Some(now), false) => cuts.rfind(|&cut| cut < now),
-        };
-        if next.is_some() {
-            self.set_timeline(next);
-        }
-    }
-
-    /// Sets the timeline to after `cut` positions; `None`: the end, with the selection unchanged.
-    pub fn set_timeline(&mut self, cut: Option<usize>) {
-        let count = self.position_count();
-        self.look.cut_count = cut.map(|cut| cut.min(count));
-        if let Some(cut) = self.look.cut_count {
-            self.look.selected = cut.checked_sub(1);
-            self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
-        }
-    }
-
-    /// Starts or stops playing; starts from the blank when the timeline is at the end. `time` in seconds.
-    pub fn play(&mut self, time: f64) {
-        if self.look.playing.take().is_some() || self.position_count() == 0 {
-            return;
-        }
-        if self.look.cut_count.is_none_or(|cut| cut >= self.position_count()) {
-            self.set_timeline(Some(0));
-        }
-        self.look.playing = Some(time);
-    }
-
-    /// Advances a playing timeline; returns the seconds until its next step.
-    pub fn advance(&mut self, time: f64) -> Option<f64> {
-        let since = self.look.playing?;
-        let rate = PLAY_RATE * self.look.play_speed;
-        let steps = ((time - since) * rate).floor().clamp(0.0, 1e6);
-        if steps >= 1.0 {
-            self.look.playing = Some(since + steps / rate);
-            let at_end = |state: &Self| state.look.cut_count.is_none_or(|cut| cut >= state.position_count());
-            if at_end(self) && self.look.play_loop {
-                self.set_timeline(Some(0));
-            } else {
-                self.step_timeline(steps as isize);
-            }
-            if at_end(self) && !self.look.play_loop {
-                self.look.playing = None;
-            }
-        }
-        self.look.playing.map(|since| (since + 1.0 / rate - time).max(0.0))
     }
 
     /// Reports success in the status bar.

@@ -1,0 +1,73 @@
+//! The checked program, and its selected fault.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::AppState;
+use crate::app::model::checked::{CheckRequest, CheckedProgram, ProgramFinding};
+use crate::app::model::look::Operation;
+use crate::app::model::problem::Topic;
+
+impl AppState {
+    /// Stores a checked program and shows it, with its first fault selected.
+    pub fn take_checked(&mut self, checked: CheckedProgram) {
+        self.look.operation = Operation::Program;
+        self.look.finding = None;
+        self.solve(Topic::Program);
+        self.notice = None;
+        self.results.checked = Some(Arc::new(checked));
+    }
+
+    /// The check of the program of the last check against the present setup.
+    pub fn check_request(&self) -> Option<CheckRequest> {
+        let checked = self.results.checked.as_ref()?;
+        self.check_request_of(checked.request.path.clone())
+    }
+
+    /// The check of a program against the present setup; `None` without a part.
+    pub fn check_request_of(&self, path: PathBuf) -> Option<CheckRequest> {
+        let part = Arc::clone(&self.document.part.as_ref()?.impeller);
+        let machine = self.look.check_machine.clone();
+        Some(CheckRequest { path, machine, part, setup: self.document.edited.setup.clone() })
+    }
+
+    /// Whether the setup was edited after the program was checked.
+    pub fn program_is_stale(&self) -> bool {
+        let checked = self.results.checked.as_ref().zip(self.check_request());
+        checked.is_some_and(|(checked, now)| !checked.request.is_same(&now))
+    }
+
+    /// The checked program, while it is shown.
+    pub fn shown_program(&self) -> Option<&Arc<CheckedProgram>> {
+        self.results.checked.as_ref().filter(|_| self.look.operation == Operation::Program)
+    }
+
+    /// The selected fault of the shown program.
+    pub fn selected_finding(&self) -> Option<&ProgramFinding> {
+        self.shown_program()?.findings.get(self.look.finding?)
+    }
+
+    /// Selects a fault of the shown program, and zooms to it.
+    pub fn select_finding(&mut self, index: Option<usize>) {
+        self.look.finding = index;
+        self.look.fly = index.is_some();
+    }
+
+    /// Selects the fault `step` after the selected one, with wrap-around if `wraps`.
+    pub(super) fn select_next_finding(&mut self, step: isize, wraps: bool) {
+        let count = self.shown_program().map_or(0, |checked| checked.findings.len());
+        let Some(last) = count.checked_sub(1) else { return };
+        let next = match self.look.finding {
+            None => {
+                if step < 0 {
+                    last
+                } else {
+                    0
+                }
+            }
+            Some(now) if wraps => now.wrapping_add_signed(step + count as isize) % count,
+            Some(now) => now.saturating_add_signed(step).min(last),
+        };
+        self.select_finding(Some(next));
+    }
+}
