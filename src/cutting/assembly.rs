@@ -388,11 +388,11 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
     least
 }
 
-/// Most points of an axis that the quick test looks at, and their least distance, mm.
+/// Maximum number of points of an axis in the quick test, and their minimum distance, mm.
 const MAX_AXIS_STEPS: usize = 24;
 const MIN_AXIS_STEP: f64 = 0.5;
-/// Halvings of a cone against stock, and the difference of the radii of its ends below which it counts as a
-/// cylinder of the larger one, mm.
+/// Maximum number of halvings of a cone against stock, and the difference of the radii of its ends below
+/// which it counts as a cylinder of the larger one, mm.
 const MAX_HALVINGS: u32 = 8;
 const CYLINDER_STEP: f64 = 0.02;
 

@@ -11,7 +11,7 @@ use crate::stock::solid::{SpanEnd, StockSurface};
 /// Depth below the finished surface from which stock is drawn as a gouge, mm and spacings: the vertices of a
 /// surface are as exact as the rays, those on sharp edges less.
 const GOUGE: (f64, f64) = (0.02, 0.1);
-/// Vertices between two looks at the monitor.
+/// Vertices between two checks of the monitor.
 const CHUNK: usize = 1 << 14;
 
 /// The triangles of `surface`, on rays at `spacing` mm. `paint` gives the colour of what a move has cut, by

@@ -29,7 +29,8 @@ use crate::stock::{
 };
 use crate::toolpath::ClProgram;
 
-/// Cells of the residual field along s and λ with which results are reported.
+/// Cells of the residual field along s and λ with which results are reported; fine enough that one is well
+/// below a pixel with the channel fitted to the view.
 pub const FIELD_CELLS: usize = 512;
 
 /// Request for a plunge plan.

@@ -12,12 +12,13 @@ use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 /// Clearance missing by rounding that a planned position may have, mm: below what `verify` tolerates.
 const PLANNED_TOLERANCE: f64 = 5e-4;
 
-/// Why a position is left out, and with what overhang it would not be.
+/// Why a position is left out, and the overhang with which it could be cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DropCause {
     /// The reason.
     pub why: DropReason,
-    /// Overhang that would do where only the holder is in the way, mm.
+    /// Smallest overhang with which the holder would be clear, mm; `None` where more than the holder is in
+    /// the way.
     pub stick_out: Option<f64>,
 }
 
@@ -64,7 +65,7 @@ impl<'a> AssemblyRule<'a> {
         })
     }
 
-    /// `why` with the least overhang that would do there.
+    /// `why`, with the smallest overhang that makes the holder clear at `pose`.
     pub fn cause(&self, why: DropReason, pose: (Point, Vector)) -> DropCause {
         let by_length = matches!(why, DropReason::Holder | DropReason::Overhang);
         DropCause { why, stick_out: by_length.then(|| self.around.stick_out(self.tool, pose)).flatten() }

@@ -133,7 +133,7 @@ pub fn section_view_in(
         CutPlane::Across => [0.0, 1.0],
         CutPlane::Contact => match deepest {
             Some(PatchCell { x, across, .. }) if norm2(x, across) > 1e-9 => {
-                // To the right where that is possible, as the row runs.
+                // x grows in feed direction, as in the view along the row.
                 let length = norm2(x, across).copysign(if x < 0.0 { -1.0 } else { 1.0 });
                 [x / length, across / length]
             }

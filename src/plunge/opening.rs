@@ -70,7 +70,8 @@ impl<'a> Opening<'a> {
         let places = self.places(tool, outside);
         let row = |number: u32| {
             let share = f64::from(number) / f64::from(count);
-            // Without the rows of its kind those beside it would be this far apart, in pitches.
+            // Distance of the two rows beside it, which are of coarser doublings, in pitches: the row is
+            // needed where that exceeds the stepover.
             let without = f64::from(2u32 << number.trailing_zeros().min(doublings)) / f64::from(count);
             let is_needed =
                 |r: f64| number == 0 || without * pitch.abs() * r > stepover(&self.setup.plunge, tool);

@@ -33,8 +33,8 @@ pub struct Evaluation {
 pub struct PlungeMotion {
     /// Its feed rate, mm/min; `None`: that of the tool.
     pub feed_mm_per_min: Option<f64>,
-    /// Way off the stock beside it at the end, across the axis, mm; the tool rises as far with it. Zero: it
-    /// retracts straight.
+    /// Lead-out away from the stock beside it, across the axis, mm; the tool rises by the same length. Zero:
+    /// it retracts straight.
     pub lift_off: Vector,
     /// Where it is interrupted to break the chip.
     pub pecking: Option<Pecking>,
@@ -63,8 +63,8 @@ pub struct Pecking {
 
 /// Largest number of interruptions of one plunge.
 const MAX_PECKS: usize = 100;
-/// Way back at an interruption, mm: enough to break the chip; and as a share of the depth between two of
-/// them.
+/// Distance of the retract that breaks the chip, mm, and its maximum as a share of the depth between two
+/// interruptions.
 const CHIP_BREAK: f64 = 0.5;
 const CHIP_BREAK_SHARE: f64 = 0.5;
 
@@ -75,7 +75,7 @@ impl Pecking {
         (1..).map(move |k| from - depth * f64::from(k)).take_while(|height| *height > 1e-6)
     }
 
-    /// Way back at each interruption, mm.
+    /// Distance by which the tool retracts at each interruption, mm.
     pub fn back(&self) -> f64 {
         CHIP_BREAK.min(CHIP_BREAK_SHARE * self.step())
     }
@@ -374,8 +374,8 @@ pub struct SectionPlan {
     pub rows: usize,
     /// What it cuts.
     pub kind: SectionKind,
-    /// Plunges added to those of the rows; `None` for policies that add none, unless they were stopped, and in
-    /// programs, which do not tell.
+    /// Plunges added to those of the rows; `None` for policies that add none, unless they were stopped, and
+    /// for programs, which do not record it.
     pub added: Option<AddedPlunges>,
 }
 

@@ -19,7 +19,7 @@ use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 const MAX_MORE_UNCUT: f64 = 0.001;
 /// Time that leaving a plunge out saves at least, s: a divisor.
 const MIN_SAVED: f64 = 1e-3;
-/// Plunges left out between two looks at the monitor.
+/// Plunges left out between two checks of the monitor.
 const CHECK_EVERY: usize = 16;
 
 /// What a plan is thinned with.

@@ -83,8 +83,8 @@ impl ProgramCut {
     }
 }
 
-/// Share of a move under feed after a plunge that goes up the axis from which on it leaves the cut, and is
-/// none.
+/// A move under feed after a plunge is its lead-out, and not a cut, if more than this share of it goes up the
+/// axis.
 const LEAVING_SHARE: f64 = 0.5;
 
 /// All cuts of a program. Where the program gives no insert width, that of the setup's tool of the same
@@ -161,7 +161,7 @@ pub fn cuts_of(program: &ClProgram, setup: &Setup) -> Result<Vec<ProgramCut>, Fa
                         continue;
                     }
                     Some(cut) if cut.is_continued_by(&from.tip, &cutter, &rapids) => {
-                        // They go no further than back in its own column.
+                        // Those rapids only went back in the column of the plunge.
                         rapids.clear();
                         cut.has_feed &= feed.is_some();
                         (cut.line, cut.index, cut.cutter, cut.swept) =

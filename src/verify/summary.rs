@@ -121,7 +121,7 @@ impl Summary {
     }
 
     /// Figures of cuts, and of the floor between two s (from outlet to inlet; `None`: of the whole floor) in
-    /// the state after the program. Those that a program does not tell are `None`.
+    /// the state after the program. Figures that a program does not hold are `None`.
     pub(super) fn of_cuts<'a>(
         cuts: impl Iterator<Item = CutFigures<'a>>,
         floors: &Floors,

@@ -4,7 +4,7 @@ use super::{Earlier, LineRemainder, Neighbours, PlungeColumn};
 use crate::geometry::{Meridional, Vector};
 use crate::part::Blank;
 
-/// Lines about the circumference, and heights above the bottom at which they are looked at.
+/// Number of lines around the circumference, and of heights above the bottom at which each is evaluated.
 const LINES: usize = 36;
 const HEIGHTS: usize = 8;
 /// Radius of the lines, in radii of the cutter: well within its edges.
@@ -62,7 +62,7 @@ pub fn engagement(whole: &PlungeColumn, earlier: Earlier, blank: &Blank) -> Enga
     }
 }
 
-/// Number of stretches without stock that are longer than those beside a scallop.
+/// Number of gaps without stock of [`GAP_LINES`] lines or more; shorter ones are scallops.
 fn gaps(engaged: &[bool; LINES]) -> usize {
     let Some(first) = engaged.iter().position(|engaged| *engaged) else { return 0 };
     let mut gaps = 0;

@@ -7,7 +7,7 @@ use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
 
 /// Height of the stock above the shroud from which on a section of its own removes it, as a share of the
-/// greatest distance between hub and shroud: through less the plunges of the channel go as they are.
+/// greatest distance between hub and shroud: the plunges of the channel cut through less than that.
 const MIN_HEIGHT_SHARE: f64 = 0.25;
 /// Smallest and largest diameter that is considered, in diameters of the largest cutter of the channel.
 const MIN_DIAMETERS: f64 = 0.99;
@@ -16,8 +16,8 @@ const MAX_DIAMETERS: f64 = 4.0;
 const PLACES: u32 = 20;
 
 /// A section for what stands above the shroud in the blank of `setup`, with one of `tools`, before a channel
-/// whose largest cutter is `largest`, and whose first tool has the number `first`; `None` where little or
-/// nothing does.
+/// whose largest cutter is `largest`, and whose first tool has the number `first`; `None` where
+/// nothing, or too little for a section, stands there.
 pub fn choose_opening(
     setup: &Setup,
     tools: &[Tool],

@@ -33,7 +33,7 @@ const ALONG: usize = 7;
 /// Distance of the outermost point along the row, in cutter radii.
 const REACH_ALONG_RADII: f64 = 0.9;
 
-/// Number of candidates of a position that are asked which overhang would do.
+/// Maximum number of candidates of a position for which the smallest sufficient overhang is computed.
 const MAX_CAUSES: usize = 8;
 
 /// One candidate position, not yet checked against the blades.
@@ -95,10 +95,10 @@ pub type LeadCandidates = [Option<RowCandidate>; TILT_COUNT];
 /// Where a candidate is in its stage: index of the lead angle, and of the tilt angle.
 pub type CandidateIndex = (usize, usize);
 
-/// What the blades make of a candidate.
+/// Result of checking a candidate against the blades.
 #[derive(Clone, Debug)]
 enum Cleared {
-    /// No axis like it clears them.
+    /// Neither it nor the axis fitted again from it clears them.
     Blocked,
     /// It clears them as it is.
     AsItIs,
@@ -106,8 +106,8 @@ enum Cleared {
     Refitted(Box<RowCandidate>),
 }
 
-/// Answers about a candidate, each found when first asked for: several searches look at the same candidates,
-/// and most of these at few of them.
+/// Results of the checks of one candidate, computed on first use: several searches visit the same candidates,
+/// and most searches visit few of them.
 #[derive(Clone, Debug, Default)]
 struct Answers {
     cleared: OnceLock<Cleared>,
@@ -213,7 +213,8 @@ impl CandidateMaker<'_> {
         Some(if self.is_open(&narrow) { narrow } else { usual })
     }
 
-    /// Whether some candidate of a stage clears the blades; the cheap ones are asked first, as searches do.
+    /// Whether some candidate of a stage clears the blades; they are checked by cost, the cheapest first, as
+    /// searches do.
     fn is_open(&self, stage: &CandidateStage) -> bool {
         let mut asked: Vec<(f64, CandidateIndex)> = stage
             .indices(1)

@@ -33,8 +33,8 @@ const CROSSING_RADII: f64 = 0.2;
 /// Lift from which on a place counts as open: it is tried again once all rows are cut, in cutter radii.
 pub(super) const SHORT_RADII: f64 = 0.3;
 
-/// Share of the least cost of a row in one direction that it costs at least in the other: leads of the grid
-/// mirror each other, floors and walls are the same.
+/// Lower bound on the cost of a row in one direction, as a share of its lower bound in the other: the lead
+/// angles of the grid mirror each other, floor and walls are the same.
 const LEAST_COST_SHARE: f64 = 0.9;
 
 /// A section planned in one cutting direction.
@@ -55,7 +55,7 @@ struct DirectedPlan {
 const FIRST_SHARE: f64 = 0.4;
 const SECOND_SHARE: f64 = 0.4;
 
-/// What a direction must beat to be of use, and its part in the progress of the section.
+/// Cost that a cutting direction has to stay below to be taken, and its part in the progress of the section.
 struct DirectionLimit<'a> {
     /// Cost of the other direction, mm.
     cost: f64,

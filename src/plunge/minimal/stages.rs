@@ -9,7 +9,8 @@ use super::path::{COST_OF_NEW_ROW, COST_PER_POSITION, PathSearch};
 const MAX_HALVINGS: usize = 4;
 /// Share of the allowed axis change above which an interval between axes of the same lead angle is halved.
 const TURN_SHARE: f64 = 0.7;
-/// Number of finer grids in vain after which most rows do without, and how many do so before one tries again.
+/// Number of successive searches with little gain from a finer grid after which rows skip it, and number of
+/// rows that skip it before one tries again.
 const MAX_VAIN: usize = 2;
 const MAX_SKIPPED: usize = 3;
 
@@ -20,9 +21,9 @@ pub(super) type StageAt = (f64, Option<Box<CandidateStage>>);
 /// searches of a row share them.
 #[derive(Default)]
 pub struct RowStages {
-    /// How many searches on a finer grid in succession gained little. Then most rows do without.
+    /// Number of successive searches on a finer grid that gained little; see [`MAX_VAIN`].
     pub(super) vain: usize,
-    /// How many rows did without a finer grid since.
+    /// Number of rows that skipped the finer grid since.
     skipped: usize,
     pub(super) places: Vec<StageAt>,
     /// See [`CandidateMaker::fineness`]; 0 before the first search.
@@ -35,7 +36,7 @@ impl RowStages {
         *self = Self { vain: self.vain, skipped: self.skipped, ..Self::default() };
     }
 
-    /// Whether to try a finer grid after some that gained little: now and then a row does.
+    /// Whether this row tries a finer grid: after several that gained little only every few rows do.
     pub(super) fn tries_finer(&mut self) -> bool {
         let tries = self.vain < MAX_VAIN || self.skipped >= MAX_SKIPPED;
         self.skipped = if tries { 0 } else { self.skipped + 1 };

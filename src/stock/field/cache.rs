@@ -13,7 +13,7 @@ use crate::stock::grid::FloorGrid;
 use crate::stock::meeting::LaneRow;
 use crate::stock::trace::TraceSums;
 
-/// Parts of a tile's cutters between which its heights are kept.
+/// Number of equal parts of a tile's cutters; its heights after each are kept.
 const KEPT_PARTS: usize = 16;
 
 /// A floor with what is known of the last program cut into it.

@@ -29,7 +29,7 @@ pub struct SolidProgram {
 
 impl SolidProgram {
     /// The moves of `program` with its tools, completed by `setup`. After a tool change the first move starts
-    /// where it ends, as nobody knows where the tool comes from.
+    /// where it ends, as its position after the change is unknown.
     ///
     /// # Errors
     /// When no tool is loaded, a cut comes before any tool, or a tool has no diameter.
@@ -60,7 +60,7 @@ impl SolidProgram {
             let rapid = step.motion == Motion::Rapid;
             moves.push(SolidMove { number: number as u32, tool, rapid, from, to });
         }
-        // As in `verify`: plunges are not judged by a holder that nobody described.
+        // As in `verify`: plunges are not checked against an assumed holder.
         let assembled = if program.mills_along_curves() { SolidTool::of } else { SolidTool::described };
         Ok(Self { tools: tools.iter().map(assembled).collect(), moves, count: program.moves.len() })
     }

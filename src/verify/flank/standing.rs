@@ -20,11 +20,11 @@ use crate::stock::solid::{
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
 
-/// Parts of a program between which the stock is kept.
+/// Number of equal parts of a program; the stock after each is kept.
 const KEPT_PARTS: usize = 16;
 
-/// Searches programs of one part, with the same tools, for contacts with stock that stands: a program that
-/// begins as the one before goes on from the stock kept of it.
+/// Searches programs of one part, with the same tools, for contacts with standing stock. A program that
+/// begins with the same moves as the previous one is simulated from the last stock that was kept within them.
 pub(super) struct StandingStock {
     /// By how much holders count as thicker, in spacings of the rays: stock between two rays is not seen.
     holder_margin: f64,
