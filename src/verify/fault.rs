@@ -7,10 +7,15 @@ use crate::geometry::Vector;
 use crate::part::Impeller;
 use crate::setup::{AllowanceSetup, Setup, Tool};
 
-/// Tolerance of the safety distance in a rapid, for rounding, mm.
-const RAPID_TOLERANCE: f64 = 1e-3;
+/// Clearance below the wanted one that is tolerated as rounding, mm.
+const CLEARANCE_ROUNDING: f64 = 1e-3;
 /// Tilt beyond the machine's limit that is tolerated as rounding, rad.
-const TILT_TOLERANCE: f64 = 1e-6;
+pub const TILT_TOLERANCE: f64 = 1e-6;
+
+/// Whether a clearance misses the wanted one by more than rounding, both mm.
+pub fn falls_short(clearance: f64, wanted: f64) -> bool {
+    clearance < wanted - CLEARANCE_ROUNDING
+}
 
 /// Kind of a fault, and the meaning of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -188,7 +193,7 @@ pub(super) fn near_blade(distance: f64, stock: &AllowanceSetup, tolerance: f64) 
 /// The fault of a rapid `distance` mm from the blank, if that is too near.
 pub(super) fn rapid_near_blank(distance: f64, stock: &AllowanceSetup) -> Option<Finding> {
     let safety = stock.safety_distance;
-    (distance < safety - RAPID_TOLERANCE).then(|| {
+    falls_short(distance, safety).then(|| {
         let what =
             format!("moves in rapid {distance:.3} mm from the blank; the safety distance is {safety} mm");
         Finding::new(FaultKind::RapidClearance, distance, what)

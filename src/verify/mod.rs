@@ -19,7 +19,7 @@ pub use assembly::AssemblyDistances;
 pub use assembly::unknown_assemblies;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
-pub use fault::{Fault, FaultKind, count_by_kind};
+pub use fault::{Fault, FaultKind, TILT_TOLERANCE, count_by_kind, falls_short};
 use fault::{
     Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank,
     stopped_spindle, tool_mismatch,

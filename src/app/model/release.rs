@@ -1,13 +1,11 @@
 //! What speaks against running a program, asked about before it leaves the window.
 
 use crate::plunge::DropReason;
+use crate::verify::{TILT_TOLERANCE, falls_short};
 
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::state::AppState;
-
-/// Clearance below its allowance that is rounding, mm.
-const ROUNDING: f64 = 1e-3;
 
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
@@ -34,13 +32,14 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
         ("blades", summary.min_blade_clearance, allowances.blade_allowance),
         ("blank at retracts", summary.min_retract_clearance, allowances.safety_distance),
     ] {
-        if kept < wanted - ROUNDING {
+        if falls_short(kept, wanted) {
             found.push(format!("Clearance to {name} is {kept:.3} mm, less than {wanted} mm"));
         }
     }
     let part = &shown.planned.outcome.workpiece.part;
     let machine = &shown.planned.outcome.setup.machine;
-    let beyond = plan.positions.iter().filter(|p| machine.excess_tilt_rad(part, &p.axis) > 1e-6).count();
+    let beyond =
+        plan.positions.iter().filter(|p| machine.excess_tilt_rad(part, &p.axis) > TILT_TOLERANCE).count();
     if beyond > 0 {
         found.push(format!("{beyond} tool axes are beyond the reach of the machine"));
     }

@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use crate::job::Summary;
 use crate::plunge::{DropReason, PlungePlan};
+use crate::verify::falls_short;
 
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, format_residual, format_times};
 use crate::app::model::planned::Side;
@@ -122,9 +123,9 @@ pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
     ui.label(value).on_hover_text(tip);
 }
 
-/// Draws a clearance, mm; one below the allowance by more than 1 µm is a gouge and is highlighted.
+/// Draws a clearance, mm; one that misses the allowance by more than rounding is a gouge and is highlighted.
 fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
-    let short = value < allowance - 1e-3;
+    let short = falls_short(value, allowance);
     let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance} mm");
     ui.label(RichText::new(name).weak()).on_hover_text(&tip);
     let text = if value.is_finite() { format!("{value:.2} mm") } else { "-".to_owned() };
