@@ -15,7 +15,7 @@ pub const BLOCKED: Rgb = rgb(0xE69F00);
 pub const SOUND: Rgb = rgb(0x009E73);
 /// Position whose contact is not evaluated yet: grey.
 pub const UNEVALUATED: Rgb = rgb(0x8C9299);
-/// Selected position: the accent colour.
+/// Selected position: blue. The accent of the window is a shade of it that can be read as text.
 pub const SELECTED: Rgb = rgb(0x0072B2);
 
 /// Colours of tools and sections, distinct to colour-blind viewers too: the rest of the Okabe–Ito set.
@@ -24,6 +24,14 @@ pub const CATEGORIES: [Rgb; 6] =
 
 /// Those of [`CATEGORIES`] that are not the colours of states, for cutters.
 pub const CUTTER_CATEGORIES: [Rgb; 4] = [CATEGORIES[0], CATEGORIES[4], CATEGORIES[3], CATEGORIES[5]];
+
+/// Colours of the curves of a chart, in order.
+pub const CURVES: [Rgb; 6] = [SELECTED, INTERFERING, SOUND, CATEGORIES[3], CATEGORIES[0], BLOCKED];
+
+/// A colour as bytes, 0…255.
+pub fn to_bytes(colour: Rgb) -> [u8; 3] {
+    colour.map(|x| (255.0 * x).round() as u8)
+}
 
 /// Light or dark theme; the colours of values and states are the same in both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

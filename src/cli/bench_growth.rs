@@ -11,7 +11,7 @@ use super::{Failure, print_stdout};
 use crate::error::{ErrorCode, UserError};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
-use crate::job::Summary;
+use crate::job::{FIELD_CELLS, Summary};
 use crate::monitor::Monitor;
 use crate::part::{Impeller, PartDescription};
 use crate::plunge::Planner;
@@ -25,8 +25,6 @@ use crate::verify::verify;
 const MIN_POSITIONS: usize = 2000;
 /// Largest ratio of position counts between consecutive wheels.
 const MAX_POSITION_RATIO: f64 = 4.0;
-/// Number of cells of the residual field along s and along λ.
-const FIELD_CELLS: usize = 512;
 
 /// Checks that growth can be measured up to `positions`.
 ///

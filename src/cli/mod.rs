@@ -49,6 +49,9 @@ use failure::Failure;
 #[cfg(not(feature = "gpu"))]
 use without_gpu::{assess_pictures, render};
 
+/// Number of faults or collisions that are printed; further ones are only counted.
+const MAX_SHOWN: usize = 20;
+
 /// Prints to standard output. A closed pipe (EPIPE) is not an error.
 ///
 /// # Errors

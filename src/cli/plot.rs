@@ -1,6 +1,7 @@
 //! Line charts as SVG, for reports.
 
 use super::html::escaped;
+use crate::palette::{CURVES, to_bytes};
 
 /// A curve of a chart.
 #[derive(Clone, Debug)]
@@ -30,8 +31,6 @@ pub struct LineChart {
     pub series: Vec<Series>,
 }
 
-/// Okabe–Ito palette, safe for colour-blind viewers.
-const COLOURS: [&str; 6] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"];
 const DASHES: [&str; 3] = ["", " stroke-dasharray=\"9 4\"", " stroke-dasharray=\"2 4\""];
 const SIZE: (f64, f64) = (900.0, 460.0);
 /// Left, top, right, bottom of the plotted field.
@@ -85,7 +84,8 @@ impl LineChart {
             escaped(&self.y_label)
         );
         for (k, series) in self.series.iter().enumerate() {
-            let colour = COLOURS[series.colour % COLOURS.len()];
+            let [r, g, b] = to_bytes(CURVES[series.colour % CURVES.len()]);
+            let colour = format!("#{r:02X}{g:02X}{b:02X}");
             let style = format!(
                 "stroke=\"{colour}\" stroke-width=\"2\" fill=\"none\"{}",
                 DASHES[series.dash % DASHES.len()]

@@ -9,6 +9,7 @@ use super::plan::FIELD_CELLS;
 use super::{Failure, open, plan, render_flank, render_solid};
 use crate::drawing::{scene_of_part, show_plan};
 use crate::error::{ErrorCode, UserError};
+use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
@@ -27,8 +28,6 @@ use crate::toolpath::ClProgram;
 
 /// Word of `--show` for the stock as a solid.
 pub const SOLID: &str = "solid";
-/// Largest side of a picture, pixels.
-const MAX_SIDE: u32 = 8192;
 
 impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {

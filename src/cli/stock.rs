@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::args::StockArgs;
 use super::report::{self, number};
 use super::watch::run_with_progress;
-use super::{Failure, open, print_stdout};
+use super::{Failure, MAX_SHOWN, open, print_stdout};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::blank_file::{is_stl, read_blank};
@@ -23,9 +23,6 @@ use crate::setup::Setup;
 use crate::stock::solid::{Contact, SolidBlank, SolidError, SolidProgram, SolidStock, StockSurface};
 use crate::toolpath::ClProgram;
 use crate::verify::unknown_assemblies;
-
-/// Number of collisions that are printed; further ones are only counted.
-const MAX_SHOWN: usize = 20;
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -9,16 +9,13 @@ use serde_json::{Map, Value, json};
 use super::args::VerifyArgs;
 use super::plan::FIELD_CELLS;
 use super::report::PlungeFigures;
-use super::{Failure, open, print_stdout, report};
+use super::{Failure, MAX_SHOWN, open, print_stdout, report};
 use crate::error::ErrorCode;
 use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::part::Impeller;
 use crate::plunge::sections::check_part;
 use crate::toolpath::ClWarning;
 use crate::verify::{Fault, PlungeReport, report_plunges, verify_flank};
-
-/// Number of faults that are printed; further ones are only counted.
-const MAX_SHOWN: usize = 20;
 
 /// Verifies a program and prints the findings.
 ///

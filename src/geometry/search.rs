@@ -1,5 +1,8 @@
 //! One-dimensional root and minimum searches: deterministic, with bounded iterations, without allocation.
 
+/// Smaller part of the golden section of 1.
+pub const GOLDEN: f64 = 0.381_966_011_250_105;
+
 /// Root of `f` in [`a`, `b`] by the Illinois variant of false position, safeguarded by bisection; `f(a)` and
 /// `f(b)` must differ in sign. Stops when the bracket is shorter than `tolerance`.
 pub fn root(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> f64 {
@@ -104,7 +107,6 @@ pub fn min_between_slopes(
 /// Minimum of `f` in [`a`, `b`] by Brent's method, to `tolerance` in the argument. Returns (argument,
 /// value). If `f` has several local minima there, one of them is found.
 pub fn minimum(mut f: impl FnMut(f64) -> f64, mut a: f64, mut b: f64, tolerance: f64) -> (f64, f64) {
-    const GOLDEN: f64 = 0.381_966_011_250_105;
     let mut x = a + GOLDEN * (b - a);
     let (mut w, mut v) = (x, x);
     let mut fx = f(x);

@@ -2,6 +2,9 @@
 
 use crate::error::{ErrorCode, UserError};
 
+/// Largest side of a picture that may be asked for, pixels.
+pub const MAX_SIDE: u32 = 8192;
+
 /// Why a picture could not be encoded.
 #[derive(Debug, thiserror::Error)]
 pub enum ImageError {

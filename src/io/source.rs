@@ -15,6 +15,8 @@ pub const MAX_BYTES: usize = 64 << 20;
 pub const MAX_POINTS: usize = 1_000_000;
 /// Maximum absolute coordinate, mm.
 pub const MAX_COORDINATE: f64 = 1e6;
+/// Maximum number of triangles of a mesh, all instances together.
+pub const MAX_TRIANGLES: usize = 8_000_000;
 /// Maximum number of blades.
 pub const MAX_BLADES: usize = 1_000;
 /// Points closer than this are merged, mm. Chained curves repeat the point at a joint to within 1e-9 m.

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::InputError;
 use super::source::{
-    MAX_COORDINATE, Source, line_at, name_of, number, quote_for_message, read_bytes_up_to, stem_of,
+    MAX_COORDINATE, MAX_TRIANGLES, Source, line_at, name_of, number, quote_for_message, read_bytes_up_to,
+    stem_of,
 };
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
@@ -14,8 +15,6 @@ use crate::part::PartDescription;
 
 /// Maximum file size, bytes.
 pub const MAX_STL_BYTES: usize = 512 << 20;
-/// Maximum number of triangles.
-const MAX_TRIANGLES: usize = 8_000_000;
 /// Length of the head of a binary file with the number of triangles, bytes, and of a triangle.
 const HEAD: usize = 84;
 const RECORD: usize = 50;

@@ -7,13 +7,12 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::InputError;
 use super::part_file::read_part_bytes;
 use super::setup_file::read_setup_bytes;
+use super::source::MAX_COORDINATE;
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::part::{Impeller, PartDescription};
 use crate::setup::Setup;
 
-/// Maximum absolute coordinate, mm.
-const MAX_COORDINATE: f64 = 1e6;
 /// Tolerance on the length of a unit axis.
 const UNIT_TOLERANCE: f64 = 1e-6;
 

@@ -4,15 +4,12 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-use super::surface::MeshSurface;
+use super::surface::{MeshSurface, SHARP};
 use crate::geometry::{Point, Vector};
 
 /// Longest edge added across a hole, as a share of the blade's extent. Filling a single missing triangle adds
 /// no edge.
 const ACROSS: f64 = 0.03;
-/// Smallest cosine of the angle between the triangles around a hole and those that fill it, so that the
-/// blade's edges are not filled over.
-const SMOOTH: f64 = 0.82;
 /// Smallest depth of a notch in a border, as a share of its width: less is curvature of the border itself.
 const DEPTH: f64 = 0.02;
 /// Largest extent of a hole as a share of the blade's, along and across: the border of a blade that is open
@@ -120,8 +117,8 @@ impl<'a> HoleBorders<'a> {
                     let width = (a - c).norm();
                     width <= limit
                         && area.norm() > DEPTH * width * width
-                        && before.dot(&normal) > SMOOTH
-                        && behind.dot(&normal) > SMOOTH
+                        && before.dot(&normal) > SHARP
+                        && behind.dot(&normal) > SHARP
                         && !self.inner.contains(&undirected(from, to))
                 }
             };

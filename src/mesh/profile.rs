@@ -3,13 +3,11 @@
 
 use super::fit::SmoothFunction;
 use super::nearest::MeridionalGrid;
-use super::surface::{MeshSurface, NONE};
+use super::surface::{MeshSurface, NONE, SHARP};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, norm2};
 use crate::part::PartError;
 
-/// Smallest cosine of the angle between neighbouring triangles of one smooth side.
-const SMOOTH: f64 = 0.82;
 /// Smallest number of votes of a piece of the flow side, as a share of the largest number.
 const VOTES: f64 = 0.2;
 /// Number of blade corners that vote for the piece nearest to them.
@@ -194,7 +192,7 @@ pub fn find_flow_side(
         .map(|t| meridional_normal(surface, t).1.abs() < MIN_CIRCUMFERENTIAL)
         .collect();
     let smooth = |a: usize, b: usize| {
-        turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > SMOOTH
+        turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > SHARP
     };
     let (group, count) = surface.groups(smooth);
     let corners: Vec<Meridional> = surface.points.iter().map(Meridional::of).collect();

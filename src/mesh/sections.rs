@@ -3,11 +3,8 @@
 use std::collections::HashMap;
 
 use super::normals::{CornerNormals, ExactNormals};
-use super::surface::{MeshSurface, NONE};
+use super::surface::{MeshSurface, NONE, SHARP};
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
-
-/// A blade has an edge where the cosine between neighbouring triangles is below this.
-const SHARP: f64 = 0.82;
 
 /// As [`SHARP`], between a side and a cap.
 const CAP_TURN: f64 = 0.995;

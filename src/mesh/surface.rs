@@ -6,6 +6,9 @@ use crate::geometry::{Point, Vector};
 
 /// Index that means "no neighbour" or "no face".
 pub const NONE: u32 = u32::MAX;
+/// Two neighbouring triangles meet in an edge of the part, not in a smooth face, where the cosine between
+/// their normals is below this.
+pub const SHARP: f64 = 0.82;
 
 /// Triangles over welded corners, without degenerate triangles.
 #[derive(Clone, Debug, Default)]

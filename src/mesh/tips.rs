@@ -2,11 +2,9 @@
 //! sharp edges. See `tip_border` for tips that have none.
 
 use super::profile::{Course, FittedProfile};
-use super::surface::{MeshSurface, NONE};
+use super::surface::{MeshSurface, NONE, SHARP};
 use crate::geometry::{Meridional, MeridionalCurve};
 
-/// An edge is sharp where the cosine between its triangles is below this.
-const SHARP: f64 = 0.82;
 /// Distance from the curve through the highest corners within which a corner is on the tip, mm per mm of
 /// blade height.
 const NEAR: f64 = 2e-3;

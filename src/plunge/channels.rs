@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 
+use super::cut::LIFT_MARGIN;
 use super::evaluation::evaluated;
 use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
 use crate::cutting::contact::{CoreContact, Engagement, core_contacts};
@@ -15,8 +16,6 @@ use crate::setup::SectionKind;
 const MAX_ITERATIONS: usize = 8;
 /// Distance within which two plunges above the shroud are the same, mm.
 const SAME_PLACE: f64 = 1e-3;
-/// Gap left between a lifted core and the stock below it, mm.
-const LIFT_MARGIN: f64 = 1e-3;
 
 /// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links keep `safety` mm
 /// from `blank`. Row numbers continue from channel to channel.
@@ -41,7 +40,8 @@ pub fn plan_channels(
     }
     let contacts = free_cores(&mut plan, blank, monitor)?;
     let retracts = plan.positions.iter().map(|p| p.evaluation.retract).collect();
-    // Where plunges of other channels came before, less is engaged, and more is free.
+    // Those of channel 1 are on the safe side: where plunges of other channels come earlier, a plunge engages
+    // less stock and its lead-out has more space.
     let motions: Vec<(Engagement, PlungeMotion)> =
         plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
     evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)
@@ -83,7 +83,8 @@ fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> Pl
     plan
 }
 
-/// A point in steps that are far smaller than the distance of two plunges, and far larger than rounding.
+/// Key by which equal points are found: coordinates in units of [`SAME_PLACE`], which is far below the
+/// distance of two plunges and far above rounding.
 fn place(point: &Point) -> [i64; 3] {
     [point.x, point.y, point.z].map(|x| (x / SAME_PLACE).round() as i64)
 }

@@ -16,7 +16,7 @@ use crate::setup::{CutDirection, SectionSetup, Tool};
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;
 /// Gap left between a lifted core and the stock below it, mm.
-const LIFT_MARGIN: f64 = 1e-3;
+pub(super) const LIFT_MARGIN: f64 = 1e-3;
 
 /// A cutter at its final depth, with its clearances to the finished part, mm.
 #[derive(Debug)]
@@ -94,7 +94,7 @@ impl CutRow {
         self.placed[at].as_ref().ok().map(|placed| placed.lift)
     }
 
-    /// Forgets the places that `is_cut` holds for, by λ and s, of those that are missing or dropped.
+    /// Removes those missing or dropped places for which `is_cut`(λ, s) is true.
     pub fn forget_open(&mut self, is_cut: impl Fn(f64, f64) -> bool) {
         let lambda = self.row.lambda;
         self.row.missing.retain(|(s, _)| !is_cut(lambda, *s));
@@ -232,7 +232,8 @@ pub(super) fn cut_row(
     let place = |station| {
         monitor.check()?;
         let placed = place_cutter(context, station, tool);
-        // In a blank above the shroud it depends on the earlier plunges.
+        // In a blank that stands above the shroud the depth of the plunge depends on the earlier ones:
+        // `drop_hindered` checks it.
         if context.workpiece.blank.outline().is_some() {
             return Ok(placed);
         }
@@ -304,7 +305,8 @@ fn drop_hindered(
 ) -> Result<(), Cancelled> {
     let top = BlankTop::new(&context.workpiece.blank);
     let first = columns.len();
-    // What a plunge that is dropped would have removed stands for those after it.
+    // Repeated until no plunge is dropped: stock that a dropped one would have removed is in the way of those
+    // after it.
     loop {
         let cutters = placed.iter().flatten().map(|placed| placed.cutter);
         columns.extend(cutters.map(|cutter| PlungeColumn::new(cutter, tool.radius(), &top)));

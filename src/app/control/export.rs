@@ -11,8 +11,9 @@ use crate::app::model::problem::Problem;
 use crate::app::model::release::concerns;
 use crate::app::tasks::files::{SceneTask, WriteTask};
 use crate::app::views::command::Command;
-use crate::app::views::picture_dialog::{ExportSettings, MAX_SIDE};
+use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, ReleaseAnswer};
+use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{GpuError, SceneOptions};
 

@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::io::InputError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
+use crate::job::{FIELD_CELLS, JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
 use crate::monitor::Monitor;
 use crate::part::Impeller;
 use crate::setup::Setup;
@@ -66,9 +66,6 @@ pub(in crate::app) struct PlanTask {
     pub last: Option<Arc<DisplayPlan>>,
 }
 
-/// Cells of the residual field along s and λ: fine enough that a cell is well below a pixel with the channel
-/// fitted to the view.
-const FIELD_CELLS: usize = 512;
 /// Cells of the residual field while a slider moves.
 const DRAFT_CELLS: usize = 160;
 

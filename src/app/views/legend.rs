@@ -14,7 +14,7 @@ use crate::app::model::state::AppState;
 use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
-use crate::app::views::theme::Condition;
+use crate::app::views::theme::{self, Condition};
 
 /// Height of the legend, points.
 pub const HEIGHT: f32 = 26.0;
@@ -66,8 +66,7 @@ pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above
 /// A patch of a colour, `side` points wide.
 pub fn swatch(ui: &mut Ui, colour: Rgb, side: f32) {
     let (at, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-    let [r, g, b] = colour.map(|x| (255.0 * x).round() as u8);
-    ui.painter().rect_filled(at, 2.0, Color32::from_rgb(r, g, b));
+    ui.painter().rect_filled(at, 2.0, theme::colour(colour));
 }
 
 /// A scale: its heading, colours, and whether it is symmetric about zero with ends that are not edited.

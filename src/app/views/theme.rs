@@ -1,19 +1,27 @@
-//! Design tokens: every colour and size of the window, for light and dark.
+//! Design tokens: the colours and sizes of the window, for light and dark. Those that it shares with the
+//! pictures are in [`crate::palette`].
 //!
 //! States use the Okabe-Ito palette, which is safe for colour-blind users; each also has a word or a mark
 //! shape.
 
 use egui::{Color32, Context, CornerRadius, FontId, Stroke, TextStyle, Theme, Visuals};
 
+use crate::palette;
 pub use crate::plunge::plan::Condition;
+
+/// A colour of the pictures, for the window.
+pub fn colour(colour: palette::Rgb) -> Color32 {
+    let [r, g, b] = palette::to_bytes(colour);
+    Color32::from_rgb(r, g, b)
+}
 
 impl Condition {
     /// Colour of the mark: bluish green, orange or vermilion.
     pub fn mark(self) -> Color32 {
         match self {
-            Self::Sound => Color32::from_rgb(0, 158, 115),
-            Self::Blocked => Color32::from_rgb(230, 159, 0),
-            Self::Interfering => Color32::from_rgb(213, 94, 0),
+            Self::Sound => colour(palette::SOUND),
+            Self::Blocked => colour(palette::BLOCKED),
+            Self::Interfering => colour(palette::INTERFERING),
         }
     }
 
@@ -32,11 +40,16 @@ impl Condition {
 
 /// Accent colour: selection, links, primary button.
 pub fn accent(visuals: &Visuals) -> Color32 {
-    if visuals.dark_mode { Color32::from_rgb(86, 160, 220) } else { Color32::from_rgb(0, 98, 160) }
+    if visuals.dark_mode { Color32::from_rgb(86, 160, 220) } else { PRIMARY }
 }
 
 /// Fill of the primary button; its text is white in both themes.
 pub const PRIMARY: Color32 = Color32::from_rgb(0, 98, 160);
+
+/// Stock in the sectional view.
+pub fn stock(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_rgb(120, 104, 60) } else { Color32::from_rgb(232, 216, 168) }
+}
 
 /// Background of the 3D view.
 pub fn view_background(visuals: &Visuals) -> Color32 {

@@ -1,7 +1,7 @@
 //! Reads numbers from buffers. Every offset, stride and count is checked against the available bytes before
 //! memory is allocated; values must be finite.
 
-use super::container::Container;
+use super::container::{Container, EXPORT_AGAIN};
 use crate::error::ErrorCode;
 use crate::io::InputError;
 
@@ -9,8 +9,6 @@ use crate::io::InputError;
 pub const MAX_ELEMENTS: usize = 24_000_000;
 /// Maximum number of elements of an accessor that has only sparse data.
 const MAX_WITHOUT_DATA: usize = 1_000_000;
-
-const EXPORT_AGAIN: &str = "export the file again";
 
 /// Component type of an accessor.
 #[derive(Clone, Copy, Debug, PartialEq)]

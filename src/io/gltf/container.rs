@@ -12,9 +12,10 @@ use crate::io::source::{MAX_BYTES, Source, quote_for_message, read_bytes_up_to};
 pub const MAX_MESH_BYTES: usize = 512 << 20;
 
 const MAGIC: &[u8] = b"glTF";
-const JSON_CHUNK: u32 = 0x4E4F_534A;
-const BINARY_CHUNK: u32 = 0x004E_4942;
-const EXPORT_AGAIN: &str = "export the file again";
+pub(super) const JSON_CHUNK: u32 = 0x4E4F_534A;
+pub(super) const BINARY_CHUNK: u32 = 0x004E_4942;
+/// Help text where a file contradicts itself.
+pub(super) const EXPORT_AGAIN: &str = "export the file again";
 
 /// Supported extensions that affect the meshes or their transforms.
 const SUPPORTED_EXTENSIONS: [&str; 2] = ["EXT_mesh_gpu_instancing", "KHR_mesh_quantization"];

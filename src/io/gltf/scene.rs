@@ -5,23 +5,19 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::accessor;
-use super::container::Container;
+use super::container::{Container, EXPORT_AGAIN};
 use super::document::GltfNode;
 use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::io::InputError;
-use crate::io::source::quote_for_message;
+use crate::io::source::{MAX_TRIANGLES, quote_for_message};
 use crate::mesh::{NamedMesh, TriangleMesh};
 use crate::part::Rotation;
 
 /// Maximum number of mesh instances.
 const MAX_INSTANCES: usize = 10_000;
-/// Maximum number of triangles of all instances together.
-pub const MAX_TRIANGLES: usize = 8_000_000;
 /// Maximum number of corners of all instances together.
 const MAX_CORNERS: usize = 24_000_000;
-
-const EXPORT_AGAIN: &str = "export the file again";
 
 /// Corners and triangles of a primitive, in the frame of its mesh.
 struct PrimitiveMesh {

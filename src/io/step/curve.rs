@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::model::Frame;
 use super::nurbs::NurbsCurve;
+use crate::geometry::search::GOLDEN;
 use crate::geometry::{Point, Vector};
 
 /// A curve over a parameter.
@@ -127,7 +128,6 @@ impl Curve {
         let Some(k) = (0..far.len()).min_by(|a, b| far[*a].total_cmp(&far[*b])) else { return 0.0 };
         let (low, high) = (places[k.saturating_sub(1)], places[(k + 1).min(places.len() - 1)]);
         let (mut a, mut b) = (low, high);
-        const GOLDEN: f64 = 0.381_966_011_250_105;
         let at = |t: f64| distance(&self.at(t));
         let (mut c, mut d) = (a + GOLDEN * (b - a), b - GOLDEN * (b - a));
         let (mut fc, mut fd) = (at(c), at(d));

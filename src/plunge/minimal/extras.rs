@@ -18,6 +18,7 @@ use rayon::prelude::*;
 
 use super::candidate::CandidateMaker;
 use super::floor::{FloorHeightMap, Gain};
+use super::path::LIFT_MARGIN;
 use crate::cutting::contact::{Columns, ContactSearch};
 use crate::geometry::{CutterSolid, Point, ProximityGrid};
 use crate::monitor::Cancelled;
@@ -55,8 +56,6 @@ const TOP_COUNT: usize = 16;
 const MAX_BATCH: usize = 8;
 /// Number of these that are refined even if they are near each other.
 const MIN_BATCH: usize = 6;
-/// Margin added to lifts found with the few lines of the search, mm.
-const LIFT_MARGIN: f64 = 0.01;
 
 /// A cutter of the coarse evaluation. The pool is large, so only the cutter of the axis is stored.
 #[derive(Clone, Debug)]

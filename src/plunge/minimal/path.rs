@@ -30,13 +30,14 @@ const COARSE_LIFT_RADII: f64 = 0.3;
 const MAX_FINENESS: usize = 4;
 /// Share of its cost that a path must save by a finer grid for a still finer one to be tried.
 const MIN_SAVED_SHARE: f64 = 0.02;
-/// Excess over the lower bound that is acceptable, as a share of it; a stage counts with at most
-/// [`CandidateMaker::scale`], as floor out of a row's reach would otherwise excuse anything.
+/// Excess over the lower bound that is acceptable, as a share of it. A stage counts with at most
+/// [`CandidateMaker::scale`]: floor out of the reach of the row adds much to the bound and says nothing about
+/// the path.
 const ACCEPTED_EXCESS: f64 = 0.2;
 /// Saving of another axis from which on a position is reported as limited, mm.
 const MIN_REPORTED_SAVING: f64 = 0.02;
 /// Margin added to lifts found with the few lines of the search, mm.
-const LIFT_MARGIN: f64 = 0.01;
+pub(super) const LIFT_MARGIN: f64 = 0.01;
 
 /// A state: a candidate with the cheapest path to it.
 #[derive(Clone, Copy, Debug)]
@@ -64,9 +65,9 @@ pub struct PathSearch<'a> {
     pub blank: &'a Blank,
     /// Largest angle between neighbouring axes, rad.
     pub max_axis_change_rad: f64,
-    /// Whether plunges that stop so short that they will be left out cut nothing for those after them. The
-    /// search sees too much contact where the row will get positions between its stages; it is right
-    /// without this as long as they suffice.
+    /// Whether a plunge that stops so short that it will be left out counts as removing nothing. Strictly it
+    /// removes nothing, but the search does not know the positions that the row gets between its stages,
+    /// which may remove the same stock; so the first search assumes that it does.
     pub is_strict: bool,
 }
 

@@ -36,7 +36,7 @@ const EXTENSION: FieldSpec =
 
 /// Feed rates by engagement.
 const FEED: FieldSpec = feed("Feed rate", "Feed rate of passes beside a pass that is already cut");
-const SLOT_FEED: FieldSpec = feed("Slotting feed", "Feed rate of passes with stock on both sides");
+const SLOT_FEED: FieldSpec = feed("Slot feed", "Feed rate of passes with stock on both sides");
 const WALL_FEED: FieldSpec = feed("Wall feed", "Feed rate of the passes that finish the walls");
 const RAMP_FEED: FieldSpec = feed("Ramp feed", "Feed rate of ramps down into stock");
 

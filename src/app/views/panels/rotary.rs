@@ -58,10 +58,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         painter.text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
         return None;
     };
-    let colours = [0, 1].map(|k| {
-        let [r, g, b] = CUTTER_CATEGORIES[k].map(|x| (255.0 * x) as u8);
-        Color32::from_rgb(r, g, b)
-    });
+    let colours = [0, 1].map(|k| theme::colour(CUTTER_CATEGORIES[k]));
     let axes = plan.rotary_by_letter();
     let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
     let count = plan.plunges.len();

@@ -152,7 +152,7 @@ pub fn show(
     painter.rect_filled(rect, 2.0, visuals.extreme_bg_color);
     let dark = visuals.dark_mode;
     let grey = |light: u8, night: u8| Color32::from_gray(if dark { night } else { light });
-    let stock = if dark { Color32::from_rgb(120, 104, 60) } else { Color32::from_rgb(232, 216, 168) };
+    let stock = theme::stock(visuals);
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
 
     // Stock before this plunge, column by column, as its top may jump.

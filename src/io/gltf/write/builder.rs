@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::io::gltf::container::{BINARY_CHUNK, JSON_CHUNK};
+
 /// Magic bytes of a `.glb`, and the version of the container.
 const MAGIC: (&[u8; 4], u32) = (b"glTF", 2);
-const JSON_CHUNK: u32 = 0x4E4F_534A;
-const BINARY_CHUNK: u32 = 0x004E_4942;
 
 const ARRAY_BUFFER: u32 = 34_962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34_963;

@@ -3,11 +3,9 @@
 use super::instances::{ClampedKnots, Edge, EdgeUse, Instances};
 use super::spline::generatrix;
 use crate::geometry::{Meridional, MeridionalCurve};
+use crate::io::step::surface::ON_AXIS;
 use crate::part::Impeller;
 use crate::part::body::{body_outline, nose};
-
-/// Smallest radius of a circle, mm: below it the surface ends on the axis.
-const ON_AXIS: f64 = 1e-6;
 
 /// A surface of revolution about Z, from inlet to outlet.
 pub struct RevolvedSurface {
