@@ -236,6 +236,21 @@ fn a_short_overhang_leaves_what_the_holder_cannot_follow() {
     assert!(short[3] < long[3] - 0.2, "{short:?} of {long:?}");
 }
 
+#[test]
+fn stock_before_the_inlet_is_in_the_way_of_holders() {
+    let part = sample("pump6");
+    let tool = tool(12.0, 30.0);
+    let share = |inlet_extension: f64| {
+        let mut setup = Setup::default();
+        setup.allowances.inlet_extension = inlet_extension;
+        let workpiece = setup.allowances.workpiece_of(part.clone());
+        let map = ReachMap::new(&workpiece, &[ReachSection { from: 1.0, to: 0.0, tool: &tool }], &LIMITS);
+        map.share(|s| s.inlet)
+    };
+    let (short, long) = (share(0.0), share(20.0));
+    assert!(long < short - 0.05, "{long} of {short} from the inlet");
+}
+
 /// Two independent searches: a row is inaccessible where the cutter is larger than the largest that fits
 /// nearby.
 #[test]

@@ -2,6 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::{Arrangement, PlaneOrientation};
 use vanecut::app::model::planned::Side;
 use vanecut::setup::AxisPolicy;
@@ -100,6 +101,41 @@ fn either_side_shows_any_policy_that_was_planned() {
         AxisPolicy::Monotone,
         "table and picture follow"
     );
+}
+
+/// What is exported is the plan whose policy is shown, not the one of the setup.
+#[test]
+fn the_program_of_a_policy_is_that_of_the_plan_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("shown.apt");
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.set_size(egui::vec2(1200.0, 1060.0));
+    window.run_steps(3);
+    window.get_by_label("Compare all strategies").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let tips = |window: &Window| -> Vec<_> {
+        let shown = window.state().state().shown().expect("a plan");
+        shown.plan().positions.iter().map(|position| position.tip).collect()
+    };
+    let of_setup = tips(&window);
+    window.get_by_role_and_label(Role::ComboBox, "Axis strategy after").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Isoparametric").click();
+    window.run_steps(3);
+    let shown = tips(&window);
+    assert_ne!(shown, of_setup, "another plan is shown");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 1 }, path.clone());
+    window.run_steps(2);
+    window.get_by_label("Export anyway").click();
+    window.run_steps(2);
+    settle(&mut window);
+    let program = vanecut::io::apt::read_apt(&path).expect("a CL file");
+    let written = |tip: &vanecut::geometry::Point| program.moves.iter().any(|m| (m.tip - tip).norm() < 1e-5);
+    assert!(shown.iter().all(written), "every plunge of the shown plan is in the program");
+    assert!(!of_setup.iter().any(written), "and none of the other plan");
 }
 
 #[test]
