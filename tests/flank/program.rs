@@ -1,7 +1,7 @@
 //! Complete flank plans, written and checked by `verify`, which is independent of the planner.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use vanecut::error::ErrorCode;
 use vanecut::flank::MoveKind;
@@ -28,17 +28,37 @@ fn planned(request: &FlankRequest) -> FlankOutcome {
     FlankJob::default().run(request, &Monitor::default()).expect("a plan")
 }
 
+/// The balanced strategy with a feed rate of its own for each engagement.
+static BALANCED: LazyLock<FlankOutcome> = LazyLock::new(|| {
+    planned(&request("impeller9x9.toml", |setup| {
+        setup.flank.strategy = FlankStrategy::Balanced;
+        setup.flank.layer_depth = 6.0;
+        setup.flank.feed_mm_per_min = Some(1000.0);
+        setup.flank.slot_feed_mm_per_min = Some(500.0);
+        setup.flank.wall_feed_mm_per_min = Some(700.0);
+        setup.flank.ramp_feed_mm_per_min = Some(200.0);
+    }))
+});
+
+/// The strategy by regions, on a wheel without splitters, with some shape of blank.
+fn by_regions(blank: BlankShape) -> FlankOutcome {
+    planned(&request("pump6.toml", |setup| {
+        setup.flank.strategy = FlankStrategy::Regions;
+        setup.flank.layer_depth = 5.0;
+        setup.allowances.blank = blank;
+    }))
+}
+
+static BY_REGIONS: LazyLock<FlankOutcome> = LazyLock::new(|| by_regions(BlankShape::Edges));
+
 #[test]
 fn verify_finds_no_fault_in_the_programs() {
-    for (name, scheme, depth) in [
-        ("impeller9x9.toml", FlankStrategy::Balanced, 6.0),
-        ("impeller9x9.toml", FlankStrategy::Isoparametric, 12.0),
-        ("pump6.toml", FlankStrategy::Regions, 10.0),
-    ] {
-        let outcome = planned(&request(name, |setup| {
-            setup.flank.strategy = scheme;
-            setup.flank.layer_depth = depth;
-        }));
+    let isoparametric = planned(&request("impeller9x9.toml", |setup| {
+        setup.flank.strategy = FlankStrategy::Isoparametric;
+        setup.flank.layer_depth = 12.0;
+    }));
+    for outcome in [&*BALANCED, &isoparametric, &*BY_REGIONS] {
+        let (name, scheme) = (&outcome.workpiece.part.name, outcome.setup.flank.strategy);
         let plan = &outcome.plan;
         let text = write_apt(&ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves));
         let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("it reads its own program");
@@ -57,20 +77,13 @@ fn verify_finds_no_fault_in_the_programs() {
 
 #[test]
 fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() {
-    let with = |blank: BlankShape| {
-        planned(&request("pump6.toml", |setup| {
-            setup.flank.strategy = FlankStrategy::Regions;
-            setup.flank.layer_depth = 5.0;
-            setup.allowances.blank = blank;
-        }))
-    };
-    let (usual, outcome) = (with(BlankShape::Edges), with(BlankShape::Turned));
+    let (usual, outcome) = (&*BY_REGIONS, by_regions(BlankShape::Turned));
     assert_eq!(usual.plan.opening, None);
     assert_eq!(outcome.faults, []);
     let plan = &outcome.plan;
     let lost = |outcome: &FlankOutcome| outcome.plan.uncut.iter().map(|l| l.length).sum::<f64>();
     let whole = plan.layout.totals[FlankStrategy::Regions as usize].length;
-    assert!(lost(&outcome) < lost(&usual) + 0.03 * whole, "{} of {whole} mm are left out", lost(&outcome));
+    assert!(lost(&outcome) < lost(usual) + 0.03 * whole, "{} of {whole} mm are left out", lost(&outcome));
     // The program begins with them, also when it is read from the plan's file.
     let opening = plan.opening.as_ref().expect("plunges above the shroud");
     let passes = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
@@ -94,8 +107,7 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
 
 #[test]
 fn a_program_cuts_from_the_top_down_and_flies_only_above() {
-    let outcome = planned(&request("impeller9x9.toml", |setup| setup.flank.layer_depth = 6.0));
-    let moves = &outcome.plan.moves;
+    let moves = &BALANCED.plan.moves;
     let cuts: Vec<usize> = moves.iter().filter(|m| m.kind == MoveKind::Cut).map(|m| m.layer).collect();
     assert!(cuts.windows(2).all(|w| w[1] <= w[0]), "layers from the top down");
     assert_eq!(cuts.last(), Some(&0));
@@ -112,13 +124,7 @@ fn a_program_cuts_from_the_top_down_and_flies_only_above() {
 
 #[test]
 fn every_curve_has_one_feed_by_what_stands_beside_it() {
-    let outcome = planned(&request("impeller9x9.toml", |setup| {
-        setup.flank.layer_depth = 6.0;
-        setup.flank.feed_mm_per_min = Some(1000.0);
-        setup.flank.slot_feed_mm_per_min = Some(500.0);
-        setup.flank.wall_feed_mm_per_min = Some(700.0);
-        setup.flank.ramp_feed_mm_per_min = Some(200.0);
-    }));
+    let outcome = &*BALANCED;
     let moves = &outcome.plan.moves;
     let cuts = || moves.iter().filter(|m| m.kind == MoveKind::Cut);
     assert!(
@@ -158,8 +164,7 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
 
 #[test]
 fn a_flank_file_reads_back_and_damage_is_told() {
-    let request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 9.0);
-    let outcome = planned(&request);
+    let outcome = &*BALANCED;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.toml");
     let text = write_flank(&read_part(&path).expect("readable"), &outcome.setup, &outcome.plan);
     assert!(is_flank(text.as_bytes()));
@@ -191,7 +196,7 @@ fn a_flank_file_reads_back_and_damage_is_told() {
 #[test]
 fn only_stale_stages_are_planned_again_and_to_the_same_end() {
     let job = FlankJob::default();
-    let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 12.0);
+    let mut request = request("impeller9x9.toml", |setup| setup.flank.layer_depth = 14.0);
     let first = job.run(&request, &Monitor::default()).expect("a plan");
     request.setup.flank.feed_mm_per_min = Some(900.0);
     let second = job.run(&request, &Monitor::default()).expect("a plan");

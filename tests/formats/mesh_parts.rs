@@ -12,13 +12,9 @@ use vanecut::error::ErrorCode;
 use vanecut::geometry::{Point, Vector, rotate_z};
 use vanecut::io::gltf::GltfScene;
 use vanecut::io::{read_part, read_part_bytes};
-use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::mesh::{LengthUnit, MeshOptions, NamedMesh, Role, TriangleMesh, describe};
-use vanecut::monitor::Monitor;
 use vanecut::part::{Blade, BladeSide, Impeller, Rotation, SideProbe};
-use vanecut::plunge::{PlungePlan, Position};
-use vanecut::setup::{AxisPolicy, Setup};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts").join(name);
@@ -199,75 +195,6 @@ fn blades_that_hardly_wrap_are_asked_about() {
 }
 
 const SAMPLES: [&str; 3] = ["impeller532.toml", "impeller9x9.toml", "pump6.toml"];
-
-fn plan_job(part: &Impeller, policy: AxisPolicy) -> PlanOutcome {
-    let request = PlanRequest {
-        part: part.clone().into(),
-        setup: Setup::default(),
-        policy,
-        compare: false,
-        field_cells: 128,
-    };
-    run(&request, &Monitor::default()).expect("a plan")
-}
-
-/// Largest distance of tips (mm) and largest angle between axes (degrees) of matching plunges (same row and
-/// s), and the number of plunges that only one of the plans has.
-fn differences(a: &PlungePlan, b: &PlungePlan) -> (f64, f64, usize) {
-    let at =
-        |p: &Position, q: &Position| (p.section, p.row) == (q.section, q.row) && (p.s - q.s).abs() < 5e-4;
-    let (mut moved, mut turned, mut met) = (0.0_f64, 0.0_f64, 0);
-    for p in &a.positions {
-        if let Some(q) = b.positions.iter().find(|q| at(p, q)) {
-            met += 1;
-            moved = moved.max((p.tip - q.tip).norm());
-            turned = turned.max(p.axis.angle(&q.axis).to_degrees());
-        }
-    }
-    (moved, turned, a.positions.len() + b.positions.len() - 2 * met)
-}
-
-/// The plans of a part by the policies that lay row by row.
-fn plans_by_row(part: &Impeller) -> [PlungePlan; 3] {
-    let of = |policy| plan_job(part, policy);
-    let (staircase, monotone) = (of(AxisPolicy::Staircase), of(AxisPolicy::Monotone));
-    // Every job makes the conventional plan, too.
-    [staircase.before.plan, staircase.after.plan, monotone.after.plan]
-}
-
-#[test]
-fn plans_of_own_files_stay_the_same() {
-    for part in SAMPLES.map(sample).into_iter().chain([compressor()]) {
-        let [before, after] = [&part, &through_glb(&part)].map(plans_by_row);
-        for (a, b) in before.iter().zip(&after) {
-            let (moved, turned, alone) = differences(a, b);
-            println!("{}, {:?}: {moved:.4} mm, {turned:.4}°, {alone} alone", part.name, a.policy);
-            assert_eq!(a.policy, b.policy);
-            assert_eq!(alone, 0, "{}", part.name);
-            assert!(moved < 0.05 && turned < 0.1, "{}, {:?}: {moved} mm, {turned}°", part.name, a.policy);
-        }
-    }
-}
-
-#[test]
-fn minimal_plans_of_own_files_leave_as_much() {
-    // The search may take another path after the smallest change; only its result is comparable.
-    for name in ["impeller532.toml", "pump6.toml"] {
-        let part = sample(name);
-        let [a, b] =
-            [&part, &through_glb(&part)].map(|part| plan_job(part, AxisPolicy::Minimal).after.summary);
-        let mean = (a.residual_mean - b.residual_mean).abs();
-        let p95 = (a.residual_p95 - b.residual_p95).abs();
-        println!(
-            "{name}: {} and {} positions, mean {mean:.4}, p95 {p95:.4} mm apart",
-            a.positions, b.positions
-        );
-        assert!(100 * a.positions.abs_diff(b.positions) <= a.positions, "{name}");
-        assert!(mean < 0.005 && p95 < 0.03, "{name}: {mean}, {p95} mm");
-        assert!((a.uncut_share - b.uncut_share).abs() < 1e-3, "{name}");
-        assert_eq!((a.interfering, b.interfering), (0, 0), "{name}");
-    }
-}
 
 #[test]
 fn a_wheel_in_one_mesh_is_taken_apart() {

@@ -13,6 +13,7 @@ mod goals;
 mod inspect;
 mod narrow_contact;
 mod outline;
+mod own_files;
 mod plan;
 mod probe;
 mod program;

@@ -1,0 +1,121 @@
+//! Plans of the samples as they were written to a mesh file and read back are those of the samples.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use vanecut::io::gltf::GltfScene;
+use vanecut::io::{read_part, read_part_bytes};
+use vanecut::job::{PlanOutcome, PlanRequest, run};
+use vanecut::mesh::tessellate::{Fineness, Tessellation};
+use vanecut::monitor::Monitor;
+use vanecut::part::Impeller;
+use vanecut::plunge::{PlungePlan, Position};
+use vanecut::setup::{AxisPolicy, Setup};
+
+use super::samples::{compared, sample, sample_plans};
+
+/// The part written as `.glb` and read back.
+fn through_glb(part: &Impeller) -> Impeller {
+    let bytes = GltfScene::of_part(part, &Tessellation::new(part, &Fineness::default())).glb();
+    Impeller::build(&read_part_bytes("back.glb", &bytes, "glb").expect("readable")).expect("an impeller")
+}
+
+/// Two samples that were read back, planned by all policies.
+static READ_BACK: [(&str, LazyLock<PlanOutcome>); 2] = [
+    ("impeller532", LazyLock::new(|| compared(&through_glb(&sample("impeller532")), &Setup::default()))),
+    ("pump6", LazyLock::new(|| compared(&through_glb(&sample("pump6")), &Setup::default()))),
+];
+
+/// The policies that lay row by row.
+const BY_ROW: [AxisPolicy; 3] = [AxisPolicy::Conventional, AxisPolicy::Staircase, AxisPolicy::Monotone];
+
+/// The plans by these policies of an outcome that holds all.
+fn by_row(outcome: &PlanOutcome) -> Vec<&PlungePlan> {
+    let policies = outcome.policies();
+    let plan = |policy: AxisPolicy| {
+        let result = policies.iter().find(|result| result.plan.policy == policy);
+        &result.expect("all policies were planned").plan
+    };
+    BY_ROW.into_iter().map(plan).collect()
+}
+
+/// The plans of a part by these policies alone.
+fn planned_by_row(part: &Impeller) -> Vec<PlungePlan> {
+    let of = |policy| {
+        let request = PlanRequest {
+            part: part.clone().into(),
+            setup: Setup::default(),
+            policy,
+            compare: false,
+            field_cells: 128,
+        };
+        run(&request, &Monitor::default()).expect("a plan")
+    };
+    // Every job makes the conventional plan, too.
+    let (staircase, monotone) = (of(AxisPolicy::Staircase), of(AxisPolicy::Monotone));
+    vec![staircase.before.plan, staircase.after.plan, monotone.after.plan]
+}
+
+/// Largest distance of tips (mm) and largest angle between axes (degrees) of matching plunges (same row and
+/// s), and the number of plunges that only one of the plans has.
+fn differences(a: &PlungePlan, b: &PlungePlan) -> (f64, f64, usize) {
+    let at =
+        |p: &Position, q: &Position| (p.section, p.row) == (q.section, q.row) && (p.s - q.s).abs() < 5e-4;
+    let (mut moved, mut turned, mut met) = (0.0_f64, 0.0_f64, 0);
+    for p in &a.positions {
+        if let Some(q) = b.positions.iter().find(|q| at(p, q)) {
+            met += 1;
+            moved = moved.max((p.tip - q.tip).norm());
+            turned = turned.max(p.axis.angle(&q.axis).to_degrees());
+        }
+    }
+    (moved, turned, a.positions.len() + b.positions.len() - 2 * met)
+}
+
+fn assert_same<'p>(
+    name: &str,
+    before: impl IntoIterator<Item = &'p PlungePlan>,
+    after: impl IntoIterator<Item = &'p PlungePlan>,
+) {
+    let mut count = 0;
+    for (a, b) in before.into_iter().zip(after) {
+        let (moved, turned, alone) = differences(a, b);
+        println!("{name}, {:?}: {moved:.4} mm, {turned:.4}°, {alone} alone", a.policy);
+        assert_eq!(a.policy, b.policy);
+        assert_eq!(alone, 0, "{name}");
+        assert!(moved < 0.05 && turned < 0.1, "{name}, {:?}: {moved} mm, {turned}°", a.policy);
+        count += 1;
+    }
+    assert_eq!(count, BY_ROW.len());
+}
+
+#[test]
+fn plans_of_own_files_stay_the_same() {
+    for (name, outcome) in &READ_BACK {
+        assert_same(name, by_row(sample_plans(name)), by_row(outcome));
+    }
+    let name = "impeller9x9";
+    assert_same(name, by_row(sample_plans(name)), &planned_by_row(&through_glb(&sample(name))));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cc_autoblade/cc_autoblade.geomTurbo");
+    let compressor = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
+    let back = through_glb(&compressor);
+    assert_same("compressor", &planned_by_row(&compressor), &planned_by_row(&back));
+}
+
+#[test]
+fn minimal_plans_of_own_files_leave_as_much() {
+    // The search may take another path after the smallest change; only its result is comparable.
+    for (name, outcome) in &READ_BACK {
+        let [a, b] = [sample_plans(name), outcome].map(|outcome| &outcome.after.summary);
+        let mean = (a.residual_mean - b.residual_mean).abs();
+        let p95 = (a.residual_p95 - b.residual_p95).abs();
+        println!(
+            "{name}: {} and {} positions, mean {mean:.4}, p95 {p95:.4} mm apart",
+            a.positions, b.positions
+        );
+        assert!(100 * a.positions.abs_diff(b.positions) <= a.positions, "{name}");
+        assert!(mean < 0.005 && p95 < 0.03, "{name}: {mean}, {p95} mm");
+        assert!((a.uncut_share - b.uncut_share).abs() < 1e-3, "{name}");
+        assert_eq!((a.interfering, b.interfering), (0, 0), "{name}");
+    }
+}
