@@ -9,6 +9,7 @@
 //! | gap between free-form blades and ruled walls | [`crate::part::envelope`] |
 
 pub mod cutter;
+mod limits;
 pub mod passage;
 pub mod reach;
 pub mod shape;
@@ -18,6 +19,9 @@ use crate::part::{Blade, BladeWall, WallEnvelope, Workpiece};
 use passage::{PassageKind, PassageMeasure};
 use reach::{ReachLimits, ReachMap, ReachSection};
 use shape::BladeShape;
+
+/// Names of the blades of an assessment, in their order.
+pub const BLADE_NAMES: [&str; 2] = ["main", "splitter"];
 
 /// Number of curves per wall in its envelope.
 const ENVELOPE_CURVES: usize = 64;

@@ -19,10 +19,11 @@
 
 use rayon::prelude::*;
 
+pub use super::limits::{MIN_INCLINATION, ReachLimits, ReachSides};
 use super::tool_placement::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
 use crate::part::{Channel, Impeller, Passage, Workpiece};
-use crate::setup::{ClearanceSetup, Tool};
+use crate::setup::Tool;
 
 /// A section of the channel and its tool.
 #[derive(Clone, Debug)]
@@ -33,53 +34,6 @@ pub struct ReachSection<'a> {
     pub to: f64,
     /// The tool.
     pub tool: &'a Tool,
-}
-
-/// Limits of the axes.
-#[derive(Clone, Copy, Debug)]
-pub struct ReachLimits {
-    /// Stock that stays on the hub, mm.
-    pub hub_allowance: f64,
-    /// Stock that stays on the blades, mm.
-    pub blade_allowance: f64,
-    /// Maximum angle between axis and hub normal along the flow, rad.
-    pub max_tilt_rad: f64,
-    /// Clearances of a given shank and holder beyond the allowances, mm.
-    pub clearances: ClearanceSetup,
-}
-
-/// The sides from which a point is reached.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ReachSides {
-    /// From the outlet.
-    pub outlet: bool,
-    /// From the inlet.
-    pub inlet: bool,
-    /// From either side, or with an axis near the hub normal.
-    pub any: bool,
-}
-
-impl ReachSides {
-    fn or(self, other: Self) -> Self {
-        Self {
-            outlet: self.outlet || other.outlet,
-            inlet: self.inlet || other.inlet,
-            any: self.any || other.any,
-        }
-    }
-
-    fn and(self, other: Self) -> Self {
-        Self {
-            outlet: self.outlet && other.outlet,
-            inlet: self.inlet && other.inlet,
-            any: self.any && other.any,
-        }
-    }
-
-    /// From both sides.
-    pub fn both(self) -> bool {
-        self.outlet && self.inlet
-    }
 }
 
 /// A cell of the floor.
@@ -129,8 +83,6 @@ const COLUMNS: usize = 24;
 const CENTRES: usize = 15;
 /// Bisections of a border: to 1/500 of the passage.
 const BORDER_STEPS: usize = 5;
-/// Minimum inclination of an axis that comes from one side, and step of the inclinations tested, rad.
-pub const MIN_INCLINATION: f64 = 7.5 * std::f64::consts::PI / 180.0;
 
 impl ReachMap {
     /// The map of the channel floor of `workpiece`.

@@ -2,7 +2,7 @@
 //! interpolated between the walls and pushed off the one it is too near to. The cutter must clear the hub,
 //! and the holder everything.
 
-use super::reach::{MIN_INCLINATION, ReachLimits, ReachSides};
+use super::limits::{MIN_INCLINATION, ReachLimits, ReachSides};
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
 use crate::part::{Blank, FinishedPart, Impeller, Passage, SideProbe, Workpiece};

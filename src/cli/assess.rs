@@ -8,7 +8,7 @@ use super::{Failure, assess_pictures, open, plan, print_stdout};
 use crate::assess::passage::{PassageKind, PassageMeasure};
 use crate::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
 use crate::assess::shape::Twist;
-use crate::assess::{Assessment, BladeMeasure};
+use crate::assess::{Assessment, BLADE_NAMES, BladeMeasure};
 use crate::job::resolve;
 use crate::part::Workpiece;
 use crate::setup::Setup;
@@ -114,9 +114,6 @@ fn object(found: &AssessedPart) -> Map<String, Value> {
     put("reach", a.reach.as_ref().map_or(Value::Null, reach_object));
     map
 }
-
-/// Names of the blades of an assessment, in their order.
-pub const BLADE_NAMES: [&str; 2] = ["main", "splitter"];
 
 fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
     let twist = |t: &Twist| {

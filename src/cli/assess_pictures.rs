@@ -4,14 +4,13 @@ use std::path::Path;
 
 use glam::UVec2;
 
-use super::assess::BLADE_NAMES;
 use super::html::escaped;
 use super::plot::{LineChart, Series};
 use super::{Failure, plan, render};
-use crate::assess::Assessment;
 use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
+use crate::assess::{Assessment, BLADE_NAMES};
 use crate::drawing::floor::floor_mesh;
 use crate::drawing::scene_of_part;
 use crate::drawing::walls::wall_mesh;

@@ -1,11 +1,12 @@
 //! `vanecut bench`: throughput of the kernels on this machine, as a table.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use super::args::BenchArgs;
+use super::bench_measure::{build, describe, median, print_row};
 use super::{Failure, bench_flank, bench_growth, bench_stock, print_stdout};
 use crate::cutting::drop_cutter::DepthSurface;
 #[cfg(feature = "gpu")]
@@ -15,15 +16,12 @@ use crate::io::part_file::read_part_bytes;
 use crate::job::{Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage, run as run_job};
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::Monitor;
-use crate::part::{Impeller, PartDescription};
+use crate::part::Impeller;
 use crate::plunge::Planner;
 use crate::setup::{AxisPolicy, SectionKind, Setup, Tool};
 #[cfg(feature = "gpu")]
 use crate::stock::FieldCutter;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
-
-/// Runs per measurement, of which the median is reported.
-const RUNS: usize = 5;
 
 /// Sharp cutters of 30, 16 and 8 mm, as in the wheel's published plan. Fixed tools make the measurement
 /// independent of the tool library.
@@ -186,31 +184,6 @@ fn bench_gpu(grid: &FloorGrid, cutters: &[FieldCutter], outcome: &PlanOutcome) -
     Ok(())
 }
 
-/// Builds a sample part that is included in the program.
-///
-/// # Errors
-/// [`Failure`] when the sample is not a valid part, which is a bug.
-pub(super) fn build_sample(name: &str, text: &[u8]) -> Result<Arc<Impeller>, Failure> {
-    build(&describe(name, text)?)
-}
-
-/// Reads a sample part that is included in the program.
-///
-/// # Errors
-/// [`Failure`] when the sample is not a valid part file, which is a bug.
-pub(super) fn describe(name: &str, text: &[u8]) -> Result<PartDescription, Failure> {
-    Ok(read_part_bytes(name, text, "toml")?)
-}
-
-/// Builds a part derived from a sample.
-///
-/// # Errors
-/// [`Failure::work`] when it is not a valid impeller.
-pub(super) fn build(description: &PartDescription) -> Result<Arc<Impeller>, Failure> {
-    let part = Impeller::build(description).map_err(|e| Failure::of_work(e).at("the sample part"))?;
-    Ok(Arc::new(part))
-}
-
 /// Measures opening a mesh of about a million triangles as a part.
 fn bench_mesh_import(part: &Impeller) -> Result<(), Failure> {
     let shape = Tessellation::new(part, &Fineness { chord_error: 0.007, ..Fineness::default() });
@@ -223,26 +196,4 @@ fn bench_mesh_import(part: &Impeller) -> Result<(), Failure> {
             std::hint::black_box(read.is_ok());
         }),
     )
-}
-
-/// Median wall-clock time of `work`, s, after one warm-up run.
-pub(super) fn median(mut work: impl FnMut()) -> f64 {
-    work();
-    let mut seconds: Vec<f64> = (0..RUNS)
-        .map(|_| {
-            let start = Instant::now();
-            work();
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    seconds.sort_by(f64::total_cmp);
-    seconds[RUNS / 2]
-}
-
-/// Prints one row of the table.
-///
-/// # Errors
-/// [`Failure::work`] when standard output cannot be written.
-pub(super) fn print_row(what: &str, seconds: f64) -> Result<(), Failure> {
-    print_stdout(&format!("{what:<62} {:>7.1} ms\n", 1e3 * seconds))
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::bench::{build_sample, median, print_row};
+use super::bench_measure::{build_sample, median, print_row, slope};
 use super::{Failure, print_stdout};
 use crate::flank::LayoutInputs;
 use crate::flank::choice::choose_tool;
@@ -57,15 +57,4 @@ pub fn run() -> Result<(), Failure> {
             let _ = FlankJob::default().run(&request, &monitor);
         }),
     )
-}
-
-/// Slope of the least-squares line through points (x, y).
-pub fn slope(points: &[(f64, f64)]) -> f64 {
-    let count = points.len() as f64;
-    let mean = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / count, m.1 + p.1 / count));
-    let (over, under) = points.iter().fold((0.0, 0.0), |sums, p| {
-        let x = p.0 - mean.0;
-        (sums.0 + x * (p.1 - mean.1), sums.1 + x * x)
-    });
-    over / under
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::UVec2;
 
 use super::Failure;
-use super::bench::{median, print_row};
+use super::bench_measure::{median, print_row};
 use crate::drawing::part::draft_part_mesh;
 use crate::drawing::{scene_of_part, show_plan};
 use crate::gpu::{

@@ -4,8 +4,7 @@
 
 use std::time::Instant;
 
-use super::bench::build;
-use super::bench_flank::slope;
+use super::bench_measure::{build, slope};
 use super::bench_wheel::scaled_wheel;
 use super::{Failure, print_stdout};
 use crate::error::{ErrorCode, UserError};

@@ -1,6 +1,6 @@
 //! Benchmarks of the stock as a solid.
 
-use super::bench::{build, build_sample, describe, median, print_row};
+use super::bench_measure::{build, build_sample, describe, median, print_row};
 use super::{Failure, print_stdout};
 use crate::geometry::Vector;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};

@@ -10,6 +10,7 @@ mod bench_flank;
 #[cfg(feature = "gpu")]
 mod bench_frames;
 mod bench_growth;
+mod bench_measure;
 mod bench_stock;
 mod bench_wheel;
 mod convert;

@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::app::model::planned::{DisplayPlan, Side};
-use crate::app::model::state::AppState;
+use crate::app::model::planned::DisplayPlan;
 use crate::job::flank::FlankOutcome;
 use crate::setup::AxisPolicy;
 
@@ -67,28 +66,4 @@ pub struct SolidRequest {
     pub cut: Option<usize>,
     /// Colours.
     pub colours: SolidColours,
-}
-
-impl AppState {
-    /// The solid that the layer shows on a side now; `None` while it is hidden or there is no plan.
-    pub fn wanted_solid(&self, side: Side) -> Option<SolidRequest> {
-        if !(self.look.layers.stock && self.shows(side)) {
-            return None;
-        }
-        let source = self.solid_source(side)?;
-        // The flank passes follow the whole plunge plan.
-        let cut = self.look.cut_count.filter(|_| source.flank.is_none());
-        Some(SolidRequest { source, cut, colours: self.look.solid_colours })
-    }
-
-    /// The plans whose stock a side shows: its plunge plan, and after it the flank plan while its passes are
-    /// shown.
-    pub fn solid_source(&self, side: Side) -> Option<SolidSource> {
-        let shown = self.last_whole_plan(side)?;
-        let same_part = |flank: &&Arc<FlankOutcome>| {
-            Arc::ptr_eq(&flank.workpiece.part, &shown.planned.outcome.workpiece.part)
-        };
-        let flank = self.shown_flank().map(|(outcome, _)| outcome).filter(same_part).cloned();
-        Some(SolidSource { planned: Arc::clone(shown.planned), policy: shown.policy, flank })
-    }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use super::opening::OpenTask;
+use super::open_task::OpenTask;
 use crate::app::model::problem::Problem;
 use crate::error::ErrorCode;
 use crate::gpu::mesh::Mesh;

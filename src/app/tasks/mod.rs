@@ -9,6 +9,7 @@ pub(in crate::app) mod home;
 pub(in crate::app) mod latest;
 pub(in crate::app) mod machine;
 pub(in crate::app) mod mesh_nodes;
+pub(in crate::app) mod open_task;
 pub(in crate::app) mod opening;
 pub(in crate::app) mod part_meshes;
 pub(in crate::app) mod project;

@@ -4,7 +4,7 @@
 use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::gpu::scene::FloorColours;
-use crate::palette::{ColourMap, Rgb, TABLE_LEN};
+use crate::palette::{ColourMap, TABLE_LEN};
 
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
 use crate::app::model::look::Operation;
@@ -14,7 +14,8 @@ use crate::app::model::state::AppState;
 use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
-use crate::app::views::theme::{self, Condition};
+use crate::app::views::swatch::swatch;
+use crate::app::views::theme::Condition;
 
 /// Height of the legend, points.
 pub const HEIGHT: f32 = 26.0;
@@ -61,12 +62,6 @@ pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above
             });
         }
     });
-}
-
-/// A patch of a colour, `side` points wide.
-pub fn swatch(ui: &mut Ui, colour: Rgb, side: f32) {
-    let (at, _) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
-    ui.painter().rect_filled(at, 2.0, theme::colour(colour));
 }
 
 /// A scale: its heading, colours, and whether it is symmetric about zero with ends that are not edited.

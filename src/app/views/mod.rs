@@ -21,6 +21,7 @@ mod point_menu;
 pub mod release;
 pub mod roles;
 mod sides;
+mod swatch;
 pub mod theme;
 mod tool_drawing;
 pub mod tool_form;

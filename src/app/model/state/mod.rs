@@ -1,6 +1,7 @@
 //! The window's state: the document, the results and the look, with the rules that connect them. No drawing.
 
 mod program;
+mod solid;
 mod table;
 mod timeline;
 

@@ -13,7 +13,7 @@ use crate::setup::{FlankStrategy, Setup};
 use super::fields::{self, ChoiceSpec, FieldSpec};
 use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
-use crate::app::views::legend::swatch;
+use crate::app::views::swatch::swatch;
 
 const DEPTH: FieldSpec = FieldSpec::mm(
     "Layer depth",

@@ -12,7 +12,7 @@ use crate::app::App;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
 use crate::app::tasks::mesh_nodes::UnassignedRoles;
-use crate::app::tasks::opening::OpenTask;
+use crate::app::tasks::open_task::OpenTask;
 use crate::app::views::pictures::Pictures;
 use crate::app::views::theme::{self, Condition};
 use preview::{PreviewInput, RolesPreview};

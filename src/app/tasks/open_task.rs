@@ -1,0 +1,39 @@
+//! What is to be opened.
+
+use std::path::PathBuf;
+
+use crate::app::model::part_source::PartSource;
+use crate::setup::Setup;
+
+/// A task of the opening thread.
+#[derive(Clone)]
+pub(in crate::app) enum OpenTask {
+    /// A project; optionally with another source of its part.
+    Project(PathBuf, Option<PartSource>),
+    /// A part, a setup, or both.
+    Files {
+        part: Option<PartSource>,
+        setup: Option<PathBuf>,
+        /// Values of keys absent from the setup, unless a part is opened with it.
+        defaults: Box<Setup>,
+    },
+    /// A blank.
+    Blank(PathBuf),
+    /// A tool library.
+    Library(PathBuf),
+    /// The nodes of a mesh file, for the roles dialog.
+    Nodes(PartSource),
+}
+
+impl OpenTask {
+    /// The same task with another source of the part.
+    pub(in crate::app) fn with_part(self, source: PartSource) -> Self {
+        match self {
+            Self::Project(path, _) => Self::Project(path, Some(source)),
+            Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
+            Self::Blank(_) | Self::Library(_) | Self::Nodes(_) => {
+                Self::Files { part: Some(source), setup: None, defaults: Box::default() }
+            }
+        }
+    }
+}
