@@ -38,4 +38,5 @@ pub mod wall;
 pub use curves::{FlankError, FlankLayout, LayoutInputs};
 pub use passes::UncutLength;
 pub use path::{FlankMove, MoveKind};
-pub use plan::{FlankOpening, FlankPlan, FlankStages, MilledWall, plan};
+pub use plan::{FlankOpening, FlankPlan, FlankStages, plan};
+pub use wall::MilledWall;

@@ -17,8 +17,8 @@ use super::curves::LayerLayout;
 use super::fixed_axis::{AxisObstacle, FixedAxisLimits, FixedAxisSearch, LayerContact, MAX_TILT};
 use super::layer::{LayerPoint, LayerSurface};
 use super::path::Pass;
-use super::plan::{MilledWall, RegionAxis};
 use super::strategies::PassRole;
+use super::wall::MilledWall;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};
 use crate::part::{FinishedPart, Impeller, Workpiece};
@@ -35,6 +35,23 @@ const MAX_STEP_TURN: f64 = 4.8 * std::f64::consts::PI / 180.0;
 const MAX_PASS_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Minimum and maximum step along inner passes, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
+
+/// A fixed axis of the inner passes.
+#[derive(Clone, Copy, Debug)]
+pub struct RegionAxis {
+    /// Layer, 0 at the hub.
+    pub layer: usize,
+    /// Region.
+    pub region: Region,
+    /// Start of its range along the layer, mm.
+    pub from: f64,
+    /// End of its range along the layer, mm.
+    pub to: f64,
+    /// Unit axis, tip → holder, in the frame of the part.
+    pub axis: Vector,
+    /// Minimum distance of the cutter from the blades, mm.
+    pub clearance: f64,
+}
 
 /// A length of passes that is not cut, and why.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,26 +4,22 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::chart::{LayerChart, Region};
+use super::chart::{LayerChart, Region, WallName};
 use super::choice::ChosenTool;
 use super::curves::{FlankError, FlankLayout, LayoutInputs};
 use super::fault_removal::{CheckedMoves, MoveCheck, MoveFault, remove_faults};
-use super::passes::{PassMaker, PlannedLayer, UncutLength};
+use super::passes::{PassMaker, PlannedLayer, RegionAxis, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
-use super::wall::{SweptWall, WallAxes, WallFit, WallMilling};
+use super::wall::{MIN_WALL_TOLERANCE, MilledWall, SweptWall, WallFit, WallMilling};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{MeridionalCurve, Point, Vector};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::{FlankFeedRates, FlankStrategy, Setup, Tool};
 
-use super::chart::WallName;
-
 /// Allowed overcuts of the axes along a wall, mm: the first with a small undercut is used; if none has one,
 /// the smallest.
 const WALL_TOLERANCES: [f64; 3] = [MIN_WALL_TOLERANCE, 0.0025, 0.0045];
-/// The least of them, mm.
-pub(super) const MIN_WALL_TOLERANCE: f64 = 5e-4;
 /// Undercut that counts as small, mm.
 const MAX_SMALL_UNDERCUT: f64 = 0.005;
 /// Reduction of the undercut per increase of the allowed overcut beyond which none is expected: the axes move
@@ -33,34 +29,6 @@ const MAX_GAIN: f64 = 10.0;
 /// them, mm.
 const WALL_STEP: f64 = 4.0;
 const WALL_CHORD: f64 = 5e-4;
-
-/// One side of a blade, milled with the flank of the cutter.
-#[derive(Clone, Debug)]
-pub struct MilledWall {
-    /// The wall.
-    pub wall: WallName,
-    /// The region beside it.
-    pub region: Region,
-    /// Axes along it, and the deviation they leave.
-    pub axes: WallAxes,
-}
-
-/// A fixed axis of the inner passes.
-#[derive(Clone, Copy, Debug)]
-pub struct RegionAxis {
-    /// Layer, 0 at the hub.
-    pub layer: usize,
-    /// Region.
-    pub region: Region,
-    /// Start of its range along the layer, mm.
-    pub from: f64,
-    /// End of its range along the layer, mm.
-    pub to: f64,
-    /// Unit axis, tip → holder, in the frame of the part.
-    pub axis: Vector,
-    /// Minimum distance of the cutter from the blades, mm.
-    pub clearance: f64,
-}
 
 /// Plunges with a tool of their own that remove what stands above the shroud in the way of the tool for the
 /// passes.

@@ -14,12 +14,13 @@ mod swept;
 use rayon::prelude::*;
 
 use crate::cutting::drop_cutter::DepthSurface;
+use crate::flank::chart::{Region, WallName};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{FinishedPart, Passage, SideProbe};
 use crate::setup::Tool;
 use clearance::own_side;
-use fit::{AxisLine, FittedAxis, OffsetSide};
-use stations::{evenly, station_parameters};
+use fit::{AxisLine, FittedAxis, OffsetSide, evenly};
+use stations::station_parameters;
 use strip::WallStrip;
 pub use swept::DeviationMap;
 use swept::{MapColumn, deviations, push_off};
@@ -92,6 +93,19 @@ pub struct WallAxes {
     pub forced: f64,
 }
 
+/// One side of a blade, milled with the flank of the cutter.
+#[derive(Clone, Debug)]
+pub struct MilledWall {
+    /// The wall.
+    pub wall: WallName,
+    /// The region beside it.
+    pub region: Region,
+    /// Axes along it, and the deviation they leave.
+    pub axes: WallAxes,
+}
+
+/// Least allowed overcut of the axes along a wall, mm.
+pub(super) const MIN_WALL_TOLERANCE: f64 = 5e-4;
 /// Share of the height of a wall above which no strip begins: it would be too narrow to define a direction.
 const MAX_UNFORMED: f64 = 0.9;
 /// Rows of a map per strip, where a wall is highest.

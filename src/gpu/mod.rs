@@ -8,6 +8,7 @@ pub mod device;
 pub mod image;
 pub mod legend;
 pub mod mesh;
+mod mesh_buffers;
 pub mod part_mesh;
 pub mod pick;
 mod pipelines;

@@ -8,9 +8,10 @@ use super::camera::Camera;
 use super::cutters::{self, CutterInstance, UnitCutter};
 use super::device::{Gpu, GpuError};
 use super::mesh::Segment;
+use super::mesh_buffers::{MeshBuffers, index_buffer, vertex_buffer};
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
-use super::scene::{DrawGroup, FloorColours, MeshBuffers, Scene, SceneOptions, WheelBuffers};
+use super::scene::{DrawGroup, FloorColours, Scene, SceneOptions, WheelBuffers};
 use super::stock_floor::DrawnStock;
 use super::target;
 use super::uniform::FrameUniform;
@@ -240,8 +241,8 @@ impl Renderer {
         let units = [FACETS, DRAFT_FACETS].map(|facets| {
             let UnitCutter { vertices, indices, solid } = UnitCutter::new(facets);
             let mesh = MeshBuffers {
-                vertices: super::scene::vertex_buffer(gpu, "unit cutter", &vertices),
-                indices: super::scene::index_buffer(gpu, "unit cutter triangles", &indices),
+                vertices: vertex_buffer(gpu, "unit cutter", &vertices),
+                indices: index_buffer(gpu, "unit cutter triangles", &indices),
                 count: indices.len() as u32,
             };
             CutterMesh { mesh, solid }

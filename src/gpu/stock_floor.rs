@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::device::{Gpu, GpuError};
 use super::mesh::Vertex;
+use super::mesh_buffers::{MeshBuffers, index_buffer, vertex_buffer};
 use super::residual::{DeviceField, DeviceFloor, ResidualKernel};
-use super::scene::{MeshBuffers, index_buffer, vertex_buffer};
 use crate::stock::{FieldProgram, FloorLevel, FloorLevels};
 
 /// The stock after part of a plan's plunges.

@@ -7,15 +7,40 @@
 
 use super::course::{Pose, even_turn, mixed_angles};
 use super::model::MachineTool;
-use super::motion::BlankSize;
 use super::placement::PlacedPart;
 use crate::geometry::Point;
+use crate::part::Impeller;
+use crate::setup::AllowanceSetup;
 use crate::toolpath::ClProgram;
 
 /// Largest turn of a rotary axis in one step, rad.
 const MAX_STEP_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Share of the clearance that a straight step may cut off the sphere.
 const SAG_SHARE: f64 = 0.25;
+
+/// Extent of the blank in the part frame, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlankSize {
+    /// Largest distance from the axis of rotation.
+    pub radius: f64,
+    /// Lowest and highest z.
+    pub z: (f64, f64),
+}
+
+impl BlankSize {
+    /// That of the outline that the allowances give, else of the body between hub and shroud.
+    pub fn of(part: &Impeller, allowances: &AllowanceSetup) -> Self {
+        if let Some(outline) = allowances.blank_of(part).outline() {
+            let (radius, z) = outline.bounds();
+            return Self { radius, z };
+        }
+        let places = (0..=20).map(|i| f64::from(i) / 20.0);
+        let points: Vec<_> = places.flat_map(|s| [part.hub.point(s), part.shroud.point(s)]).collect();
+        let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+        Self { radius: points.iter().map(|p| p.r).fold(0.0, f64::max), z: (low, high) }
+    }
+}
 
 /// A sphere around all that is cut, with the widest tool and the clearance added, in program coordinates.
 #[derive(Clone, Copy, Debug)]

@@ -29,6 +29,7 @@ mod placement;
 mod reach;
 mod time;
 
+pub use clear::BlankSize;
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
 pub use kinematics::{AngleSolution, MachineBody, turned};
@@ -37,8 +38,6 @@ pub use model::{
     AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,
     TurnLink,
 };
-pub use motion::{
-    BlankSize, MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program,
-};
+pub use motion::{MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program};
 pub use placement::PlacedPart;
 pub use time::{SectionTime, block_times, section_times};

@@ -2,7 +2,7 @@
 //! course, and links that stay clear of the part.
 
 use super::choice::{MAX_LINK_STRAY, Stretch, choose};
-use super::clear::ClearanceSphere;
+use super::clear::{BlankSize, ClearanceSphere};
 use super::course::{Pose, even_turn, mixed_angles};
 use super::fault::MotionFault;
 use super::model::{MachineTool, OutputKind, TurnLink};
@@ -10,8 +10,6 @@ use super::placement::PlacedPart;
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 use crate::monitor::Monitor;
-use crate::part::Impeller;
-use crate::setup::AllowanceSetup;
 use crate::toolpath::{ClProgram, ClTool, Motion};
 
 /// Directions closer than this are the same, rad.
@@ -62,30 +60,6 @@ pub struct MotionOptions {
     pub angle_step_rad: f64,
     /// Radius and largest |z| of the blank in the part frame, mm; absent: what the moves say.
     pub blank: Option<BlankSize>,
-}
-
-/// Extent of the blank in the part frame, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BlankSize {
-    /// Largest distance from the axis of rotation.
-    pub radius: f64,
-    /// Lowest and highest z.
-    pub z: (f64, f64),
-}
-
-impl BlankSize {
-    /// That of the outline that the allowances give, else of the body between hub and shroud.
-    pub fn of(part: &Impeller, allowances: &AllowanceSetup) -> Self {
-        if let Some(outline) = allowances.blank_of(part).outline() {
-            let (radius, z) = outline.bounds();
-            return Self { radius, z };
-        }
-        let places = (0..=20).map(|i| f64::from(i) / 20.0);
-        let points: Vec<_> = places.flat_map(|s| [part.hub.point(s), part.shroud.point(s)]).collect();
-        let low = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-        let high = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-        Self { radius: points.iter().map(|p| p.r).fold(0.0, f64::max), z: (low, high) }
-    }
 }
 
 impl MotionOptions {

@@ -5,8 +5,8 @@ use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::AxisObstacle;
 use crate::flank::layer::{LayerPoint, LayerSurface};
-use crate::flank::plan::MilledWall;
 use crate::flank::strategies::PassRole;
+use crate::flank::wall::MilledWall;
 use crate::geometry::{Point, Vector};
 
 /// Reasons why a stretch along a wall is not cut.

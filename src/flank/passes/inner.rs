@@ -2,11 +2,10 @@
 
 use super::along_wall::LayerPose;
 use super::stretches::pieces_between;
-use super::{CHORD, LayerPassMaker, PlannedLayer};
+use super::{CHORD, LayerPassMaker, PlannedLayer, RegionAxis};
 use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::{AxisObstacle, LayerContact};
 use crate::flank::layer::LayerPoint;
-use crate::flank::plan::RegionAxis;
 use crate::flank::strategies::PassRole;
 use crate::geometry::{Point, Vector};
 

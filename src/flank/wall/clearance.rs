@@ -6,8 +6,7 @@ use rayon::prelude::*;
 use super::fit::{AxisLine, FittedAxis};
 use super::strip::WallStrip;
 use super::swept::MapColumn;
-use super::{MAX_STATION_TURN, WallFit, obstacles};
-use crate::flank::plan::MIN_WALL_TOLERANCE;
+use super::{MAX_STATION_TURN, MIN_WALL_TOLERANCE, WallFit, obstacles};
 use crate::geometry::{CutterSolid, Point, Vector, search};
 use crate::part::{BladeSide, SideProbe};
 

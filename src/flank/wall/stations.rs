@@ -1,6 +1,6 @@
 //! Spacing of the stations along a wall.
 
-use super::fit::OffsetSide;
+use super::fit::{OffsetSide, evenly};
 use super::{MAX_STATION_TURN, WallMilling};
 use crate::geometry::{Point, Vector};
 
@@ -8,11 +8,6 @@ use crate::geometry::{Point, Vector};
 const SPACING_SAMPLES: usize = 160;
 /// Maximum number of stations of a wall.
 const MAX_STATIONS: usize = 2000;
-
-/// `count` evenly spaced values from `from` to `to`.
-pub(super) fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
-    (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
-}
 
 /// u of the stations, as far apart as the maximum step, the chord error and the turn of the axis allow;
 /// `None` if their number is not finite.

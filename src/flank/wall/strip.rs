@@ -3,8 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::fit::{AxisLine, FitHeights, FittedAxis, OffsetSide};
-use super::stations::evenly;
+use super::fit::{AxisLine, FitHeights, FittedAxis, OffsetSide, evenly};
 use super::swept::{MapColumn, correct_overcuts};
 use super::{MARGIN, MAX_LEAD_ANGLE, MAX_STATION_TURN, MAX_UNFORMED, WallMilling};
 use crate::cutting::drop_cutter::DepthSurface;

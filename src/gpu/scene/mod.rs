@@ -1,8 +1,8 @@
 //! The drawn scene: GPU buffers of one part with its plan.
 
-mod buffers;
 mod options;
 mod ray_pick;
+mod wheel;
 
 use std::sync::Arc;
 
@@ -12,14 +12,15 @@ use super::camera::Camera;
 use super::cutters::{CutterSet, DrawnCutter};
 use super::device::Gpu;
 use super::mesh::{Mesh, Segment};
+use super::mesh_buffers::{MeshBuffers, vertex_buffer};
 use super::part_mesh::PartMesh;
 use super::stock_floor::DrawnStock;
 use super::view::{ViewTarget, ViewTargets};
 use crate::palette::Rgb;
-pub use buffers::SurfaceInstance;
-pub(super) use buffers::{DrawGroup, MeshBuffers, WheelBuffers, index_buffer, vertex_buffer};
 pub use options::{FloorColours, SceneOptions, SectionPlane};
 pub use ray_pick::Pick;
+pub use wheel::SurfaceInstance;
+pub(super) use wheel::{DrawGroup, WheelBuffers};
 
 /// The floor of the active channel with a value per corner.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,36 +1,11 @@
-//! Vertex and index buffers: of a mesh, and of all surfaces of a wheel with the draw calls for them.
+//! Buffers of all surfaces of a wheel, with the draw calls for them.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::gpu::device::Gpu;
 use crate::gpu::mesh::Mesh;
+use crate::gpu::mesh_buffers::{MeshBuffers, vertex_buffer};
 use crate::gpu::part_mesh::{BladeMesh, PartMesh};
-
-/// Vertex and index buffer. Clones share them.
-#[derive(Clone, Debug)]
-pub(in crate::gpu) struct MeshBuffers {
-    pub vertices: wgpu::Buffer,
-    pub indices: wgpu::Buffer,
-    pub count: u32,
-}
-
-impl MeshBuffers {
-    pub(super) fn new(gpu: &Gpu, mesh: &Mesh) -> Self {
-        Self {
-            vertices: vertex_buffer(gpu, "floor corners", &mesh.vertices),
-            indices: index_buffer(gpu, "floor triangles", &mesh.indices),
-            count: mesh.indices.len() as u32,
-        }
-    }
-}
-
-pub(in crate::gpu) fn vertex_buffer<T: Pod>(gpu: &Gpu, label: &str, contents: &[T]) -> wgpu::Buffer {
-    gpu.filled_buffer(label, bytemuck::cast_slice(contents), wgpu::BufferUsages::VERTEX)
-}
-
-pub(in crate::gpu) fn index_buffer(gpu: &Gpu, label: &str, indices: &[u32]) -> wgpu::Buffer {
-    gpu.filled_buffer(label, bytemuck::cast_slice(indices), wgpu::BufferUsages::INDEX)
-}
 
 /// Instance of a surface rotated about Z. 16 bytes, matches `SurfaceIn` of the shader.
 #[repr(C)]
