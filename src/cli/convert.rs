@@ -4,7 +4,6 @@
 use std::path::{Path, PathBuf};
 
 use super::args::{ConvertArgs, MeshArgs};
-use super::plan::FIELD_CELLS;
 use super::{Failure, open, print_stdout};
 use crate::error::ErrorCode;
 use crate::geometry::rotate_z;
@@ -19,6 +18,7 @@ use crate::io::source::{name_of, read_bytes};
 use crate::io::step;
 use crate::io::stl::write_stl;
 use crate::io::write::{write_all_atomically, write_atomically};
+use crate::job::FIELD_CELLS;
 use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;

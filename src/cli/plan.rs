@@ -23,7 +23,7 @@ use crate::part::Impeller;
 use crate::setup::AxisPolicy;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
-pub use crate::job::FIELD_CELLS;
+use crate::job::FIELD_CELLS;
 
 /// Plans, writes the files and prints the figures.
 ///

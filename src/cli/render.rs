@@ -5,7 +5,6 @@ use std::path::Path;
 use glam::UVec2;
 
 use super::args::RenderArgs;
-use super::plan::FIELD_CELLS;
 use super::{Failure, open, plan, render_flank, render_solid};
 use crate::drawing::{scene_of_part, show_plan};
 use crate::error::{ErrorCode, UserError};
@@ -18,6 +17,7 @@ use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::plan_file::read_plan_bytes;
 use crate::io::source::{name_of, read_bytes};
 use crate::io::write::write_atomically;
+use crate::job::FIELD_CELLS;
 use crate::job::PlanOutcome;
 use crate::monitor::Monitor;
 use crate::part::Impeller;

@@ -7,11 +7,11 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
-use super::plan::FIELD_CELLS;
 use super::report::PlungeFigures;
 use super::{Failure, MAX_SHOWN, open, print_stdout, report};
 use crate::error::ErrorCode;
 use crate::io::program_file::{NcTarget, read_program_bytes};
+use crate::job::FIELD_CELLS;
 use crate::part::Impeller;
 use crate::plunge::sections::check_part;
 use crate::toolpath::ClWarning;

@@ -23,6 +23,7 @@
 //! | 6 the loop, the cache of sections, the warm start | [`cycle`], [`SectionCache`], `warm_start` |
 //! | what stands above the shroud | [`opening`] |
 //! | layout of a section, shared by all policies | `section_layout` |
+//! | largest distances between plunges | [`spacing`] |
 //! | how the plunges of a plan are moved | `motion` |
 //! | a plan with some plunges left out | `subset` |
 //! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
@@ -54,6 +55,7 @@ mod row_plan;
 mod section_cache;
 mod section_layout;
 pub mod sections;
+pub mod spacing;
 mod staircase;
 mod subset;
 pub mod survey;

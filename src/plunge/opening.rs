@@ -18,7 +18,7 @@ use super::lane::AxisEnds;
 use super::minimal::MAX_LIFT_OF_DEPTH;
 use super::plan::{PlungePlan, Unevaluated};
 use super::row::Station;
-use super::sections::{step_limit, stepover};
+use super::spacing::{step_limit, stepover};
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn};
 use crate::cutting::retract::RetractSurface;
 use crate::geometry::{Meridional, Point, Vector};

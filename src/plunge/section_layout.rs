@@ -9,7 +9,7 @@ use super::context::PlanContext;
 use super::cycle::PlanError;
 use super::lane::{Lane, is_wall};
 use super::row::{RowMaker, Runs, Station};
-use super::sections::{max_shroud_spacing, step_limit, stepover};
+use super::spacing::{max_shroud_spacing, step_limit, stepover};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::monitor::Monitor;
 use crate::part::{Division, Passage, Workpiece};

@@ -4,10 +4,10 @@
 use super::choice::fit::cylinders;
 use super::choice::search::MIN_SECTION_S;
 use super::choice::{choose, choose_opening, choose_rest};
+use super::spacing::{step_limit, stepover};
 use super::survey::Survey;
 use crate::error::ErrorCode;
 use crate::part::{Impeller, Workpiece};
-use crate::setup::cutting_data::step_by_stick_out;
 use crate::setup::{
     PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of,
 };
@@ -129,29 +129,6 @@ fn check_hub_allowance(setup: &Setup, part: &Impeller) -> Result<(), SetupFault>
         format!("give less than {:.2} mm", 0.9 * height),
     )
     .at(SetupPlace::Stock("hub_allowance")))
-}
-
-/// Upper limit of the step along a row, mm: what insert width and stick-out permit and the `step` of the
-/// setup, and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
-pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
-    let radius = tool.radius();
-    let mut limit = step_by_stick_out(tool).min(radius);
-    limit = limit.min(plunge.step.unwrap_or(0.8 * tool.insert_width));
-    if wall_row {
-        let h = plunge.wall_scallop.min(radius);
-        limit = limit.min(2.0 * (2.0 * radius * h - h * h).sqrt());
-    }
-    limit
-}
-
-/// Maximum stepover between rows on the hub, mm.
-pub fn stepover(plunge: &PlungeSetup, tool: &Tool) -> f64 {
-    plunge.stepover.unwrap_or(4.0 / 3.0 * tool.radius())
-}
-
-/// Maximum distance of neighbouring axes at the shroud without uncut stock between them, mm.
-pub fn max_shroud_spacing(tool: &Tool) -> f64 {
-    1.9 * tool.radius()
 }
 
 /// Errors when the plan would have more than [`MAX_POSITIONS`] positions by a low estimate.

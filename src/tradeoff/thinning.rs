@@ -9,7 +9,7 @@ use crate::cutting::contact::Columns;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::plunge::lane::is_wall;
-use crate::plunge::sections::step_limit;
+use crate::plunge::spacing::step_limit;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::{SectionKind, Setup};
 use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};

@@ -2,7 +2,7 @@
 //! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid.
 
 use super::fit::{Rules, ToolFit};
-use crate::plunge::sections::{max_shroud_spacing, step_limit, stepover};
+use crate::plunge::spacing::{max_shroud_spacing, step_limit, stepover};
 use crate::plunge::survey::{PassageExtent, Survey};
 use crate::setup::{PlungeSetup, Tool};
 use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};

@@ -16,7 +16,7 @@ use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::section_layout::{PassageStretch, RowLayout, StretchLayout, row_ends, row_maker};
-use crate::plunge::sections::max_shroud_spacing;
+use crate::plunge::spacing::max_shroud_spacing;
 use crate::setup::{CutDirection, Tool};
 
 /// Layer e for which the square term of the cost equals e, in cutter radii.
