@@ -1,7 +1,7 @@
 //! The setup file: TOML; lengths in mm, angles in degrees, feed rates in mm/min, spindle speeds in rev/min.
 //!
-//! Every key is optional; absent keys keep the values of the default setup, [`Setup::for_part`]. An unknown
-//! key is an error that names the nearest known key.
+//! Every key is optional; absent keys keep the values of the default setup,
+//! [`crate::setup::Setup::for_part`]. An unknown key is an error that names the nearest known key.
 //!
 //! ```toml
 //! version = 2                # of the file format; absent: that of the program

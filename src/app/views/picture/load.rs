@@ -188,7 +188,7 @@ impl SidePicture {
         }
     }
 
-    /// Shows the stock as a solid, or nothing of it; see [`SceneOptions::show_solid`].
+    /// Shows the stock as a solid, or nothing of it; see [`crate::gpu::SceneOptions::show_solid`].
     pub fn load_solid(&mut self, solid: Option<Arc<SolidPicture>>) {
         let same = match (&self.solid, &solid) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
