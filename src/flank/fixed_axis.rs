@@ -189,9 +189,9 @@ impl<'a> FixedAxisSearch<'a> {
         PreparedContact { contact: *contact, centre, top: self.top(&centre), cone, near }
     }
 
-    /// Spare clearance of `axis` at `place` by the fast distances, mm. Stops early below `enough`: the result
-    /// is then only an upper bound.
-    fn spare(&self, place: &PreparedContact, axis: &Vector, enough: f64) -> SpareClearance {
+    /// Spare clearance of `axis` at `place` by the fast distances, mm, but hardly more than `most`. Stops early
+    /// below `enough`: the result is then only an upper bound.
+    fn spare(&self, place: &PreparedContact, axis: &Vector, (enough, most): (f64, f64)) -> SpareClearance {
         let along = place.contact.normal.dot(axis);
         let tilt = along.clamp(-1.0, 1.0).acos();
         if tilt > self.limits.max_tilt_rad || axis.angle(&place.cone.axis) > place.cone.angle + 1e-9 {
@@ -233,10 +233,17 @@ impl<'a> FixedAxisSearch<'a> {
             }
         }
         let allowance = self.limits.blade_allowance + self.blades.slack;
-        let limits = MinDistances { cutter: enough + allowance, holder: enough + allowance };
-        let least = place.near.min_distances(&self.shape, axis, &offset, limits);
-        bound(least.cutter - allowance, AxisObstacle::Blade);
-        bound(least.holder - allowance, AxisObstacle::Holder);
+        let both = |spare: f64| MinDistances { cutter: spare + allowance, holder: spare + allowance };
+        let most = both(most.min(spare.amount));
+        let least = place.near.min_distances(&self.shape, axis, &offset, both(enough), most);
+        for (least, most, by) in [
+            (least.cutter, most.cutter, AxisObstacle::Blade),
+            (least.holder, most.holder, AxisObstacle::Holder),
+        ] {
+            if least < most && least - allowance < spare.amount {
+                spare = SpareClearance { amount: least - allowance, by };
+            }
+        }
         spare
     }
 

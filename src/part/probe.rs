@@ -281,7 +281,16 @@ impl SideProbe {
         cutoff: f64,
         enough: f64,
     ) -> Option<NearestOnSide> {
-        let seeds = self.seeds(query, v_from, v_to, enough);
+        let mut strips = [0.0; MAX_BLOCKS];
+        let mut nearest = f64::INFINITY;
+        for (bound, (centre, radius)) in strips.iter_mut().zip(&self.strips) {
+            *bound = query.distance(centre) - radius;
+            nearest = nearest.min(*bound);
+        }
+        if nearest > cutoff {
+            return None;
+        }
+        let seeds = self.seeds(query, &strips, (v_from, v_to), enough);
         if let Some(seed) = seeds.lines[..seeds.count].last().filter(|seed| seed.distance < enough) {
             let (u, v) = (self.u[seed.index], self.v[seed.line]);
             let point = self.points[seed.line * self.u.len() + seed.index];
@@ -313,9 +322,15 @@ impl SideProbe {
         }
     }
 
-    /// Start values on the lines of the grid between `v_from` and `v_to`, and on these two; stops at the
-    /// first grid point nearer than `enough` mm.
-    fn seeds(&self, query: &impl DistanceQuery, v_from: f64, v_to: f64, enough: f64) -> Seeds {
+    /// Start values on the lines of the grid between `v_from` and `v_to`, and on these two, given a lower
+    /// bound on the distance of each strip; stops at the first grid point nearer than `enough` mm.
+    fn seeds(
+        &self,
+        query: &impl DistanceQuery,
+        strips: &[f64; MAX_BLOCKS],
+        (v_from, v_to): (f64, f64),
+        enough: f64,
+    ) -> Seeds {
         let mut seeds = Seeds::default();
         let spacing = 1.0 / (self.v.len() - 1) as f64;
         let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.v.len() - 1);
@@ -327,7 +342,7 @@ impl SideProbe {
             .map(|(j, &v)| (v, j));
         let ends = |v: f64| std::iter::once((v, stand_in(v)));
         for (v, line) in ends(v_from).chain(within).chain(ends(v_to)) {
-            let seed = self.seed(query, line);
+            let seed = self.seed(query, strips, line);
             seeds.push(Seed { v, line, ..seed });
             if seed.distance < enough {
                 break;
@@ -345,26 +360,22 @@ impl SideProbe {
         (self.on_line(query, seed.v, self.u[seed.index], low, high), high - low)
     }
 
-    /// The nearest grid point of line `j`.
-    fn seed(&self, query: &impl DistanceQuery, j: usize) -> Seed {
+    /// The nearest grid point of line `j`, given a lower bound on the distance of each strip.
+    fn seed(&self, query: &impl DistanceQuery, strips: &[f64; MAX_BLOCKS], j: usize) -> Seed {
         let line = &self.points[j * self.u.len()..(j + 1) * self.u.len()];
         let reaches = &self.reaches[j * self.u.len()..(j + 1) * self.u.len()];
         let blocks = &self.blocks[j * self.blocks_per_line..(j + 1) * self.blocks_per_line];
-        let mut centres = [0.0; MAX_BLOCKS];
-        let mut nearest = (f64::INFINITY, 0);
-        for (b, block) in blocks.iter().enumerate() {
-            centres[b] = query.distance(&line[block.centre]);
-            if centres[b] < nearest.0 {
-                nearest = (centres[b], b);
-            }
-        }
-        // Branch and bound: the block with the nearest centre first, as it rules most others out.
         let mut best = (f64::INFINITY, 0);
         let mut bound = f64::INFINITY;
         let mut look = |b: usize| {
             let block = &blocks[b];
-            if centres[b] - block.radius > best.0 {
-                bound = bound.min(centres[b] - block.reach);
+            if strips[b] > best.0 {
+                bound = bound.min(strips[b]);
+                return;
+            }
+            let centre = query.distance(&line[block.centre]);
+            if centre - block.radius > best.0 {
+                bound = bound.min(centre - block.reach);
                 return;
             }
             for i in block.first..block.last {
@@ -376,8 +387,10 @@ impl SideProbe {
                 }
             }
         };
-        look(nearest.1);
-        (0..blocks.len()).filter(|&b| b != nearest.1).for_each(&mut look);
+        // Branch and bound: the block of the nearest strip first, as it rules most others out.
+        let nearest = (0..blocks.len()).min_by(|&a, &b| strips[a].total_cmp(&strips[b])).unwrap_or(0);
+        look(nearest);
+        (0..blocks.len()).filter(|&b| b != nearest).for_each(&mut look);
         Seed { v: self.v[j], line: j, index: best.1, distance: best.0, bound }
     }
 

@@ -9,6 +9,8 @@ use crate::setup::{ClearanceSetup, Tool};
 #[derive(Debug)]
 pub(super) struct BladePoints {
     points: Vec<Point>,
+    /// A ball around each [`CHUNK`] consecutive points: centre and radius, mm.
+    balls: Vec<(Point, f64)>,
     /// A cylinder is nearer to a blade side than to its points by at most this, mm.
     pub(super) slack: f64,
 }
@@ -24,9 +26,31 @@ pub(super) struct Cone {
 /// Points that a tool with an axis of a cone could collide with, relative to the centre of the tool's corner.
 #[derive(Debug, Default)]
 pub(super) struct NearPoints {
-    column: Vec<PointBlock>,
-    holder: Vec<PointBlock>,
+    column: PointTree,
+    holder: PointTree,
 }
+
+/// Points in blocks, and blocks in groups: most groups are ruled out by their balls alone.
+#[derive(Debug, Default)]
+struct PointTree {
+    blocks: Vec<PointBlock>,
+    /// Balls around each [`GROUP`] consecutive blocks.
+    groups: Vec<Balls>,
+}
+
+/// Balls processed together (SIMD).
+#[derive(Clone, Copy, Debug)]
+struct Balls {
+    x: LaneValues,
+    y: LaneValues,
+    z: LaneValues,
+    radius: LaneValues,
+}
+
+/// Number of points of a blade that a ball rules out together.
+const CHUNK: usize = 32;
+/// Number of blocks of a group.
+const GROUP: usize = 6;
 
 /// Points processed together (SIMD): neighbours on a line of a side.
 const LANES: usize = 8;
@@ -65,9 +89,6 @@ const RULED_LINES: usize = 6;
 const BOWED_LINES: usize = 10;
 /// Coordinate of padding points that no tool comes near to.
 const FAR: f32 = -1e6;
-/// Every how many blocks the next one is taken: successive ones are far apart, so that most blocked axes are
-/// rejected early.
-const BLOCK_STRIDE: usize = 37;
 /// Margin of the balls of blocks for rounding in single precision, mm.
 const BALL_MARGIN: f32 = 0.01;
 
@@ -90,7 +111,16 @@ impl BladePoints {
                 points.extend((0..=count).map(|i| side.point(i as f64 / count as f64, v)));
             }
         }
-        Self { points, slack: widest * widest / (8.0 * reach) }
+        Self::of(points, widest * widest / (8.0 * reach))
+    }
+
+    fn of(points: Vec<Point>, slack: f64) -> Self {
+        let ball = |points: &[Point]| {
+            let centre = points[points.len() / 2];
+            (centre, points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max))
+        };
+        let balls = points.chunks(CHUNK).map(ball).collect();
+        Self { points, balls, slack }
     }
 
     /// The points to which a tool whose corner is centred at `centre` could be nearer than `margin` mm with
@@ -103,13 +133,21 @@ impl BladePoints {
         let (column, holder) = (shape.radius + rim + margin, widest + rim + margin);
         let from = (lowest - rim).max(0.0).powi(2);
         let (mut beside_column, mut beside_holder) = (BlockMaker::default(), BlockMaker::default());
-        for point in &self.points {
-            let d = point - centre;
-            // Lower bound on the distance from the axes of the cone.
+        // Squared distance from the centre, and a lower bound on the distance from the axes of the cone.
+        let seen = |d: &Vector| {
             let squared = d.norm_squared();
             let along = d.dot(&cone.axis);
             let across = (squared - along * along).max(0.0).sqrt();
-            let off = if cone.angle < 1.5 { across * cos - along * sin } else { 0.0 };
+            (squared, if cone.angle < 1.5 { across * cos - along * sin } else { 0.0 })
+        };
+        let may_be_near = |(middle, radius): &(Point, f64)| {
+            let (squared, off) = seen(&(middle - centre));
+            off - radius < column.max(holder) || squared.sqrt() - radius < column
+        };
+        let near = self.balls.iter().zip(self.points.chunks(CHUNK)).filter(|(ball, _)| may_be_near(ball));
+        for point in near.flat_map(|(_, points)| points) {
+            let d = point - centre;
+            let (squared, off) = seen(&d);
             if off < column || squared < column * column {
                 beside_column.push(&d);
             }
@@ -117,7 +155,7 @@ impl BladePoints {
                 beside_holder.push(&d);
             }
         }
-        NearPoints { column: beside_column.into_blocks(), holder: beside_holder.into_blocks() }
+        NearPoints { column: beside_column.into_tree(), holder: beside_holder.into_tree() }
     }
 }
 
@@ -132,10 +170,89 @@ impl BlockMaker {
         self.points.push([d.x as f32, d.y as f32, d.z as f32]);
     }
 
-    fn into_blocks(self) -> Vec<PointBlock> {
-        let blocks: Vec<&[[f32; 3]]> = self.points.chunks(LANES).collect();
-        let spread = (0..BLOCK_STRIDE).flat_map(|k| (k..blocks.len()).step_by(BLOCK_STRIDE));
-        spread.map(|k| PointBlock::of(blocks[k])).collect()
+    fn into_tree(self) -> PointTree {
+        let blocks: Vec<PointBlock> = self.points.chunks(LANES).map(PointBlock::of).collect();
+        let around: Vec<([f32; 3], f32)> = blocks.chunks(GROUP).map(ball_around).collect();
+        PointTree { blocks, groups: around.chunks(LANES).map(Balls::of).collect() }
+    }
+}
+
+/// A ball around blocks: its centre, that of the block in the middle, and its radius.
+fn ball_around(blocks: &[PointBlock]) -> ([f32; 3], f32) {
+    let centre = blocks[blocks.len() / 2].centre;
+    let reach = |block: &PointBlock| {
+        let [dx, dy, dz]: [f32; 3] = std::array::from_fn(|k| block.centre[k] - centre[k]);
+        (dx * dx + dy * dy + dz * dz).sqrt() + block.radius
+    };
+    (centre, blocks.iter().map(reach).fold(0.0, f32::max) + BALL_MARGIN)
+}
+
+impl Balls {
+    /// At most [`LANES`] balls.
+    fn of(balls: &[([f32; 3], f32)]) -> Self {
+        let mut all = Self { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES], radius: [0.0; LANES] };
+        for (k, &([x, y, z], radius)) in balls.iter().enumerate() {
+            (all.x[k], all.y[k], all.z[k], all.radius[k]) = (x, y, z, radius);
+        }
+        all
+    }
+}
+
+impl PointTree {
+    /// Passes the blocks to `look`, those first that `bound` puts nearest to the tool, as they rule out most
+    /// others: a lower bound on the distance of the points in a ball, by the height of its centre, the
+    /// distance of that from the axis, and its radius. `look` gets the distance found so far, `nearest` at
+    /// first, and returns the next; the search ends below `enough`.
+    #[inline(always)]
+    fn descend(
+        &self,
+        ray: &RelativeAxis,
+        (nearest, enough): (f64, f64),
+        bound: impl Fn(f32, f32, f32) -> f32,
+        mut look: impl FnMut(&PointBlock, f64) -> f64,
+    ) -> f64 {
+        let bounds = |balls: &Balls| {
+            let mut bounds = [0.0; LANES];
+            for k in 0..LANES {
+                let (up, squared) = ray.seen_at([balls.x[k], balls.y[k], balls.z[k]]);
+                bounds[k] = bound(up, squared.sqrt(), balls.radius[k]);
+            }
+            bounds
+        };
+        let mut first = (f32::INFINITY, 0);
+        for (row, balls) in self.groups.iter().enumerate() {
+            for (k, &bound) in bounds(balls).iter().enumerate() {
+                if bound < first.0 {
+                    first = (bound, row * LANES + k);
+                }
+            }
+        }
+        let mut found = nearest;
+        let mut group = |number: usize, found: f64| {
+            let blocks = self.blocks.chunks(GROUP).nth(number).unwrap_or_default();
+            let may = |block: &PointBlock, found: f64| {
+                let (up, squared) = ray.seen_at(block.centre);
+                f64::from(bound(up, squared.sqrt(), block.radius)) < found
+            };
+            blocks
+                .iter()
+                .fold(found, |found, block| if may(block, found) { look(block, found) } else { found })
+        };
+        if f64::from(first.0) < found {
+            found = group(first.1, found);
+        }
+        for (row, balls) in self.groups.iter().enumerate() {
+            for (k, &bound) in bounds(balls).iter().enumerate() {
+                if found < enough {
+                    return found;
+                }
+                let number = row * LANES + k;
+                if f64::from(bound) < found && number != first.1 {
+                    found = group(number, found);
+                }
+            }
+        }
+        found
     }
 }
 
@@ -194,76 +311,73 @@ impl RelativeAxis {
 }
 
 impl NearPoints {
-    /// Minimum distances of a tool with unit `axis`. `offset` is the position of the centre of its bottom, a
-    /// corner radius above the tip, relative to the origin of the points. Stops as soon as one distance is
-    /// below `enough`.
+    /// Minimum distances of a tool with unit `axis`, up to those of `most`. `offset` is the position of the
+    /// centre of its bottom, a corner radius above the tip, relative to the origin of the points. Stops as
+    /// soon as one distance is below `enough`.
     pub(super) fn min_distances(
         &self,
         shape: &ToolShape,
         axis: &Vector,
         offset: &Vector,
         enough: MinDistances,
+        most: MinDistances,
     ) -> MinDistances {
         let single = |v: &Vector| [v.x as f32, v.y as f32, v.z as f32];
         let ray = RelativeAxis { axis: single(axis), offset: single(offset) };
         let cutter = if shape.rim() < 1e-6 {
-            self.column_min::<true>(shape, &ray, enough.cutter)
+            self.column_min::<true>(shape, &ray, (most.cutter, enough.cutter))
         } else {
-            self.column_min::<false>(shape, &ray, enough.cutter)
+            self.column_min::<false>(shape, &ray, (most.cutter, enough.cutter))
         };
-        let mut min_holder = f64::INFINITY;
+        let mut holder = most.holder;
         let steps = shape.holder.iter().filter(|_| cutter >= enough.cutter);
-        for &(from, holder_radius) in steps {
-            let mut holder = f32::MAX;
-            let from = from as f32;
-            for block in &self.holder {
-                let (up, radial) = ray.seen_at(block.centre);
-                if up + block.radius < from || radial.sqrt() - block.radius >= holder.sqrt() {
-                    continue;
-                }
+        for &(from, radius) in steps {
+            let (from, wide) = (from as f32, radius as f32);
+            let bound = |up: f32, radial: f32, ball: f32| {
+                if up + ball < from { f32::INFINITY } else { radial - ball - wide }
+            };
+            let look = |block: &PointBlock, found: f64| {
                 let mut least = [f32::MAX; LANES];
                 for k in 0..LANES {
-                    let (up, radial) = ray.seen(block, k);
-                    least[k] = if up >= from { radial } else { f32::MAX };
+                    let (up, squared) = ray.seen(block, k);
+                    least[k] = if up >= from { squared } else { f32::MAX };
                 }
-                holder = holder.min(lane_min(&least));
-            }
-            min_holder = min_holder.min(f64::from(holder).sqrt() - holder_radius);
+                found.min(f64::from(lane_min(&least)).sqrt() - radius)
+            };
+            holder = self.holder.descend(&ray, (holder, enough.holder), bound, look);
         }
-        MinDistances { cutter, holder: min_holder }
+        MinDistances { cutter, holder }
     }
 
-    fn column_min<const BALL: bool>(&self, shape: &ToolShape, ray: &RelativeAxis, enough: f64) -> f64 {
+    /// Minimum distance of the cutter from the points, up to `most`; any distance below `enough` will do.
+    fn column_min<const BALL: bool>(
+        &self,
+        shape: &ToolShape,
+        ray: &RelativeAxis,
+        (most, enough): (f64, f64),
+    ) -> f64 {
         let rim = shape.rim() as f32;
         let (radius, corner) = (shape.radius as f32, shape.corner as f32);
-        let mut least = f64::INFINITY;
-        for block in &self.column {
-            // No point of the block is nearer than its ball, seen from the side or from below.
-            let (up, radial) = ray.seen_at(block.centre);
-            let bound = (radial.sqrt() - radius).max(-up - corner) - block.radius;
-            if f64::from(bound) >= least {
-                continue;
-            }
+        // No point of a ball is nearer than the ball, seen from the side or from below.
+        let bound = |up: f32, radial: f32, ball: f32| (radial - radius).max(-up - corner) - ball;
+        let look = |block: &PointBlock, found: f64| {
             let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);
             for k in 0..LANES {
-                let (up, radial) = ray.seen(block, k);
+                let (up, squared) = ray.seen(block, k);
                 let beyond = if BALL {
-                    radial
+                    squared
                 } else {
-                    let beyond = (radial.sqrt() - rim).max(0.0);
+                    let beyond = (squared.sqrt() - rim).max(0.0);
                     beyond * beyond
                 };
                 (beside[k], under[k]) =
-                    if up >= 0.0 { (radial, f32::MAX) } else { (f32::MAX, beyond + up * up) };
+                    if up >= 0.0 { (squared, f32::MAX) } else { (f32::MAX, beyond + up * up) };
             }
             let side = f64::from(lane_min(&beside)).sqrt() - shape.radius;
             let bottom = f64::from(lane_min(&under)).sqrt() - shape.corner;
-            least = least.min(side).min(bottom);
-            if least < enough {
-                break;
-            }
-        }
-        least
+            found.min(side).min(bottom)
+        };
+        self.column.descend(ray, (most, enough), bound, look)
     }
 }
 
@@ -370,16 +484,17 @@ mod tests {
             let (x, y) = (30.0 * dice(&mut seed), 30.0 * dice(&mut seed));
             (0..61).map(move |i| Point::new(x + 0.1 * f64::from(k), y, f64::from(i) - 20.0))
         });
-        let blades = BladePoints { points: lines.collect(), slack: 0.0 };
+        let blades = BladePoints::of(lines.collect(), 0.0);
         let cone = Cone { axis: Vector::z(), angle: std::f64::consts::PI };
         let none = MinDistances { cutter: f64::NEG_INFINITY, holder: f64::NEG_INFINITY };
+        let far = MinDistances { cutter: f64::INFINITY, holder: f64::INFINITY };
         for (corner, case) in [4.0, 1.0, 0.0].into_iter().zip(0..) {
             let shape = ToolShape { radius: 4.0, corner, holder: vec![(25.0, 9.0), (40.0, 14.0)] };
             for _ in 0..60 {
                 let mut random = || Vector::new(dice(&mut seed), dice(&mut seed), dice(&mut seed));
                 let (centre, axis, offset) = (Point::from(random() * 20.0), random().normalize(), random());
-                let near =
-                    blades.near(&centre, &cone, &shape, 1e3).min_distances(&shape, &axis, &offset, none);
+                let near = blades.near(&centre, &cone, &shape, 1e3);
+                let near = near.min_distances(&shape, &axis, &offset, none, far);
                 let (mut cutter, mut holder) = (f64::INFINITY, f64::INFINITY);
                 for point in &blades.points {
                     let d = point - centre - offset;
@@ -395,8 +510,8 @@ mod tests {
                     }
                 }
                 assert!((near.cutter - cutter).abs() < 1e-3, "corner {case}: {} for {cutter}", near.cutter);
-                let far = holder.is_infinite() && near.holder > 1e9;
-                assert!(far || (near.holder - holder).abs() < 1e-3, "{} for {holder}", near.holder);
+                let none = holder.is_infinite() && near.holder > 1e9;
+                assert!(none || (near.holder - holder).abs() < 1e-3, "{} for {holder}", near.holder);
             }
         }
     }

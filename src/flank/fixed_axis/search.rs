@@ -40,6 +40,9 @@ const MAX_CHECKED_AXES: usize = 6;
 /// Spare clearance counts up to this many tool radii; beyond it the axis nearer to the normal is better.
 const ENOUGH_RADII: f64 = 1.0;
 
+/// Limits of a spare clearance, mm, that leave it as it is.
+const EXACT: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
 pub(super) struct Greedy<'s, 'a> {
     search: &'s FixedAxisSearch<'a>,
     layer: &'s DepthSurface<'s>,
@@ -50,7 +53,17 @@ pub(super) struct Greedy<'s, 'a> {
     /// The contacts of the stations of the current run, prepared for the axes it may have.
     places: Vec<Vec<PreparedContact>>,
     grid: Vec<Vector>,
+    /// The axes of a station alone at which the last run ended: those that the next one starts with.
+    next: Option<(usize, Vec<AxisCandidate>)>,
     found: FixedAxes,
+}
+
+/// A contact by itself.
+struct ContactAlone {
+    /// Spare clearances of the axes of the grid, mm; below −[`SEED_SPARE`] only upper bounds.
+    spares: Vec<f64>,
+    /// The obstacle of all axes; `None` where one is free.
+    blocked: Option<AxisObstacle>,
 }
 
 impl<'s, 'a> Greedy<'s, 'a> {
@@ -61,13 +74,15 @@ impl<'s, 'a> Greedy<'s, 'a> {
     ) -> Self {
         let places = stations.iter().map(|_| Vec::new()).collect();
         let in_full = vec![false; stations.len()];
-        Self { search, layer, stations, in_full, places, grid: directions(), found: FixedAxes::default() }
+        let (grid, found) = (directions(), FixedAxes::default());
+        Self { search, layer, stations, in_full, places, grid, next: None, found }
     }
 
     pub(super) fn run(mut self) -> FixedAxes {
         let mut from = 0;
         while from < self.stations.len() {
-            let Some(start) = self.starting_at(from) else {
+            let known = self.next.take().filter(|(station, _)| *station == from).map(|(_, axes)| axes);
+            let Some(start) = known.or_else(|| self.starting_at(from)) else {
                 from += 1;
                 continue;
             };
@@ -100,8 +115,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
         }
         self.in_full[station] = true;
         self.prepare_station(station, None);
-        let alone: Vec<Option<AxisObstacle>> =
-            self.places[station].par_iter().map(|place| self.blocked(place)).collect();
+        let alone: Vec<ContactAlone> =
+            self.places[station].par_iter().map(|place| self.alone(place)).collect();
         for why in [
             AxisObstacle::Blade,
             AxisObstacle::Hub,
@@ -109,22 +124,26 @@ impl<'s, 'a> Greedy<'s, 'a> {
             AxisObstacle::Stock,
             AxisObstacle::Tilt,
         ] {
-            let contacts: Vec<usize> = (0..alone.len()).filter(|&k| alone[k] == Some(why)).collect();
+            let contacts: Vec<usize> = (0..alone.len()).filter(|&k| alone[k].blocked == Some(why)).collect();
             if !contacts.is_empty() {
                 self.found.unreachable.push(Unreachable { station, contacts, why });
             }
         }
-        let mut blocked = alone.iter();
-        self.stations[station].retain(|_| blocked.next().is_some_and(Option::is_none));
+        let mut all = alone.iter();
+        self.stations[station].retain(|_| all.next().is_some_and(|here| here.blocked.is_none()));
         if self.stations[station].is_empty() {
             self.places[station].clear();
             return None;
         }
         self.prepare_station(station, None);
-        let some = alone.iter().any(Option::is_some);
-        let axes = if some { self.for_station(station) } else { None };
+        let free: Vec<&ContactAlone> = alone.iter().filter(|here| here.blocked.is_none()).collect();
+        let axes = if free.len() < alone.len() {
+            self.suited(self.common_candidates(&free), &self.places[station].iter().collect::<Vec<_>>())
+        } else {
+            None
+        };
         if axes.is_none() {
-            let contacts = (0..alone.len()).filter(|&k| alone[k].is_none()).collect();
+            let contacts = (0..alone.len()).filter(|&k| alone[k].blocked.is_none()).collect();
             self.drop_station(station, contacts);
         }
         axes
@@ -140,32 +159,57 @@ impl<'s, 'a> Greedy<'s, 'a> {
     /// Axes for all contacts of a station: those of the grid and, if none suits, others between them.
     fn for_station(&self, station: usize) -> Option<Vec<AxisCandidate>> {
         let places: Vec<&PreparedContact> = self.places[station].iter().collect();
-        let axes = self.grid_candidates(&places);
-        if axes.iter().any(|c| c.spare >= 0.0) { Some(axes) } else { self.refine_between(&axes, &places) }
+        self.suited(self.grid_candidates(&places), &places)
+    }
+
+    /// Of the `axes` of the grid those that suit all `places` and, if none does, others between them.
+    fn suited(&self, axes: Vec<AxisCandidate>, places: &[&PreparedContact]) -> Option<Vec<AxisCandidate>> {
+        if axes.iter().any(|c| c.spare >= 0.0) { Some(axes) } else { self.refine_between(&axes, places) }
     }
 
     /// Axes of the grid for some contacts, including those that lack a little.
     fn grid_candidates(&self, places: &[&PreparedContact]) -> Vec<AxisCandidate> {
-        let spare =
-            |&axis: &Vector| AxisCandidate { axis, spare: self.min_spare(places, &axis, -SEED_SPARE) };
+        let limits = (-SEED_SPARE, f64::INFINITY);
+        let spare = |&axis: &Vector| AxisCandidate { axis, spare: self.min_spare(places, &axis, limits) };
         self.grid.par_iter().map(spare).filter(|c| c.spare > -SEED_SPARE).collect()
+    }
+
+    /// The same for contacts of which each is known by itself.
+    fn common_candidates(&self, contacts: &[&ContactAlone]) -> Vec<AxisCandidate> {
+        let least = |k: usize| contacts.iter().map(|alone| alone.spares[k]).fold(f64::INFINITY, f64::min);
+        let all = self.grid.iter().enumerate().map(|(k, &axis)| AxisCandidate { axis, spare: least(k) });
+        all.filter(|c| c.spare > -SEED_SPARE).collect()
     }
 
     /// The obstacle at a contact that has no axis.
     pub(super) fn blocked(&self, place: &PreparedContact) -> Option<AxisObstacle> {
-        let axes = self.grid_candidates(&[place]);
+        self.alone(place).blocked
+    }
+
+    fn alone(&self, place: &PreparedContact) -> ContactAlone {
+        let limits = (-SEED_SPARE, f64::INFINITY);
+        let spare = |axis: &Vector| self.search.spare(place, axis, limits).amount;
+        let mut alone = ContactAlone { spares: self.grid.par_iter().map(spare).collect(), blocked: None };
+        let axes = self.common_candidates(&[&alone]);
         if axes.iter().any(|c| c.spare >= 0.0) || self.refine_between(&axes, &[place]).is_some() {
-            return None;
+            return alone;
         }
-        // An axis is evaluated only until it falls behind the best one so far.
+        // The axis that comes nearest to being free: one of these, if there is any. An axis is evaluated only
+        // until it falls behind the best one so far.
         let mut nearest = SpareClearance { amount: f64::NEG_INFINITY, by: AxisObstacle::Tilt };
-        for axis in &self.grid {
-            let spare = self.search.spare(place, axis, nearest.amount);
+        let mut look = |axis: &Vector| {
+            let spare = self.search.spare(place, axis, (nearest.amount, f64::INFINITY));
             if spare.amount >= nearest.amount {
                 nearest = spare;
             }
+        };
+        if axes.is_empty() {
+            self.grid.iter().for_each(&mut look);
+        } else {
+            axes.iter().for_each(|c| look(&c.axis));
         }
-        Some(nearest.by)
+        alone.blocked = Some(nearest.by);
+        alone
     }
 
     /// The longest run from a station with its axes: its last station, and the axes that suit all of it.
@@ -178,7 +222,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
             let next: Vec<AxisCandidate> = axes
                 .par_iter()
                 .map(|c| AxisCandidate {
-                    spare: c.spare.min(self.min_spare(&places, &c.axis, -SEED_SPARE)),
+                    spare: self.min_spare(&places, &c.axis, (-SEED_SPARE, c.spare)),
                     ..*c
                 })
                 .filter(|c| c.spare > -SEED_SPARE)
@@ -197,7 +241,9 @@ impl<'s, 'a> Greedy<'s, 'a> {
             }
             // A station without any axis does not end the run.
             let contacts = self.stations[station].len();
-            if self.starting_at(station).is_some() && self.stations[station].len() == contacts {
+            let alone = self.starting_at(station);
+            if let Some(axes) = alone.filter(|_| self.stations[station].len() == contacts) {
+                self.next = Some((station, axes));
                 break;
             }
             if self.stations[station].is_empty() {
@@ -228,9 +274,10 @@ impl<'s, 'a> Greedy<'s, 'a> {
         }
         let around: Vec<Vector> =
             free.iter().flat_map(|c| STEPS.iter().flat_map(|&s| ring(&c.axis, s))).collect();
-        let others = around
-            .par_iter()
-            .map(|&axis| AxisCandidate { axis, spare: self.min_spare(places, &axis, -SEED_SPARE) });
+        let others = around.par_iter().map(|&axis| AxisCandidate {
+            axis,
+            spare: self.min_spare(places, &axis, (-SEED_SPARE, f64::INFINITY)),
+        });
         let others: Vec<AxisCandidate> = others.filter(|c| c.spare > -SEED_SPARE).collect();
         Some(free.into_iter().chain(others).collect())
     }
@@ -240,19 +287,19 @@ impl<'s, 'a> Greedy<'s, 'a> {
     fn refine_seed(&self, start: AxisCandidate, places: &[&PreparedContact]) -> Option<AxisCandidate> {
         let first = places.len().min(DECIDING);
         let mut deciding: Vec<&PreparedContact> = places[..first].to_vec();
-        let mut best =
-            AxisCandidate { spare: self.min_spare(&deciding, &start.axis, f64::NEG_INFINITY), ..start };
+        let mut best = AxisCandidate { spare: self.min_spare(&deciding, &start.axis, EXACT), ..start };
         for _ in 0..MAX_ADDED_CONTACTS {
             best = self.pattern_search(best, &deciding, 0.0);
             if best.spare < -MAX_CHECKED_DEFICIT {
                 return None;
             }
             let wanted = best.spare.min(0.0);
-            let lacks =
-                |place: &&&PreparedContact| self.search.spare(place, &best.axis, wanted).amount < wanted;
+            let lacks = |place: &&&PreparedContact| {
+                self.search.spare(place, &best.axis, (wanted, wanted)).amount < wanted
+            };
             let Some(place) = places.iter().find(lacks) else { return Some(best) };
             deciding.push(place);
-            best.spare = self.min_spare(&deciding, &best.axis, f64::NEG_INFINITY);
+            best.spare = self.min_spare(&deciding, &best.axis, EXACT);
         }
         None
     }
@@ -266,7 +313,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         enough: f64,
     ) -> AxisCandidate {
         let by_place = |axis: &Vector| -> Vec<(f64, usize)> {
-            let amount = |place: &&PreparedContact| self.search.spare(place, axis, f64::NEG_INFINITY).amount;
+            let amount = |place: &&PreparedContact| self.search.spare(place, axis, EXACT).amount;
             let mut all: Vec<(f64, usize)> =
                 places.par_iter().enumerate().map(|(k, p)| (amount(p), k)).collect();
             all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -307,7 +354,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
             for _ in 0..6 {
                 let before = best.spare;
                 for axis in ring(&best.axis, step) {
-                    let spare = self.min_spare(places, &axis, best.spare);
+                    let spare = self.min_spare(places, &axis, (best.spare, f64::INFINITY));
                     if spare > best.spare {
                         best = AxisCandidate { axis, spare };
                     }
@@ -320,12 +367,12 @@ impl<'s, 'a> Greedy<'s, 'a> {
         best
     }
 
-    /// Spare clearance of an axis over contacts, mm; only an upper bound when it is below `enough`.
-    fn min_spare(&self, places: &[&PreparedContact], axis: &Vector, enough: f64) -> f64 {
-        let mut least = f64::INFINITY;
+    /// Spare clearance of an axis over contacts, but at most `most`, mm; only an upper bound when it is below
+    /// `enough`.
+    fn min_spare(&self, places: &[&PreparedContact], axis: &Vector, (enough, most): (f64, f64)) -> f64 {
+        let mut least = most;
         for place in places {
-            let SpareClearance { amount, .. } = self.search.spare(place, axis, enough);
-            least = least.min(amount);
+            least = least.min(self.search.spare(place, axis, (enough, least)).amount);
             if least < enough {
                 break;
             }
