@@ -33,6 +33,10 @@ const CHORD: f64 = 0.005;
 const MAX_STEP_TURN: f64 = 4.8 * std::f64::consts::PI / 180.0;
 /// Turn of the axis from one position to the next at which a pass ends, rad.
 const MAX_PASS_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
+/// Length below which a pass is left out, in stepovers: what it cuts its neighbours have cut.
+const MIN_PASS: f64 = 0.1;
+/// Why it is left out, as a message.
+const TOO_SHORT: &str = "too short between obstacles for a pass";
 /// Minimum and maximum step along inner passes, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
 
@@ -191,6 +195,11 @@ impl LayerPassMaker<'_> {
         let corner = self.maker.tool.corner_radius;
         for run in placed.chunk_by(|a, b| a.axis.angle(&b.axis) <= MAX_PASS_TURN) {
             let [first, .., last] = run else { continue };
+            let length: f64 = run.windows(2).map(|pair| (pair[1].tip - pair[0].tip).norm()).sum();
+            if length < MIN_PASS * self.found.stepover {
+                self.record_uncut(made, region, length, TOO_SHORT);
+                continue;
+            }
             let mut positions = vec![(first.tip, first.axis)];
             for pair in run.windows(2) {
                 let (a, b) = (&pair[0], &pair[1]);

@@ -97,6 +97,8 @@ pub struct Program {
 const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Maximum length of the piece of a pass over which a ramp goes to and fro, mm.
 const RAMP_LENGTH: f64 = 25.0;
+/// Maximum number of times that a ramp goes along it: on a shorter piece it is steeper.
+const RAMP_TURNS: f64 = 12.0;
 /// Maximum turn of the axis on a link, rad.
 const MAX_LINK_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
@@ -238,7 +240,7 @@ impl ProgramWriter<'_> {
                 self.retract();
                 let (tip, axis) = positions[0];
                 let open = pass.open[first];
-                let ramp = if open { Vec::new() } else { self.ramp(&positions) };
+                let ramp = if open { Vec::new() } else { ramp(&positions, self.maker.layer_depth) };
                 let lowest = ramp.first().map_or((tip, axis), |(p, _)| *p);
                 let above = about(MoveKind::Rapid, (self.above(lowest), axis));
                 if !self.moves.is_empty() {
@@ -330,42 +332,6 @@ impl ProgramWriter<'_> {
         flown / RAPID_MM_PER_MIN + (down - to.0).norm() / feed + ramp
     }
 
-    /// Ramp down to and fro along the first piece of a pass, from the height of the layer above: positions,
-    /// each with the index of the pass position below it.
-    fn ramp(&self, positions: &[(Point, Vector)]) -> Vec<((Point, Vector), usize)> {
-        let mut along = vec![0.0];
-        for pair in positions.windows(2) {
-            let next = along[along.len() - 1] + (pair[1].0 - pair[0].0).norm();
-            along.push(next);
-            if next >= RAMP_LENGTH {
-                break;
-            }
-        }
-        let (depth, reach) = (self.maker.layer_depth, along[along.len() - 1]);
-        if reach < 1e-6 {
-            let (tip, axis) = positions[0];
-            return vec![((tip + axis * depth, axis), 0)];
-        }
-        let total = depth / RAMP.tan();
-        let mut poses = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
-        let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
-        while gone < total {
-            if at + 1 == along.len() {
-                step = -1;
-            } else if at == 0 {
-                step = 1;
-            }
-            let next = (at as isize + step) as usize;
-            gone += (along[next] - along[at]).abs();
-            at = next;
-            let (tip, axis) = positions[at];
-            poses.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
-        }
-        // Back to the start at full depth.
-        poses.extend((1..at).rev().map(|k| (positions[k], k)));
-        poses
-    }
-
     /// Retracts along the axis until the bottom of the tool is clear of the blank.
     fn retract(&mut self) {
         let Some(&last) = self.moves.last() else { return };
@@ -435,6 +401,42 @@ impl ProgramWriter<'_> {
     }
 }
 
+/// Ramp down to and fro along the first piece of a pass, from `depth` mm above it: positions, each with the
+/// index of the pass position below it.
+fn ramp(positions: &[(Point, Vector)], depth: f64) -> Vec<((Point, Vector), usize)> {
+    let mut along = vec![0.0];
+    for pair in positions.windows(2) {
+        let next = along[along.len() - 1] + (pair[1].0 - pair[0].0).norm();
+        along.push(next);
+        if next >= RAMP_LENGTH {
+            break;
+        }
+    }
+    let reach = along[along.len() - 1];
+    if reach < 1e-6 {
+        let (tip, axis) = positions[0];
+        return vec![((tip + axis * depth, axis), 0)];
+    }
+    let total = (depth / RAMP.tan()).min(RAMP_TURNS * reach);
+    let mut poses = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
+    let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
+    while gone < total {
+        if at + 1 == along.len() {
+            step = -1;
+        } else if at == 0 {
+            step = 1;
+        }
+        let next = (at as isize + step) as usize;
+        gone += (along[next] - along[at]).abs();
+        at = next;
+        let (tip, axis) = positions[at];
+        poses.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
+    }
+    // Back to the start at full depth.
+    poses.extend((1..at).rev().map(|k| (positions[k], k)));
+    poses
+}
+
 /// Lengths and times of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Times {
@@ -472,5 +474,39 @@ impl Times {
     /// Total time of the program, s.
     pub fn total(&self) -> f64 {
         self.cut_time + self.link_time + self.rapid_time
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Positions along x, 0.1 mm apart, over `length` mm.
+    fn straight(length: f64) -> Vec<(Point, Vector)> {
+        let count = (10.0 * length).ceil().max(1.0);
+        (0..=count as usize).map(|k| (Point::new(length * k as f64 / count, 0.0, 0.0), Vector::z())).collect()
+    }
+
+    #[test]
+    fn a_ramp_descends_at_its_angle_along_a_pass_and_in_few_turns_on_a_short_one() {
+        let rate = |poses: &[((Point, Vector), usize)]| {
+            let steps = poses.windows(2).map(|pair| pair[1].0.0 - pair[0].0.0);
+            let falls = steps.filter(|step| step.z < -1e-6).map(|step| -step.z / step.x.abs());
+            falls.fold(0.0, f64::max)
+        };
+        let long = ramp(&straight(40.0), 3.0);
+        assert!((rate(&long) - RAMP.tan()).abs() < 1e-9, "{}", rate(&long));
+        for length in [1e-3, 0.02, 0.5] {
+            let positions = straight(length);
+            let poses = ramp(&positions, 3.0);
+            assert!(
+                poses.len() <= (RAMP_TURNS as usize + 2) * positions.len(),
+                "{} on {length}",
+                poses.len()
+            );
+            // It ends at the full depth, ready for the pass.
+            let deepest = poses.iter().map(|((tip, _), _)| tip.z).fold(f64::INFINITY, f64::min);
+            assert!(deepest.abs() < 1e-9 && poses[0].0.0.z == 3.0);
+        }
     }
 }
