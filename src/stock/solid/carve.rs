@@ -147,6 +147,7 @@ impl TileCarver<'_> {
         let first = on_rays.local(&self.lattice.ray(self.direction, self.u, self.v));
         let steps = on_rays.steps(Lattice::across(self.direction), self.lattice.spacing);
         let reach = on_rays.reach(*range);
+        let extent = on_rays.extent();
         let mut changed = false;
         for i in 0..TILE {
             let row: [f64; 3] = std::array::from_fn(|k| first[k] + i as f64 * steps.0[k]);
@@ -155,6 +156,11 @@ impl TileCarver<'_> {
                 let (Some(head), Some(tail)) = (spans.first(), spans.last()) else { continue };
                 let origin: [f64; 3] = std::array::from_fn(|k| row[k] + j as f64 * steps.1[k]);
                 let (from, to) = (head.from, tail.to);
+                // Most rays are clear already where the cutter comes along.
+                let (least, most) = extent.on_ray(&origin);
+                if spans.iter().all(|span| span.from > most || span.to < least) {
+                    continue;
+                }
                 let Some(swept) = on_rays.interval(&origin) else { continue };
                 if swept.low >= to || swept.high <= from {
                     continue;

@@ -102,6 +102,47 @@ impl Reach {
     }
 }
 
+/// Bounds of what a piece can sweep of a ray: the cylinder around it, cut off at the planes of its ends.
+pub struct Extent {
+    /// Directions across the axis of the piece, in its frame: along the rays, and at right angles to them.
+    along: [f64; 2],
+    aside: [f64; 2],
+    /// The travel along them, from the lower to the higher end.
+    moved: [(f64, f64); 2],
+    /// Heights of the lower and the upper plane over the travel.
+    heights: (f64, f64),
+    squared_radius: f64,
+    /// Rates across and along the axis on the way along a ray.
+    across: f64,
+    rise: f64,
+}
+
+impl Extent {
+    /// Coordinates on the ray through `origin` (in the frame of the piece) between which the piece may sweep
+    /// it; the first is greater where it does not.
+    #[inline]
+    pub fn on_ray(&self, origin: &[f64; 3]) -> (f64, f64) {
+        let dot = |unit: &[f64; 2]| unit[0] * origin[0] + unit[1] * origin[1];
+        let (at, side) = (dot(&self.along), dot(&self.aside));
+        let [(back, front), (least, most)] = self.moved;
+        let off = (least - side).max(side - most).max(0.0);
+        let squared = self.squared_radius - off * off;
+        if squared < 0.0 {
+            return (f64::INFINITY, f64::NEG_INFINITY);
+        }
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        if self.across > TINY {
+            let half = squared.sqrt();
+            (low, high) = ((back - half - at) / self.across, (front + half - at) / self.across);
+        }
+        if self.rise.abs() > TINY {
+            let ends = [self.heights.0, self.heights.1].map(|height| (height - origin[2]) / self.rise);
+            (low, high) = (low.max(ends[0].min(ends[1])), high.min(ends[0].max(ends[1])));
+        }
+        (low, high)
+    }
+}
+
 impl<'a> PieceOnRays<'a> {
     /// The piece for rays along coordinate `direction`.
     pub fn new(piece: &'a Piece, direction: usize) -> Self {
@@ -150,6 +191,30 @@ impl<'a> PieceOnRays<'a> {
         let height =
             ([0.0, 0.0, 1.0], vz.min(0.0) - far - slack, vz.max(0.0) + outline.length - near + slack);
         Reach { bounds: [wide(aside, 0.0, 0.0), wide(along, across * low, across * high), height] }
+    }
+
+    /// Bounds of what the piece can sweep of any ray.
+    pub fn extent(&self) -> Extent {
+        let [ex, ey, rise] = self.ray;
+        let across = ex.hypot(ey);
+        let along = if across > TINY { [ex / across, ey / across] } else { [1.0, 0.0] };
+        let aside = [-along[1], along[0]];
+        let outline = &self.piece.outline;
+        let [vx, vy, vz] = self.travel;
+        let slack = SLACK * (1.0 + outline.radius + outline.length + vx.abs() + vy.abs() + vz.abs());
+        let moved = [along, aside].map(|unit| {
+            let moved = unit[0] * vx + unit[1] * vy;
+            (moved.min(0.0) - slack, moved.max(0.0) + slack)
+        });
+        Extent {
+            along,
+            aside,
+            moved,
+            heights: (vz.min(0.0) - slack, vz.max(0.0) + outline.length + slack),
+            squared_radius: (outline.radius + slack).powi(2),
+            across,
+            rise,
+        }
     }
 
     /// The interval that the piece sweeps of the ray through `origin` (in the frame).
