@@ -48,13 +48,15 @@ pub fn verify_flank(
     setup: &Setup,
     program: &ClProgram,
 ) -> Result<FlankVerdict, Fault> {
-    FlankVerifier::new(workpiece, setup).verdict(program)
+    FlankVerifier::with(workpiece, setup, 0.0, false).verdict(program)
 }
 
 /// Checks programs against one part, one after another; the result of each step is cached.
 pub struct FlankVerifier<'a> {
     workpiece: &'a Workpiece,
     setup: &'a Setup,
+    /// Whether another program may follow.
+    keeps: bool,
     /// Search for contacts with stock that stands.
     standing: StandingStock,
     /// The floor, once one was cut.
@@ -102,19 +104,20 @@ fn step_key(step: &CutterStep) -> StepKey {
 impl<'a> FlankVerifier<'a> {
     /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self::with_holder_margin(workpiece, setup, 0.0)
+        Self::with(workpiece, setup, 0.0, true)
     }
 
     /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a
     /// finer one finds nothing either.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self::with_holder_margin(workpiece, setup, 1.0)
+        Self::with(workpiece, setup, 1.0, true)
     }
 
-    fn with_holder_margin(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64) -> Self {
-        let standing = StandingStock::new(holder_margin);
+    /// A verifier that `keeps` what another program may begin with, or judges one only.
+    fn with(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64, keeps: bool) -> Self {
+        let standing = StandingStock::new(holder_margin, keeps);
         let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, standing, floor: None, tools, cache, last: None }
+        Self { workpiece, setup, keeps, standing, floor: None, tools, cache, last: None }
     }
 
     /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
@@ -354,6 +357,7 @@ impl<'a> FlankVerifier<'a> {
             rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
         };
         let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
-        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places, &mut self.floor)
+        let cache = (&mut self.floor, self.keeps);
+        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places, cache)
     }
 }

@@ -23,14 +23,25 @@ pub struct FieldCache {
     cutters: Vec<FieldCutter>,
     bins: TileBins,
     tiles: Vec<KeptTile>,
+    /// Parts of a tile's cutters between which its heights are kept.
+    parts: usize,
 }
 
 impl FieldCache {
     /// `grid` before any program.
     pub fn new(grid: FloorGrid) -> Self {
+        Self::with_parts(grid, KEPT_PARTS)
+    }
+
+    /// `grid` before its only program: of the way there nothing is kept.
+    pub fn for_one(grid: FloorGrid) -> Self {
+        Self::with_parts(grid, 1)
+    }
+
+    fn with_parts(grid: FloorGrid, parts: usize) -> Self {
         let (unit, bins) = (VolumeUnit::of(&grid), TileBins::new(&grid, &[]));
         let tiles = vec![KeptTile::default(); bins.down * bins.across];
-        Self { grid: Arc::new(grid), unit, cutters: Vec::new(), bins, tiles }
+        Self { grid: Arc::new(grid), unit, cutters: Vec::new(), bins, tiles, parts }
     }
 
     /// The floor.
@@ -50,7 +61,7 @@ impl FieldCache {
                 let (known, new) = (self.bins.cutters_of(down, across), bins.cutters_of(down, across));
                 let same = |(a, b): &(&u32, &u32)| self.cutters[**a as usize] == cutters[**b as usize];
                 let alike = known.iter().zip(new).take_while(same).count();
-                tile.cut(alike, new.iter().map(|&k| &cutters[k as usize]), || {
+                tile.cut((alike, self.parts), new.iter().map(|&k| &cutters[k as usize]), || {
                     Tile::load(grid, self.unit, down, across)
                 });
                 if let Some(last) = tile.kept.last() {
@@ -83,11 +94,11 @@ struct KeptHeights {
 }
 
 impl KeptTile {
-    /// Makes its cuts those of `cutters`, of which the first `alike` are made already; `uncut` is the tile
-    /// before the first one.
+    /// Makes its cuts those of `cutters`, of which the first `alike` are made already, and keeps its heights
+    /// after each of `parts`; `uncut` is the tile before the first one.
     fn cut<'a>(
         &mut self,
-        alike: usize,
+        (alike, parts): (usize, usize),
         cutters: impl ExactSizeIterator<Item = &'a FieldCutter>,
         uncut: impl FnOnce() -> Tile,
     ) {
@@ -104,7 +115,7 @@ impl KeptTile {
             tile.height = start.heights;
             tile.stock = RowStock::new(&tile.height);
         }
-        let interval = count.div_ceil(KEPT_PARTS);
+        let interval = count.div_ceil(parts);
         let mut next = made + interval;
         for (k, cutter) in cutters.enumerate().skip(made) {
             self.seen.push(tile.cut(cutter));
@@ -140,6 +151,8 @@ mod tests {
         ) {
             let mut cache = FieldCache::new(grid.clone());
             let mut cutters = first;
+            let once = FieldCache::for_one(grid.clone()).residual_field(cutters.clone());
+            prop_assert_eq!(once, residual_field(&grid, &cutters));
             prop_assert_eq!(cache.residual_field(cutters.clone()), residual_field(&grid, &cutters));
             for (place, removed, added) in edits {
                 let from = (place * cutters.len() as f64) as usize;
@@ -162,13 +175,13 @@ mod tests {
         };
         let mut cutters: Vec<FieldCutter> = (0..64).map(|k| cutter(0.1 * k as f32)).collect();
         let mut tile = KeptTile::default();
-        tile.cut(0, cutters.iter(), load);
+        tile.cut((0, KEPT_PARTS), cutters.iter(), load);
         let made: Vec<usize> = tile.kept.iter().map(|kept| kept.made).collect();
         assert_eq!(made, (1..=16).map(|part| 4 * part).collect::<Vec<_>>());
         // Only what is cut from place 40 on counts: cutters before it that differ are not looked at.
         let whole = tile.kept[15].heights;
         cutters[..40].fill(cutter(-100.0));
-        tile.cut(41, cutters.iter(), load);
+        tile.cut((41, KEPT_PARTS), cutters.iter(), load);
         assert_eq!((tile.seen.len(), tile.kept[15].heights), (64, whole));
     }
 }

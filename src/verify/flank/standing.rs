@@ -28,6 +28,8 @@ const KEPT_PARTS: usize = 16;
 pub(super) struct StandingStock {
     /// By how much holders count as thicker, in spacings of the rays: stock between two rays is not seen.
     holder_margin: f64,
+    /// Whether states are kept for a next program.
+    keeps: bool,
     /// The moves of the last program.
     moves: Vec<SolidMove>,
     /// The stock at some places in it, in order.
@@ -44,14 +46,14 @@ struct KeptStock {
 }
 
 impl StandingStock {
-    /// Before the first program.
-    pub(super) fn new(holder_margin: f64) -> Self {
-        Self { holder_margin, moves: Vec::new(), kept: Vec::new() }
+    /// Before the first program; of one after which no other follows nothing is kept.
+    pub(super) fn new(holder_margin: f64, keeps: bool) -> Self {
+        Self { holder_margin, keeps, moves: Vec::new(), kept: Vec::new() }
     }
 
     /// Forgets the last program: the tools change.
     pub(super) fn forget(&mut self) {
-        *self = Self::new(self.holder_margin);
+        *self = Self::new(self.holder_margin, self.keeps);
     }
 
     /// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its
@@ -102,7 +104,7 @@ impl StandingStock {
         let mut next = made + interval;
         let before = contacts.clone();
         let keep = |made: usize, stock: &SolidStock, since: &[Contact]| {
-            if made >= next {
+            if self.keeps && made >= next {
                 let contacts = before.iter().chain(since).copied().collect();
                 self.kept.push(KeptStock { made, stock: stock.clone(), contacts });
                 next = made + interval;

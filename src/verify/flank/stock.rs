@@ -86,30 +86,33 @@ pub(super) struct FloorCache {
 }
 
 impl FloorCache {
-    /// The floor for cutters of which `finest` has the smallest corner.
-    fn new(workpiece: &Workpiece, setup: &Setup, finest: &Tool) -> Self {
+    /// The floor for cutters of which `finest` has the smallest corner; for more than one program where it
+    /// `keeps` what it knows of the last.
+    fn new(workpiece: &Workpiece, setup: &Setup, finest: &Tool, keeps: bool) -> Self {
         let radius = finest.radius();
         let cutters = &[CutterStretch { from: 1.0, to: 0.0, radius }];
         let source = FloorSource { workpiece, stock: &setup.allowances, cutters };
-        Self { radius, field: FieldCache::new(FloorGrid::new(&source, CELLS)) }
+        let grid = FloorGrid::new(&source, CELLS);
+        Self { radius, field: if keeps { FieldCache::new(grid) } else { FieldCache::for_one(grid) } }
     }
 }
 
-/// Applies `steps` (of one channel) in order. `cache` is `None`, or of the same workpiece and setup.
+/// Applies `steps` (of one channel) in order. `cache` is `None`, or of the same workpiece and setup, and
+/// whether it keeps what the next program may begin with.
 pub(super) fn evaluate_floor(
     workpiece: &Workpiece,
     setup: &Setup,
     tools: &[Tool],
     steps: &[&CutterStep],
     places: &[ProbeSample],
-    cache: &mut Option<FloorCache>,
+    (cache, keeps): (&mut Option<FloorCache>, bool),
 ) -> FloorResult {
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
         return FloorResult { collisions: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
     };
     let known = cache.take().filter(|known| known.radius == finest.radius());
-    let cache = cache.insert(known.unwrap_or_else(|| FloorCache::new(workpiece, setup, finest)));
+    let cache = cache.insert(known.unwrap_or_else(|| FloorCache::new(workpiece, setup, finest, keeps)));
     let (cutters, owners) = sweep_cutters(tools, steps, places);
     let field = cache.field.residual_field(cutters);
     let mut struck: Vec<StockCollision> = Vec::new();
