@@ -18,12 +18,28 @@ pub const UNEVALUATED: Rgb = rgb(0x8C9299);
 /// Selected position: blue. The accent of the window is a shade of it that can be read as text.
 pub const SELECTED: Rgb = rgb(0x0072B2);
 
-/// Colours of tools and sections, distinct to colour-blind viewers too: the rest of the Okabe–Ito set.
-pub const CATEGORIES: [Rgb; 6] =
-    [rgb(0x56B4E9), rgb(0xE69F00), rgb(0x009E73), rgb(0xCC79A7), rgb(0xF0E442), rgb(0x0072B2)];
+/// Colours of classes without an order: tools, sections, curves. The first four are of the Okabe–Ito set; the
+/// others were searched for so that any two, and any one and [`INTERFERING`], stay distinct to viewers with
+/// normal sight, with protanopia and with deuteranopia. The test below holds the least distance.
+pub const CATEGORIES: [Rgb; 12] = [
+    rgb(0x56B4E9),
+    rgb(0xF0E442),
+    rgb(0xCC79A7),
+    rgb(0x0072B2),
+    rgb(0x1EE1A5),
+    rgb(0x780F00),
+    rgb(0x8778FF),
+    rgb(0xD2A52D),
+    rgb(0xC3005A),
+    rgb(0xC3F0FF),
+    rgb(0x5A0F87),
+    rgb(0x0F00E1),
+];
 
-/// Those of [`CATEGORIES`] that are not the colours of states, for cutters.
-pub const CUTTER_CATEGORIES: [Rgb; 4] = [CATEGORIES[0], CATEGORIES[4], CATEGORIES[3], CATEGORIES[5]];
+/// Colour of class `index`. More classes than [`CATEGORIES`] begin again.
+pub fn category(index: usize) -> Rgb {
+    CATEGORIES[index % CATEGORIES.len()]
+}
 
 /// Colours of the curves of a chart, in order.
 pub const CURVES: [Rgb; 6] = [SELECTED, INTERFERING, SOUND, CATEGORIES[3], CATEGORIES[0], BLOCKED];
@@ -166,5 +182,56 @@ mod tests {
         let contact = ColourMap::Contact.table();
         assert_eq!(contact[255], [0xD5, 0x5E, 0x00]);
         assert_ne!(contact[0], contact[1]);
+    }
+
+    /// Product of a 3 × 3 matrix and a vector.
+    fn times(matrix: &[[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
+        matrix.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+    }
+
+    /// Oklab coordinates of a colour as seen through `sight`, a matrix on linear sRGB.
+    fn oklab(colour: Rgb, sight: &[[f64; 3]; 3]) -> [f64; 3] {
+        let linear = colour.map(|x| {
+            let x = f64::from(x);
+            if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+        });
+        let seen = times(sight, linear).map(|x| x.clamp(0.0, 1.0));
+        let cones = [
+            [0.4122214708, 0.5363325363, 0.0514459929],
+            [0.2119034982, 0.6806995451, 0.1073969566],
+            [0.0883024619, 0.2817188376, 0.6299787005],
+        ];
+        let lab = [
+            [0.2104542553, 0.7936177850, -0.0040720468],
+            [1.9779984951, -2.4285922050, 0.4505937099],
+            [0.0259040371, 0.7827717662, -0.8086757660],
+        ];
+        times(&lab, times(&cones, seen).map(f64::cbrt))
+    }
+
+    /// Normal sight, protanopia and deuteranopia on linear sRGB: Machado, Oliveira, Fernandes 2009, severity
+    /// 1.
+    const SIGHTS: [[[f64; 3]; 3]; 3] = [
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    ];
+
+    /// Least distance in Oklab, where black and white are 1 apart. Steps of .02 are just visible side by
+    /// side.
+    const LEAST_DISTANCE: f64 = 0.09;
+
+    #[test]
+    fn classes_are_distinct_to_colour_blind_viewers() {
+        let all: Vec<Rgb> = CATEGORIES.into_iter().chain([INTERFERING]).collect();
+        for sight in &SIGHTS {
+            for (k, &a) in all.iter().enumerate() {
+                for &b in &all[..k] {
+                    let (p, q) = (oklab(a, sight), oklab(b, sight));
+                    let distance = p.iter().zip(q).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt();
+                    assert!(distance > LEAST_DISTANCE, "{a:?} and {b:?} are {distance:.3} apart");
+                }
+            }
+        }
     }
 }

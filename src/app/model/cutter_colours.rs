@@ -1,7 +1,7 @@
 //! What the cutters in the 3D view are coloured by, and the classes of that which can be hidden.
 
 use super::planned::DisplayPlan;
-use crate::palette::{self, CUTTER_CATEGORIES, ColourMap, Rgb, TABLE_LEN};
+use crate::palette::{self, ColourMap, Rgb, TABLE_LEN, category};
 use crate::plunge::PlungePlan;
 use crate::plunge::plan::Condition;
 use crate::setup::AxisPolicy;
@@ -200,11 +200,6 @@ fn name_of(class: CutterClass, plan: &PlungePlan) -> String {
             format!("Section {}{rest}", index + 1)
         }
     }
-}
-
-/// Colour of class `index`.
-fn category(index: usize) -> Rgb {
-    CUTTER_CATEGORIES[index % CUTTER_CATEGORIES.len()]
 }
 
 fn ends(values: &[f64]) -> (f64, f64) {

@@ -16,7 +16,7 @@ use crate::gpu::mesh::Segment;
 use crate::io::InputError;
 use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::io::source::{name_of, read_bytes};
-use crate::palette::{CUTTER_CATEGORIES, INTERFERING};
+use crate::palette::{INTERFERING, category};
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Motion, Move};
@@ -156,7 +156,7 @@ fn lines_of(program: &ClProgram, faults: &[Fault]) -> Vec<Segment> {
             Motion::Rapid => (RAPID_COLOUR, WIDTHS[0]),
             Motion::Feed(_) => {
                 let tool = step.tool.unwrap_or_default();
-                (CUTTER_CATEGORIES[tool % CUTTER_CATEGORIES.len()], WIDTHS[1])
+                (category(tool), WIDTHS[1])
             }
         };
         Segment::coloured(to(&pair[0].tip), to(&step.tip), width, colour)

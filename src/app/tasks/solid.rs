@@ -8,7 +8,7 @@ use crate::io::gltf::GltfScene;
 use crate::io::stl::write_stl;
 use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
-use crate::palette::{self, Rgb};
+use crate::palette::{self, Rgb, category};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::plan::{Condition, PlungePlan};
 use crate::stock::excess::Excess;
@@ -282,7 +282,6 @@ struct Painter {
 impl Painter {
     fn new(request: &SolidRequest, program: &ClProgram, contacts: &[Contact]) -> Self {
         let plan = request.source.plan();
-        let category = |k: usize| palette::CATEGORIES[k % palette::CATEGORIES.len()];
         let mut names: Vec<(Rgb, String)> = Vec::new();
         let mut note = |colour: Rgb, name: String| {
             if !names.iter().any(|(_, known)| *known == name) {

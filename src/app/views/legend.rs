@@ -143,26 +143,36 @@ const MIN_STATES_WIDTH: f32 = 620.0;
 fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, hidden: &mut Vec<CutterClass>) {
     match legend {
         CutterLegend::Classes(classes) => {
-            for ClassShare { class, colour, name, share } in classes {
-                let is_hidden = hidden.contains(class);
-                swatch(ui, *colour, 10.0);
-                let text = RichText::new(format!("{name}, {:.0} %", 100.0 * share));
-                let text = if is_hidden { text.strikethrough().weak() } else { text };
-                let button = egui::Button::new(text).frame(false);
-                let does = if is_hidden { "show" } else { "hide" };
-                let tip = format!("Share of the time of the program; a click {does}s these cutters");
-                if ui.add(button).on_hover_text(tip).clicked() {
-                    match is_hidden {
-                        true => hidden.retain(|known| known != class),
-                        false => hidden.push(*class),
+            // Many classes are wider than the view.
+            egui::ScrollArea::horizontal().id_salt("classes").show(ui, |ui| {
+                ui.horizontal_centered(|ui| {
+                    for share in classes {
+                        class_button(ui, share, hidden);
                     }
-                }
-            }
+                });
+            });
         }
         CutterLegend::Scale(low, high) => {
             ui.label(low);
             colour_bar(ui, ColourMap::Viridis, 80.0);
             ui.label(high);
+        }
+    }
+}
+
+fn class_button(ui: &mut Ui, share: &ClassShare, hidden: &mut Vec<CutterClass>) {
+    let ClassShare { class, colour, name, share } = share;
+    let is_hidden = hidden.contains(class);
+    swatch(ui, *colour, 10.0);
+    let text = RichText::new(format!("{name}, {:.0} %", 100.0 * share));
+    let text = if is_hidden { text.strikethrough().weak() } else { text };
+    let button = egui::Button::new(text).frame(false);
+    let does = if is_hidden { "show" } else { "hide" };
+    let tip = format!("Share of the time of the program; a click {does}s these cutters");
+    if ui.add(button).on_hover_text(tip).clicked() {
+        match is_hidden {
+            true => hidden.retain(|known| known != class),
+            false => hidden.push(*class),
         }
     }
 }

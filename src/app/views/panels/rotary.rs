@@ -8,7 +8,7 @@ use crate::app::model::machine::{AxisPositions, PlanOnMachine};
 use crate::app::model::state::{AppState, Boundary};
 use crate::app::views::command::Command;
 use crate::app::views::theme;
-use crate::palette::CUTTER_CATEGORIES;
+use crate::palette::category;
 
 /// Height of the plot, points.
 pub const HEIGHT: f32 = 66.0;
@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         painter.text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
         return None;
     };
-    let colours = [0, 1].map(|k| theme::colour(CUTTER_CATEGORIES[k]));
+    let colours = [0, 1].map(|k| theme::colour(category(k)));
     let axes = plan.rotary_by_letter();
     let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
     let count = plan.plunges.len();
