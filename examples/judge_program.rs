@@ -8,9 +8,10 @@ use std::process::ExitCode;
 
 use vanecut::io::apt::read_apt;
 use vanecut::io::part_file::read_part;
+use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::Setup;
-use vanecut::verify::{verify, verify_flank};
+use vanecut::verify::{VerifyError, verify, verify_flank};
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
@@ -22,11 +23,15 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let workpiece = setup.allowances.workpiece_of(part);
     let program = read_apt(Path::new(&path))?;
     // Plunges and flank milling are judged by rules of their own; the moves of the program tell which it is.
-    let faults = match program.mills_along_curves() {
-        true => verify_flank(&workpiece, &setup, &program).map(|verdict| verdict.faults),
-        false => verify(&workpiece, &setup, &program).map(|verdict| verdict.faults),
+    let monitor = Monitor::default();
+    let judged = match program.mills_along_curves() {
+        true => verify_flank(&workpiece, &setup, &program, &monitor).map(|verdict| verdict.faults),
+        false => verify(&workpiece, &setup, &program, &monitor).map(|verdict| verdict.faults),
     };
-    let faults = faults.unwrap_or_else(|fault| vec![fault]);
+    let faults = match judged {
+        Err(VerifyError::Program(fault)) => vec![fault],
+        judged => judged?,
+    };
     for fault in &faults {
         println!("{path}:{}: {fault}", fault.line);
     }

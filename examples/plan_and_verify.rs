@@ -43,8 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let text = write_apt(&ClProgram::of_plan(&part.name, &outcome.after.plan));
     write_atomically(Path::new(&output), text.as_bytes())?;
     let program = read_apt_bytes(&output, text.as_bytes())?;
-    let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, 256)
-        .map_err(|fault| format!("{output}:{}: {fault}", fault.line))?;
+    let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, 256, &Monitor::default())
+        .map_err(|error| format!("{output}: {error}"))?;
     println!("{output}: {} faults", report.verdict.faults.len());
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{ErrorCode, UserError};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 
 /// The computation was cancelled; the caller keeps its last good result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,13 +27,21 @@ impl From<Cancelled> for UserError {
 /// monitor.cancel();
 /// assert!(monitor.check().is_err(), "all work with this monitor ends at its next check");
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Monitor {
     shared: Arc<MonitorState>,
     /// Whether [`Self::stop`] is ignored.
     ignores_stop: bool,
     /// Whether reports are not passed on.
     is_silent: bool,
+    /// Progress of the whole at the begin and the end of the work that reports.
+    span: [f64; 2],
+}
+
+impl Default for Monitor {
+    fn default() -> Self {
+        Self { shared: Arc::default(), ignores_stop: false, is_silent: false, span: [0.0, 1.0] }
+    }
 }
 
 #[derive(Debug, Default)]
@@ -68,12 +76,28 @@ impl Monitor {
     /// The same token for the steps that complete a partial result: a stop is ignored, only a cancel is an
     /// error.
     pub fn ignoring_stop(&self) -> Self {
-        Self { shared: Arc::clone(&self.shared), ignores_stop: true, is_silent: self.is_silent }
+        Self { ignores_stop: true, ..self.same() }
     }
 
     /// The same token for work beside the main one, whose progress does not count.
     pub fn silent(&self) -> Self {
-        Self { shared: Arc::clone(&self.shared), ignores_stop: self.ignores_stop, is_silent: true }
+        Self { is_silent: true, ..self.same() }
+    }
+
+    /// The same token for a part of the work: its progress 0…1 counts as `from`…`to` of this one.
+    pub fn part(&self, from: f64, to: f64) -> Self {
+        let [start, end] = self.span;
+        Self { span: [from, to].map(|share| start + (end - start) * share), ..self.same() }
+    }
+
+    fn same(&self) -> Self {
+        let Self { shared, ignores_stop, is_silent, span } = self;
+        Self { shared: Arc::clone(shared), ignores_stop: *ignores_stop, is_silent: *is_silent, span: *span }
+    }
+
+    /// Counts `total` equal steps of the work, from any thread.
+    pub fn steps(&self, total: usize) -> StepCount<'_> {
+        StepCount { monitor: self, total, done: AtomicUsize::new(0) }
     }
 
     /// Returns an error once the computation must end; to be called every few milliseconds.
@@ -89,11 +113,56 @@ impl Monitor {
         if self.is_silent {
             return;
         }
-        self.shared.permille.store((fraction.clamp(0.0, 1.0) * 1000.0) as u32, Ordering::Relaxed);
+        let [start, end] = self.span;
+        let whole = start + (end - start) * fraction.clamp(0.0, 1.0);
+        self.shared.permille.store((whole * 1000.0) as u32, Ordering::Relaxed);
     }
 
     /// Progress, 0…1.
     pub fn progress(&self) -> f64 {
         f64::from(self.shared.permille.load(Ordering::Relaxed)) / 1000.0
+    }
+}
+
+/// Steps of a computation, counted as they begin.
+#[derive(Debug)]
+pub struct StepCount<'a> {
+    monitor: &'a Monitor,
+    total: usize,
+    done: AtomicUsize,
+}
+
+impl StepCount<'_> {
+    /// Begins a step, and reports the progress.
+    ///
+    /// # Errors
+    /// As [`Monitor::check`].
+    pub fn begin(&self) -> Result<(), Cancelled> {
+        self.monitor.check()?;
+        let done = self.done.fetch_add(1, Ordering::Relaxed);
+        self.monitor.report(done as f64 / self.total.max(1) as f64);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_report_their_share_of_the_whole() {
+        let monitor = Monitor::default();
+        let second = monitor.part(0.5, 1.0);
+        second.report(0.0);
+        assert_eq!(monitor.progress(), 0.5);
+        second.part(0.0, 0.5).report(1.0);
+        assert_eq!(monitor.progress(), 0.75);
+        second.silent().report(1.0);
+        assert_eq!(monitor.progress(), 0.75, "work beside the main one does not count");
+        let steps = second.steps(4);
+        (0..3).for_each(|_| steps.begin().expect("goes on"));
+        assert_eq!(monitor.progress(), 0.75, "two of four are done");
+        monitor.cancel();
+        assert!(steps.begin().is_err(), "parts end with the whole");
     }
 }

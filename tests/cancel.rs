@@ -10,12 +10,12 @@ use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::plan_file::{read_plan_bytes, write_plan};
 use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest, run};
-use vanecut::monitor::Monitor;
+use vanecut::monitor::{Cancelled, Monitor};
 use vanecut::part::{Impeller, PartDescription};
 use vanecut::plunge::PlungePlan;
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::ClProgram;
-use vanecut::verify::verify;
+use vanecut::verify::{VerifyError, report_plunges, verify};
 
 fn description() -> PartDescription {
     let text = include_str!("../assets/parts/impeller532.toml");
@@ -92,7 +92,7 @@ fn a_stopped_plan_is_sound_and_says_that_it_is_not_finished() {
         let program = ClProgram::of_plan(&request.part.name, plan);
         assert!(program.part.ends_with("UNFINISHED"), "a program that is run by mistake says what it is");
         let program = read_apt_bytes("plunge.apt", write_apt(&program).as_bytes()).expect("readable");
-        let verdict = verify(&outcome.workpiece, &outcome.setup, &program);
+        let verdict = verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default());
         assert_eq!(verdict.expect("can be judged").faults, [], "stopped at {share}");
         let text = write_plan(&description(), &outcome.setup, plan, 1);
         assert!(text.contains("\"cancelled\""), "the file says so");
@@ -151,6 +151,41 @@ fn a_cancel_at_any_stage_leaves_nothing() {
     }
 }
 
+#[test]
+fn a_check_of_a_program_reports_its_progress_and_can_be_cancelled() {
+    let mut request = request(AxisPolicy::Monotone);
+    request.setup.plunge.step = Some(2.0);
+    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    let program = ClProgram::of_plan(&request.part.name, &outcome.after.plan);
+    let check =
+        |monitor: &Monitor| report_plunges(&outcome.workpiece, &outcome.setup, &program, 192, monitor);
+    let monitor = Monitor::default();
+    let whole = check(&monitor).expect("can be judged");
+    assert!(monitor.progress() > 0.7, "{} at its end", monitor.progress());
+    let mut cancelled = 0;
+    for share in [0.0, 0.1, 0.3, 0.5] {
+        let monitor = Monitor::default();
+        let ended = std::thread::scope(|scope| {
+            let work = scope.spawn(|| check(&monitor));
+            while monitor.progress() < share && !work.is_finished() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            monitor.cancel();
+            work.join().expect("no panic")
+        });
+        match ended {
+            Err(error) => {
+                assert_eq!(error, VerifyError::Cancelled(Cancelled));
+                assert_eq!(UserError::from(error).code, ErrorCode::Cancelled);
+                cancelled += 1;
+            }
+            // It was judged before the cancel came.
+            Ok(report) => assert_eq!(report.verdict.faults, whole.verdict.faults),
+        }
+    }
+    assert!(cancelled > 1, "{cancelled} checks were cancelled");
+}
+
 /// Runs `vanecut plan` and sends SIGINT after `wait`: exit code, standard error, and whether a plan was
 /// written.
 #[cfg(unix)]
@@ -190,7 +225,7 @@ fn ctrl_c_ends_a_plan_with_what_is_found() {
             None => assert!(!written),
             Some(0) => break,
             Some(1) if errors.contains("unfinished") => {
-                assert!(errors.contains("stopping, keeping the result so far"), "{errors}");
+                assert!(errors.contains("stopping, a plan keeps the best so far"), "{errors}");
                 let bytes = std::fs::read(folder.join("plan.json")).expect("a plan");
                 let stored = read_plan_bytes("plan.json", &bytes).expect("readable");
                 assert!(stored.plan.is_unfinished(), "the file says so");

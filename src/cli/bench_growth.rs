@@ -98,7 +98,8 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     drop(json);
     lap(2);
     let program = read_apt_bytes("plunge.apt", apt.as_bytes())?;
-    let verdict = verify(&workpiece, setup, &program).map_err(|fault| failed(fault.into()))?;
+    let verdict =
+        verify(&workpiece, setup, &program, &Monitor::default()).map_err(|error| failed(error.into()))?;
     lap(3);
     let [planned, judged, written, verified] = seconds;
     print_stdout(&format!(

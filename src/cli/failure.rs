@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::monitor::Cancelled;
-use crate::verify::Fault;
+use crate::verify::VerifyError;
 
 /// Error of a command: what it prints, and its exit code.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,10 +40,15 @@ impl Failure {
         Self { exit: 1, ..error.into().into() }
     }
 
-    /// A program that cannot be judged, for its fault at a line of `file`.
-    pub fn of_fault(file: &str, fault: Fault) -> Self {
-        let line = fault.line;
-        Self::from(UserError::from(fault)).at_line(file, line)
+    /// A program `file` that cannot be judged, for a fault at a line of it, or a cancelled check.
+    pub fn of_verify(file: &str, error: VerifyError) -> Self {
+        match error {
+            VerifyError::Cancelled(cancelled) => cancelled.into(),
+            VerifyError::Program(fault) => {
+                let line = fault.line;
+                Self::from(UserError::from(fault)).at_line(file, line)
+            }
+        }
     }
 
     /// The same failure at a place: a file, or an option with its value.

@@ -38,12 +38,11 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     }
     check_directory(&args.output)?;
     let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };
-    let outcome = run_with_progress(|monitor| FlankJob::default().run(&request, monitor)).map_err(
-        |error| match error {
+    let outcome = run_with_progress("planning", |monitor| FlankJob::default().run(&request, monitor))
+        .map_err(|error| match error {
             JobError::Cancelled => Cancelled.into(),
             JobError::Setup(fault) => setup.failure(fault),
-        },
-    )?;
+        })?;
     let plan = &outcome.plan;
     if plan.moves.is_empty() {
         let most = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length));

@@ -57,8 +57,9 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     // The report is that of the program as written: read back and verified as by `vanecut verify`.
     let name = apt.display().to_string();
     let written = read_apt_bytes(&name, program.as_bytes())?;
-    let report = report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS)
-        .map_err(|fault| Failure::of_fault(&name, fault))?;
+    let report =
+        report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default())
+            .map_err(|error| Failure::of_verify(&name, error))?;
     if args.report {
         let files = ["plan.json".to_owned(), "plunge.apt".to_owned()];
         sheet::write(
@@ -98,7 +99,7 @@ pub fn plan_with_progress(
         compare,
         field_cells: FIELD_CELLS,
     };
-    run_with_progress(|monitor| job::run(&request, monitor)).map_err(|error| match error {
+    run_with_progress("planning", |monitor| job::run(&request, monitor)).map_err(|error| match error {
         JobError::Cancelled => Cancelled.into(),
         JobError::Setup(fault) => setup.failure(fault),
     })

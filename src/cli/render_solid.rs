@@ -45,13 +45,14 @@ pub fn picture(
     let blank = SolidBlank::of(part, &workpiece.blank);
     let spacing = blank.default_spacing();
     let mut stock = SolidStock::new(&blank, spacing).map_err(Failure::of_work)?;
-    run_with_progress(|monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))
+    run_with_progress("cutting", |monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))
         .map_err(Failure::of_work)?;
     let surface = StockSurface::of(&stock);
     let paint = |cut_by: u32| if cut_by == SpanEnd::BLANK { Paint::UNCUT } else { Paint::BY_VALUE };
     let excess = Excess::new(&workpiece);
-    let mesh = run_with_progress(|monitor| solid_mesh(&surface, spacing, Some(&excess), paint, monitor))
-        .map_err(Failure::of_work)?;
+    let mesh =
+        run_with_progress("drawing", |monitor| solid_mesh(&surface, spacing, Some(&excess), paint, monitor))
+            .map_err(Failure::of_work)?;
     let options = SceneOptions {
         show_solid: true,
         show_cutters: CutterFilter::Hidden,

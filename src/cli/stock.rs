@@ -62,9 +62,10 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         other => Failure::from(other.explained()).at("--spacing"),
     };
     let mut stock = SolidStock::new(&blank, spacing).map_err(failed)?;
-    let contacts =
-        run_with_progress(|monitor| stock.make_moves(&simulated.tools, simulated.first(made), monitor))
-            .map_err(failed)?;
+    let contacts = run_with_progress("cutting", |monitor| {
+        stock.make_moves(&simulated.tools, simulated.first(made), monitor)
+    })
+    .map_err(failed)?;
     let surface = StockSurface::of(&stock);
     let (whole, volume) = (blank.volume(), surface.volume());
     let bytes = match format {

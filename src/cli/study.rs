@@ -66,7 +66,7 @@ fn run_study(path: &Path, args: &StudyArgs) -> Result<(), Failure> {
         return Err(Failure::input(ErrorCode::Arguments, what, "add -o DIR, or --list"));
     };
     let how = Execution { folder, shard, jobs, threads: (threads / jobs).max(1) };
-    let tally = run_with_progress(|monitor| execute(&list, &how, monitor))?;
+    let tally = run_with_progress("planning", |monitor| execute(&list, &how, monitor))?;
     print_stdout(&tally_text(&tally, folder))?;
     check_tally(&tally)
 }

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
 use super::report::PlungeFigures;
+use super::watch::run_with_progress;
 use super::{Failure, MAX_SHOWN, open, print_stdout, report};
 use crate::error::ErrorCode;
 use crate::io::program_file::{NcTarget, read_program_bytes};
@@ -15,7 +16,7 @@ use crate::job::FIELD_CELLS;
 use crate::part::Impeller;
 use crate::plunge::sections::check_part;
 use crate::toolpath::ClWarning;
-use crate::verify::{Fault, PlungeReport, report_plunges, verify_flank};
+use crate::verify::{PlungeReport, VerifyError, report_plunges, verify_flank};
 
 /// Verifies a program and prints the findings.
 ///
@@ -36,12 +37,17 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let (program, overruns) = read_program_bytes(&name, &bytes, target, &part, setup)?;
     let workpiece = setup.allowances.workpiece_of(part);
     let part = &workpiece.part;
-    let unjudged = |fault: Fault| Failure::of_fault(&name, fault);
+    let unjudged = |error: VerifyError| Failure::of_verify(&name, error);
     let (mut map, mut text, mut faults) = if program.mills_along_curves() {
-        let verdict = verify_flank(&workpiece, setup, &program).map_err(unjudged)?;
+        let verdict =
+            run_with_progress("checking", |monitor| verify_flank(&workpiece, setup, &program, monitor))
+                .map_err(unjudged)?;
         (flank::object(part, &verdict), flank::text(&verdict), verdict.faults)
     } else {
-        let report = report_plunges(&workpiece, setup, &program, FIELD_CELLS).map_err(unjudged)?;
+        let report = run_with_progress("checking", |monitor| {
+            report_plunges(&workpiece, setup, &program, FIELD_CELLS, monitor)
+        })
+        .map_err(unjudged)?;
         (plunge_object(part, &report), plunge_text(&report), report.verdict.faults)
     };
     faults.extend(overruns);

@@ -10,9 +10,9 @@ use crate::monitor::Monitor;
 /// Exit code after a second Ctrl+C: 128 + SIGINT, the convention of shells.
 const INTERRUPTED: i32 = 130;
 
-/// Runs a job, with its progress on a terminal. The first Ctrl+C stops the job, which keeps the best result
-/// found so far; a second one ends the program at once.
-pub fn run_with_progress<T>(job: impl FnOnce(&Monitor) -> T) -> T {
+/// Runs a job, with its progress on a terminal, where `what` says what it does. The first Ctrl+C stops the
+/// job, which keeps the best result found so far; a second one ends the program at once.
+pub fn run_with_progress<T>(what: &str, job: impl FnOnce(&Monitor) -> T) -> T {
     let monitor = Arc::new(Monitor::default());
     let asked = Arc::clone(&monitor);
     // If no handler can be set, Ctrl+C ends the program as by default.
@@ -26,7 +26,7 @@ pub fn run_with_progress<T>(job: impl FnOnce(&Monitor) -> T) -> T {
             std::process::exit(INTERRUPTED);
         }
         asked.stop();
-        eprintln!("\nstopping, keeping the result so far; Ctrl+C again ends at once");
+        eprintln!("\nstopping, a plan keeps the best so far; Ctrl+C again ends at once");
     });
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -34,9 +34,9 @@ pub fn run_with_progress<T>(job: impl FnOnce(&Monitor) -> T) -> T {
             scope.spawn(|| {
                 while !done.load(Ordering::Relaxed) {
                     std::thread::sleep(Duration::from_millis(100));
-                    eprint!("\rplanning… {:3.0} %", 100.0 * monitor.progress());
+                    eprint!("\r{what}… {:3.0} %", 100.0 * monitor.progress());
                 }
-                eprint!("\r                 \r");
+                eprint!("\r{:width$}\r", "", width = what.len() + 8);
             });
         }
         let result = job(&monitor);

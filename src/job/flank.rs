@@ -16,7 +16,7 @@ use crate::plunge::sections::check_part;
 use crate::plunge::{PlanError, Planner};
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
-use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier};
+use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier, VerifyError};
 
 /// Step of the plunges above the shroud, in radii of the cutter for the passes: the stairs that they leave on
 /// a steep shroud are in the way of its holder.
@@ -108,7 +108,11 @@ impl FlankJob {
         let plan = FlankPlan { opening, ..planned? };
         let (tool, moves) = (&plan.tool, &plan.moves);
         let written = ProgramInput { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
-        let verdict = written.program().and_then(|p| verifier.verdict(&p).ok());
+        let verdict = match written.program().map(|p| verifier.verdict(&p, &monitor.silent())) {
+            Some(Err(VerifyError::Cancelled(_))) => return Err(JobError::Cancelled),
+            Some(verdict) => verdict.ok(),
+            None => None,
+        };
         if !setup.tools.contains(&chosen.tool) {
             setup.tools.push(chosen.tool.clone());
         }
@@ -210,10 +214,11 @@ fn faults_as_written(
     let Some(program) = written.program() else {
         return Ok(all("its program cannot be read back"));
     };
-    let Ok(faults) = verifier.faults(&program, monitor) else {
-        return Ok(all("its program cannot be verified"));
+    *found = match verifier.faults(&program, monitor) {
+        Ok(faults) => faults,
+        Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
+        Err(VerifyError::Program(_)) => return Ok(all("its program cannot be verified")),
     };
-    *found = faults?;
     let move_fault = |fault: &Fault| {
         let before = program.moves.len() - count;
         let index = program.moves.partition_point(|m| m.line < fault.line).checked_sub(before)?;

@@ -49,7 +49,7 @@ pub(super) fn evaluate(
         Ok(setup) => match caught(|| plan(input.part.part.clone(), setup, monitor)) {
             Ok(Err(JobError::Cancelled)) => return Err(Cancelled),
             Ok(Err(JobError::Setup(fault))) => Err(fault.into()),
-            Ok(Ok(outcome)) => judge(&outcome, &mut result),
+            Ok(Ok(outcome)) => judge(&outcome, &mut result, monitor),
             Err(defect) => Err(defect),
         },
     };
@@ -75,11 +75,12 @@ fn plan(part: Arc<crate::part::Impeller>, setup: Setup, monitor: &Monitor) -> Re
 }
 
 /// Takes the figures from the program as it would be written, as `vanecut plan` does.
-fn judge(outcome: &PlanOutcome, result: &mut RunResult) -> Result<(), UserError> {
+fn judge(outcome: &PlanOutcome, result: &mut RunResult, monitor: &Monitor) -> Result<(), UserError> {
     let (part, plan) = (&outcome.workpiece.part, &outcome.after.plan);
     let text = write_apt(&ClProgram::of_plan(&part.name, plan));
     let program = read_apt_bytes("", text.as_bytes())?;
-    let report = report_plunges(&outcome.workpiece, &outcome.setup, &program, FIELD_CELLS)?;
+    let report =
+        report_plunges(&outcome.workpiece, &outcome.setup, &program, FIELD_CELLS, &monitor.silent())?;
     let (summary, faults) = (&report.summary, &report.verdict.faults);
     let sections = || report.verdict.sections.iter().filter(|section| section.is_cut());
     let figures: [f64; FIGURES.len()] = [

@@ -8,6 +8,7 @@ use super::fault::{Fault, FaultKind, Finding};
 use super::{ProgramCut, TOOL_TOLERANCE};
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
 use crate::cutting::contact::Columns;
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 use crate::toolpath::{ClProgram, Move};
@@ -89,11 +90,15 @@ impl LeastDistance {
 }
 
 /// Judges all moves of a plunge program against the finished part.
+///
+/// # Errors
+/// When cancelled.
 pub(super) fn judge_moves(
     program: &ClProgram,
     setup: &Setup,
     around: &AssemblySurroundings,
-) -> (AssemblyDistances, Vec<Fault>) {
+    monitor: &Monitor,
+) -> Result<(AssemblyDistances, Vec<Fault>), Cancelled> {
     let tools: Vec<Tool> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
     let segments: Vec<Vec<AssemblySegment>> =
         tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
@@ -104,19 +109,21 @@ pub(super) fn judge_moves(
         k >= 2 && is_same(&moves[k], &moves[k - 2]) && moves[k - 1].tool == moves[k].tool
     };
     let least = LeastDistance::default();
+    let measure = |k: usize| {
+        let step = &moves[k];
+        let number = step.tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
+        let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == step.tool);
+        let to = (step.tip, step.axis);
+        let from = before.map_or(to, |before| (before.tip, before.axis));
+        let clearance = around.along(&tools[number], &segments[number], from, to, least.get());
+        least.add(&clearance);
+        Some(clearance)
+    };
+    let count = monitor.steps(moves.len());
     let measured: Vec<Option<AssemblyClearance>> = (0..moves.len())
         .into_par_iter()
-        .map(|k| {
-            let step = &moves[k];
-            let number = step.tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
-            let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == step.tool);
-            let to = (step.tip, step.axis);
-            let from = before.map_or(to, |before| (before.tip, before.axis));
-            let clearance = around.along(&tools[number], &segments[number], from, to, least.get());
-            least.add(&clearance);
-            Some(clearance)
-        })
-        .collect();
+        .map(|k| count.begin().map(|()| measure(k)))
+        .collect::<Result<_, Cancelled>>()?;
     let judged: Vec<(AssemblyClearance, Vec<Fault>)> = (0..moves.len())
         .into_par_iter()
         .filter_map(|k| {
@@ -135,7 +142,7 @@ pub(super) fn judge_moves(
         least.add(&clearance);
         faults.extend(found);
     }
-    (least, faults)
+    Ok((least, faults))
 }
 
 /// The fault of plunge `k` if at its end the holder, or a shank thicker than the cutter, is in stock that

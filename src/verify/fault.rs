@@ -4,6 +4,7 @@ use std::fmt::{Display, Formatter};
 
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Vector;
+use crate::monitor::Cancelled;
 use crate::part::Impeller;
 use crate::setup::{AllowanceSetup, Setup, Tool};
 
@@ -108,6 +109,47 @@ impl Display for Fault {
         match self.help.as_str() {
             "" => f.write_str(&self.message),
             help => write!(f, "{}; {help}", self.message),
+        }
+    }
+}
+
+/// Why a program is not judged.
+#[derive(Clone, Debug, PartialEq)]
+pub enum VerifyError {
+    /// It cannot be judged for this fault.
+    Program(Fault),
+    /// The work was cancelled.
+    Cancelled(Cancelled),
+}
+
+impl Display for VerifyError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Program(fault) => fault.fmt(f),
+            Self::Cancelled(cancelled) => cancelled.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for VerifyError {}
+
+impl From<Fault> for VerifyError {
+    fn from(fault: Fault) -> Self {
+        Self::Program(fault)
+    }
+}
+
+impl From<Cancelled> for VerifyError {
+    fn from(cancelled: Cancelled) -> Self {
+        Self::Cancelled(cancelled)
+    }
+}
+
+impl From<VerifyError> for UserError {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Program(fault) => fault.into(),
+            VerifyError::Cancelled(cancelled) => cancelled.into(),
         }
     }
 }

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assembly::unknown_assemblies;
-use super::fault::Fault;
+use super::fault::{Fault, VerifyError};
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
@@ -38,17 +38,21 @@ use walls::wall_deviation;
 
 /// Height at which the flank of a cutter begins when its axis is tilted by 30°, in corner radii.
 const TILTED_CORNER_RADII: f64 = 1.5;
+/// Progress at which the moves, the floors and the solid stock are judged; the walls remain.
+const DONE: [f64; 3] = [0.3, 0.5, 0.85];
 
 /// Checks `program` against `workpiece` with the allowances of `setup`.
 ///
 /// # Errors
-/// When a cut cannot be checked because no tool with a diameter comes before it; the fault names the line.
+/// When a cut cannot be checked because no tool with a diameter comes before it: the fault names the line;
+/// when cancelled.
 pub fn verify_flank(
     workpiece: &Workpiece,
     setup: &Setup,
     program: &ClProgram,
-) -> Result<FlankVerdict, Fault> {
-    FlankVerifier::with(workpiece, setup, 0.0, false).verdict(program)
+    monitor: &Monitor,
+) -> Result<FlankVerdict, VerifyError> {
+    FlankVerifier::with(workpiece, setup, 0.0, false).verdict(program, monitor)
 }
 
 /// Checks programs against one part, one after another; the result of each step is cached.
@@ -120,48 +124,35 @@ impl<'a> FlankVerifier<'a> {
         Self { workpiece, setup, keeps, standing, floor: None, tools, cache, last: None }
     }
 
-    /// The faults of `program`, by line; `Ok(Err(…))` when the work is cancelled. The floor is cut only by a
-    /// program whose moves have no faults themselves, and collisions with standing stock are searched for
-    /// only in one without other faults.
+    /// The faults of `program`, by line. The floor is cut only by a program whose moves have no faults
+    /// themselves, and collisions with standing stock are searched for only in one without other faults. For
+    /// planners, of whose work it is a part: it reports no progress.
     ///
     /// # Errors
     /// As [`verify_flank`].
-    pub fn faults(
-        &mut self,
-        program: &ClProgram,
-        monitor: &Monitor,
-    ) -> Result<Result<Vec<Fault>, Cancelled>, Fault> {
-        let steps = match self.examined_steps(program, monitor)? {
-            Ok(steps) => steps,
-            Err(cancelled) => return Ok(Err(cancelled)),
-        };
+    pub fn faults(&mut self, program: &ClProgram, monitor: &Monitor) -> Result<Vec<Fault>, VerifyError> {
+        let monitor = &monitor.silent();
+        let steps = self.examined_steps(program, monitor)?;
         if !steps.faults.is_empty() {
-            return Ok(Ok(steps.faults));
+            return Ok(steps.faults);
         }
-        let examined = match self.with_floors(program, steps, monitor) {
-            Ok(examined) => examined,
-            Err(cancelled) => return Ok(Err(cancelled)),
-        };
+        let examined = self.with_floors(program, steps, monitor)?;
         if !examined.faults.is_empty() {
-            return Ok(Ok(examined.faults));
+            return Ok(examined.faults);
         }
-        Ok(self.faults_in_standing_stock(&examined.steps, monitor))
+        Ok(self.faults_in_standing_stock(&examined.steps, monitor)?)
     }
 
     /// The complete verdict on `program`.
     ///
     /// # Errors
     /// As [`verify_flank`].
-    pub fn verdict(&mut self, program: &ClProgram) -> Result<FlankVerdict, Fault> {
-        // The default monitor never cancels.
-        let monitor = Monitor::default();
-        let examined = self.examined_steps(program, &monitor)?;
-        let Ok(ExaminedProgram { steps, looks, channels, mut faults }) =
-            examined.and_then(|steps| self.with_floors(program, steps, &monitor))
-        else {
-            return Ok(FlankVerdict::empty());
-        };
-        for fault in self.faults_in_standing_stock(&steps, &monitor).unwrap_or_default() {
+    pub fn verdict(&mut self, program: &ClProgram, monitor: &Monitor) -> Result<FlankVerdict, VerifyError> {
+        let [moves_done, floors_done, solid_done] = DONE;
+        let examined = self.examined_steps(program, &monitor.part(0.0, moves_done))?;
+        let ExaminedProgram { steps, looks, channels, mut faults } =
+            self.with_floors(program, examined, &monitor.part(moves_done, floors_done))?;
+        for fault in self.faults_in_standing_stock(&steps, &monitor.part(floors_done, solid_done))? {
             if !faults.iter().any(|other| (other.line, other.kind) == (fault.line, fault.kind)) {
                 faults.push(fault);
             }
@@ -184,8 +175,11 @@ impl<'a> FlankVerifier<'a> {
         for (step, look) in steps.iter().zip(&looks) {
             verdict.add(step, look);
         }
+        let closing = monitor.part(solid_done, 1.0);
+        let count = closing.steps(channels.len());
         for (index, (number, floor)) in channels.iter().enumerate() {
-            let (uncovered, layer) = floor.figures(workpiece, setup);
+            count.begin()?;
+            let (uncovered, layer) = floor.figures(workpiece, setup, &closing)?;
             if index == 0 || uncovered.share() > verdict.uncovered.share() {
                 (verdict.uncovered, verdict.layer) = (uncovered, layer);
             }
@@ -201,7 +195,8 @@ impl<'a> FlankVerifier<'a> {
                 &cuts,
                 setup.allowances.blade_allowance,
                 uncut,
-            );
+                &closing,
+            )?;
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
             verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
             verdict.unmilled_wall_share = verdict.unmilled_wall_share.max(walls.unmilled_share);
@@ -242,7 +237,7 @@ impl<'a> FlankVerifier<'a> {
         &mut self,
         program: &ClProgram,
         monitor: &Monitor,
-    ) -> Result<Result<ExaminedSteps, Cancelled>, Fault> {
+    ) -> Result<ExaminedSteps, VerifyError> {
         let (steps, tools) = steps_of(&self.workpiece.part, &self.workpiece.channel, program, self.setup)?;
         if tools != self.tools {
             self.cache.clear();
@@ -250,15 +245,12 @@ impl<'a> FlankVerifier<'a> {
             self.standing.forget();
             self.tools = tools;
         }
-        let looks = match self.examine_steps(&steps, monitor) {
-            Ok(looks) => looks,
-            Err(cancelled) => return Ok(Err(cancelled)),
-        };
+        let looks = self.examine_steps(&steps, monitor)?;
         let mut faults: Vec<Fault> = Vec::new();
         for (step, look) in steps.iter().zip(&looks) {
             faults.extend(self.faults_of(step, look));
         }
-        Ok(Ok(ExaminedSteps { steps, looks, faults }))
+        Ok(ExaminedSteps { steps, looks, faults })
     }
 
     /// Adds the floors of a program, and the faults found there, to its examined steps.
@@ -307,11 +299,12 @@ impl<'a> FlankVerifier<'a> {
                 None => monitor.check().map(|()| Some(around.at(step, 1.0))),
             })
             .collect::<Result<_, Cancelled>>()?;
+        let count = monitor.steps(steps.len());
         let looked = |k: usize| {
+            count.begin()?;
             if let Some(known) = known[k] {
                 return Ok(known.clone());
             }
-            monitor.check()?;
             let before =
                 k.checked_sub(1).filter(|&b| steps[b].tool == steps[k].tool && steps[b].to == steps[k].from);
             Ok(examine_step(&steps[k], [before.and_then(|b| ends[b]), ends[k]], &around, blank))
@@ -336,8 +329,9 @@ impl<'a> FlankVerifier<'a> {
         let mut numbers: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
         numbers.sort_unstable();
         numbers.dedup();
+        let count = monitor.steps(numbers.len());
         let floor = |number| {
-            monitor.check()?;
+            count.begin()?;
             Ok((number, Arc::new(self.floor(steps, looks, number))))
         };
         let floors: Vec<(i64, Arc<FloorResult>)> =

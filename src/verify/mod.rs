@@ -19,7 +19,7 @@ pub use assembly::AssemblyDistances;
 pub use assembly::unknown_assemblies;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
-pub use fault::{Fault, FaultKind, TILT_TOLERANCE, count_by_kind, falls_short};
+pub use fault::{Fault, FaultKind, TILT_TOLERANCE, VerifyError, count_by_kind, falls_short};
 use fault::{
     Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank,
     stopped_spindle, tool_mismatch,
@@ -38,6 +38,7 @@ use crate::cutting::contact::{
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
 use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vector_z, rotate_z};
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller, Workpiece};
 use crate::plunge::SectionPlan;
 use crate::setup::{AllowanceSetup, CutDirection, SectionKind, Setup, Tool};
@@ -49,6 +50,9 @@ const PROGRAM_TOLERANCE: f64 = 2e-6;
 const MAX_RAPID_TURN_RAD: f64 = 175.0 * std::f64::consts::PI / 180.0;
 /// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
 const TOOL_TOLERANCE: f64 = 0.01;
+
+/// Progress at which the cuts are measured, and shank and holder remain.
+const CUTS_DONE: f64 = 0.6;
 
 /// Measurements of one cut.
 struct Measured {
@@ -74,7 +78,7 @@ struct Measured {
 /// width, that of the setup's tool is used.
 ///
 /// ```
-/// use vanecut::{io, setup::Setup, verify};
+/// use vanecut::{io, monitor::Monitor, setup::Setup, verify};
 /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
 /// # let part = vanecut::part::Impeller::build(&part)?;
 /// // A plunge of D 20 to the axis of rotation, straight through the hub.
@@ -82,21 +86,26 @@ struct Measured {
 /// let program = io::apt::read_apt_bytes("through.apt", text)?;
 /// let setup = Setup::for_part(&part);
 /// let workpiece = setup.allowances.workpiece_of(part);
-/// let verdict = verify::verify(&workpiece, &setup, &program).map_err(|fault| fault.to_string())?;
+/// let verdict = verify::verify(&workpiece, &setup, &program, &Monitor::default())?;
 /// assert!(!verdict.faults.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
 /// # Errors
-/// When the program has no cuts, or a cut cannot be checked because no tool with a diameter comes before it;
-/// the fault names the line.
-pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Result<PlungeVerdict, Fault> {
+/// When the program has no cuts, or a cut cannot be checked because no tool with a diameter comes before it:
+/// the fault names the line; when cancelled.
+pub fn verify(
+    workpiece: &Workpiece,
+    setup: &Setup,
+    program: &ClProgram,
+    monitor: &Monitor,
+) -> Result<PlungeVerdict, VerifyError> {
     let Workpiece { part, channel, blank, finished } = workpiece;
     let mut cuts = cuts_of(program, setup)?;
     let Some(first_line) = cuts.first().map(|cut| cut.line) else {
         let what = "the program cuts nothing: it has no move under feed";
         let help = "give a program with FEDRAT before its cuts";
-        return Err(Finding::new(FaultKind::CutsNothing, None, what).with_help(help).at(0));
+        return Err(Finding::new(FaultKind::CutsNothing, None, what).with_help(help).at(0).into());
     };
     let sections = match named_sections(program, setup, &mut cuts) {
         Some(sections) => sections,
@@ -108,9 +117,12 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
     let found = |cut: &ProgramCut| (nearest_channel(part, channel, &cut.cutter.tip), 1.0);
     let turns = channels_of(&cuts.par_iter().map(found).collect::<Vec<_>>());
 
+    let measuring = monitor.part(0.0, CUTS_DONE);
+    let count = measuring.steps(cuts.len());
     let measured: Vec<Measured> = (0..cuts.len())
         .into_par_iter()
         .map(|k| {
+            count.begin()?;
             let cut = &cuts[k];
             let back = -part.pitch() * turns[k] as f64;
             let worst = |f: &dyn Fn(&CutterSolid) -> f64| {
@@ -125,7 +137,7 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
                 core_contact(&column, columns.before(k + 1), blank)
             };
             let lead_out = cut.lead_out.iter().map(left).max_by(|a, b| a.depth.total_cmp(&b.depth));
-            Measured {
+            Ok(Measured {
                 contact: core_contact(&columns.as_slice()[k], earlier, blank),
                 hub: worst(&|c| finished.hub_clearance(c)),
                 blade: worst(&|c| finished.blade_clearance(c)),
@@ -137,9 +149,9 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
                 engaged: if deep { core_contact(&whole, earlier, blank).depth } else { 0.0 },
                 holder_in_stock: holder_in_stock(cut, k, &columns, blank).map(|finding| finding.at(cut.line)),
                 rapids,
-            }
+            })
         })
-        .collect();
+        .collect::<Result<_, Cancelled>>()?;
 
     let mut judged = Vec::with_capacity(cuts.len());
     let mut faults = Vec::new();
@@ -184,7 +196,7 @@ pub fn verify(workpiece: &Workpiece, setup: &Setup, program: &ClProgram) -> Resu
         faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));
     }
     let around = AssemblySurroundings::new(finished, setup);
-    let (assembly, found) = judge_moves(program, setup, &around);
+    let (assembly, found) = judge_moves(program, setup, &around, &monitor.part(CUTS_DONE, 1.0))?;
     faults.extend(found);
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use super::assembly::unknown_assemblies;
 use super::summary::{CutFigures, Floors, Summary};
-use super::{Fault, JudgedCut, PlungeVerdict, verify};
+use super::{JudgedCut, PlungeVerdict, VerifyError, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::SectionPlan;
 use crate::setup::Setup;
@@ -16,6 +17,8 @@ use crate::toolpath::{ClProgram, Travel};
 const SAME_TOLERANCE: f64 = 1e-5;
 /// Uncut share of the reachable floor above which a note is added.
 const MAX_UNCUT_SHARE: f64 = 0.1;
+/// Progress at which the plunges are judged, and the floor remains.
+const PLUNGES_DONE: f64 = 0.8;
 
 /// A checked plunge program. Counts, lengths and times are of the whole program; figures of the floor are
 /// over all channels with cuts.
@@ -41,12 +44,13 @@ pub fn report_plunges(
     setup: &Setup,
     program: &ClProgram,
     cells: usize,
-) -> Result<PlungeReport, Fault> {
-    let verdict = verify(workpiece, setup, program)?;
+    monitor: &Monitor,
+) -> Result<PlungeReport, VerifyError> {
+    let verdict = verify(workpiece, setup, program, &monitor.part(0.0, PLUNGES_DONE))?;
     let stretches = stretches_of(&verdict.sections);
     let source = FloorSource { workpiece, stock: &setup.allowances, cutters: &stretches };
     let grid = FloorGrid::new(&source, cells);
-    let fields = fields_of(&workpiece.part, &verdict, &grid);
+    let fields = fields_of(&workpiece.part, &verdict, &grid, &monitor.part(PLUNGES_DONE, 1.0))?;
     let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();
     let floors = Floors { grid: &grid, heights: &heights };
     let summary =
@@ -66,7 +70,15 @@ pub fn report_plunges(
 
 /// Heights of the floor after the program, once per group of equal channels, and the number of channels in
 /// the group.
-fn fields_of(part: &Impeller, verdict: &PlungeVerdict, grid: &FloorGrid) -> Vec<(Vec<f32>, usize)> {
+///
+/// # Errors
+/// When cancelled.
+fn fields_of(
+    part: &Impeller,
+    verdict: &PlungeVerdict,
+    grid: &FloorGrid,
+    monitor: &Monitor,
+) -> Result<Vec<(Vec<f32>, usize)>, Cancelled> {
     let worked_in: BTreeSet<i64> = verdict.cuts.iter().map(|cut| cut.channel_offset).collect();
     let around: Vec<Vec<JudgedCut>> =
         worked_in.iter().map(|&number| cuts_around(part, &verdict.cuts, number)).collect();
@@ -77,10 +89,12 @@ fn fields_of(part: &Impeller, verdict: &PlungeVerdict, grid: &FloorGrid) -> Vec<
             None => kinds.push((index, 1)),
         }
     }
+    let count = monitor.steps(kinds.len());
     let field = |(index, times): (usize, usize)| {
+        count.begin()?;
         let tool = |cut: &JudgedCut| &verdict.sections[cut.section].tool;
         let cutters = around[index].iter().map(|cut| FieldCutter::of(tool(cut), cut.tip, cut.axis));
-        (residual_field(grid, &cutters.collect::<Vec<_>>()).heights, times)
+        Ok((residual_field(grid, &cutters.collect::<Vec<_>>()).heights, times))
     };
     kinds.into_iter().map(field).collect()
 }

@@ -52,7 +52,8 @@ fn cores_in_stock(program: &mut ClProgram) -> Vec<usize> {
         step.line = line;
     }
     assert!(program.mills_along_curves());
-    let verdict = verify_flank(&PLAN.workpiece, &PLAN.setup, program).expect("it can be checked");
+    let verdict =
+        verify_flank(&PLAN.workpiece, &PLAN.setup, program, &Monitor::default()).expect("it can be checked");
     let cores = verdict.faults.iter().filter(|fault| fault.kind == FaultKind::CoreContact);
     cores.map(|fault| fault.line).collect()
 }

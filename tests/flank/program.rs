@@ -62,7 +62,8 @@ fn verify_finds_no_fault_in_the_programs() {
         let plan = &outcome.plan;
         let text = write_apt(&ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves));
         let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("it reads its own program");
-        let verdict = verify_flank(&outcome.workpiece, &outcome.setup, &program).expect("judged");
+        let verdict =
+            verify_flank(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("judged");
         assert!(verdict.faults.is_empty(), "{name} {scheme:?}: {:?}", verdict.faults.first());
         if scheme == FlankStrategy::Balanced {
             // Only the ball's fillet beside the walls remains, no gap between passes or beside a nose.

@@ -8,10 +8,11 @@ use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
 use vanecut::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::read_part;
+use vanecut::monitor::{Cancelled, Monitor};
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::setup::{Setup, Tool};
 use vanecut::toolpath::{ClProgram, ClTool, Motion, Move};
-use vanecut::verify::{FaultKind, FlankVerdict, FlankVerifier, verify_flank};
+use vanecut::verify::{FaultKind, FlankVerdict, FlankVerifier, VerifyError, verify_flank};
 
 /// Range of the passes, as s of the foot of the axis: beyond the hub's ends, cutters would drop too low.
 const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
@@ -125,7 +126,8 @@ impl Made {
     fn verdict(&self, program: &ClProgram) -> FlankVerdict {
         let read = read_apt_bytes("flank.apt", write_apt(program).as_bytes()).expect("readable");
         assert!(read.mills_along_curves(), "a flank program");
-        let verdict = verify_flank(&self.workpiece, &self.setup, &read).expect("can be judged");
+        let verdict =
+            verify_flank(&self.workpiece, &self.setup, &read, &Monitor::default()).expect("can be judged");
         // These programs mill the full depth at once, which is a separate fault.
         let others = verdict.faults.iter().filter(|fault| fault.kind != FaultKind::TooDeep);
         FlankVerdict { faults: others.cloned().collect(), ..verdict }
@@ -296,6 +298,35 @@ fn rapids_through_stock_are_found_and_those_through_cut_space_allowed() {
 }
 
 #[test]
+fn a_check_reports_its_progress_and_can_be_cancelled() {
+    let made = made(3);
+    let program = made.program(made.walls.iter().chain(&made.inner), |_| {});
+    let check = |monitor: &Monitor| verify_flank(&made.workpiece, &made.setup, &program, monitor);
+    let monitor = Monitor::default();
+    check(&monitor).expect("can be judged");
+    assert!(monitor.progress() >= 0.85, "{} at its end", monitor.progress());
+    let mut cancelled = 0;
+    for share in [0.0, 0.1, 0.5] {
+        let monitor = Monitor::default();
+        let ended = std::thread::scope(|scope| {
+            let work = scope.spawn(|| check(&monitor));
+            while monitor.progress() < share && !work.is_finished() {
+                std::thread::sleep(std::time::Duration::from_millis(1));
+            }
+            monitor.cancel();
+            work.join().expect("no panic")
+        });
+        match ended {
+            Err(error) => assert_eq!(error, VerifyError::Cancelled(Cancelled)),
+            // It was judged before the cancel came.
+            Ok(_) => continue,
+        }
+        cancelled += 1;
+    }
+    assert!(cancelled > 1, "{cancelled} checks were cancelled");
+}
+
+#[test]
 fn programs_after_others_are_judged_as_by_themselves() {
     let mut made = made(3);
     // The holder of a short cutter meets stock.
@@ -313,8 +344,9 @@ fn programs_after_others_are_judged_as_by_themselves() {
     ];
     let mut verifier = FlankVerifier::new(&made.workpiece, &made.setup);
     for program in &programs {
-        let alone = verify_flank(&made.workpiece, &made.setup, program).expect("can be judged");
-        let after = verifier.verdict(program).expect("can be judged");
+        let alone =
+            verify_flank(&made.workpiece, &made.setup, program, &Monitor::default()).expect("can be judged");
+        let after = verifier.verdict(program, &Monitor::default()).expect("can be judged");
         assert!(count(&alone, FaultKind::HolderInStock) > 0, "{:#?}", shown(&alone));
         assert_eq!(format!("{after:#?}"), format!("{alone:#?}"));
     }

@@ -59,8 +59,13 @@ fn verdict(outcome: &FlankOutcome) -> FlankVerdict {
     let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let text = write_apt(&ClProgram::of_flank(&part.name, &plan.tool, &plan.moves));
     let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("readable");
-    verify_flank(&outcome.setup.allowances.workpiece_of(part.clone()), &outcome.setup, &program)
-        .expect("can be judged")
+    verify_flank(
+        &outcome.setup.allowances.workpiece_of(part.clone()),
+        &outcome.setup,
+        &program,
+        &Monitor::default(),
+    )
+    .expect("can be judged")
 }
 
 /// The plan of [`overlapping`], computed once.

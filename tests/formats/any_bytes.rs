@@ -321,8 +321,12 @@ fn setup(bytes: &[u8]) {
 
 fn program(bytes: &[u8]) {
     if let Ok(program) = read_apt_bytes("a", bytes) {
-        let _ =
-            verify(&SAMPLES.setup.allowances.workpiece_of(SAMPLES.part.clone()), &SAMPLES.setup, &program);
+        let _ = verify(
+            &SAMPLES.setup.allowances.workpiece_of(SAMPLES.part.clone()),
+            &SAMPLES.setup,
+            &program,
+            &Monitor::default(),
+        );
     }
 }
 
@@ -344,7 +348,8 @@ fn the_samples_are_valid() {
     assert!(matches!(description.hub, CurveDescription::Points(_)));
     Impeller::build(&description).unwrap();
     let program = read_apt_bytes("a", s.program.as_bytes()).unwrap();
-    verify(&s.setup.allowances.workpiece_of(s.part.clone()), &s.setup, &program).unwrap();
+    verify(&s.setup.allowances.workpiece_of(s.part.clone()), &s.setup, &program, &Monitor::default())
+        .unwrap();
     assert_eq!(read_plan_bytes("a", s.plan.as_bytes()).unwrap().plan.positions.len(), 12);
 }
 

@@ -51,8 +51,8 @@ fn written(outcome: &PlanOutcome) -> ClProgram {
 }
 
 fn kinds(setup: &Setup, program: &ClProgram) -> Vec<FaultKind> {
-    let verdict =
-        verify(&setup.allowances.workpiece_of(PART.clone()), setup, program).expect("it can be checked");
+    let verdict = verify(&setup.allowances.workpiece_of(PART.clone()), setup, program, &Monitor::default())
+        .expect("it can be checked");
     verdict.faults.iter().map(|fault| fault.kind).collect()
 }
 
@@ -134,7 +134,8 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
     let text = write_apt(&ClProgram::of_plan("a", plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
     let workpiece = outcome.setup.allowances.workpiece_of(PUMP.clone());
-    let verdict = verify(&workpiece, &outcome.setup, &program).expect("it can be checked");
+    let verdict =
+        verify(&workpiece, &outcome.setup, &program, &Monitor::default()).expect("it can be checked");
     assert_eq!(verdict.faults, []);
     assert_eq!(collisions(&program, &outcome.setup), []);
     // Neighbouring channels share plunges above the shroud.
@@ -180,7 +181,8 @@ fn a_holder_passes_through_what_was_opened_and_no_more() {
     let text = write_apt(&ClProgram::of_plan("a", plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
     let workpiece = outcome.setup.allowances.workpiece_of(PUMP.clone());
-    let verdict = verify(&workpiece, &outcome.setup, &program).expect("it can be checked");
+    let verdict =
+        verify(&workpiece, &outcome.setup, &program, &Monitor::default()).expect("it can be checked");
     assert_eq!(verdict.faults, []);
     assert_eq!(collisions(&program, &outcome.setup), []);
 }

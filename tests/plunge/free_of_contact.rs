@@ -20,8 +20,8 @@ fn result(outcome: &PlanOutcome, policy: AxisPolicy) -> &PolicyResult {
 fn faults(part: &Impeller, setup: &Setup, result: &PolicyResult) -> Vec<String> {
     let text = write_apt(&ClProgram::of_plan(&part.name, &result.plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
-    let verdict =
-        verify(&setup.allowances.workpiece_of(part.clone()), setup, &program).expect("can be judged");
+    let verdict = verify(&setup.allowances.workpiece_of(part.clone()), setup, &program, &Monitor::default())
+        .expect("can be judged");
     verdict.faults.into_iter().map(|fault| format!("line {}: {fault}", fault.line)).collect()
 }
 
@@ -353,8 +353,8 @@ fn links_of_a_ball_cutter_keep_the_whole_tool_out_of_the_blank() {
     };
     let outcome = run(&request, &Monitor::default()).expect("a plan");
     let program = ClProgram::of_plan(&part.name, &outcome.after.plan);
-    let verdict =
-        verify(&setup.allowances.workpiece_of(part.clone()), &setup, &program).expect("can be judged");
+    let verdict = verify(&setup.allowances.workpiece_of(part.clone()), &setup, &program, &Monitor::default())
+        .expect("can be judged");
     let swings: Vec<_> = verdict.faults.iter().filter(|f| f.kind == FaultKind::ToolInBlank).collect();
     assert!(swings.is_empty(), "{swings:#?}");
 }

@@ -41,7 +41,7 @@ pub static WHOLE: LazyLock<PlanOutcome> = LazyLock::new(|| planned(setup("")));
 fn faults(outcome: &PlanOutcome, plan: &PlungePlan) -> Vec<String> {
     let text = write_apt(&ClProgram::of_plan(&outcome.workpiece.part.name, plan));
     let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
-    let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("judged");
+    let verdict = verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("judged");
     verdict.faults.into_iter().map(|fault| fault.to_string()).collect()
 }
 

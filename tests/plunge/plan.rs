@@ -250,7 +250,8 @@ fn axes_stay_within_what_the_machine_reaches() {
         let text = write_apt(&ClProgram::of_plan(&part.name, plan));
         let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("a program");
         let verdict =
-            verify(&setup.allowances.workpiece_of(part.clone()), setup, &program).expect("a verdict");
+            verify(&setup.allowances.workpiece_of(part.clone()), setup, &program, &Monitor::default())
+                .expect("a verdict");
         verdict.faults.iter().filter(|fault| fault.kind == FaultKind::AxisTilt).count()
     };
     assert_eq!(beyond(&held, &setup), 0);

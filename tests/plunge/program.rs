@@ -25,7 +25,8 @@ fn written(outcome: &PlanOutcome, channels: usize) -> ClProgram {
 }
 
 fn reported(outcome: &PlanOutcome, program: &ClProgram) -> PlungeReport {
-    report_plunges(&outcome.workpiece, &outcome.setup, program, 512).expect("can be judged")
+    report_plunges(&outcome.workpiece, &outcome.setup, program, 512, &Monitor::default())
+        .expect("can be judged")
 }
 
 #[test]
@@ -150,7 +151,8 @@ fn faults_after(mutate: impl FnOnce(&mut ClProgram)) -> Vec<(usize, FaultKind, O
     let (outcome, program) = &*SOUND;
     let mut program = program.clone();
     mutate(&mut program);
-    let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("can be judged");
+    let verdict =
+        verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("can be judged");
     verdict.faults.into_iter().map(|f| (f.line, f.kind, f.value)).collect()
 }
 

@@ -42,7 +42,8 @@ fn planned(more: &str) -> PlanOutcome {
 fn verified(outcome: &PlanOutcome) -> (ClProgram, PlungeVerdict) {
     let program = ClProgram::of_plan("wheel", &outcome.after.plan);
     let program = read_apt_bytes("p.apt", write_apt(&program).as_bytes()).expect("reads");
-    let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("is judged");
+    let verdict =
+        verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("is judged");
     (program, verdict)
 }
 
@@ -180,6 +181,7 @@ fn a_lead_out_into_a_blade_is_found() {
         step.tip += -across.normalize() * 60.0 + axis * 60.0;
     }
     let program = read_apt_bytes("p.apt", write_apt(&program).as_bytes()).expect("reads");
-    let verdict = verify(&outcome.workpiece, &outcome.setup, &program).expect("is judged");
+    let verdict =
+        verify(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("is judged");
     assert!(!verdict.faults.is_empty(), "through stock or a blade");
 }

@@ -91,10 +91,11 @@ fn judge(part: &Impeller, outcome: &PlanOutcome, result: &PolicyResult, faults: 
         Ok(program) => program,
         Err(error) => return wrong(format!("its program is not readable: {error}")),
     };
-    let report = match report_plunges(&outcome.workpiece, &outcome.setup, &program, CELLS) {
-        Ok(report) => report,
-        Err(fault) => return wrong(format!("its program cannot be judged: {fault}")),
-    };
+    let report =
+        match report_plunges(&outcome.workpiece, &outcome.setup, &program, CELLS, &Monitor::default()) {
+            Ok(report) => report,
+            Err(fault) => return wrong(format!("its program cannot be judged: {fault}")),
+        };
     let verdict = &report.verdict;
     if verdict.channels != 1 {
         wrong(format!("its program is found to work in {} channels", verdict.channels));
@@ -140,8 +141,13 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
     let verdict = read_apt_bytes("flank.apt", text(&outcome).as_bytes())
         .map_err(|error| error.to_string())
         .and_then(|program| {
-            verify_flank(&outcome.setup.allowances.workpiece_of(part.clone()), &outcome.setup, &program)
-                .map_err(|fault| fault.to_string())
+            verify_flank(
+                &outcome.setup.allowances.workpiece_of(part.clone()),
+                &outcome.setup,
+                &program,
+                &Monitor::default(),
+            )
+            .map_err(|fault| fault.to_string())
         });
     match verdict {
         Err(error) => faults.push(format!("flank: its program cannot be judged: {error}")),

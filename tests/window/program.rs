@@ -7,6 +7,7 @@ use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::io::apt::read_apt_bytes;
+use vanecut::monitor::Monitor;
 use vanecut::verify::{Fault, FaultKind, verify};
 
 use crate::drop::drop_on;
@@ -66,7 +67,7 @@ fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
     let part = &state.document.part.as_ref().expect("open").impeller;
     let program = read_apt_bytes("deep.apt", text.as_bytes()).expect("a program");
     let workpiece = setup.allowances.workpiece_of(std::sync::Arc::clone(part));
-    let verdict = verify(&workpiece, setup, &program).expect("judged");
+    let verdict = verify(&workpiece, setup, &program, &Monitor::default()).expect("judged");
     let faults: Vec<_> = checked.findings.iter().map(|finding| finding.fault.clone()).collect();
     assert_eq!(faults, verdict.faults);
     window.get_by_label(&format!("Faults {}", faults.len()));

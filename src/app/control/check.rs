@@ -7,7 +7,7 @@ use crate::app::App;
 use crate::app::model::checked::{CheckRequest, CheckedProgram};
 use crate::app::model::look::Operation;
 use crate::app::model::problem::{Problem, Topic};
-use crate::io::InputError;
+use crate::app::tasks::check::CheckError;
 use crate::job::worker::Outcome;
 
 impl App {
@@ -57,7 +57,7 @@ impl App {
     }
 
     /// Handles the result of a check.
-    pub(in crate::app) fn take_checked(&mut self, outcome: Outcome<CheckedProgram, InputError>) {
+    pub(in crate::app) fn take_checked(&mut self, outcome: Outcome<CheckedProgram, CheckError>) {
         match outcome {
             Outcome::Done(checked) => {
                 let part = self.state.document.part.as_ref();
@@ -65,8 +65,10 @@ impl App {
                     self.state.take_checked(checked);
                 }
             }
-            Outcome::Cancelled => self.state.report_done("Check cancelled"),
-            Outcome::Failed(error) => {
+            Outcome::Cancelled | Outcome::Failed(CheckError::Cancelled) => {
+                self.state.report_done("Check cancelled");
+            }
+            Outcome::Failed(CheckError::Input(error)) => {
                 let problem = Problem::from(&error);
                 self.state.report_problem(Problem { topic: Topic::Program, ..problem });
             }

@@ -16,11 +16,14 @@ use crate::gpu::mesh::Segment;
 use crate::io::InputError;
 use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::io::source::{name_of, read_bytes};
+use crate::monitor::Monitor;
 use crate::palette::{INTERFERING, category};
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Motion, Move};
-use crate::verify::{Fault, FlankVerdict, PlungeReport, count_by_kind, report_plunges, verify_flank};
+use crate::verify::{
+    Fault, FlankVerdict, PlungeReport, VerifyError, count_by_kind, report_plunges, verify_flank,
+};
 
 /// Cells of the floor along s and λ.
 const FLOOR_CELLS: usize = 192;
@@ -29,11 +32,26 @@ const WIDTHS: [f32; 3] = [0.8, 1.6, 3.0];
 /// Faults that are shown at their place; further ones are only listed.
 const MAX_PLACES: usize = 5000;
 
+/// Why a program is not checked.
+#[derive(Debug)]
+pub enum CheckError {
+    /// It cannot be read or judged.
+    Input(InputError),
+    /// The work was cancelled.
+    Cancelled,
+}
+
+impl From<InputError> for CheckError {
+    fn from(error: InputError) -> Self {
+        Self::Input(error)
+    }
+}
+
 /// Reads and checks a program.
 ///
 /// # Errors
-/// [`InputError`] when the program cannot be read, or cannot be judged at all.
-pub(in crate::app) fn check(request: &CheckRequest) -> Result<CheckedProgram, InputError> {
+/// [`CheckError`] when the program cannot be read, or cannot be judged at all, or when cancelled.
+pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram, CheckError> {
     let CheckRequest { path, machine, part, setup } = request;
     let name = name_of(path);
     check_part(setup, part)
@@ -42,12 +60,18 @@ pub(in crate::app) fn check(request: &CheckRequest) -> Result<CheckedProgram, In
     let target = NcTarget { machine: Path::new(machine), control: None };
     let (program, overruns) = read_program_bytes(&name, &bytes, Some(target), part, setup)?;
     let workpiece = setup.allowances.workpiece_of(Arc::clone(part));
-    let unjudged =
-        |fault: Fault| InputError::new(ErrorCode::ProgramTool, &name, fault.line, fault.message, fault.help);
+    let unjudged = |error: VerifyError| match error {
+        VerifyError::Cancelled(_) => CheckError::Cancelled,
+        VerifyError::Program(Fault { line, message, help, .. }) => {
+            InputError::new(ErrorCode::ProgramTool, &name, line, message, help).into()
+        }
+    };
     let judged = if program.mills_along_curves() {
-        Judged::of_flank(verify_flank(&workpiece, setup, &program).map_err(unjudged)?)
+        Judged::of_flank(verify_flank(&workpiece, setup, &program, monitor).map_err(unjudged)?)
     } else {
-        Judged::of_plunges(report_plunges(&workpiece, setup, &program, FLOOR_CELLS).map_err(unjudged)?)
+        Judged::of_plunges(
+            report_plunges(&workpiece, setup, &program, FLOOR_CELLS, monitor).map_err(unjudged)?,
+        )
     };
     let mut faults = judged.faults;
     faults.extend(overruns);

@@ -9,6 +9,8 @@ use crate::monitor::Monitor;
 use crate::part::Impeller;
 use crate::setup::Setup;
 
+use super::check::{CheckError, check};
+use crate::app::model::checked::{CheckRequest, CheckedProgram};
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::{DisplayPlan, program_of};
 use crate::app::model::preview::{PlanPreview, PreviewSlot};
@@ -21,6 +23,9 @@ pub type PlanFn = dyn Fn(&PlanRequest, &Monitor, Listener) -> Result<PlanOutcome
 /// Plans flank milling passes.
 pub type FlankFn = dyn Fn(&FlankRequest, &Monitor) -> Result<FlankOutcome, JobError> + Send + Sync;
 
+/// Checks a program from anywhere.
+pub type CheckFn = dyn Fn(&CheckRequest, &Monitor) -> Result<CheckedProgram, CheckError> + Send + Sync;
+
 /// The functions that the window calls.
 #[derive(Clone)]
 pub struct Engine {
@@ -30,6 +35,8 @@ pub struct Engine {
     pub plan: Arc<PlanFn>,
     /// Plans its flank milling passes.
     pub flank: Arc<FlankFn>,
+    /// Checks a program.
+    pub check: Arc<CheckFn>,
     /// Sample parts that `open` accepts.
     pub samples: Vec<Sample>,
 }
@@ -47,6 +54,7 @@ impl Default for Engine {
                 let job = FlankJob::default();
                 Arc::new(move |request, monitor| job.run(request, monitor))
             },
+            check: Arc::new(check),
             samples: crate::app::tasks::files::samples(),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-pub(in crate::app) mod check;
+pub mod check;
 pub mod engine;
 pub(in crate::app) mod files;
 pub(in crate::app) mod home;

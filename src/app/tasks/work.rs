@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Repaint;
-use super::check::check;
+use super::check::CheckError;
 use super::engine::{Engine, PlanTask};
 use super::files::{self, WriteTask, Written};
 use super::open_task::OpenTask;
@@ -25,7 +25,7 @@ pub(in crate::app) struct Work {
     pub opener: Worker<OpenTask, Opened, InputError>,
     pub planner: Worker<PlanTask, DisplayPlan, JobError>,
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
-    pub checker: Worker<CheckRequest, CheckedProgram, InputError>,
+    pub checker: Worker<CheckRequest, CheckedProgram, CheckError>,
     pub writer: Worker<WriteTask, Written, InputError>,
     /// Slot through which the planner passes its preview.
     pub preview: PreviewSlot,
@@ -49,7 +49,7 @@ impl Work {
             let repaint = Arc::clone(repaint);
             move || repaint()
         };
-        let (to_open, to_plan, to_flank) = (engine.clone(), engine.clone(), engine.clone());
+        let [to_open, to_plan, to_flank, to_check] = std::array::from_fn(|_| engine.clone());
         let preview = PreviewSlot::default();
         let plan = {
             let (slot, notify) = (preview.clone(), repaint());
@@ -63,7 +63,11 @@ impl Work {
                 move |request, monitor| (to_flank.flank)(request, monitor),
                 repaint(),
             ),
-            checker: Worker::new("check", |request, _| check(request), repaint()),
+            checker: Worker::new(
+                "check",
+                move |request, monitor| (to_check.check)(request, monitor),
+                repaint(),
+            ),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
             preview,
             asked: None,

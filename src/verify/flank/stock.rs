@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::steps::CutterStep;
 use super::uncovered::Uncovered;
 use crate::geometry::CutterSolid;
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::setup::{Setup, Tool};
 use crate::stock::{
@@ -68,13 +69,22 @@ struct ResidualFloor {
 
 impl FloorResult {
     /// The floor with too much stock, and statistics of the residual stock.
-    pub(super) fn figures(&self, workpiece: &Workpiece, setup: &Setup) -> (Uncovered, ResidualStatistics) {
-        match &self.left {
+    ///
+    /// # Errors
+    /// When cancelled.
+    pub(super) fn figures(
+        &self,
+        workpiece: &Workpiece,
+        setup: &Setup,
+        monitor: &Monitor,
+    ) -> Result<(Uncovered, ResidualStatistics), Cancelled> {
+        Ok(match &self.left {
             Some(ResidualFloor { grid, heights, finest }) => {
-                (Uncovered::of(workpiece, setup, finest, grid, heights), statistics(grid, heights, |_| true))
+                let uncovered = Uncovered::of(workpiece, setup, finest, grid, heights, monitor)?;
+                (uncovered, statistics(grid, heights, |_| true))
             }
             None => (Uncovered { gap: 1.0, ..Uncovered::default() }, ResidualStatistics::default()),
-        }
+        })
     }
 }
 

@@ -8,6 +8,7 @@ use super::stock::SAMPLE_SCALLOP;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::flank::fixed_axis::{FixedAxisLimits, FixedAxisSearch, LayerContact, MAX_TILT};
 use crate::geometry::{Meridional, Point, Vector};
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::{FinishedPart, Workpiece};
 use crate::setup::{Setup, Tool};
 use crate::stock::FloorGrid;
@@ -41,13 +42,17 @@ impl Uncovered {
 
     /// Evaluates the cells of `grid` with residual heights `heights`, mm; `tool` is the one with the smallest
     /// corner.
+    ///
+    /// # Errors
+    /// When cancelled.
     pub(super) fn of(
         workpiece: &Workpiece,
         setup: &Setup,
         tool: &Tool,
         grid: &FloorGrid,
         heights: &[f32],
-    ) -> Self {
+        monitor: &Monitor,
+    ) -> Result<Self, Cancelled> {
         let stock = &setup.allowances;
         let limits = FixedAxisLimits {
             hub_allowance: stock.hub_allowance,
@@ -95,12 +100,13 @@ impl Uncovered {
         }
         let blocks: Vec<(LayerContact, f64)> = blocks.into_values().collect();
         let blocked = |(contact, area): &(LayerContact, f64)| {
-            if search.blocked(contact, &layer).is_some() { [*area, 0.0] } else { [0.0, *area] }
+            monitor.check()?;
+            Ok(if search.blocked(contact, &layer).is_some() { [*area, 0.0] } else { [0.0, *area] })
         };
-        let judged: Vec<[f64; 2]> = blocks.par_iter().map(blocked).collect();
+        let judged: Vec<[f64; 2]> = blocks.par_iter().map(blocked).collect::<Result<_, Cancelled>>()?;
         let share = |area: f64| area / whole.max(1e-9);
         let sum = |k: usize| share(judged.iter().map(|areas| areas[k]).sum());
-        Self { fillet: share(fillet), no_axis: sum(0), gap: sum(1) }
+        Ok(Self { fillet: share(fillet), no_axis: sum(0), gap: sum(1) })
     }
 }
 

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::steps::CutterStep;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
 use crate::setup::Tool;
 
@@ -36,6 +37,9 @@ struct Chunk<'a> {
 
 /// Deviation at all samples of the flanks more than `uncut` mm above the hub: below that a corner leaves
 /// stock.
+///
+/// # Errors
+/// When cancelled.
 pub(super) fn wall_deviation(
     part: &Impeller,
     channel: &Channel,
@@ -43,7 +47,8 @@ pub(super) fn wall_deviation(
     steps: &[&CutterStep],
     allowance: f64,
     uncut: f64,
-) -> WallDeviation {
+    monitor: &Monitor,
+) -> Result<WallDeviation, Cancelled> {
     let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| build_chunk(steps, tools)).collect();
     let hub = part.hub.curve();
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
@@ -63,18 +68,21 @@ pub(super) fn wall_deviation(
         .collect();
     let left: Vec<f64> = samples
         .par_iter()
-        .map(|p| nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance)
-        .filter(|left| *left < MILLED_DISTANCE)
-        .collect();
+        .map(|p| {
+            monitor.check()?;
+            Ok(nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance)
+        })
+        .filter(|left| !left.as_ref().is_ok_and(|left| *left >= MILLED_DISTANCE))
+        .collect::<Result<_, Cancelled>>()?;
     let unmilled_share = 1.0 - left.len() as f64 / (samples.len() as f64).max(1.0);
     if left.is_empty() {
-        return WallDeviation { overcut: f64::NAN, undercut: f64::NAN, unmilled_share };
+        return Ok(WallDeviation { overcut: f64::NAN, undercut: f64::NAN, unmilled_share });
     }
-    WallDeviation {
+    Ok(WallDeviation {
         unmilled_share,
         overcut: left.iter().fold(0.0, |most, d| f64::max(most, -d)),
         undercut: left.iter().fold(0.0, |most, d| f64::max(most, *d)),
-    }
+    })
 }
 
 fn build_chunk<'a>(steps: &[&'a CutterStep], tools: &[Tool]) -> Chunk<'a> {
