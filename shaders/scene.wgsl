@@ -410,6 +410,9 @@ fn cutter_colour(state: u32) -> vec3f {
 
 @fragment
 fn cutter_fragment(in: CutterOut) -> @location(0) vec4f {
+    if cut_off(in.world) {
+        discard;
+    }
     let v = to_viewer(in.world);
     let shade = min(0.25 + 0.80 * light(facing(in.normal, v), v, 1.0), 1.0);
     return vec4f(cutter_colour(in.state) * shade, 1.0);
@@ -417,6 +420,9 @@ fn cutter_fragment(in: CutterOut) -> @location(0) vec4f {
 
 @fragment
 fn cutter_glass_fragment(in: CutterOut) -> @location(0) vec4f {
+    if cut_off(in.world) {
+        discard;
+    }
     let v = to_viewer(in.world);
     let n = normalize(in.normal);
     let along = 1.0 - abs(dot(n, v));
@@ -426,6 +432,70 @@ fn cutter_glass_fragment(in: CutterOut) -> @location(0) vec4f {
     }
     let shade = 0.45 + 0.60 * light(facing(n, v), v, 1.0);
     return vec4f(cutter_colour(in.state) * shade, alpha);
+}
+
+// ---- where the section plane cuts tools ------------------------------------------------------------
+
+struct CapIn {
+    @location(0) tip: vec3f,
+    @location(1) low: f32,
+    @location(2) axis: vec3f,
+    @location(3) high: f32,
+    @location(4) radii: vec2f, // at the lower and at the upper end
+    @location(5) core_radius: f32,
+    @location(6) corner_radius: f32,
+    @location(7) state: u32,
+}
+
+struct CutterCapOut {
+    @builtin(position) clip: vec4f,
+    @location(0) from_tip: vec3f,
+    @location(1) @interpolate(flat) axis: vec3f,
+    @location(2) @interpolate(flat) ends: vec4f, // heights, then radii
+    @location(3) @interpolate(flat) core_and_corner: vec2f,
+    @location(4) @interpolate(flat) state: u32,
+}
+
+// A quad of the plane around what it can cut of a body.
+@vertex
+fn cutter_cap_vertex(in: CapIn, @builtin(vertex_index) i: u32) -> CutterCapOut {
+    let n = frame.plane.xyz;
+    let xy = across(n);
+    let middle = in.tip + in.axis * 0.5 * (in.low + in.high);
+    let centre = middle - n * (dot(n, middle) - frame.plane.w);
+    let reach = length(vec2f(0.5 * (in.high - in.low), max(in.radii.x, in.radii.y)));
+    let p = vec2f(f32(i & 1u), f32(i >> 1u)) * 2.0 - 1.0;
+    let world = centre + (xy[0] * p.x + xy[1] * p.y) * reach;
+    var out: CutterCapOut;
+    out.clip = lifted(world, LIFT_CUTTER);
+    out.from_tip = world - in.tip;
+    out.axis = in.axis;
+    out.ends = vec4f(in.low, in.high, in.radii);
+    out.core_and_corner = vec2f(in.core_radius, in.corner_radius);
+    out.state = in.state;
+    return out;
+}
+
+// What lies within the body: the core darker, with the hatching of the solid stock.
+@fragment
+fn cutter_cap_fragment(in: CutterCapOut) -> @location(0) vec4f {
+    let h = dot(in.from_tip, in.axis);
+    let r = length(in.from_tip - in.axis * h);
+    let up = h - in.ends.x;
+    let share = up / max(in.ends.y - in.ends.x, 1e-6);
+    var most = mix(in.ends.z, in.ends.w, share);
+    let corner = in.core_and_corner.y;
+    if up < corner {
+        let below = corner - up;
+        most = most - corner + sqrt(max(corner * corner - below * below, 0.0));
+    }
+    if share < 0.0 || share > 1.0 || r > most {
+        discard;
+    }
+    let stripe = fract((in.clip.x - in.clip.y) / (6.0 * frame.viewport.z));
+    let hatch = select(1.0, 0.86, stripe < 0.25);
+    let core = select(1.0, 0.62, r < in.core_and_corner.x);
+    return vec4f(cutter_colour(in.state) * hatch * core, 1.0);
 }
 
 // ---- ids for picking ------------------------------------------------------------------------------
@@ -456,6 +526,9 @@ fn cap_id_fragment(in: CapOut) -> @location(0) u32 {
 // Id of a position, counted from 1.
 @fragment
 fn cutter_id_fragment(in: CutterOut) -> @location(0) u32 {
+    if cut_off(in.world) {
+        discard;
+    }
     return in.id + 1u;
 }
 
@@ -508,5 +581,5 @@ fn line_fragment(in: LineOut) -> @location(0) vec4f {
     if (in.colour & OWN_COLOUR) != 0u {
         return vec4f(unpack4x8unorm(in.colour).rgb, 1.0);
     }
-    return vec4f(frame.lines[in.colour].rgb, 1.0);
+    return vec4f(frame.lines[in.colour & ~ON_PART].rgb, 1.0);
 }

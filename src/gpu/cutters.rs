@@ -198,10 +198,11 @@ pub fn append_rims(instance: &CutterInstance, steps: usize, whole: bool, into: &
                 tip + axis * height + (x * cos + y * sin) * radius
             })
             .collect();
-        into.extend(polyline(&points, width, named).map(|line| match own {
+        let rim = polyline(&points, width, named).map(|line| match own {
             Some(colour) => Segment::coloured(line.a, line.b, line.width, colour.map(|x| 0.7 * x)),
             None => line,
-        }));
+        });
+        into.extend(rim.map(Segment::on_part));
     };
     let width = match instance.state_number() {
         0 | 4 => 1.1,
@@ -240,10 +241,13 @@ pub fn append_holder(cutter: &DrawnCutter, into: &mut Vec<Segment>) {
             };
             (0..=STEPS).map(at).collect()
         });
-        into.extend(polyline(&low, 1.6, LineColour::Axis));
-        into.extend(polyline(&high, 1.0, LineColour::Axis));
+        let mut add = |points: &[Vec3], width| {
+            into.extend(polyline(points, width, LineColour::Axis).map(Segment::on_part));
+        };
+        add(&low, 1.6);
+        add(&high, 1.0);
         for i in (0..STEPS).step_by(STEPS / 8) {
-            into.extend(polyline(&[low[i], high[i]], 1.0, LineColour::Axis));
+            add(&[low[i], high[i]], 1.0);
         }
     }
 }
@@ -319,8 +323,9 @@ impl UnitCutter {
     }
 }
 
-/// Distance along a ray to a cutter's cylinder, mm; `None` if the ray misses it.
-pub fn ray_distance(instance: &CutterInstance, ray: &ViewRay) -> Option<f32> {
+/// Distance along a ray to a cutter's cylinder, mm; `None` if the ray misses it. Only the stretch `kept` of
+/// the ray, mm along it, counts.
+pub fn ray_distance(instance: &CutterInstance, ray: &ViewRay, kept: (f32, f32)) -> Option<f32> {
     let axis = Vec3::from_array(instance.axis);
     let from = ray.origin - Vec3::from_array(instance.tip);
     let (along_origin, along_ray) = (from.dot(axis), ray.direction.dot(axis));
@@ -347,7 +352,8 @@ pub fn ray_distance(instance: &CutterInstance, ray: &ViewRay) -> Option<f32> {
     } else if !(0.0..=instance.height).contains(&along_origin) {
         return None;
     }
-    (enter <= leave && leave > 0.0).then_some(enter.max(0.0))
+    let (enter, leave) = (enter.max(kept.0).max(0.0), leave.min(kept.1));
+    (enter <= leave && leave > 0.0).then_some(enter)
 }
 
 #[cfg(test)]
@@ -396,11 +402,16 @@ mod tests {
             origin: Vec3::from_array(o),
             direction: Vec3::from_array(d).normalize(),
         };
-        assert_eq!(ray_distance(&cutter, &ray([20.0, 0.0, 10.0], [-1.0, 0.0, 0.0])), Some(15.0));
-        assert_eq!(ray_distance(&cutter, &ray([1.0, 1.0, 100.0], [0.0, 0.0, -1.0])), Some(40.0));
-        assert_eq!(ray_distance(&cutter, &ray([20.0, 0.0, 70.0], [-1.0, 0.0, 0.0])), None);
-        assert_eq!(ray_distance(&cutter, &ray([20.0, 6.0, 10.0], [-1.0, 0.0, 0.0])), None);
-        assert_eq!(ray_distance(&cutter, &ray([20.0, 0.0, 10.0], [1.0, 0.0, 0.0])), None);
+        let whole = (0.0, f32::INFINITY);
+        let distance = |o, d| ray_distance(&cutter, &ray(o, d), whole);
+        assert_eq!(distance([20.0, 0.0, 10.0], [-1.0, 0.0, 0.0]), Some(15.0));
+        assert_eq!(distance([1.0, 1.0, 100.0], [0.0, 0.0, -1.0]), Some(40.0));
+        assert_eq!(distance([20.0, 0.0, 70.0], [-1.0, 0.0, 0.0]), None);
+        assert_eq!(distance([20.0, 6.0, 10.0], [-1.0, 0.0, 0.0]), None);
+        assert_eq!(distance([20.0, 0.0, 10.0], [1.0, 0.0, 0.0]), None);
+        let cut = |kept| ray_distance(&cutter, &ray([20.0, 0.0, 10.0], [-1.0, 0.0, 0.0]), kept);
+        assert_eq!(cut((18.0, 100.0)), Some(18.0), "from the section plane in it");
+        assert_eq!(cut((0.0, 12.0)), None, "before the plane");
     }
 
     #[test]

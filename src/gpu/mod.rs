@@ -3,6 +3,7 @@
 //! in [`crate::stock`].
 
 pub mod camera;
+pub mod cutter_caps;
 pub mod cutters;
 pub mod device;
 pub mod image;

@@ -1,5 +1,6 @@
 //! Render pipelines of `shaders/scene.wgsl`, one set per sample count.
 
+use super::cutter_caps::CutterCap;
 use super::cutters::{CutterInstance, UnitVertex};
 use super::mesh::{Segment, Vertex};
 use super::scene::SurfaceInstance;
@@ -29,6 +30,8 @@ pub struct Pipelines {
     pub glass: wgpu::RenderPipeline,
     pub cutter: wgpu::RenderPipeline,
     pub cutter_glass: wgpu::RenderPipeline,
+    /// The section plane where it cuts tools.
+    pub cutter_cap: wgpu::RenderPipeline,
     pub line: wgpu::RenderPipeline,
     /// Invert one stencil bit per face: of the hub, of the blades.
     pub parity: [wgpu::RenderPipeline; 2],
@@ -95,6 +98,8 @@ struct PipelineSpec<'a> {
     buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     glass: bool,
     behind_all: bool,
+    /// Whether it draws a strip of triangles.
+    strip: bool,
     stencil: Stencil,
     format: wgpu::TextureFormat,
 }
@@ -113,6 +118,8 @@ impl Pipelines {
         let cutter = wgpu::vertex_attr_array![
             3 => Float32x3, 4 => Float32, 5 => Float32x3, 6 => Float32,
             7 => Float32, 8 => Float32, 9 => Uint32, 10 => Uint32];
+        let cap = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Float32,
+            4 => Float32x2, 5 => Float32, 6 => Float32, 7 => Uint32];
         let segment = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32];
         let surfaces = [
             buffer::<Vertex>(wgpu::VertexStepMode::Vertex, &corner),
@@ -132,6 +139,7 @@ impl Pipelines {
             buffer::<UnitVertex>(wgpu::VertexStepMode::Vertex, &unit),
             buffer::<CutterInstance>(wgpu::VertexStepMode::Instance, &cutter),
         ];
+        let caps = [buffer::<CutterCap>(wgpu::VertexStepMode::Instance, &cap)];
         let lines = [buffer::<Segment>(wgpu::VertexStepMode::Instance, &segment)];
         let build = |stage: &PipelineSpec| pipeline(device, module, layout, samples, stage);
         let stage = |label, vertex, fragment, buffers, glass| PipelineSpec {
@@ -141,6 +149,7 @@ impl Pipelines {
             buffers,
             glass,
             behind_all: false,
+            strip: false,
             stencil: Stencil::Ignored,
             format: COLOUR_FORMAT,
         };
@@ -162,6 +171,7 @@ impl Pipelines {
             solid: build(&id("solid ids", "solid_vertex", "solid_id_fragment", &solid)),
             parity: parity("parity of ids", ID_FORMAT),
             cap: build(&PipelineSpec {
+                strip: true,
                 stencil: Stencil::Masked(PART_BITS),
                 ..id("cap ids", "cap_vertex", "cap_id_fragment", &[])
             }),
@@ -183,6 +193,7 @@ impl Pipelines {
                 ..stage("solid parity", "solid_vertex", "solid_parity_fragment", &solid, false)
             }),
             solid_cap: build(&PipelineSpec {
+                strip: true,
                 stencil: Stencil::Masked(SOLID_BIT),
                 ..stage("solid cap", "cap_vertex", "solid_cap_fragment", &[], false)
             }),
@@ -195,8 +206,13 @@ impl Pipelines {
                 &cutters,
                 true,
             )),
+            cutter_cap: build(&PipelineSpec {
+                strip: true,
+                ..stage("cutter cap", "cutter_cap_vertex", "cutter_cap_fragment", &caps, false)
+            }),
             parity: parity("parity", COLOUR_FORMAT),
             cap: build(&PipelineSpec {
+                strip: true,
                 stencil: Stencil::Masked(PART_BITS),
                 ..stage("cap", "cap_vertex", "cap_fragment", &[], false)
             }),
@@ -240,9 +256,9 @@ fn pipeline(
         },
         // No culling: the winding of blades depends on the part file, so the shader uses the normals.
         primitive: wgpu::PrimitiveState {
-            topology: match stage.stencil {
-                Stencil::Masked(_) => wgpu::PrimitiveTopology::TriangleStrip,
-                _ => wgpu::PrimitiveTopology::TriangleList,
+            topology: match stage.strip {
+                true => wgpu::PrimitiveTopology::TriangleStrip,
+                false => wgpu::PrimitiveTopology::TriangleList,
             },
             ..Default::default()
         },

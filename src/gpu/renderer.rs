@@ -5,6 +5,7 @@ use bytemuck::Pod;
 use glam::{UVec2, Vec2, Vec3};
 
 use super::camera::Camera;
+use super::cutter_caps::{CutterCap, append_caps};
 use super::cutters::{self, CutterInstance, UnitCutter};
 use super::device::{Gpu, GpuError};
 use super::mesh::Segment;
@@ -100,6 +101,8 @@ pub struct Renderer {
     /// The mesh of which every cutter is an instance: fine, and for pictures in motion.
     cutter_meshes: [CutterMesh; 2],
     cutters: GrowingBuffer,
+    /// What the section plane cuts of them.
+    cutter_caps: GrowingBuffer,
     cutter_lines: GrowingBuffer,
     target: Option<Target>,
     pick_target: PickTarget,
@@ -255,6 +258,7 @@ impl Renderer {
             bind_group,
             cutter_meshes: units,
             cutters: GrowingBuffer::new("cutters"),
+            cutter_caps: GrowingBuffer::new("cutter caps"),
             cutter_lines: GrowingBuffer::new("cutter lines"),
             target: None,
             pick_target: PickTarget::new(device),
@@ -331,6 +335,11 @@ impl Renderer {
         let glass = unit.solid..if options.draft { unit.solid * 4 / 3 } else { unit.mesh.count };
         pass.set_pipeline(&pipelines.cutter);
         self.draw_cutters(pass, unit, solid);
+        if let Some(buffer) = self.cutter_caps.buffer.as_ref().filter(|_| self.cutter_caps.count > 0) {
+            pass.set_pipeline(&pipelines.cutter_cap);
+            pass.set_vertex_buffer(0, buffer.slice(..));
+            pass.draw(0..4, 0..self.cutter_caps.count);
+        }
 
         pass.set_pipeline(&pipelines.line);
         if options.show_blades && body.is_none() && wheel.edge_count > 0 {
@@ -477,6 +486,7 @@ impl Renderer {
         let cutters = scene.preview.as_deref().unwrap_or(&scene.cutters);
         let back = camera.basis().2;
         let mut lines: Vec<Segment> = Vec::new();
+        let mut caps: Vec<CutterCap> = Vec::new();
         let mut shown: Vec<(f32, CutterInstance)> = Vec::new();
         let steps = if cutters.len() > 300 { 16 } else { 32 };
         for cutter in cutters {
@@ -493,6 +503,9 @@ impl Renderer {
             if options.show_axes || selected {
                 lines.push(cutters::axis_line(cutter, selected));
             }
+            if let Some(plane) = &options.section {
+                append_caps(cutter, &instance, options.show_holders && whole, plane, &mut caps);
+            }
             shown.push((Vec3::from_array(instance.tip).dot(back), instance));
         }
         if options.show_links {
@@ -501,6 +514,7 @@ impl Renderer {
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
         let instances: Vec<CutterInstance> = shown.into_iter().map(|s| s.1).collect();
         self.cutters.write(gpu, &instances);
+        self.cutter_caps.write(gpu, &caps);
         self.cutter_lines.write(gpu, &lines);
     }
 

@@ -39,12 +39,13 @@ impl Scene {
     /// Picks the surface or cutter under a pixel of a picture of `size` by ray casting, if any.
     pub fn pick(&self, camera: &Camera, options: &SceneOptions, pixel: Vec2, size: Vec2) -> Option<Pick> {
         let ray = camera.ray(pixel, size);
+        let kept = kept_of(&ray, options);
         let surface = self.surface_under(&ray, options);
         let choice = options.cutter_choice();
         let shown = self.cutters.iter().filter(|_| self.preview.is_none());
         let cutter = shown
             .filter_map(|c| choice.instance(c))
-            .filter_map(|i| Some((cutters::ray_distance(&i, &ray)?, i.id as usize)))
+            .filter_map(|i| Some((cutters::ray_distance(&i, &ray, kept?)?, i.id as usize)))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let at = |distance: f32| ray.origin + ray.direction * distance;
         match cutter {
@@ -62,9 +63,7 @@ impl Scene {
 
     /// Nearest surface of the part as drawn, including the section plane where it cuts material.
     fn surface_under(&self, whole: &ViewRay, options: &SceneOptions) -> Option<SurfaceHit> {
-        let kept =
-            options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.unclipped_interval(whole));
-        let (start, end) = kept?;
+        let (start, end) = kept_of(whole, options)?;
         // Start the ray where it enters the unclipped side of the section plane.
         let ray = ViewRay { origin: whole.origin + whole.direction * start, ..*whole };
         if start > 0.0 && self.is_inside(&ray, options) {
@@ -128,4 +127,9 @@ impl Scene {
     fn blades(&self) -> impl Iterator<Item = (&BladeMesh, usize)> {
         std::iter::once((&self.part.main, 2)).chain(self.part.splitters.iter().map(|s| (s, 1)))
     }
+}
+
+/// Interval of a ray, mm along it, that the section plane leaves; `None` when nothing is left.
+fn kept_of(ray: &ViewRay, options: &SceneOptions) -> Option<(f32, f32)> {
+    options.section.map_or(Some((0.0, f32::INFINITY)), |plane| plane.unclipped_interval(ray))
 }
