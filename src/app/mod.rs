@@ -38,6 +38,7 @@ use model::problem::{Problem, Topic};
 use model::state::AppState;
 use tasks::engine::Engine;
 use tasks::files;
+use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
@@ -45,6 +46,7 @@ use tasks::work::{PROGRESS_EVERY, Work};
 use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
 use views::dialogs::Dialogs;
+use views::flank_tool::FlankTool;
 use views::help::Help;
 use views::library_dialog::{LibraryAnswer, LibraryDialog};
 use views::palette::Palette;
@@ -69,6 +71,10 @@ pub struct App {
     inspected: InspectedSection,
     /// The shown plan on the chosen machine.
     machining: MachineWork,
+    /// The program of the shown plan.
+    listing: ListingWork,
+    /// The tool of the flank plan at the position of the timeline.
+    flank_tool: FlankTool,
     /// The solid stock of each side.
     solids: PerSide<SolidWork>,
     hover: Option<Hover>,
@@ -118,6 +124,8 @@ impl App {
             scrubbed: TimelineStock::new(&repaint(&cc.egui_ctx)),
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
+            listing: ListingWork::new(&repaint(&cc.egui_ctx)),
+            flank_tool: FlankTool::default(),
             solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
             context_hit: None,
@@ -195,6 +203,7 @@ impl App {
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
             || self.machining.is_busy()
+            || self.listing.is_busy()
             || self.solids.iter().any(SolidWork::is_busy)
     }
 
@@ -232,7 +241,12 @@ impl App {
 
     /// 3D views, plots and timeline.
     fn middle(&mut self, ui: &mut Ui) {
-        if self.state.results.planned.is_some() && self.state.look.operation == Operation::Roughing {
+        let has_timeline = match self.state.look.operation {
+            Operation::Roughing => self.state.results.planned.is_some(),
+            Operation::Flank => self.state.results.flank.is_some(),
+            Operation::Program => false,
+        };
+        if has_timeline {
             let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));
             Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::height(&self.state)).show(
                 ui,
@@ -242,7 +256,9 @@ impl App {
                     }
                 },
             );
-            let has_plots = self.state.look.plots && ui.available_height() > MIN_HEIGHT_FOR_PLOTS;
+            let has_plots = self.state.look.operation == Operation::Roughing
+                && self.state.look.plots
+                && ui.available_height() > MIN_HEIGHT_FOR_PLOTS;
             if has_plots && self.state.document.edited.setup.machine.file.is_some() {
                 let height = panels::rotary::HEIGHT + 8.0;
                 Panel::bottom("rotary axes").frame(frame).exact_size(height).show(ui, |ui| {
@@ -349,6 +365,7 @@ impl eframe::App for App {
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
         self.state.results.on_machine = self.machining.follow(&self.state);
+        self.state.results.listing = self.listing.follow(&self.state);
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side].follow(wanted) {

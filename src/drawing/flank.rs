@@ -46,6 +46,8 @@ impl FromStr for FlankColours {
 
 /// Widths of lines along walls and of other lines, pixels.
 const WIDTHS: [f32; 2] = [2.4, 1.4];
+/// Width of the lines of the selected pass, pixels.
+const SELECTED_WIDTH: f32 = 4.5;
 
 /// Colours of the regions.
 pub const REGION_COLOURS: [(Region, Rgb); 3] = [
@@ -70,32 +72,66 @@ pub fn toolpath_lines(
     colours: FlankColours,
 ) -> Vec<Segment> {
     let table = ColourMap::Viridis.table();
-    let at = |share: f32| -> Rgb {
-        table[(share.clamp(0.0, 1.0) * (TABLE_LEN - 1) as f32) as usize].map(|x| f32::from(x) / 255.0)
-    };
     let mut lines = Vec::new();
     if colours == FlankColours::Walls {
         return lines;
     }
     if colours == FlankColours::Feed {
-        let (slow, fast) = feed_range(moves);
-        for pair in moves.windows(2) {
-            let colour = match pair[1].kind {
-                MoveKind::Rapid => RAPID_COLOUR,
-                _ => at((pair[1].feed_mm_per_min - slow) as f32 / ((fast - slow) as f32).max(1e-6)),
-            };
-            lines.push(segment(&pair[0].tip, &pair[1].tip, pair[1].along_wall, colour));
-        }
-        return lines;
+        return move_lines(moves, moves, layers, colours);
     }
     for curve in curves {
         let colour = match colours {
             FlankColours::Region => colour_in_table(&REGION_COLOURS, curve.region),
-            _ => at(curve.layer as f32 / layers.saturating_sub(1).max(1) as f32),
+            _ => layer_colour(&table, curve.layer, layers),
         };
         lines.extend(curve.points.windows(2).map(|p| segment(&p[0], &p[1], curve.wall, colour)));
     }
     lines
+}
+
+/// Lines of the first moves `made` of `all` moves of a plan with `layers` layers; rapids are grey. Coloured
+/// by layer where the colours show the walls.
+pub fn move_lines(
+    made: &[FlankMove],
+    all: &[FlankMove],
+    layers: usize,
+    colours: FlankColours,
+) -> Vec<Segment> {
+    let table = ColourMap::Viridis.table();
+    let (slow, fast) = feed_range(all);
+    let line = |pair: &[FlankMove]| {
+        let step = &pair[1];
+        let colour = match (step.kind, colours) {
+            (MoveKind::Rapid, _) => RAPID_COLOUR,
+            (_, FlankColours::Feed) => {
+                let share = (step.feed_mm_per_min - slow) / (fast - slow).max(1e-6);
+                colour_at(&table, share as f32)
+            }
+            (_, FlankColours::Region) => colour_in_table(&REGION_COLOURS, step.region),
+            (_, FlankColours::Layer | FlankColours::Walls) => layer_colour(&table, step.layer, layers),
+        };
+        segment(&pair[0].tip, &step.tip, step.along_wall, colour)
+    };
+    made.windows(2).map(line).collect()
+}
+
+/// Lines of the moves of the selected pass, over all others.
+pub fn selected_lines(moves: &[FlankMove]) -> Vec<Segment> {
+    let at = |p: &Point| [p.x as f32, p.y as f32, p.z as f32];
+    let line = |pair: &[FlankMove]| {
+        Segment::coloured(at(&pair[0].tip), at(&pair[1].tip), SELECTED_WIDTH, palette::SELECTED)
+    };
+    moves.windows(2).map(line).collect()
+}
+
+/// Colour at a share of a table, 0…1.
+fn colour_at(table: &[[u8; 3]; TABLE_LEN], share: f32) -> Rgb {
+    table[(share.clamp(0.0, 1.0) * (TABLE_LEN - 1) as f32) as usize].map(|x| f32::from(x) / 255.0)
+}
+
+/// Colour of a layer of `layers`.
+fn layer_colour(table: &[[u8; 3]; TABLE_LEN], layer: usize, layers: usize) -> Rgb {
+    colour_at(table, layer as f32 / layers.saturating_sub(1).max(1) as f32)
 }
 
 /// Mesh of the walls with the residual stock above the blade allowance (mm, negative for overcut), and its

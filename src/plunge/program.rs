@@ -51,6 +51,19 @@ impl ClProgram {
         }
         program
     }
+
+    /// Index of the move to the bottom of each position of `plan`, whose program this is; `None` of positions
+    /// that have no moves.
+    pub fn bottoms_of(&self, plan: &PlungePlan) -> Vec<Option<usize>> {
+        let starts = self.plunge_starts();
+        let mut plunges = starts.iter().zip(starts.iter().skip(1).copied().chain([self.moves.len()]));
+        let bottom = |position: &Position| {
+            plan.sections.get(position.section)?;
+            let (&first, end) = plunges.next()?;
+            Some(first + self.moves[first..end].iter().position(|step| step.tip == position.tip)?)
+        };
+        plan.positions.iter().map(bottom).collect()
+    }
 }
 
 /// The moves of a plunge, with the point to which each brings the tip.

@@ -85,7 +85,7 @@ fn the_difference_of_two_plans_is_a_map_around_zero() {
 fn either_side_shows_any_policy_that_was_planned() {
     let (engine, _) = fake::engine();
     let mut window = wide(engine);
-    window.set_size(egui::vec2(1200.0, 1060.0));
+    window.set_size(egui::vec2(1200.0, 1180.0));
     window.run_steps(3);
     window.get_by_label("Compare all strategies").click();
     window.run_steps(3);

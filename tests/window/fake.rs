@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use vanecut::app::model::checked::CheckRequest;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::cutting::contact::CoreContact;
 use vanecut::error::ErrorCode;
@@ -18,7 +19,8 @@ use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 /// Number of interfering plunges of the conventional plan at the automatic step.
 pub const FAULTS: usize = 5;
 
-/// While set, the planner runs until it is stopped; it then returns an unfinished plan.
+/// While set, the planner runs until it is stopped, and returns an unfinished plan; a check of a program
+/// begins again until it is cancelled.
 pub type Slow = Arc<AtomicBool>;
 
 /// The fake planner over the real samples.
@@ -36,7 +38,15 @@ pub fn engine() -> (Engine, Slow) {
         }
         plan(request)
     };
-    (Engine { plan: Arc::new(plan), ..Engine::default() }, slow)
+    let stalls = Arc::clone(&slow);
+    let check = move |request: &CheckRequest, monitor: &Monitor| {
+        while stalls.load(Ordering::SeqCst) {
+            // Only the check itself notices a cancel.
+            vanecut::app::tasks::check::check(request, monitor)?;
+        }
+        vanecut::app::tasks::check::check(request, monitor)
+    };
+    (Engine { plan: Arc::new(plan), check: Arc::new(check), ..Engine::default() }, slow)
 }
 
 /// The plan with its first row only, as if the planner was stopped after it.
@@ -173,6 +183,47 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
         iterations: 2,
         converged: true,
     }
+}
+
+/// The fake planner, whose tools have a shank and a holder.
+pub fn engine_with_holder() -> Engine {
+    let (engine, _) = engine();
+    let plan = Arc::clone(&engine.plan);
+    let held = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        for plan in [&mut outcome.before.plan, &mut outcome.after.plan] {
+            for section in &mut plan.sections {
+                section.tool.assembly.shank = vec![[24.0, 40.0]];
+                section.tool.assembly.holder = vec![[40.0, 50.0, 25.0], [63.0, 63.0, 20.0]];
+            }
+        }
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(held), ..engine }
+}
+
+/// The fake planner, whose plans have `count` sections of as many tools: the plunges in turn.
+pub fn engine_of_sections(count: usize) -> Engine {
+    let (engine, _) = engine();
+    let plan = Arc::clone(&engine.plan);
+    let divided = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        for plan in [&mut outcome.before.plan, &mut outcome.after.plan] {
+            let first = plan.sections[0].clone();
+            let of = |k: usize| {
+                let tool = Tool { number: 1 + k as u32, ..first.tool.clone() };
+                SectionPlan { tool, ..first.clone() }
+            };
+            plan.sections = (0..count).map(of).collect();
+            let positions = plan.positions.len();
+            for (k, position) in plan.positions.iter_mut().enumerate() {
+                position.section = k * count / positions;
+            }
+        }
+        outcome.reasons = vec![None; count];
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(divided), ..engine }
 }
 
 fn rest_tool(tool: &Tool) -> Tool {

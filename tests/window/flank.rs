@@ -1,15 +1,17 @@
 //! Flank milling in the window.
 
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::planned::Side;
 use vanecut::setup::FlankStrategy;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, with_sample, words};
+use crate::harness::{Window, labels, settle, snapshot_view, with_sample, words};
 
 /// Sets the depth of the layers in the panel of flank milling, mm.
 fn set_depth(window: &mut Window, depth: f64) {
-    let field = window.get_by_role_and_label(egui::accesskit::Role::Slider, "Layer depth");
+    let field = window.get_by_role_and_label(Role::Slider, "Layer depth");
     field.set_value_accesskit(depth);
     window.run_steps(4);
     settle(window);
@@ -103,4 +105,119 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
     let planned = window.state().state().results.flank.clone().expect("planned");
     assert_eq!(planned.setup.flank.layer_depth, 8.0);
     window.get_by_label_contains("Flank calculated in");
+}
+
+/// A window with a flank plan of few layers.
+fn with_plan() -> Window {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 800.0));
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    set_depth(&mut window, 10.0);
+    window.key_press(egui::Key::F6);
+    window.run_steps(2);
+    settle(&mut window);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    window
+}
+
+#[test]
+fn passes_of_the_flank_plan_are_a_table_and_moves_a_timeline() {
+    let mut window = with_plan();
+    let passes = window.state().state().results.passes.clone();
+    let moves = window.state().state().results.flank.clone().expect("planned").plan.moves.clone();
+    assert!(passes.passes.len() > 5 && passes.clock.len() == moves.len(), "{}", passes.passes.len());
+    let times = window.state().state().results.flank.clone().expect("planned").plan.times;
+    assert!((passes.time_after(moves.len()) - times.total()).abs() < 1e-6 * times.total(), "the same time");
+    window.get_by_label(&format!("all {}", moves.len()));
+
+    // A row selects its pass and brings it into view.
+    let before = window.state().camera().expect("a camera");
+    window.get_by_label("Pass 3").click();
+    window.run_steps(8);
+    settle(&mut window);
+    assert_eq!(window.state().state().look.flank.pass, Some(2));
+    assert_ne!(window.state().camera().expect("a camera").target, before.target, "it is zoomed to");
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(8);
+    assert_eq!(window.state().state().look.flank.pass, Some(3), "the next row");
+
+    // The timeline goes on from its end, move by move; the table follows.
+    let end = passes.passes[3].end;
+    window.key_press(egui::Key::ArrowRight);
+    window.run_steps(2);
+    assert_eq!(window.state().state().look.flank.cut, Some(end + 1));
+    assert_eq!(window.state().state().look.cut_count, None, "the plunge plan has its own timeline");
+    window.get_by_label(&format!("{} of {}", end + 1, moves.len()));
+    let middle = &passes.passes[passes.passes.len() / 2];
+    let cut = middle.end;
+    window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(cut as f64);
+    window.run_steps(3);
+    settle(&mut window);
+    let number = passes.passes.len() / 2 + 1;
+    assert_eq!(window.state().state().look.flank.pass, Some(number - 1), "what is cut is selected");
+    window.get_by_label(&format!("Pass {number}"));
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    snapshot_view(&mut window, "flank_timeline");
+
+    // To the next layer, whose first move is cut then.
+    window.key_press(egui::Key::C);
+    window.run_steps(2);
+    let cut = window.state().state().look.flank.cut.expect("in the plan");
+    assert!(passes.layer_starts.contains(&(cut - 1)), "{cut}: {:?}", passes.layer_starts);
+    // It plays, faster than plunges, and stops at the end.
+    window.get_by_role_and_label(Role::Button, "Go to start").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Space);
+    window.run_steps(4);
+    let look = &window.state().state().look;
+    assert!(look.playing.is_some() && look.flank.cut > Some(20), "{:?}", look.flank.cut);
+    window.key_press(egui::Key::Space);
+    window.get_by_role_and_label(Role::Button, "Go to end").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.flank.cut, None);
+}
+
+#[test]
+fn the_line_of_the_flank_program_stands_below_its_timeline() {
+    let mut window = with_plan();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("flank.apt");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank, path.clone());
+    settle(&mut window);
+    let program = vanecut::io::apt::read_apt(&path).expect("a CL file");
+    let text = std::fs::read_to_string(&path).expect("exported");
+    window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(40.0);
+    window.run_steps(3);
+    settle(&mut window);
+    let line = program.moves[39].line;
+    let begin = text.lines().nth(line - 1).expect("a line").trim_end_matches('$');
+    window.get_by_label_contains(&format!("Line {line}: {begin}"));
+    // The plunge plan has a program of its own.
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(labels(&window, "Line ").len(), 1, "another line");
+    assert!(window.query_by_label_contains(&format!("Line {line}: {begin}")).is_none());
+}
+
+#[test]
+fn the_solid_stock_follows_the_timeline_of_the_passes() {
+    let mut window = with_plan();
+    window.key_press(egui::Key::S);
+    window.run_steps(3);
+    settle(&mut window);
+    let volume = |window: &Window| window.state().solid(Side::After).expect("a solid").volume;
+    let finished = volume(&window);
+    window.get_by_role_and_label(Role::Button, "Go to start").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let before = volume(&window);
+    assert!(before > finished + 1.0, "{before} mm³ before the passes, {finished} after them");
 }

@@ -117,3 +117,13 @@ pub fn words(window: &Window, part: &str) -> Option<String> {
     let node = label.accesskit_node();
     node.value().or_else(|| node.label())
 }
+
+/// Texts of all labels that begin with `start`: other than rows and buttons of that name.
+pub fn labels(window: &Window, start: &str) -> Vec<String> {
+    use egui::accesskit::Role;
+    use egui_kittest::kittest::{NodeT, Queryable};
+    let is_it = |node: &egui_kittest::Node<'_>| node.accesskit_node().role() == Role::Label;
+    let text = |node: egui_kittest::Node<'_>| node.accesskit_node().value();
+    let all = window.query_all_by(|node| node.value().is_some_and(|text| text.starts_with(start)));
+    all.filter(is_it).filter_map(text).collect()
+}

@@ -6,7 +6,7 @@ use vanecut::app::model::machine::PlanOnMachine;
 use vanecut::geometry::rotate_vector_z;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, with_sample, words};
+use crate::harness::{Window, labels, press, settle, snapshot_view, with_sample, words};
 
 /// A window with a planned sample on a machine.
 pub fn with_machine(name: &str) -> Window {
@@ -196,4 +196,37 @@ fn the_machine_is_a_layer_of_the_view() {
     snapshot_view(&mut window, "machine_trunnion");
     choose(&mut window, "b-head-c-table");
     snapshot_view(&mut window, "machine_head");
+}
+
+#[test]
+fn the_axes_of_a_position_are_told_under_the_pointer() {
+    let mut window = with_machine("ac-trunnion");
+    let values = |window: &Window, k: usize| {
+        let machine = on_machine(window);
+        let at = machine.at(Some(k + 1)).expect("it runs");
+        machine.named(at).map(|(name, value, unit)| format!("{name} {value:.3}{unit}")).join("  ")
+    };
+    let third = values(&window, 2);
+    assert!(third.contains("A ") && third.contains("C "), "{third}");
+    window.get_by_label("Position 3").hover();
+    window.run_steps(8);
+    window.get_by_label(&third);
+    // In the 3D view.
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    let plan = window.state().state().shown().expect("planned").plan();
+    let tip = &plan.positions[8];
+    let inside = tip.tip + tip.axis * 3.0;
+    let point = glam::vec3(inside.x as f32, inside.y as f32, inside.z as f32);
+    let rect = window.get_by_label("3D view").rect();
+    let camera = window.state().camera().expect("a camera");
+    let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");
+    window.hover_at(rect.min + egui::vec2(pixel.x, pixel.y));
+    window.run_steps(8);
+    let title = labels(&window, "Position ").pop().expect("a cutter is there");
+    let number: usize = title.trim_start_matches("Position ").parse().expect("a number");
+    window.get_by_label(&values(&window, number - 1));
+    window.get_by_label_contains(" mm/min, ");
+    window.get_by_label_contains("Cut after ");
 }

@@ -78,7 +78,7 @@ fn the_repaired_plan_interferes_nowhere_and_both_can_be_seen() {
 fn policies_are_compared_when_asked() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1100.0, 1060.0));
+    window.set_size(egui::vec2(1100.0, 1180.0));
     window.run_steps(3);
     assert!(window.query_by_label("Stepped").is_none(), "only what was planned is listed");
     window.get_by_label("Compare all strategies").click();

@@ -27,6 +27,7 @@ fn without_heights() -> Engine {
 /// A window that shows the floor of the channel, not hidden by cutters, under a fixed scale.
 fn floor_of(engine: Engine, source: PreviewSource) -> Window {
     let mut window = with_sample(engine);
+    window.set_size(egui::vec2(900.0, 660.0));
     window.state_mut().set_preview_source(source);
     window.key_press(egui::Key::Num4);
     let look = window.state_mut().look_mut();

@@ -1,18 +1,25 @@
 //! Checking of programs from anywhere.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
-use vanecut::io::apt::read_apt_bytes;
+use vanecut::io::apt::{read_apt_bytes, write_apt};
+use vanecut::io::machine_file::{built_in_names, read_machine};
+use vanecut::io::nc::{read_post, write_nc};
+use vanecut::io::setup_file::write_setup;
+use vanecut::machine::{BlankSize, MotionOptions, PlacedPart, machine_program};
 use vanecut::monitor::Monitor;
+use vanecut::toolpath::ClProgram;
 use vanecut::verify::{Fault, FaultKind, verify};
 
 use crate::drop::drop_on;
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, with_sample};
+use crate::harness::{HANG, Window, click_enabled, settle, snapshot_view, with_sample};
 
 /// The first plunges of the plan as a program; the fourth goes 3 mm too deep.
 fn program(window: &Window) -> String {
@@ -143,4 +150,149 @@ fn a_program_that_cannot_be_read_is_a_problem_with_its_line() {
     let problem = window.state().state().problems.last().cloned().expect("a problem");
     assert!(problem.message.contains("bad.apt:4"), "{problem:?}");
     window.get_by_label("Program: not checked");
+}
+
+/// The plan as NC code for the machine that is chosen, at first the trunnion.
+fn nc_program(window: &Window) -> String {
+    let state = window.state().state();
+    let planned = state.results.planned.clone().expect("planned");
+    let part = &planned.outcome.workpiece.part;
+    let mut program = ClProgram::of_plan(&part.name, &planned.outcome.after.plan);
+    for (number, step) in (1..).zip(&mut program.moves) {
+        step.line = number;
+    }
+    let machine = read_machine(Path::new(&state.look.check_machine)).expect("a machine");
+    let post = read_post(&machine.control).expect("a control");
+    let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
+    options.blank = Some(BlankSize::of(part, &planned.outcome.setup.allowances));
+    let placed = PlacedPart::of(&machine.part, part);
+    let motion =
+        machine_program(&machine, &placed, &program, &options, &Monitor::default()).expect("it runs");
+    write_nc(&program, &machine, &motion, &post, machine.output).expect("written").text
+}
+
+/// Gives the document the tools of the plan: NC code only has their numbers.
+fn take_tools(window: &mut Window, folder: &Path) {
+    let setup = window.state().state().results.planned.as_ref().expect("planned").outcome.setup.clone();
+    let path = write(folder, "setup.toml", &write_setup(&setup));
+    window.state_mut().open_path(path);
+    settle(window);
+}
+
+#[test]
+fn nc_code_is_checked_as_the_program_it_was_posted_from() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    take_tools(&mut window, folder.path());
+    let faults = |window: &Window| -> Vec<(FaultKind, usize)> {
+        let checked = window.state().state().results.checked.clone().expect("checked");
+        checked.findings.iter().map(|finding| (finding.fault.kind, finding.fault.line)).collect()
+    };
+    let kinds = |faults: &[(FaultKind, usize)]| faults.iter().map(|(kind, _)| *kind).collect::<Vec<_>>();
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let program = ClProgram::of_plan("impeller532", &planned.outcome.after.plan);
+    let apt = write(folder.path(), "plan.apt", &write_apt(&program));
+    check(&mut window, &apt);
+    let of_apt = kinds(&faults(&window));
+
+    let text = nc_program(&window);
+    let nc = write(folder.path(), "plan.h", &text);
+    check(&mut window, &nc);
+    assert_eq!(kinds(&faults(&window)), of_apt, "the same program");
+    let checked = window.state().state().results.checked.clone().expect("checked");
+    assert_eq!((checked.kind, checked.name().as_str()), ("Plunge program", "plan.h"));
+    window.get_by_label("Plunge program");
+
+    // A digit is wrong: the faults name its line, and the window shows it.
+    let lines: Vec<&str> = text.lines().collect();
+    let is_cut =
+        |k: &usize| lines[*k].contains('Z') && lines[*k].contains('F') && !lines[*k].contains("FMAX");
+    let cut = (lines.len() / 2..lines.len()).find(is_cut).expect("a move under feed");
+    let deeper = deeper_by_8_mm(lines[cut]);
+    let mut changed: Vec<&str> = lines.clone();
+    changed[cut] = &deeper;
+    let bad = write(folder.path(), "bad.h", &changed.join("\n"));
+    check(&mut window, &bad);
+    let found = faults(&window);
+    let fault = (FaultKind::HubAllowance, cut + 1);
+    assert!(found.contains(&fault), "{fault:?}: {found:?}");
+    let checked = window.state().state().results.checked.clone().expect("checked");
+    let faults = checked.findings.iter().map(|finding| &finding.fault);
+    let message = faults.filter(|f| (f.kind, f.line) == fault).map(|f| &f.message).next().expect("it is one");
+    let label = format!("Line {}: {message}", cut + 1);
+    window.get_by_role_and_label(Role::Button, &label).click_accesskit();
+    window.run_steps(6);
+    window.get_by_label(deeper.trim());
+    let finding = window.state().state().selected_finding().cloned().expect("selected");
+    assert!(finding.place.is_some(), "with the tool at its place");
+}
+
+/// A line of NC code with its Z lower by 8 mm.
+fn deeper_by_8_mm(line: &str) -> String {
+    let start = line.find('Z').expect("a Z") + 1;
+    let is_number = |c: char| c.is_ascii_digit() || "+-.".contains(c);
+    let end = line[start..].find(|c| !is_number(c)).map_or(line.len(), |length| start + length);
+    let z: f64 = line[start..end].parse().expect("a number");
+    format!("{}{:+.3}{}", &line[..start], z - 8.0, &line[end..])
+}
+
+#[test]
+fn nc_code_of_another_machine_is_a_problem_with_its_line() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    take_tools(&mut window, folder.path());
+    let nc = write(folder.path(), "plan.h", &nc_program(&window));
+    check(&mut window, &nc);
+    window.get_by_label_contains("Program: ");
+    // Other letters of axes, another control.
+    window.get_by_role_and_label(Role::ComboBox, "NC machine").click();
+    window.run_steps(2);
+    let other = built_in_names().find(|name| name.starts_with("bc")).expect("a machine with B and C");
+    window.get_by_label(other).click();
+    window.run_steps(4);
+    settle(&mut window);
+    let problem = window.state().state().problems.last().cloned().expect("a problem");
+    assert!(problem.message.contains("plan.h:"), "{problem:?}");
+}
+
+#[test]
+fn a_check_shows_its_progress_and_can_be_cancelled() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, endless) = fake::engine();
+    let mut window = with_sample(engine);
+    let path = write(folder.path(), "deep.apt", &program(&window));
+    endless.store(true, Ordering::SeqCst);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::CheckProgram, path.clone());
+    let start = Instant::now();
+    // The check reports a progress that is not zero at some time.
+    let shows_progress = |window: &Window| {
+        let nodes = window.query_all_by(|node| {
+            node.value().or_else(|| node.label()).is_some_and(|text| text.starts_with("Checking program "))
+        });
+        nodes.into_iter().any(|node| {
+            let node = node.accesskit_node();
+            let text = node.value().or_else(|| node.label()).unwrap_or_default();
+            !text.ends_with(" 0 %")
+        })
+    };
+    loop {
+        window.step();
+        if shows_progress(&window) {
+            break;
+        }
+        assert!(start.elapsed() < HANG, "no progress");
+    }
+    click_enabled(&window, "Cancel");
+    window.run_steps(2);
+    assert!(!window.state().is_busy(), "the window does not wait");
+    let state = window.state().state();
+    assert_eq!(state.notice.as_ref().map(|notice| notice.text.as_str()), Some("Check cancelled"));
+    assert!(state.results.checked.is_none());
+    // The check itself has ended: the same thread takes the next one.
+    endless.store(false, Ordering::SeqCst);
+    check(&mut window, &path);
+    assert!(window.state().state().results.checked.is_some());
 }

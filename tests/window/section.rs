@@ -2,9 +2,10 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::look::PlaneOrientation;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, labels, press, settle, snapshot_view, with_sample};
 
 /// A window with the conventional plan and its first fault selected, and the index of that position.
 fn with_fault_selected() -> (Window, usize) {
@@ -141,4 +142,111 @@ fn play_runs_to_the_end_and_rests_there() {
     window.step();
     let cut = window.state().state().look.cut_count;
     assert!(window.state().state().look.playing.is_none() && cut < Some(count), "and stops: {cut:?}");
+}
+
+/// Whether any cutter is under the pointer where each of `positions` is cut, a little above its tip.
+fn has_cutter(window: &mut Window, positions: [usize; 2]) -> [bool; 2] {
+    let rect = window.get_by_label("3D view").rect();
+    let camera = window.state().camera().expect("a camera");
+    let plan = window.state().state().shown().expect("planned").plan();
+    let places = positions.map(|k| &plan.positions[k]).map(|p| p.tip + p.axis * 3.0);
+    places.map(|place| {
+        let point = glam::vec3(place.x as f32, place.y as f32, place.z as f32);
+        let pixel = camera.project(point, glam::vec2(rect.width(), rect.height())).expect("in front");
+        window.event(egui::Event::PointerGone);
+        window.run_steps(2);
+        window.hover_at(rect.min + egui::vec2(pixel.x, pixel.y));
+        window.run_steps(8);
+        !labels(window, "Cut after ").is_empty()
+    })
+}
+
+#[test]
+fn the_section_plane_cuts_cutters_and_holders() {
+    let mut window = with_sample(fake::engine_with_holder());
+    window.set_size(egui::vec2(1280.0, 860.0));
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    window.state_mut().look_mut().select(Some(8));
+    window.run_steps(4);
+    settle(&mut window);
+    // Both ends of the row, on different sides of the meridian of the selected position.
+    let ends = [0, 15];
+    assert_eq!(has_cutter(&mut window, ends), [true; 2]);
+    window.key_press(egui::Key::X);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, "Meridional").click();
+    window.run_steps(4);
+    settle(&mut window);
+    let one = has_cutter(&mut window, ends);
+    window.get_by_label("Flip").click();
+    window.run_steps(4);
+    settle(&mut window);
+    let other = has_cutter(&mut window, ends);
+    assert_eq!(one, other.map(|is_there| !is_there), "each half has one end");
+    assert_ne!(one[0], one[1]);
+
+    // Through the axis of the selected tool: core, inserts, shank and holder in the face of the cut.
+    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
+    window.run_steps(2);
+    window.get_by_label("Along the row").click();
+    window.run_steps(3);
+    window.state_mut().look_mut().layers.holders = true;
+    window.run_steps(4);
+    settle(&mut window);
+    snapshot_view(&mut window, "section_tools");
+}
+
+#[test]
+fn a_meridional_plane_contains_the_axis_and_turns_about_it() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 860.0));
+    window.key_press(egui::Key::X);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, "Meridional").click();
+    window.run_steps(4);
+    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
+    window.run_steps(4);
+    settle(&mut window);
+    let section = window.state().state().look.section.expect("a plane");
+    assert_eq!((section.across, section.offset), (PlaneOrientation::Meridian, 12.0));
+    snapshot_view(&mut window, "section_meridian");
+    // Another orientation begins without offset.
+    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
+    window.run_steps(2);
+    window.get_by_label("Normal to X").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.section.expect("a plane").offset, 0.0);
+}
+
+#[test]
+fn the_sectional_view_shows_shank_and_holder_when_it_is_zoomed_out() {
+    let mut window = with_sample(fake::engine_with_holder());
+    window.set_size(egui::vec2(1280.0, 860.0));
+    window.run_steps(3);
+    window.get_by_label("Position 5").click();
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label("Enlarge").click();
+    window.run_steps(4);
+    let at = window.get_by_label("Enlarged sectional view through position 5").rect().center();
+    window.hover_at(at);
+    for _ in 0..3 {
+        window.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, -240.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        });
+        window.run_steps(12);
+    }
+    let zoom = window.state().state().look.sectional.zoom;
+    assert!(zoom < 0.3, "the whole tool: {zoom}");
+    snapshot_view(&mut window, "section_holder");
 }

@@ -1,16 +1,20 @@
 //! The timeline while it plays.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::cutter_colours::{CutterClass, CutterLegend};
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::io::apt::read_apt;
 use vanecut::job::{Listener, PlanRequest};
 use vanecut::monitor::Monitor;
 use vanecut::toolpath::{ClProgram, Travel};
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, labels, press, settle, snapshot_view, with_sample};
 
 /// A window with many plunges in small steps.
 fn with_many() -> Window {
@@ -110,6 +114,44 @@ fn a_click_on_a_class_of_the_legend_hides_its_cutters() {
 }
 
 #[test]
+fn every_tool_and_section_has_a_colour_of_its_own() {
+    let mut window = with_sample(fake::engine_of_sections(9));
+    window.set_size(egui::vec2(1200.0, 700.0));
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    for (entry, first, last) in [("Tool", "T1 Ø30, ", "T9 Ø30, "), ("Section", "Section 1, ", "Section 9, ")]
+    {
+        window.get_by_role_and_label(Role::Button, "Layers").click();
+        window.run_steps(2);
+        window.get_by_role_and_label(Role::RadioButton, entry).click();
+        window.run_steps(2);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(4);
+        settle(&mut window);
+        for name in [first, last] {
+            window.get_by_label_contains(name);
+        }
+        let state = window.state().state();
+        let shown = state.shown().expect("planned");
+        let legend = state.look.layers.cutter_colours.legend(shown.planned, shown.policy);
+        let Some(CutterLegend::Classes(classes)) = legend else { panic!("classes: {legend:?}") };
+        let colours: BTreeSet<[u8; 3]> =
+            classes.iter().map(|class| class.colour.map(|x| (255.0 * x) as u8)).collect();
+        assert_eq!((classes.len(), colours.len()), (9, 9), "{classes:?}");
+        let of_cutters = state.look.layers.cutter_colours.of_plan(shown.planned, shown.policy);
+        let drawn: BTreeSet<[u8; 3]> =
+            of_cutters.expect("colours").into_iter().map(|c| c.map(|x| (255.0 * x) as u8)).collect();
+        assert_eq!(drawn, colours, "the legend explains what is drawn");
+    }
+    snapshot_view(&mut window, "many_sections");
+    // The last class is beyond the edge of the strip: scrolled into view, a click hides it.
+    window.get_by_label_contains("Section 9, ").click_accesskit();
+    window.run_steps(4);
+    let hidden = &window.state().state().look.hidden_classes;
+    assert_eq!(hidden[..], [CutterClass::Section(8)]);
+}
+
+#[test]
 fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
@@ -159,4 +201,73 @@ fn the_clock_counts_every_move_of_a_plunge() {
     let program = ClProgram::of_plan("", state.shown().expect("planned").plan());
     assert_eq!(program.moves.len(), 4 * state.position_count());
     assert_eq!(state.clock().map(|(_, whole)| whole), Travel::clock(&program).last().copied());
+}
+
+#[test]
+fn the_line_of_the_exported_program_stands_below_the_timeline() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 760.0));
+    window.run_steps(3);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("plunge.apt");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 1 }, path.clone());
+    settle(&mut window);
+    let text = std::fs::read_to_string(&path).expect("exported");
+    let lines: Vec<&str> = text.lines().collect();
+    let moves = read_apt(&path).expect("a program").moves;
+
+    window.get_by_role_and_label(Role::Button, "Go to start").click();
+    window.run_steps(2);
+    window.get_by_label(&format!("Line 1: {}", lines[0]));
+    for _ in 0..5 {
+        window.key_press(egui::Key::ArrowRight);
+        window.run_steps(2);
+    }
+    // Rapid, cut, rapid: the cut of the fifth plunge.
+    let line = moves[3 * 4 + 1].line;
+    let shown = labels(&window, &format!("Line {line}: ")).pop().expect("its line");
+    let statement = shown.trim_start_matches(&format!("Line {line}: "));
+    let begin = lines[line - 1].trim_end_matches('$');
+    assert!(begin.starts_with("GOTO/") && statement.starts_with(begin), "{statement} and {begin}");
+    assert_eq!(statement.split(',').count(), 6, "with what the next line continues: {statement}");
+    snapshot_view(&mut window, "program_line");
+    // The other plan has another program.
+    window.key_press(egui::Key::B);
+    window.run_steps(2);
+    settle(&mut window);
+    assert_ne!(labels(&window, "Line "), [shown]);
+}
+
+#[test]
+fn the_place_under_the_pointer_says_how_it_is_cut() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 760.0));
+    window.run_steps(3);
+    let count = window.state().state().position_count();
+    let rect = window.get_by_label("Timeline").rect();
+    window.hover_at(rect.center());
+    window.run_steps(8);
+    let half = labels(&window, "Position ").pop().expect("a tooltip");
+    let number: usize = half.trim_start_matches("Position ").parse().expect("a number");
+    assert!(number.abs_diff(count / 2) <= 1, "{number} of {count}");
+    window.get_by_label_contains("300 mm/min, 1200 rev/min");
+    window.get_by_label_contains("Cut after 0:");
+    // The same of a row.
+    window.get_by_label("Position 3").hover();
+    window.run_steps(8);
+    window.get_by_label_contains("300 mm/min, 1200 rev/min");
+    window.get_by_label_contains("Cut after 0:");
+    // And among the figures of a selected position.
+    window.get_by_label("Position 3").click();
+    window.run_steps(3);
+    // The sectional view takes its height when it arrives.
+    settle(&mut window);
+    window.get_by_label("Figures").click();
+    window.run_steps(3);
+    for name in ["Feed rate, speed", "Cut after", "Program line"] {
+        window.get_by_label(name);
+    }
 }

@@ -4,9 +4,11 @@ use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::setup::Setup;
 
 use crate::fake;
-use crate::harness::{settle, snapshot_view, with_sample};
+use crate::harness::{Window, settle, snapshot_view, with_sample};
 
 #[test]
 fn a_slider_is_followed_live_and_stale_results_say_so() {
@@ -39,7 +41,7 @@ fn dragging_a_slider_plans_drafts_and_a_full_plan_at_the_end() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     let rect = window.get_by_role_and_label(Role::Slider, "Step").rect();
-    let cells = |window: &crate::harness::Window| {
+    let cells = |window: &Window| {
         let planned = window.state().state().results.planned.clone().expect("planned");
         planned.setup.plunge.step
     };
@@ -118,9 +120,8 @@ fn the_tilt_of_the_machine_is_a_field_that_can_be_undone() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.run_steps(6);
-    let tilt = |window: &crate::harness::Window| {
-        window.state().state().document.edited.setup.machine.max_axis_tilt_rad.to_degrees()
-    };
+    let tilt =
+        |window: &Window| window.state().state().document.edited.setup.machine.max_axis_tilt_rad.to_degrees();
     assert!((tilt(&window) - 180.0).abs() < 1e-9, "no limit by default");
     window.get_by_role_and_label(Role::SpinButton, "Max machine tilt").set_value_accesskit(75.0);
     window.run_steps(8);
@@ -160,4 +161,53 @@ fn the_empty_palette_proposes_nothing_that_closes_the_project() {
         window.key_press(egui::Key::Escape);
         window.run_steps(3);
     }
+}
+
+#[test]
+fn lead_out_peck_and_material_are_edited_and_saved() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 1000.0));
+    window.run_steps(3);
+    let setup = |window: &Window| window.state().state().document.edited.setup.clone();
+    assert_eq!((setup(&window).plunge.lift, setup(&window).plunge.peck), (None, None));
+    for (name, value) in [("Lead-out", 1.5), ("Peck depth", 20.0)] {
+        window.get_by_role_and_label(Role::SpinButton, name).set_value_accesskit(value);
+        window.run_steps(3);
+    }
+    assert_eq!((setup(&window).plunge.lift, setup(&window).plunge.peck), (Some(1.5), Some(20.0)));
+    window.get_by_role_and_label(Role::ComboBox, "Material").click();
+    window.run_steps(2);
+    window.get_by_label("titanium").click();
+    window.run_steps(3);
+    assert_eq!(setup(&window).allowances.material.as_deref(), Some("titanium"));
+    // A grade that is typed.
+    window.get_by_role_and_label(Role::ComboBox, "Material").click();
+    window.run_steps(2);
+    window.get_by_label("Another material").click();
+    window.run_steps(2);
+    window.event(egui::Event::Text("1.4571".to_owned()));
+    window.run_steps(1);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(setup(&window).allowances.material.as_deref(), Some("1.4571"));
+    assert!(setup(&window).allowances.cutting_data().is_some(), "a grade of a known group");
+    snapshot_view(&mut window, "setup_fields");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("setup.toml");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveSetup, path.clone());
+    settle(&mut window);
+    let saved = vanecut::io::setup_file::read_setup(&path, &Setup::default()).expect("readable");
+    assert_eq!((saved.plunge.lift, saved.plunge.peck), (Some(1.5), Some(20.0)));
+    assert_eq!(saved.allowances.material.as_deref(), Some("1.4571"));
+
+    for name in ["Reset lead-out", "Reset peck depth", "Reset material"] {
+        window.get_by_label(name).click();
+        window.run_steps(3);
+    }
+    assert_eq!((setup(&window).plunge.lift, setup(&window).plunge.peck), (None, None));
+    assert_eq!(setup(&window).allowances.material, None);
 }

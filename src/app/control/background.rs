@@ -346,7 +346,8 @@ impl App {
             Purpose::ExportScene => self.export_scene(path),
             Purpose::ExportStock => {
                 if let Some(source) = self.state.solid_source(self.state.look.side) {
-                    self.write(WriteTask::Stock(path, source, self.state.look.cut_count));
+                    let moment = self.state.stock_moment(&source);
+                    self.write(WriteTask::Stock(path, source, moment));
                 }
             }
             Purpose::SavePicture => self.export_picture(path),

@@ -55,14 +55,25 @@ impl App {
             C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow if self.is_program() => {
                 self.state.results.checked.as_ref().is_some_and(|checked| !checked.findings.is_empty())
             }
-            C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow | C::Play | C::StepForward => {
-                self.state.position_count() > 0
+            C::NextRow | C::PreviousRow if self.state.look.operation == Operation::Flank => {
+                !self.state.results.passes.passes.is_empty()
             }
-            C::NextTool | C::PreviousTool | C::NextSection | C::PreviousSection => {
-                self.state.position_count() > 0
+            C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow => {
+                self.state.look.operation == Operation::Roughing && self.state.position_count() > 0
             }
-            C::StepBack | C::LeapForward | C::LeapBack | C::ToBlank | C::ToEnd => {
-                self.state.position_count() > 0
+            C::Play
+            | C::StepForward
+            | C::NextTool
+            | C::PreviousTool
+            | C::NextSection
+            | C::PreviousSection
+            | C::StepBack
+            | C::LeapForward
+            | C::LeapBack
+            | C::ToBlank
+            | C::ToEnd => self.state.timeline_len() > 0,
+            C::FlyToSelection if self.state.look.operation == Operation::Flank => {
+                self.state.look.flank.pass.is_some()
             }
             C::FlyToSelection | C::ShowInTable | C::OpenSection | C::ScrubHere => {
                 self.state.selected().is_some()
@@ -168,6 +179,7 @@ impl App {
             C::Perspective => self.view.switch_projection(),
             C::SectionPlane => {
                 look.section = if look.section.is_some() { None } else { Some(Default::default()) };
+                self.turn_section_to_viewer();
             }
             C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
             C::ShowInTable => self.state.show_in_table(),

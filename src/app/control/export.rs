@@ -100,14 +100,13 @@ impl App {
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
         let program = self.state.shown_program().cloned();
-        let flank =
-            self.state.shown_flank().map(|(outcome, colours)| (std::sync::Arc::clone(outcome), colours));
+        let (flank, tool) = (self.flank_content(), self.flank_tool.follow(&self.state));
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
         let look = &self.state.look;
         picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
         // A file cannot show the badge of a preview, so leave the preview out.
-        picture.load_preview(None);
+        picture.load_preview(tool.as_ref());
         picture.load_flank(flank);
         picture.load_program(program.as_ref());
         match picture.export(&camera, &options, size) {

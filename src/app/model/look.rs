@@ -86,6 +86,12 @@ pub struct FlankLook {
     pub shown: bool,
     /// Quantity that colours them.
     pub colours: FlankColours,
+    /// Timeline: number of moves made; `None`: all.
+    pub cut: Option<usize>,
+    /// Selected pass, index in cutting order.
+    pub pass: Option<usize>,
+    /// Whether the table scrolls to the selected pass in the next frame.
+    pub reveal: bool,
 }
 
 /// Row filter of the position table.
@@ -364,6 +370,8 @@ pub enum PlaneOrientation {
     /// Contains tool axis and cutting direction of the selected position.
     #[default]
     Row,
+    /// Contains the axis of rotation and the selected position; its offset is an angle.
+    Meridian,
     /// Normal to X.
     X,
     /// Normal to Y.
@@ -374,12 +382,13 @@ pub enum PlaneOrientation {
 
 impl PlaneOrientation {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Row, Self::X, Self::Y, Self::Z];
+    pub const ALL: [Self; 5] = [Self::Row, Self::Meridian, Self::X, Self::Y, Self::Z];
 
     /// Label in the list.
     pub fn label(self) -> &'static str {
         match self {
             Self::Row => "Along the row",
+            Self::Meridian => "Meridional",
             Self::X => "Normal to X",
             Self::Y => "Normal to Y",
             Self::Z => "Normal to Z",
@@ -392,7 +401,7 @@ impl PlaneOrientation {
 pub struct SectionPlaneLook {
     /// Orientation.
     pub across: PlaneOrientation,
-    /// Offset along the normal, mm.
+    /// Offset along the normal, mm; of a meridional plane about the axis of rotation, degrees.
     pub offset: f32,
     /// Whether the other half is cut away.
     pub flipped: bool,

@@ -9,6 +9,8 @@ use crate::job::flank::FlankOutcome;
 use crate::setup::Setup;
 
 use crate::app::model::checked::CheckedProgram;
+use crate::app::model::flank_passes::FlankPasses;
+use crate::app::model::listing::ProgramListing;
 use crate::app::model::machine::PlanOnMachine;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::PlanPreview;
@@ -44,10 +46,14 @@ pub struct Results {
     pub preview: Option<Arc<PlanPreview>>,
     /// Latest successful flank plan.
     pub flank: Option<Arc<FlankOutcome>>,
+    /// Its passes; empty without one.
+    pub passes: Arc<FlankPasses>,
     /// The program that was checked last.
     pub checked: Option<Arc<CheckedProgram>>,
     /// The shown plan on the machine of the setup; `None` without a machine, or until it is known.
     pub on_machine: Option<Result<Arc<PlanOnMachine>, InputError>>,
+    /// The program of the shown plan; `None` until it is known.
+    pub listing: Option<Arc<ProgramListing>>,
     figures: Vec<(Setup, SetFigures)>,
 }
 

@@ -57,13 +57,24 @@ impl PartialEq for SolidSource {
     }
 }
 
+/// How much of the plans is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StockMoment {
+    /// Everything.
+    End,
+    /// So many plunges.
+    Plunges(usize),
+    /// All plunges, and so many moves of the flank plan.
+    FlankMoves(usize),
+}
+
 /// A state of the stock, with its colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidRequest {
     /// The plans.
     pub source: SolidSource,
-    /// Number of plunges made; `None`: all, and the flank plan.
-    pub cut: Option<usize>,
+    /// How much of them is made.
+    pub moment: StockMoment,
     /// Colours.
     pub colours: SolidColours,
 }

@@ -25,7 +25,7 @@ use crate::app::model::document::Edited;
 use crate::app::model::file_purpose::PROGRAM_ENDINGS;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
-use crate::app::model::solid::SolidSource;
+use crate::app::model::solid::{SolidSource, StockMoment};
 use crate::app::tasks::solid::solid_bytes;
 use crate::job::flank::FlankOutcome;
 
@@ -152,8 +152,8 @@ pub enum WriteTask {
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
     Scene(PathBuf, SceneTask),
-    /// The stock as a solid after n plunges; `None`: after the whole program. STL or glTF by extension.
-    Stock(PathBuf, SolidSource, Option<usize>),
+    /// The stock as a solid at a moment. STL or glTF by extension.
+    Stock(PathBuf, SolidSource, StockMoment),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
@@ -174,7 +174,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
-        WriteTask::Stock(path, source, cut) => (path, stock_bytes(path, source, *cut)?),
+        WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| {
                 let (file, help) = (path.display().to_string(), "resize the window and try again");
@@ -191,7 +191,8 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     Ok(Written { text: format!("Wrote {}", path.display()), project })
 }
 
-fn cl_text(content: &ClTask) -> String {
+/// A plunge plan as it is exported.
+pub fn cl_text(content: &ClTask) -> String {
     let outcome = &content.planned.outcome;
     let channels = content.channels.clamp(1, outcome.workpiece.part.blade_count.max(1));
     let result = content.planned.result(content.policy);
@@ -221,7 +222,7 @@ fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
     GltfScene::of_plan(&shown).glb()
 }
 
-fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<Vec<u8>, InputError> {
+fn stock_bytes(path: &Path, source: &SolidSource, moment: StockMoment) -> Result<Vec<u8>, InputError> {
     let fault = |code: ErrorCode, message: String, help: &str| {
         InputError::new(code, &path.display().to_string(), 0, message, help)
     };
@@ -234,11 +235,12 @@ fn stock_bytes(path: &Path, source: &SolidSource, cut: Option<usize>) -> Result<
             return Err(fault(ErrorCode::FileFormat, what, "give a .stl or .glb file"));
         }
     };
-    solid_bytes(source, cut, is_scene)
+    solid_bytes(source, moment, is_scene)
         .map_err(|message| fault(ErrorCode::StockSpacing, message, "recalculate and try again"))
 }
 
-fn flank_text(outcome: &FlankOutcome) -> String {
+/// A flank plan as it is exported.
+pub fn flank_text(outcome: &FlankOutcome) -> String {
     let plan = &outcome.plan;
     let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
     write_apt(&program.after_opening(plan.opening.as_ref()))

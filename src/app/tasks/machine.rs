@@ -131,14 +131,6 @@ fn axis_positions(
         let joints = machine.joints(&step.pose.tip, &step.pose.angles, tool.length);
         Some(AxisPositions { pose: step.pose, joints, tool })
     };
-    let starts = program.plunge_starts();
-    let mut plunges = starts.iter().zip(starts.iter().skip(1).copied().chain([program.moves.len()]));
-    let at_tip = |position: &Position| {
-        plan.sections.get(position.section)?;
-        let (&first, end) = plunges.next()?;
-        let tip = program.moves[first..end].iter().position(|step| step.tip == position.tip)?;
-        after(first + tip)
-    };
-    let at_tips = plan.positions.iter().map(at_tip).collect();
-    (after(0), at_tips)
+    let at_bottoms = program.bottoms_of(plan).into_iter().map(|bottom| after(bottom?)).collect();
+    (after(0), at_bottoms)
 }

@@ -10,6 +10,7 @@ use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::palette::{self, Rgb, category};
 use crate::part::{Impeller, Workpiece};
+use crate::plunge::Position;
 use crate::plunge::plan::{Condition, PlungePlan};
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
@@ -18,7 +19,7 @@ use crate::stock::solid::{
 use crate::toolpath::ClProgram;
 
 use super::Repaint;
-use crate::app::model::solid::{SolidColours, SolidRequest, SolidSource};
+use crate::app::model::solid::{SolidColours, SolidRequest, SolidSource, StockMoment};
 
 /// Rays across the wheel: of the solid that comes first, of the one that stays, and of an exported one.
 const COARSE: f64 = 140.0;
@@ -71,17 +72,22 @@ impl SolidSource {
         program
     }
 
-    /// Number of moves of the first `cut` plunges.
-    fn moves_of(&self, cut: Option<usize>, program: &ClProgram) -> usize {
-        // A plunge without a tool has no moves.
-        let plan = self.plan();
-        let has_tool = |position: &&crate::plunge::Position| plan.sections.get(position.section).is_some();
-        match cut {
-            Some(cut) => {
+    /// Number of moves of the program that are made.
+    fn moves_until(&self, moment: StockMoment, program: &ClProgram) -> usize {
+        let all = program.moves.len();
+        match moment {
+            StockMoment::End => all,
+            StockMoment::Plunges(cut) => {
+                // A plunge without a tool has no moves.
+                let plan = self.plan();
+                let has_tool = |position: &&Position| plan.sections.get(position.section).is_some();
                 let plunges = plan.positions.iter().take(cut).filter(has_tool).count();
-                program.plunge_starts().get(plunges).copied().unwrap_or(program.moves.len())
+                program.plunge_starts().get(plunges).copied().unwrap_or(all)
             }
-            None => program.moves.len(),
+            StockMoment::FlankMoves(made) => {
+                let of_flank = self.flank.as_ref().map_or(0, |flank| flank.plan.moves.len());
+                all - of_flank.saturating_sub(made)
+            }
         }
     }
 
@@ -227,7 +233,7 @@ fn simulate(
         Some(known) => bench.insert(known),
         None => bench.insert(Bench::new(&request.source)?),
     };
-    let count = request.source.moves_of(request.cut, &bench.program);
+    let count = request.source.moves_until(request.moment, &bench.program);
     let picture = |(player, spacing): &mut (StockPlayer, f64), is_coarse| {
         let (stock, contacts) = player.at(count, monitor).map_err(|error| match error {
             SolidError::Cancelled(_) => String::new(),
@@ -347,12 +353,12 @@ const EXPORTED: f64 = 800.0;
 /// One line on why it cannot be simulated.
 pub(in crate::app) fn solid_bytes(
     source: &SolidSource,
-    cut: Option<usize>,
+    moment: StockMoment,
     is_scene: bool,
 ) -> Result<Vec<u8>, String> {
     let program = source.program();
     let (mut player, _) = player(source, &program, EXPORTED)?;
-    let count = source.moves_of(cut, &program);
+    let count = source.moves_until(moment, &program);
     let (stock, _) = player.at(count, &Monitor::default()).map_err(|error| error.to_string())?;
     let surface = StockSurface::of(stock);
     let name = &source.part().name;

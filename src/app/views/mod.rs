@@ -6,6 +6,7 @@ pub mod channels_dialog;
 pub mod command;
 mod cube;
 pub mod dialogs;
+pub(in crate::app) mod flank_tool;
 pub mod help;
 pub mod legend;
 pub mod library_dialog;

@@ -258,7 +258,9 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
                     .selected_text(section.across.label())
                     .show_ui(ui, |ui| {
                         for across in PlaneOrientation::ALL {
-                            ui.selectable_value(&mut section.across, across, across.label());
+                            if ui.selectable_value(&mut section.across, across, across.label()).changed() {
+                                section.offset = 0.0;
+                            }
                         }
                     })
                     .response
@@ -269,7 +271,11 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
             })
             .inner;
         ui.spacing_mut().slider_width = width - 90.0;
-        ui.add(egui::Slider::new(&mut section.offset, -reach..=reach).suffix(" mm").max_decimals(1))
+        let (reach, unit) = match section.across {
+            PlaneOrientation::Meridian => (180.0, "°"),
+            _ => (reach, " mm"),
+        };
+        ui.add(egui::Slider::new(&mut section.offset, -reach..=reach).suffix(unit).max_decimals(1))
             .labelled_by(title.id);
     });
     if close {

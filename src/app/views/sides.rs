@@ -133,7 +133,19 @@ impl App {
     pub(in crate::app) fn right_panel(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
         if self.state.look.operation == Operation::Flank {
-            panels::flank_results::show(ui, &self.state);
+            if self.state.results.flank.is_some() {
+                let height = 0.38 * ui.available_height();
+                let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
+                Panel::bottom("flank results").default_size(height).resizable(true).frame(frame).show(
+                    ui,
+                    |ui| {
+                        panels::flank_results::show(ui, &self.state);
+                    },
+                );
+                CentralPanel::no_frame().show(ui, |ui| panels::flank_passes::show(ui, &mut self.state));
+            } else {
+                panels::flank_results::show(ui, &self.state);
+            }
             return;
         }
         if self.state.look.operation == Operation::Program {

@@ -30,6 +30,7 @@ const TEETH: FieldSpec = FieldSpec {
     speed: 0.1,
     decimals: 0,
     slide: None,
+    absent: "auto",
 };
 
 /// Draws the tool and its fields, and keeps what hangs together within its limits.
@@ -67,7 +68,8 @@ fn name_row(ui: &mut Ui, tool: &mut Tool) {
     ui.end_row();
 }
 
-/// Rows of the segments of a shank or holder, from the cutter towards the spindle, with buttons to add and remove.
+/// Rows of the segments of a shank or holder, from the cutter towards the spindle, with buttons to add and
+/// remove.
 fn segments<const N: usize>(
     ui: &mut Ui,
     what: &str,

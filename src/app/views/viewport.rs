@@ -10,10 +10,12 @@ use crate::gpu::camera::Camera;
 use crate::gpu::cutters::CutterFilter;
 use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
 use crate::palette::ColourMap;
+use crate::plunge::PlungePlan;
 use crate::plunge::inspect::feed_direction;
 
 use crate::app::App;
 use crate::app::control::export::device_problem;
+use crate::app::model::flank_passes::place_of;
 use crate::app::model::look::{Arrangement, Operation, PlaneOrientation, SectionPlaneLook};
 use crate::app::model::planned::Side;
 use crate::app::model::solid::SolidColours;
@@ -22,10 +24,12 @@ use crate::app::views::cube;
 use crate::app::views::legend::{self, Values};
 use crate::app::views::overlay::{self, SwitchChoice};
 use crate::app::views::panels::{self, part};
-use crate::app::views::picture::Content;
+use crate::app::views::picture::{Content, ShownFlank};
 use crate::app::views::theme;
 use crate::app::views::view3d::{self, ViewHit, view_point};
 
+/// Drawn length of a cutter that is shown whole, in diameters: more than any has.
+const FULL_LENGTH: f32 = 1e3;
 /// Delay after the last camera move until the fine picture is drawn.
 const SMOOTH_AFTER: Duration = Duration::from_millis(150);
 
@@ -177,7 +181,7 @@ impl App {
     fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
         let content = self.content(pane.side);
         let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
-        let flank = self.state.shown_flank().map(|(outcome, colours)| (Arc::clone(outcome), colours));
+        let flank = self.flank_content();
         let is_roughing = self.state.look.operation == Operation::Roughing;
         let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
         let solid = self.solids[pane.side].shown().cloned();
@@ -185,7 +189,9 @@ impl App {
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || preview.is_some();
         let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
+        let flank_tool = self.flank_tool.follow(&self.state);
         let preview = preview.map(|preview| &preview.shown).or(faulty.map(|place| &place.cutter));
+        let preview = preview.or(flank_tool.as_ref());
         let program = self.state.shown_program();
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());
@@ -194,7 +200,7 @@ impl App {
         let is_shown = look.layers.machine && pane.side == look.side;
         let machine =
             self.state.on_machine().filter(|_| is_shown).map(|plan| (Arc::clone(plan), look.cut_count));
-        let scrubs = look.playing.is_some() || (held && look.cut_count.is_some());
+        let scrubs = look.playing.is_some() || (held && self.state.timeline_cut().is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
@@ -284,7 +290,11 @@ impl App {
         }
         self.point_menu(panes, &camera);
         let reach = camera.bounds.1;
+        let across = self.state.look.section.map(|section| section.across);
         overlay::section_bar(ui, whole, &mut self.state.look, reach);
+        if self.state.look.section.is_some_and(|section| Some(section.across) != across) {
+            self.turn_section_to_viewer();
+        }
         if let Some(command) = overlay::view_buttons(ui, whole) {
             self.run_command(ui.ctx(), command);
         }
@@ -341,6 +351,26 @@ impl App {
         }
     }
 
+    /// What the pictures show of the flank plan.
+    pub(in crate::app) fn flank_content(&self) -> Option<ShownFlank> {
+        let look = &self.state.look.flank;
+        let pass = look.pass.and_then(|k| self.state.results.passes.passes.get(k));
+        self.state.shown_flank().map(|(outcome, colours)| ShownFlank {
+            outcome: Arc::clone(outcome),
+            colours,
+            made: look.cut,
+            selected: pass.map(|pass| [pass.from, pass.end]),
+        })
+    }
+
+    /// Cuts away the half before the section plane, so that its face is seen.
+    pub(in crate::app) fn turn_section_to_viewer(&mut self) {
+        let (Some(camera), Some(section)) = (self.view.current(), self.state.look.section) else { return };
+        let plane = section_plane(&self.state, SectionPlaneLook { flipped: false, ..section });
+        let flipped = plane.is_some_and(|plane| plane.normal.dot(camera.basis().2) < 0.0);
+        self.state.look.section = Some(SectionPlaneLook { flipped, ..section });
+    }
+
     /// Zooms to the selected position.
     pub(in crate::app) fn zoom_to_selection(&mut self, time: f64) {
         let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
@@ -349,6 +379,16 @@ impl App {
             if let Some(place) = place {
                 let (tip, axis) = (to(place.tip.coords.into()), to(place.axis.into()));
                 self.view.fly_to(tip, 5.0 * place.radius as f32, axis, time);
+            }
+            return;
+        }
+        if self.state.look.operation == Operation::Flank {
+            let pass = self.state.look.flank.pass.and_then(|k| self.state.results.passes.passes.get(k));
+            let moves = self.state.results.flank.as_ref().map(|outcome| &outcome.plan.moves);
+            if let Some((middle, reach, axis)) =
+                pass.zip(moves).and_then(|(pass, moves)| place_of(pass, moves))
+            {
+                self.view.fly_to(to(middle.coords.into()), 1.6 * reach as f32, to(axis.into()), time);
             }
             return;
         }
@@ -369,6 +409,7 @@ impl App {
         let difference = look.difference && side == Side::After && roughing;
         let (low, high) = state.range();
         let count = state.shown_on(side).map_or(0, |shown| shown.plan().positions.len());
+        let shows_flank_tool = state.shown_flank().is_some() && look.flank.cut.is_some_and(|cut| cut > 0);
         SceneOptions {
             show_hub: layers.hub,
             // The blades would hide the wall values.
@@ -379,14 +420,14 @@ impl App {
                 // Cutters that stay where they plunged would fill what they cut.
                 true if layers.stock => CutterFilter::Last,
                 true => CutterFilter::All,
-                // The tool at the selected fault.
-                false if state.selected_finding().is_some() => CutterFilter::All,
+                // The tool at the selected fault, or where the timeline of the flank plan stands.
+                false if state.selected_finding().is_some() || shows_flank_tool => CutterFilter::All,
                 false => CutterFilter::Hidden,
             },
             show_solid: layers.stock,
             show_machine: layers.machine && roughing,
             show_axes: layers.axes && roughing,
-            show_holders: layers.holders && roughing,
+            show_holders: layers.holders && (roughing || shows_flank_tool),
             show_links: layers.links && roughing,
             show_floor_colours: match walls {
                 // The scale is that of the floor.
@@ -409,6 +450,7 @@ impl App {
                 None => (low, high),
             },
             theme: self.screen.theme,
+            cutter_stub: if shows_flank_tool { FULL_LENGTH } else { SceneOptions::default().cutter_stub },
             up_to: look.cut_count.filter(|&cut| cut < count || cut == 0),
             selected: look.selected.filter(|_| side == look.side),
             pixel_scale: self.screen.scale,
@@ -431,7 +473,18 @@ pub(in crate::app) struct Hover {
 /// The section plane in the part's frame; `None` if it needs a position and there is none.
 fn section_plane(state: &AppState, section: SectionPlaneLook) -> Option<SectionPlane> {
     let part = &state.document.part.as_ref()?.impeller;
+    let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
+    // The selected position, else one in the middle of the plan.
+    let index = |plan: &PlungePlan| state.look.selected.unwrap_or(plan.positions.len() / 2);
     let (normal, through) = match section.across {
+        PlaneOrientation::Meridian => {
+            let plan = state.shown().map(|shown| shown.plan());
+            let position = plan.and_then(|plan| plan.positions.get(index(plan)));
+            let at = position.map_or(0.0, |position| position.tip.y.atan2(position.tip.x) as f32);
+            let (sin, cos) = (at + section.offset.to_radians()).sin_cos();
+            let normal = Vec3::new(-sin, cos, 0.0) * if section.flipped { -1.0 } else { 1.0 };
+            return Some(SectionPlane { normal, offset: 0.0 });
+        }
         PlaneOrientation::X => (Vec3::X, Vec3::ZERO),
         PlaneOrientation::Y => (Vec3::Y, Vec3::ZERO),
         PlaneOrientation::Z => {
@@ -440,9 +493,8 @@ fn section_plane(state: &AppState, section: SectionPlaneLook) -> Option<SectionP
         }
         PlaneOrientation::Row => {
             let plan = state.shown()?.plan();
-            let k = state.look.selected.unwrap_or(plan.positions.len() / 2);
+            let k = index(plan);
             let position = plan.positions.get(k)?;
-            let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
             let feed = to(feed_direction(part, plan, k).into());
             (feed.cross(to(position.axis.into())), to(position.tip.coords.into()))
         }

@@ -14,6 +14,7 @@ use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
 
 use crate::app::model::document::{Document, Edited, OpenPart};
+use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::look::{Arrangement, Look, Operation};
 use crate::app::model::machine::{AxisDemand, PlanOnMachine};
 use crate::app::model::part_source::PartSource;
@@ -183,6 +184,8 @@ impl AppState {
 
     /// Stores a flank plan and shows it.
     pub fn take_flank(&mut self, outcome: FlankOutcome) {
+        self.results.passes = Arc::new(FlankPasses::of(&outcome.plan));
+        (self.look.flank.cut, self.look.flank.pass, self.look.playing) = (None, None, None);
         self.results.flank = Some(Arc::new(outcome));
         self.look.flank.shown = true;
         self.look.operation = Operation::Flank;

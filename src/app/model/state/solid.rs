@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::AppState;
 use crate::app::model::planned::Side;
-use crate::app::model::solid::{SolidRequest, SolidSource};
+use crate::app::model::solid::{SolidRequest, SolidSource, StockMoment};
 use crate::job::flank::FlankOutcome;
 
 impl AppState {
@@ -14,9 +14,16 @@ impl AppState {
             return None;
         }
         let source = self.solid_source(side)?;
-        // The flank passes follow the whole plunge plan.
-        let cut = self.look.cut_count.filter(|_| source.flank.is_none());
-        Some(SolidRequest { source, cut, colours: self.look.solid_colours })
+        Some(SolidRequest { moment: self.stock_moment(&source), source, colours: self.look.solid_colours })
+    }
+
+    /// The stock at the position of the timeline: flank passes follow the whole plunge plan.
+    pub fn stock_moment(&self, source: &SolidSource) -> StockMoment {
+        match (&source.flank, self.look.flank.cut, self.look.cut_count) {
+            (Some(_), Some(moves), _) => StockMoment::FlankMoves(moves),
+            (None, _, Some(plunges)) => StockMoment::Plunges(plunges),
+            _ => StockMoment::End,
+        }
     }
 
     /// The plans whose stock a side shows: its plunge plan, and after it the flank plan while its passes are

@@ -54,9 +54,10 @@ impl AppState {
 
     /// Selects the row `step` below the selected one in table order, clamped to the first and last row.
     pub fn select_next_row(&mut self, step: isize) {
-        if self.look.operation == Operation::Program {
-            self.select_next_finding(step, false);
-            return;
+        match self.look.operation {
+            Operation::Roughing => {}
+            Operation::Flank => return self.select_next_pass(step),
+            Operation::Program => return self.select_next_finding(step, false),
         }
         let rows = self.rows();
         let Some(last) = rows.len().checked_sub(1) else { return };

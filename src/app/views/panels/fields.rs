@@ -26,22 +26,27 @@ pub struct FieldSpec {
     pub decimals: usize,
     /// Range of the slider under the box, if there is one: usual values, well within the limits.
     pub slide: Option<(f64, f64)>,
+    /// Text that stands for an optional value that is absent.
+    pub absent: &'static str,
 }
 
 impl FieldSpec {
     /// A length in mm.
     pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: " mm", min: least, max: greatest, speed: 0.05, decimals: 3, slide: None }
+        let (unit, speed, decimals) = (" mm", 0.05, 3);
+        Self { label, tip, unit, min: least, max: greatest, speed, decimals, slide: None, absent: "auto" }
     }
 
     /// An angle in degrees.
     pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        Self { label, tip, unit: "°", min: least, max: greatest, speed: 0.1, decimals: 2, slide: None }
+        let (unit, speed, decimals) = ("°", 0.1, 2);
+        Self { label, tip, unit, min: least, max: greatest, speed, decimals, slide: None, absent: "auto" }
     }
 
     /// A whole number with a unit.
     pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
-        Self { label, tip: "", unit, min: 1.0, max: greatest, speed: 1.0, decimals: 0, slide: None }
+        let (tip, min, speed, decimals) = ("", 1.0, 1.0, 0);
+        Self { label, tip, unit, min, max: greatest, speed, decimals, slide: None, absent: "auto" }
     }
 }
 
@@ -55,6 +60,11 @@ impl FieldSpec {
             "rpm" => Quantity::SpindleSpeed,
             _ => Quantity::Plain,
         }
+    }
+
+    /// An optional value without which something is left out: "none".
+    pub const fn or_none(self) -> Self {
+        Self { absent: "none", ..self }
     }
 
     /// Adds a slider under the box.
@@ -114,11 +124,11 @@ pub fn plain_row(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) -> bool {
     labelled(ui, value, None, spec, None)
 }
 
-/// Like [`number_row`], for an optional value: 0 means automatic. `now`: the automatic value, which the
-/// slider then shows.
+/// Like [`number_row`], for an optional value: 0 means that it is absent, in most cases automatic. `now`: the
+/// automatic value, which the slider then shows.
 pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now: Option<f64>) -> bool {
     let mut number = value.unwrap_or(0.0);
-    let changed = labelled(ui, &mut number, Some(0.0), spec, Some(("auto", now)));
+    let changed = labelled(ui, &mut number, Some(0.0), spec, Some((spec.absent, now)));
     if changed {
         *value = (number > 0.0).then(|| number.max(spec.min));
     }

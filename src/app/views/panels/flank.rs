@@ -121,6 +121,16 @@ pub fn display(ui: &mut Ui, look: &mut FlankLook) {
     });
 }
 
+/// Name of a region; `divided`: by a splitter.
+pub fn region_words(region: Region, divided: bool) -> &'static str {
+    match region {
+        Region::Inlet if !divided => "the whole channel",
+        Region::Inlet => "before the splitter",
+        Region::LowSide => "splitter to suction side",
+        Region::HighSide => "splitter to pressure side",
+    }
+}
+
 /// Colour key of the passes.
 pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
     let layers = plan.layout.layers.len();
@@ -141,14 +151,9 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
             let divided = curves().any(|curve| curve.region != Region::Inlet);
             for (region, rgb) in REGION_COLOURS {
-                let words = match region {
-                    Region::Inlet if !divided => "the whole channel",
-                    _ if !divided => continue,
-                    Region::Inlet => "before the splitter",
-                    Region::LowSide => "splitter to suction side",
-                    Region::HighSide => "splitter to pressure side",
-                };
-                patch(ui, rgb, words);
+                if divided || region == Region::Inlet {
+                    patch(ui, rgb, region_words(region, divided));
+                }
             }
         }
         FlankColours::Feed => {

@@ -3,6 +3,7 @@
 
 pub mod fields;
 pub mod flank;
+pub mod flank_passes;
 pub mod flank_results;
 pub mod operations;
 pub mod part;

@@ -1,5 +1,7 @@
 //! Table of positions, and the figures of the selected one.
 
+use std::sync::Arc;
+
 use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
@@ -10,7 +12,7 @@ use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
 use crate::app::model::machine::AxisDemand;
 use crate::app::model::planned::Side;
-use crate::app::model::state::AppState;
+use crate::app::model::state::{AppState, ShownPlan};
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
 
@@ -259,7 +261,8 @@ fn depth(depth: f64) -> String {
     if depth < 0.005 { "0".to_owned() } else { format!("{depth:.2}") }
 }
 
-fn cell(ui: &mut Ui, text: RichText) {
+/// A cell of a table.
+pub fn cell(ui: &mut Ui, text: RichText) {
     // Selectable text would swallow the clicks on the row.
     ui.add(egui::Label::new(text.monospace().size(12.0)).selectable(false));
 }
@@ -333,6 +336,15 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
             fact("Rotary axes", angles.join(" "));
         }
+        let spindle = section.map_or(0.0, |section| section.tool.spindle);
+        fact("Feed rate, speed", format!("{:.0} mm/min, {spindle:.0} rev/min", plan.feed_of(k)));
+        if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
+            fact("Cut after", format_clock(time));
+        }
+        let listing = state.results.listing.as_ref();
+        if let Some(line) = listing.and_then(|listing| listing.line_after(Some(k + 1))) {
+            fact("Program line", line.to_string());
+        }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
         let [hub, blade] = [position.hub_clearance, position.blade_clearance];
         fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
@@ -367,14 +379,31 @@ pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
     let tool = &section.tool;
     let place = format!("section {}, row {}", position.section + 1, position.row + 1);
     ui.label(format!("{}; T{} Ø{}, {place}", position.condition().label(), tool.number, tool.diameter));
+    motion(ui, state, shown, k);
+}
+
+/// How position `k` is cut: axis, feed rate and speed, when, and where the axes of the machine then stand.
+fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
+    let plan = shown.plan();
+    let Some(position) = plan.positions.get(k) else { return };
+    let spindle = plan.sections.get(position.section).map_or(0.0, |section| section.tool.spindle);
     ui.label(format!(
-        "α {:.1}°, {:.0} mm/min, {:.0} rev/min",
+        "α {:.1}°, {:.0} mm/min, {spindle:.0} rev/min",
         position.alpha_rad.to_degrees(),
         plan.feed_of(k),
-        tool.spindle
     ));
     if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
         ui.label(format!("Cut after {}", format_clock(time)));
+    }
+    // The machine runs the plan of the active side.
+    let is_active = state
+        .shown()
+        .is_some_and(|active| active.policy == shown.policy && Arc::ptr_eq(active.planned, shown.planned));
+    if let Some(plan) = state.on_machine().filter(|_| is_active)
+        && let Some(at) = plan.at(Some(k + 1))
+    {
+        let axes = plan.named(at).map(|(name, value, unit)| format!("{name} {value:.3}{unit}"));
+        ui.label(axes.join("  "));
     }
 }
 
@@ -389,6 +418,9 @@ fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
         ));
     }
     remarks(ui, position);
+    if let Some(shown) = state.shown() {
+        motion(ui, state, shown, k);
+    }
     axis_remarks(ui, state, k);
     ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
     ui.label(format!(

@@ -5,7 +5,8 @@ use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui};
 
 use super::plots::PositionScale;
 use crate::app::model::machine::{AxisPositions, PlanOnMachine};
-use crate::app::model::state::{AppState, Boundary};
+use crate::app::model::state::AppState;
+use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
 use crate::app::views::theme;
 use crate::palette::category;

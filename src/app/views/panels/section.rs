@@ -19,8 +19,8 @@ pub fn height(window: f32) -> f32 {
 const CONTROLS: f32 = 26.0;
 /// Height of the dimensions at the top, points.
 const DIMENSIONS: f32 = 54.0;
-/// Largest magnification.
-const MAX_ZOOM: f64 = 40.0;
+/// Smallest and largest magnification: from the whole tool to the corner of an insert.
+const ZOOM: [f64; 2] = [0.1, 40.0];
 /// Points of scrolling that double or halve the magnification.
 const SCROLL_PER_OCTAVE: f64 = 240.0;
 /// Distance from the plane beyond which the deepest contact does not count as shown, mm.
@@ -121,7 +121,7 @@ fn mouse(ui: &Ui, response: &egui::Response, look: &mut SectionalLook) {
     let Some(at) = response.hover_pos() else { return };
     let scroll = ui.input(|input| f64::from(input.smooth_scroll_delta.y));
     if scroll != 0.0 {
-        let zoom = (look.zoom * 2f64.powf(scroll / SCROLL_PER_OCTAVE)).clamp(1.0, MAX_ZOOM);
+        let zoom = (look.zoom * 2f64.powf(scroll / SCROLL_PER_OCTAVE)).clamp(ZOOM[0], ZOOM[1]);
         // The point under the pointer stays: its distance from the middle grows with the zoom.
         let from_middle = at - response.rect.center();
         for (pan, offset) in look.pan.iter_mut().zip([from_middle.x, from_middle.y]) {
@@ -173,8 +173,10 @@ pub fn show(
     };
     let standing = view.before.iter().zip(&view.hub).map(|(top, hub)| (top[0], [hub[1], top[1]]));
     columns(&mut standing.into_iter(), stock);
-    // The cutter: inserts at both sides, the core between them.
-    let high = frame.top();
+    // The cutter: inserts at both sides, the core between them. Without a shank or holder it has no end.
+    let segments = view.tool.assembly.segments(view.tool.overhang);
+    let end = segments.iter().map(|segment| segment.from).fold(f64::INFINITY, f64::min);
+    let high = frame.top().min(end);
     let outline = |from: f64, to: f64| -> Vec<Pos2> {
         let steps = 16;
         let along = (0..=steps).map(|i| from + (to - from) * f64::from(i) / f64::from(steps));
@@ -193,6 +195,13 @@ pub fn show(
         Stroke::NONE,
     ));
     painter.line(outline(-radius, radius), Stroke::new(1.5, accent));
+    // Every plane of a cut contains the tool axis: shank and holder are seen in profile.
+    for segment in &segments {
+        let (low, top, [a, b]) = (segment.from, segment.from + segment.length, segment.radii);
+        let corners = [[-a, low], [a, low], [b, top], [-b, top]].map(|corner| frame.to_screen(corner));
+        let fill = grey(120, 140).gamma_multiply(0.45);
+        painter.add(Shape::convex_polygon(corners.into(), fill, Stroke::new(1.0, grey(80, 190))));
+    }
     // Stock that the core hits, drawn over the cutter.
     let contact = Condition::Interfering.mark();
     columns(&mut view.contact.iter().copied(), contact.gamma_multiply(0.8));
@@ -203,7 +212,7 @@ pub fn show(
     painter.extend(dashes);
     painter.line(frame.line(&view.before), Stroke::new(1.4, Condition::Blocked.text(visuals)));
     painter.line(frame.line(&view.after), Stroke::new(1.4, Condition::Sound.text(visuals)));
-    let axis = [frame.to_screen([0.0, frame.bottom()]), frame.to_screen([0.0, high])];
+    let axis = [frame.to_screen([0.0, frame.bottom()]), frame.to_screen([0.0, frame.top()])];
     painter.extend(Shape::dashed_line(&axis, Stroke::new(0.8, grey(90, 160)), 8.0, 4.0));
     dimensions(ui, &painter, &frame, view, position);
     patch(ui, &painter, rect, view);

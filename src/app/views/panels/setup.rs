@@ -3,11 +3,12 @@
 
 use std::path::Path;
 
-use egui::{ComboBox, Ui};
+use egui::{ComboBox, Key, PopupCloseBehavior, Role, TextEdit, Ui, WidgetInfo};
 
 use crate::io::InputError;
 use crate::io::machine_file::built_in_names;
 use crate::part::BlankShape;
+use crate::setup::cutting_data::{CUTTING_DATA, CuttingData};
 use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
@@ -90,6 +91,22 @@ const CHANGE: FieldSpec = FieldSpec::degrees(
     90.0,
 )
 .sliding(0.5, 20.0);
+const LEAD_OUT: FieldSpec = FieldSpec::mm(
+    "Lead-out",
+    "Distance by which the tool moves off the stock beside it at the end of a plunge, at 45°, before it\n\
+     retracts: it does not drag along the wall it has cut. At most the radius of the tool",
+    0.01,
+    20.0,
+)
+.or_none();
+const PECK: FieldSpec = FieldSpec::mm(
+    "Peck depth",
+    "Depth after which a plunge is interrupted to break the chip.\n\
+     Smaller: shorter chips, but more time",
+    0.1,
+    500.0,
+)
+.or_none();
 const HUB: FieldSpec = FieldSpec::mm(
     "Hub allowance",
     "Stock that must stay on the hub.\n\
@@ -185,6 +202,68 @@ fn blank_rows(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) -> bool
     false
 }
 
+const MATERIAL_TIP: &str = "Material of the blank. Tools without speeds and feeds of their own get\n\
+     those of the cutting data for it; a material that is not known changes nothing";
+/// Text of the list where the material is not given.
+const NO_MATERIAL: &str = "not given";
+
+/// Row of the material: one with cutting data, or the name of another.
+fn material_row(ui: &mut Ui, material: &mut Option<String>) {
+    let label = ui.label("Material").on_hover_text(MATERIAL_TIP);
+    let known = material.as_deref().and_then(CuttingData::of_name);
+    ui.horizontal(|ui| {
+        let list = ComboBox::from_id_salt("material")
+            .width(theme::FIELD_WIDTH)
+            .truncate()
+            .close_behavior(PopupCloseBehavior::CloseOnClickOutside)
+            .selected_text(material.as_deref().unwrap_or(NO_MATERIAL))
+            .show_ui(ui, |ui| chosen_material(ui, material.as_deref(), known));
+        let tip = match (&*material, known) {
+            (Some(_), None) => "No cutting data of this material: speeds stay those for steel",
+            _ => MATERIAL_TIP,
+        };
+        list.response.labelled_by(label.id).on_hover_text(tip);
+        if let Some(chosen) = list.inner.flatten() {
+            *material = chosen;
+        }
+        if material.is_some() && fields::reset_dot(ui, "Material") {
+            *material = None;
+        }
+    });
+    ui.end_row();
+}
+
+/// The list of materials; returns the one that was chosen or typed.
+#[expect(clippy::option_option, reason = "no choice, or the choice of none")]
+fn chosen_material(ui: &mut Ui, now: Option<&str>, known: Option<&CuttingData>) -> Option<Option<String>> {
+    let mut chosen = None;
+    if ui.selectable_label(now.is_none(), NO_MATERIAL).clicked() {
+        chosen = Some(None);
+    }
+    for data in &CUTTING_DATA {
+        let is_it = known.is_some_and(|known| known.names[0] == data.names[0]);
+        let button = ui.selectable_label(is_it, data.names[0]);
+        if button.on_hover_text(data.names.join(", ")).clicked() {
+            chosen = Some(Some(data.names[0].to_owned()));
+        }
+    }
+    ui.separator();
+    let id = ui.scope_id().with("typed material");
+    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_default();
+    let field = ui.add(TextEdit::singleline(&mut text).hint_text("another, or a grade").desired_width(120.0));
+    field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Another material"));
+    let typed = text.trim();
+    if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) && !typed.is_empty() {
+        chosen = Some(Some(typed.to_owned()));
+        text.clear();
+    }
+    ui.data_mut(|data| data.insert_temp(id, text));
+    if chosen.is_some() {
+        ui.close();
+    }
+    chosen
+}
+
 /// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
 /// plan.
 pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
@@ -199,6 +278,8 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
         fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);
         fields::number_row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
+        fields::optional_row(ui, &mut setup.plunge.lift, &LEAD_OUT, None);
+        fields::optional_row(ui, &mut setup.plunge.peck, &PECK, None);
     });
 }
 
@@ -213,6 +294,7 @@ pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command
         fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
         fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
         asks_for_file = blank_rows(ui, &mut setup.allowances.blank, &default.blank);
+        material_row(ui, &mut setup.allowances.material);
     });
     asks_for_file.then_some(Command::OpenBlank)
 }

@@ -3,30 +3,66 @@
 use egui::containers::menu::MenuButton;
 use egui::{Button, Rect, RichText, Sense, Slider, Stroke, Ui};
 
+use super::flank_passes::describe;
+use super::positions::cutter_tooltip;
 use crate::app::model::figures::{format_clock, format_duration};
-use crate::app::model::look::Look;
-use crate::app::model::state::{AppState, Boundary, PLAY_RATE};
+use crate::app::model::look::{Look, Operation};
+use crate::app::model::state::AppState;
+use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
 
 /// Height of the timeline, points.
 const HEIGHT: f32 = 34.0;
-/// Height of the line of the machine below it, points.
-const AXES_HEIGHT: f32 = 20.0;
+/// Height of each line below it, of the program and of the machine, points.
+const LINE_HEIGHT: f32 = 20.0;
 
 /// Height of the panel, points.
 pub fn height(state: &AppState) -> f32 {
-    if state.document.edited.setup.machine.file.is_some() { HEIGHT + AXES_HEIGHT } else { HEIGHT }
+    let has_machine = shows_axes(state);
+    HEIGHT + LINE_HEIGHT * if has_machine { 2.0 } else { 1.0 }
 }
 
-/// Draws the timeline, with the axes of the machine; returns the command that was pressed.
+/// Whether the axes of a machine are shown: only plunge plans are placed on it.
+fn shows_axes(state: &AppState) -> bool {
+    state.look.operation == Operation::Roughing && state.document.edited.setup.machine.file.is_some()
+}
+
+/// Draws the timeline, with the line of the program and the axes of the machine; returns the command that was
+/// pressed.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let chosen = slider(ui, state);
-    if state.document.edited.setup.machine.file.is_some() {
+    program_line(ui, state);
+    if shows_axes(state) {
         axes(ui, state);
     }
     chosen
 }
+
+/// The line of the exported program at the position of the timeline.
+fn program_line(ui: &mut Ui, state: &AppState) {
+    let Some(listing) = &state.results.listing else {
+        ui.label(RichText::new("Program: listing…").weak());
+        return;
+    };
+    let Some(line) = listing.line_after(state.timeline_cut()) else {
+        ui.label(RichText::new("Program: not in it").weak()).on_hover_text("The plunge has no moves");
+        return;
+    };
+    let text = format!("Line {line}: {}", listing.statement(line));
+    let label = ui.add(egui::Label::new(RichText::new(text).monospace().size(12.0)).truncate());
+    label.on_hover_ui(|ui| {
+        ui.label("The exported APT program of one channel, at the position of the timeline");
+        for number in line.saturating_sub(LINES_AROUND).max(1)..=line + LINES_AROUND {
+            let Some(text) = listing.line(number) else { break };
+            let text = RichText::new(format!("{number:>6}  {text}")).monospace().size(12.0);
+            ui.label(if number == line { text.strong() } else { text.weak() });
+        }
+    });
+}
+
+/// Lines of the program that its tooltip shows before and after that of the timeline.
+const LINES_AROUND: usize = 6;
 
 /// Where the axes of the chosen machine stand at the position of the timeline, or why it cannot run the plan.
 fn axes(ui: &mut Ui, state: &AppState) {
@@ -60,7 +96,7 @@ const AXES_TIP: &str = "Where the axes of the machine stand at the position of t
      of the spindle nose in mm, rotary axes as the program commands them, chosen over the whole program";
 
 fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
-    let count = state.position_count();
+    let count = state.timeline_len();
     let mut chosen = None;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
@@ -72,13 +108,15 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
                 chosen = Some(command);
             }
         }
-        let cut = state.look.cut_count.unwrap_or(count);
-        let text = match (count, state.look.cut_count) {
-            (0, _) => "no positions".to_owned(),
+        let cut = state.timeline_cut().unwrap_or(count);
+        let unit = if state.look.operation == Operation::Flank { "moves" } else { "plunges" };
+        let text = match (count, state.timeline_cut()) {
+            (0, _) => format!("no {unit}"),
             (_, None) => format!("all {count}"),
             (_, Some(cut)) => format!("{cut} of {count}"),
         };
-        play_menu(ui, &mut state.look);
+        let rate = state.play_rate() / state.look.play_speed;
+        play_menu(ui, &mut state.look, rate, unit);
         // In a narrow view the slider has priority.
         let clock = state.clock().filter(|_| ui.available_width() > 300.0);
         let words = if clock.is_some() { 74.0 + CLOCK } else { 74.0 };
@@ -90,6 +128,7 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         let response = ui.add_enabled(count > 0, slider);
         response.widget_info(|| egui::WidgetInfo::slider(count > 0, cut as f64, "Timeline"));
         ticks(ui, response.rect, state);
+        tooltip(&response, state);
         if now != cut {
             state.look.playing = None;
             state.set_timeline(Some(now));
@@ -111,19 +150,47 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     chosen
 }
 
+/// What is cut at the place of the timeline under the pointer.
+fn tooltip(response: &egui::Response, state: &AppState) {
+    let Some(at) = response.hover_pos().filter(|_| !response.dragged()) else { return };
+    let count = state.timeline_len();
+    let Some(last) = count.checked_sub(1) else { return };
+    let (left, right) = ends_of_slider(response.rect);
+    let share = ((at.x - left) / (right - left).max(1.0)).clamp(0.0, 1.0);
+    let k = ((share * count as f32).ceil() as usize).saturating_sub(1).min(last);
+    response.clone().on_hover_ui_at_pointer(|ui| match state.look.operation {
+        Operation::Flank => {
+            let passes = &state.results.passes;
+            let pass = passes.pass_after(k + 1).and_then(|k| Some((k, passes.passes.get(k)?)));
+            match pass {
+                Some((number, pass)) => describe(ui, state, number, pass),
+                None => {
+                    ui.label("Before the first pass");
+                }
+            }
+        }
+        _ => cutter_tooltip(ui, state, state.look.side, k),
+    });
+}
+
+/// Where a slider of this area has its ends, points.
+fn ends_of_slider(rect: Rect) -> (f32, f32) {
+    let inset = rect.height() * 0.2;
+    (rect.left() + inset, rect.right() - inset)
+}
+
 /// Width of the clock, points.
 const CLOCK: f32 = 136.0;
 
 /// Speeds of playing.
 const SPEEDS: [(f64, &str); 5] = [(0.25, "¼×"), (1.0, "1×"), (4.0, "4×"), (16.0, "16×"), (64.0, "64×")];
 
-/// Menu of speed and loop of playing.
-fn play_menu(ui: &mut Ui, look: &mut Look) {
+/// Menu of speed and loop of playing; `rate`: number of `unit` per second at speed 1.
+fn play_menu(ui: &mut Ui, look: &mut Look, rate: f64, unit: &str) {
     let now = SPEEDS.iter().find(|(speed, _)| *speed == look.play_speed).map_or("1×", |(_, name)| name);
     let (menu, _) = MenuButton::new(now).ui(ui, |ui| {
         for (speed, name) in SPEEDS {
-            let rate = PLAY_RATE * speed;
-            let tip = format!("{rate} plunges per second");
+            let tip = format!("{} {unit} per second", rate * speed);
             if ui.radio(look.play_speed == speed, name).on_hover_text(tip).clicked() {
                 look.play_speed = speed;
                 ui.close();
@@ -136,14 +203,12 @@ fn play_menu(ui: &mut Ui, look: &mut Look) {
     menu.on_hover_text("Speed and loop of playing");
 }
 
-/// Marks above the slider at positions that are not sound; below it where a section begins, longer at a
-/// change of the tool.
+/// Marks above the slider at positions that are not sound, and moves with a fault; below it where a section
+/// or layer begins, longer at a change of the tool.
 fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
-    let Some(shown) = state.shown() else { return };
-    let positions = &shown.plan().positions;
-    let inset = rect.height() * 0.2;
-    let place =
-        |k: usize| egui::lerp(rect.left() + inset..=rect.right() - inset, k as f32 / positions.len() as f32);
+    let count = state.timeline_len();
+    let (left, right) = ends_of_slider(rect);
+    let place = |k: usize| egui::lerp(left..=right, k as f32 / count.max(1) as f32);
     let ink = ui.visuals().text_color();
     for (of, length) in [(Boundary::Section, 4.0), (Boundary::Tool, 7.0)] {
         for k in state.boundaries(of).into_iter().filter(|&k| k > 0) {
@@ -154,13 +219,21 @@ fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
             ui.painter().line_segment(line, Stroke::new(1.5, ink));
         }
     }
-    for (k, position) in positions.iter().enumerate() {
-        let of = position.condition();
-        if of != Condition::Sound {
-            let x = place(k + 1);
-            let line = [egui::pos2(x, rect.top() - 2.0), egui::pos2(x, rect.top() + 3.0)];
-            ui.painter().line_segment(line, Stroke::new(1.0, of.mark()));
+    let mark = |k: usize, of: Condition| {
+        let x = place(k + 1);
+        let line = [egui::pos2(x, rect.top() - 2.0), egui::pos2(x, rect.top() + 3.0)];
+        ui.painter().line_segment(line, Stroke::new(1.0, of.mark()));
+    };
+    match (state.look.operation, state.shown(), &state.results.flank) {
+        (Operation::Flank, _, Some(outcome)) => {
+            outcome.plan.faults.iter().for_each(|fault| mark(fault.index, Condition::Interfering));
         }
+        (Operation::Roughing, Some(shown), _) => {
+            let positions = shown.plan().positions.iter().enumerate();
+            let faulty = positions.filter(|(_, position)| position.condition() != Condition::Sound);
+            faulty.for_each(|(k, position)| mark(k, position.condition()));
+        }
+        _ => {}
     }
 }
 

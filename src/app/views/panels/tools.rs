@@ -19,6 +19,7 @@ const S: FieldSpec = FieldSpec {
     speed: 0.005,
     decimals: 3,
     slide: None,
+    absent: "auto",
 };
 
 /// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools. Returns the

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Content, SidePicture};
+use super::{Content, ShownFlank, SidePicture};
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::machine::PlanOnMachine;
@@ -14,8 +14,7 @@ use crate::drawing::cutters::cutter_set;
 use crate::drawing::flank::{self, FlankColours};
 use crate::drawing::floor::{contact_mesh, floor_meshes, value_mesh};
 use crate::gpu::mesh::{Mesh, Segment};
-use crate::io::flank_file::{shown_passes, shown_walls};
-use crate::job::flank::FlankOutcome;
+use crate::io::flank_file::shown_walls;
 use crate::setup::AxisPolicy;
 
 /// Colours of the cutters of a plan, and the classes that are left out.
@@ -121,27 +120,26 @@ impl SidePicture {
     }
 
     /// Shows the passes of a flank plan, or none; does nothing if they are shown already.
-    pub fn load_flank(&mut self, shown: Option<(Arc<FlankOutcome>, FlankColours)>) {
-        let same = match (&self.flank, &shown) {
-            (Some((a, colours)), Some((b, wanted))) => Arc::ptr_eq(a, b) && colours == wanted,
-            (None, None) => true,
-            _ => false,
-        };
-        if same {
+    pub fn load_flank(&mut self, shown: Option<ShownFlank>) {
+        if self.flank == shown {
             return;
         }
-        let lines = shown.as_ref().map(|(outcome, colours)| {
-            let plan = &outcome.plan;
-            flank::toolpath_lines(&shown_passes(plan), &plan.moves, plan.layout.layers.len(), *colours)
-        });
+        let walls = |shown: Option<&ShownFlank>| {
+            shown
+                .filter(|shown| shown.colours == FlankColours::Walls)
+                .map(|shown| Arc::as_ptr(&shown.outcome))
+        };
+        let same_walls = walls(self.flank.as_ref()) == walls(shown.as_ref());
+        let lines = shown.as_ref().map(ShownFlank::lines);
         self.scene.set_paths(&self.gpu, &lines.unwrap_or_default());
-        if self.shows_walls() {
+        if self.shows_walls() && !same_walls {
             // Forces the floor to be loaded again.
             self.clear_floor();
             self.content = None;
         }
         self.flank = shown;
-        if let Some((outcome, _)) = self.flank.as_ref().filter(|_| self.shows_walls()) {
+        if let Some(flank) = self.flank.as_ref().filter(|_| self.shows_walls() && !same_walls) {
+            let outcome = &flank.outcome;
             let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &shown_walls(&outcome.plan));
             self.scene.set_values(&self.gpu, mesh);
         }

@@ -3,6 +3,7 @@
 
 mod content;
 mod load;
+mod shown_flank;
 
 use std::sync::Arc;
 
@@ -26,9 +27,9 @@ use crate::gpu::residual::ResidualKernel;
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::stock_floor::{StockFloor, StockState};
 use crate::gpu::view::ViewTargets;
-use crate::job::flank::FlankOutcome;
 pub use content::Content;
 use load::ColouredCutters;
+pub use shown_flank::ShownFlank;
 
 /// Rays that the kernel may intersect with cutters for a picture in motion on a software driver. Meant for 30
 /// pictures a second on two cores; `vanecut bench` prints meetings and times of each resolution.
@@ -53,7 +54,7 @@ pub struct SidePicture {
     scene: Scene,
     content: Option<Content>,
     preview: Option<ShownCutters>,
-    flank: Option<(Arc<FlankOutcome>, FlankColours)>,
+    flank: Option<ShownFlank>,
     program: Option<Arc<CheckedProgram>>,
     borders: Vec<Segment>,
     /// Colours of the cutters, and which are left out.
@@ -137,7 +138,7 @@ impl SidePicture {
     }
 
     fn shows_walls(&self) -> bool {
-        self.flank.as_ref().is_some_and(|(_, colours)| *colours == FlankColours::Walls)
+        self.flank.as_ref().is_some_and(|flank| flank.colours == FlankColours::Walls)
     }
 
     /// The image for a view of `size` physical pixels; draws only if something changed. While `moving`, it

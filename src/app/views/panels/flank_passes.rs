@@ -1,0 +1,107 @@
+//! Table of the passes of the flank plan, in cutting order.
+
+use egui::{RichText, Sense, Ui};
+use egui_extras::{Column, TableBuilder};
+
+use super::flank::region_words;
+use super::positions::cell;
+use crate::app::model::figures::format_clock;
+use crate::app::model::flank_passes::FlankPass;
+use crate::app::model::state::AppState;
+use crate::app::views::theme;
+use crate::flank::chart::Region;
+
+/// Heads of the columns with their meaning, and their widths, points.
+const COLUMNS: [(&str, &str, f32); 5] = [
+    ("#", "Number in cutting order", 34.0),
+    ("Layer", "Layer, 1 at the hub", 42.0),
+    ("Region", "Where in the channel; w: along a wall", 56.0),
+    ("mm", "Length, mm", 48.0),
+    ("Time", "Time of the program when the pass ends", 58.0),
+];
+
+/// Draws the table; a click on a row selects the pass.
+pub fn show(ui: &mut Ui, state: &mut AppState) {
+    ui.label(RichText::new("Passes").strong());
+    let found = std::sync::Arc::clone(&state.results.passes);
+    if found.passes.is_empty() {
+        ui.label(RichText::new("The plan has no passes").weak());
+        return;
+    }
+    let selected = state.look.flank.pass;
+    let mut builder = TableBuilder::new(ui)
+        .striped(true)
+        .sense(Sense::click())
+        .auto_shrink([false, false])
+        .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
+    for (_, _, width) in COLUMNS {
+        builder = builder.column(Column::exact(width));
+    }
+    builder = builder.column(Column::remainder());
+    let reveal = std::mem::take(&mut state.look.flank.reveal);
+    if let Some(row) = selected.filter(|_| reveal) {
+        builder = builder.scroll_to_row(row, None);
+    }
+    let mut clicked = None;
+    builder
+        .header(theme::ROW_HEIGHT, |mut header| {
+            for (head, tip, _) in COLUMNS {
+                header.col(|ui| {
+                    ui.label(RichText::new(head).weak()).on_hover_text(tip);
+                });
+            }
+            // Space for the scroll bar.
+            header.col(|_| ());
+        })
+        .body(|body| {
+            body.rows(theme::ROW_HEIGHT, found.passes.len(), |mut row| {
+                let k = row.index();
+                let Some(pass) = found.passes.get(k) else { return };
+                row.set_selected(selected == Some(k));
+                let region = match pass.region {
+                    Region::Inlet => "inlet",
+                    Region::LowSide => "suct.",
+                    Region::HighSide => "press.",
+                };
+                let wall = if pass.along_wall { " w" } else { "" };
+                let cells = [
+                    (k + 1).to_string(),
+                    (pass.layer + 1).to_string(),
+                    format!("{region}{wall}"),
+                    format!("{:.1}", pass.length),
+                    format_clock(found.time_after(pass.end)),
+                ];
+                for text in cells {
+                    row.col(|ui| cell(ui, RichText::new(text)));
+                }
+                row.col(|_| ());
+                let response = row.response();
+                let name = format!("Pass {}", k + 1);
+                response.widget_info(|| {
+                    egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
+                });
+                if response.on_hover_ui(|ui| describe(ui, state, k, pass)).clicked() {
+                    clicked = Some(k);
+                }
+            });
+        });
+    if let Some(k) = clicked {
+        // A second click on the row deselects it.
+        state.select_pass((selected != Some(k)).then_some(k));
+    }
+}
+
+/// What pass `k` is, how fast it goes and when.
+pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
+    let wall = if pass.along_wall { ", along a wall" } else { "" };
+    ui.label(RichText::new(format!("Pass {}: layer {}{wall}", k + 1, pass.layer + 1)).strong());
+    ui.label(region_words(
+        pass.region,
+        state.results.passes.passes.iter().any(|p| p.region != Region::Inlet),
+    ));
+    let [low, high] = pass.feeds;
+    let feeds = if high - low < 0.5 { format!("{high:.0}") } else { format!("{low:.0} to {high:.0}") };
+    ui.label(format!("{:.1} mm at {feeds} mm/min, {:.1} s", pass.length, pass.time));
+    ui.label(format!("The axis turns by {:.1}°", pass.turn.to_degrees()));
+    ui.label(format!("Cut after {}", format_clock(state.results.passes.time_after(pass.end))));
+}
