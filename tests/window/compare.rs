@@ -110,7 +110,7 @@ fn the_program_of_a_policy_is_that_of_the_plan_shown() {
     let path = folder.path().join("shown.apt");
     let (engine, _) = fake::engine();
     let mut window = wide(engine);
-    window.set_size(egui::vec2(1200.0, 1060.0));
+    window.set_size(egui::vec2(1200.0, 1160.0));
     window.run_steps(3);
     window.get_by_label("Compare all strategies").click();
     window.run_steps(3);
