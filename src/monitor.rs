@@ -34,7 +34,7 @@ pub struct Monitor {
     ignores_stop: bool,
     /// Whether reports are not passed on.
     is_silent: bool,
-    /// Progress of the whole at the begin and the end of the work that reports.
+    /// Progress of the whole at the beginning and the end of the work that reports.
     span: [f64; 2],
 }
 
@@ -84,8 +84,8 @@ impl Monitor {
         Self { is_silent: true, ..self.same() }
     }
 
-    /// The same token for a part of the work: its progress 0…1 counts as `from`…`to` of this one.
-    pub fn part(&self, from: f64, to: f64) -> Self {
+    /// The same token for a span of the work: its progress 0…1 counts as `from`…`to` of this one.
+    pub fn span(&self, from: f64, to: f64) -> Self {
         let [start, end] = self.span;
         Self { span: [from, to].map(|share| start + (end - start) * share), ..self.same() }
     }
@@ -113,9 +113,14 @@ impl Monitor {
         if self.is_silent {
             return;
         }
+        self.shared.permille.store(self.permille_at(fraction), Ordering::Relaxed);
+    }
+
+    /// Progress of the whole at that of this work, 0…1000.
+    fn permille_at(&self, fraction: f64) -> u32 {
         let [start, end] = self.span;
         let whole = start + (end - start) * fraction.clamp(0.0, 1.0);
-        self.shared.permille.store((whole * 1000.0) as u32, Ordering::Relaxed);
+        (whole * 1000.0) as u32
     }
 
     /// Progress, 0…1.
@@ -140,7 +145,11 @@ impl StepCount<'_> {
     pub fn begin(&self) -> Result<(), Cancelled> {
         self.monitor.check()?;
         let done = self.done.fetch_add(1, Ordering::Relaxed);
-        self.monitor.report(done as f64 / self.total.max(1) as f64);
+        if !self.monitor.is_silent {
+            // The thread of a later step may get here first.
+            let permille = self.monitor.permille_at(done as f64 / self.total.max(1) as f64);
+            self.monitor.shared.permille.fetch_max(permille, Ordering::Relaxed);
+        }
         Ok(())
     }
 }
@@ -152,10 +161,10 @@ mod tests {
     #[test]
     fn parts_report_their_share_of_the_whole() {
         let monitor = Monitor::default();
-        let second = monitor.part(0.5, 1.0);
+        let second = monitor.span(0.5, 1.0);
         second.report(0.0);
         assert_eq!(monitor.progress(), 0.5);
-        second.part(0.0, 0.5).report(1.0);
+        second.span(0.0, 0.5).report(1.0);
         assert_eq!(monitor.progress(), 0.75);
         second.silent().report(1.0);
         assert_eq!(monitor.progress(), 0.75, "work beside the main one does not count");

@@ -42,7 +42,7 @@ pub fn category(index: usize) -> Rgb {
 }
 
 /// Colours of the curves of a chart, in order.
-pub const CURVES: [Rgb; 6] = [SELECTED, INTERFERING, SOUND, CATEGORIES[3], CATEGORIES[0], BLOCKED];
+pub const CURVES: [Rgb; 6] = [SELECTED, INTERFERING, SOUND, CATEGORIES[2], CATEGORIES[0], BLOCKED];
 
 /// A colour as bytes, 0…255.
 pub fn to_bytes(colour: Rgb) -> [u8; 3] {

@@ -225,7 +225,7 @@ fn ctrl_c_ends_a_plan_with_what_is_found() {
             None => assert!(!written),
             Some(0) => break,
             Some(1) if errors.contains("unfinished") => {
-                assert!(errors.contains("stopping, a plan keeps the best so far"), "{errors}");
+                assert!(errors.contains("stopping; Ctrl+C again"), "{errors}");
                 let bytes = std::fs::read(folder.join("plan.json")).expect("a plan");
                 let stored = read_plan_bytes("plan.json", &bytes).expect("readable");
                 assert!(stored.plan.is_unfinished(), "the file says so");

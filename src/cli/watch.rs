@@ -11,7 +11,8 @@ use crate::monitor::Monitor;
 const INTERRUPTED: i32 = 130;
 
 /// Runs a job, with its progress on a terminal, where `what` says what it does. The first Ctrl+C stops the
-/// job, which keeps the best result found so far; a second one ends the program at once.
+/// job: a planner keeps the best result found so far, a check ends without one. A second Ctrl+C ends the program
+/// at once.
 pub fn run_with_progress<T>(what: &str, job: impl FnOnce(&Monitor) -> T) -> T {
     let monitor = Arc::new(Monitor::default());
     let asked = Arc::clone(&monitor);
@@ -26,7 +27,7 @@ pub fn run_with_progress<T>(what: &str, job: impl FnOnce(&Monitor) -> T) -> T {
             std::process::exit(INTERRUPTED);
         }
         asked.stop();
-        eprintln!("\nstopping, a plan keeps the best so far; Ctrl+C again ends at once");
+        eprintln!("\nstopping; Ctrl+C again ends at once");
     });
     let done = AtomicBool::new(false);
     std::thread::scope(|scope| {

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::layer::LayerPoint;
 use super::passes::{UncutLength, is_open};
-use super::path::{FlankMove, LayerPasses, MoveKind, Pass, PathMaker, Program};
+use super::path::{FlankMove, LayerPasses, MoveKind, Pass, PathMaker, Program, path_length};
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::setup::Tool;
@@ -137,7 +137,7 @@ fn split_pass(
         }
     };
     if let Some(why) = cut.whole {
-        note(length(&pass.positions), why);
+        note(path_length(&pass.positions), why);
         return;
     }
     if cut.moves.is_empty() {
@@ -158,13 +158,13 @@ fn split_pass(
         let piece = &pass.positions[first..=k];
         let why = why.unwrap_or(last_why);
         // A piece shorter than the stepover is not worth an approach.
-        if piece.len() < 2 || length(piece) < layer.stepover {
-            note(length(piece), why);
+        if piece.len() < 2 || path_length(piece) < layer.stepover {
+            note(path_length(piece), why);
         } else {
             pieces.push((first, k));
         }
         if !ends {
-            note(length(&pass.positions[k..=k + 1]), why);
+            note(path_length(&pass.positions[k..=k + 1]), why);
         }
         (first, last_why) = (k + 1, why);
     }
@@ -191,9 +191,4 @@ fn places(layer: &LayerPasses, pass: &Pass) -> Vec<LayerPoint> {
         place
     };
     pass.positions.iter().map(place).collect()
-}
-
-/// Path length of the tip, mm.
-fn length(positions: &[(Point, Vector)]) -> f64 {
-    positions.windows(2).map(|w| (w[1].0 - w[0].0).norm()).sum()
 }

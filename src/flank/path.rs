@@ -93,12 +93,14 @@ pub struct Program {
     pub origins: Vec<MoveOrigin>,
 }
 
-/// Ramp angle along a pass, rad.
+/// Angle of ramps along a pass, rad; at most [`MAX_RAMP`] on a short one.
 const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Maximum length of the piece of a pass over which a ramp goes to and fro, mm.
 const RAMP_LENGTH: f64 = 25.0;
-/// Maximum number of times that a ramp goes along it: on a shorter piece it is steeper.
+/// Number of times that a ramp goes along it at that angle; on a shorter piece it is steeper.
 const RAMP_TURNS: f64 = 12.0;
+/// Maximum angle of a ramp, rad.
+const MAX_RAMP: f64 = 2.0 * RAMP;
 /// Maximum turn of the axis on a link, rad.
 const MAX_LINK_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
@@ -282,8 +284,13 @@ impl ProgramWriter<'_> {
             0 => pass.positions[0],
             _ => pass.positions[pass.positions.len() - 1],
         };
-        let rapid_time =
-            self.estimate_rapid_time((from.tip, from.axis), position(flown_to), pass.open[flown_to], feed);
+        let ramp = if pass.open[flown_to] {
+            0.0
+        } else {
+            let reach = path_length(&pass.positions).min(RAMP_LENGTH);
+            ramp_length(reach, self.maker.layer_depth) / self.maker.feeds.ramp_mm_per_min
+        };
+        let rapid_time = self.estimate_rapid_time((from.tip, from.axis), position(flown_to), feed) + ramp;
         let mut ends = [0, 1].map(|end| (layer.layer.segment_length(at, pass.ends[end]), end));
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         ends.into_iter().find_map(|(long, end)| {
@@ -323,13 +330,11 @@ impl ProgramWriter<'_> {
             .collect()
     }
 
-    /// Estimated time to retract, move in rapid and approach a position, min.
-    fn estimate_rapid_time(&self, from: (Point, Vector), to: (Point, Vector), open: bool, feed: f64) -> f64 {
+    /// Estimated time to retract, move in rapid and approach a position, without ramp, min.
+    fn estimate_rapid_time(&self, from: (Point, Vector), to: (Point, Vector), feed: f64) -> f64 {
         let (up, down) = (self.above(from), self.above(to));
         let flown = (up - from.0).norm() + (down - up).norm();
-        let ramp =
-            if open { 0.0 } else { self.maker.layer_depth / RAMP.tan() / self.maker.feeds.ramp_mm_per_min };
-        flown / RAPID_MM_PER_MIN + (down - to.0).norm() / feed + ramp
+        flown / RAPID_MM_PER_MIN + (down - to.0).norm() / feed
     }
 
     /// Retracts along the axis until the bottom of the tool is clear of the blank.
@@ -401,6 +406,16 @@ impl ProgramWriter<'_> {
     }
 }
 
+/// Path length of the tip, mm.
+pub(super) fn path_length(positions: &[(Point, Vector)]) -> f64 {
+    positions.windows(2).map(|pair| (pair[1].0 - pair[0].0).norm()).sum()
+}
+
+/// Length of a ramp from `depth` mm above to and fro along `reach` mm of a pass, mm.
+fn ramp_length(reach: f64, depth: f64) -> f64 {
+    (depth / RAMP.tan()).min((RAMP_TURNS * reach).max(depth / MAX_RAMP.tan()))
+}
+
 /// Ramp down to and fro along the first piece of a pass, from `depth` mm above it: positions, each with the
 /// index of the pass position below it.
 fn ramp(positions: &[(Point, Vector)], depth: f64) -> Vec<((Point, Vector), usize)> {
@@ -417,7 +432,7 @@ fn ramp(positions: &[(Point, Vector)], depth: f64) -> Vec<((Point, Vector), usiz
         let (tip, axis) = positions[0];
         return vec![((tip + axis * depth, axis), 0)];
     }
-    let total = (depth / RAMP.tan()).min(RAMP_TURNS * reach);
+    let total = ramp_length(reach, depth);
     let mut poses = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
     let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
     while gone < total {
@@ -496,14 +511,11 @@ mod tests {
         };
         let long = ramp(&straight(40.0), 3.0);
         assert!((rate(&long) - RAMP.tan()).abs() < 1e-9, "{}", rate(&long));
-        for length in [1e-3, 0.02, 0.5] {
+        for length in [0.3, 1.0, 3.0] {
             let positions = straight(length);
             let poses = ramp(&positions, 3.0);
-            assert!(
-                poses.len() <= (RAMP_TURNS as usize + 2) * positions.len(),
-                "{} on {length}",
-                poses.len()
-            );
+            let rate = rate(&poses);
+            assert!(rate > 1.01 * RAMP.tan() && rate < MAX_RAMP.tan() + 1e-9, "{rate} on {length}");
             // It ends at the full depth, ready for the pass.
             let deepest = poses.iter().map(|((tip, _), _)| tip.z).fold(f64::INFINITY, f64::min);
             assert!(deepest.abs() < 1e-9 && poses[0].0.0.z == 3.0);

@@ -53,7 +53,7 @@ pub struct FlankPlan {
     pub walls: Arc<Vec<MilledWall>>,
     /// Fixed axes by layer and region.
     pub axes: Vec<RegionAxis>,
-    /// Lengths of passes that no axis reaches.
+    /// Lengths of passes that are left out, with the reason.
     pub uncut: Vec<UncutLength>,
     /// What is cut before: plunges above the shroud, where the blank stands above it.
     pub opening: Option<FlankOpening>,

@@ -140,19 +140,23 @@ impl Wall {
     /// at which Newton's method converges.
     pub fn at(&self, part: &Impeller, s: f64, eta: f64) -> Option<WallPoint> {
         let limit = |end: usize| self.limits[end].as_ref().map(|limits| interpolated(limits, eta));
-        let (limit, inward) = match (limit(0), limit(1)) {
-            (Some(first), _) if s < first => (first, 1.0),
-            (_, Some(last)) if s > last => (last, -1.0),
+        let (limit, inward, is_beyond) = match (limit(0), limit(1)) {
+            (Some(first), _) if s < first => (first, 1.0, true),
+            (_, Some(last)) if s > last => (last, -1.0, true),
             _ => match self.on_extension(part, s, eta) {
                 Some(place) => return Some(place),
-                None => (s, if s < 0.5 { 1.0 } else { -1.0 }),
+                None => (s, if s < 0.5 { 1.0 } else { -1.0 }, false),
             },
         };
         // Limits are known at a few η only, and Newton's method may fail close to one.
         let mut near = (0..=LIMIT_TRIES).map(|i| limit + inward * LIMIT_MARGIN * i as f64);
-        let place = near.find_map(|s| self.on_extension(part, s, eta))?;
-        // Further from the flank in u as well, so that nobody takes it for a point of the blade.
-        Some(WallPoint { theta_s: 0.0, u: place.u - inward * (s - limit).abs(), ..place })
+        let (found, place) = near.find_map(|s| Some((s, self.on_extension(part, s, eta)?)))?;
+        let (begin, end) = self.side.u_range();
+        // Further from the flank in u as well, so that `is_blade_at` gets false.
+        let off = if inward > 0.0 { place.u.min(begin) } else { place.u.max(end) };
+        let u = off - inward * (s - found).abs();
+        let is_on_flank = begin < place.u && place.u < end;
+        (is_beyond || !is_on_flank).then_some(WallPoint { theta_s: 0.0, u, ..place })
     }
 
     /// The flank or its linear extension at (s, η), by Newton's method on its meridional image. `None` where

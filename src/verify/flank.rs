@@ -149,10 +149,10 @@ impl<'a> FlankVerifier<'a> {
     /// As [`verify_flank`].
     pub fn verdict(&mut self, program: &ClProgram, monitor: &Monitor) -> Result<FlankVerdict, VerifyError> {
         let [moves_done, floors_done, solid_done] = DONE;
-        let examined = self.examined_steps(program, &monitor.part(0.0, moves_done))?;
+        let examined = self.examined_steps(program, &monitor.span(0.0, moves_done))?;
         let ExaminedProgram { steps, looks, channels, mut faults } =
-            self.with_floors(program, examined, &monitor.part(moves_done, floors_done))?;
-        for fault in self.faults_in_standing_stock(&steps, &monitor.part(floors_done, solid_done))? {
+            self.with_floors(program, examined, &monitor.span(moves_done, floors_done))?;
+        for fault in self.faults_in_standing_stock(&steps, &monitor.span(floors_done, solid_done))? {
             if !faults.iter().any(|other| (other.line, other.kind) == (fault.line, fault.kind)) {
                 faults.push(fault);
             }
@@ -175,7 +175,7 @@ impl<'a> FlankVerifier<'a> {
         for (step, look) in steps.iter().zip(&looks) {
             verdict.add(step, look);
         }
-        let closing = monitor.part(solid_done, 1.0);
+        let closing = monitor.span(solid_done, 1.0);
         let count = closing.steps(channels.len());
         for (index, (number, floor)) in channels.iter().enumerate() {
             count.begin()?;

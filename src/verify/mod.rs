@@ -117,7 +117,7 @@ pub fn verify(
     let found = |cut: &ProgramCut| (nearest_channel(part, channel, &cut.cutter.tip), 1.0);
     let turns = channels_of(&cuts.par_iter().map(found).collect::<Vec<_>>());
 
-    let measuring = monitor.part(0.0, CUTS_DONE);
+    let measuring = monitor.span(0.0, CUTS_DONE);
     let count = measuring.steps(cuts.len());
     let measured: Vec<Measured> = (0..cuts.len())
         .into_par_iter()
@@ -196,7 +196,7 @@ pub fn verify(
         faults.extend(first.and_then(|cut| tool_mismatch(cut.line, &cut.tool, setup)));
     }
     let around = AssemblySurroundings::new(finished, setup);
-    let (assembly, found) = judge_moves(program, setup, &around, &monitor.part(CUTS_DONE, 1.0))?;
+    let (assembly, found) = judge_moves(program, setup, &around, &monitor.span(CUTS_DONE, 1.0))?;
     faults.extend(found);
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);

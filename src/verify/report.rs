@@ -46,11 +46,11 @@ pub fn report_plunges(
     cells: usize,
     monitor: &Monitor,
 ) -> Result<PlungeReport, VerifyError> {
-    let verdict = verify(workpiece, setup, program, &monitor.part(0.0, PLUNGES_DONE))?;
+    let verdict = verify(workpiece, setup, program, &monitor.span(0.0, PLUNGES_DONE))?;
     let stretches = stretches_of(&verdict.sections);
     let source = FloorSource { workpiece, stock: &setup.allowances, cutters: &stretches };
     let grid = FloorGrid::new(&source, cells);
-    let fields = fields_of(&workpiece.part, &verdict, &grid, &monitor.part(PLUNGES_DONE, 1.0))?;
+    let fields = fields_of(&workpiece.part, &verdict, &grid, &monitor.span(PLUNGES_DONE, 1.0))?;
     let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();
     let floors = Floors { grid: &grid, heights: &heights };
     let summary =

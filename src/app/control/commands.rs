@@ -61,10 +61,9 @@ impl App {
             C::NextFault | C::PreviousFault | C::NextRow | C::PreviousRow => {
                 self.state.look.operation == Operation::Roughing && self.state.position_count() > 0
             }
+            C::NextTool | C::PreviousTool => !self.state.boundaries(Boundary::Tool).is_empty(),
             C::Play
             | C::StepForward
-            | C::NextTool
-            | C::PreviousTool
             | C::NextSection
             | C::PreviousSection
             | C::StepBack
@@ -75,9 +74,10 @@ impl App {
             C::FlyToSelection if self.state.look.operation == Operation::Flank => {
                 self.state.look.flank.pass.is_some()
             }
-            C::FlyToSelection | C::ShowInTable | C::OpenSection | C::ScrubHere => {
-                self.state.selected().is_some()
+            C::ScrubHere => {
+                self.state.look.operation == Operation::Roughing && self.state.selected().is_some()
             }
+            C::FlyToSelection | C::ShowInTable | C::OpenSection => self.state.selected().is_some(),
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
             C::Undo => self.state.document.can_undo(),

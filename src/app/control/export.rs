@@ -105,8 +105,9 @@ impl App {
         picture.load(content);
         let look = &self.state.look;
         picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
-        // A file cannot show the badge of a preview, so leave the preview out.
-        picture.load_preview(tool.as_ref());
+        // A file cannot show the badge of a plan under way, so its preview is left out.
+        let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
+        picture.load_preview(faulty.map(|place| &place.cutter).or(tool.as_ref()));
         picture.load_flank(flank);
         picture.load_program(program.as_ref());
         match picture.export(&camera, &options, size) {

@@ -105,7 +105,7 @@ impl FlankPasses {
 }
 
 /// Middle of the moves of a pass, half of its extent, mm, and its axis there.
-pub fn place_of(pass: &FlankPass, moves: &[FlankMove]) -> Option<(Point, f64, Vector)> {
+pub fn extent_of_pass(pass: &FlankPass, moves: &[FlankMove]) -> Option<(Point, f64, Vector)> {
     let moves = moves.get(pass.from..pass.end)?;
     let (first, last) = (moves.first()?.tip, moves.last()?.tip);
     let middle = first + 0.5 * (last - first);

@@ -62,9 +62,9 @@ impl PartialEq for SolidSource {
 pub enum StockMoment {
     /// Everything.
     End,
-    /// So many plunges.
+    /// The first n plunges.
     Plunges(usize),
-    /// All plunges, and so many moves of the flank plan.
+    /// All plunges, and the first n moves of the flank plan.
     FlankMoves(usize),
 }
 

@@ -46,12 +46,12 @@ impl ListedPlan {
 }
 
 /// Lists the program in the background.
-pub(in crate::app) struct ListingWork(Latest<ListedPlan, Option<Arc<ProgramListing>>>);
+pub(in crate::app) struct ListingWork(Latest<ListedPlan, Arc<ProgramListing>>);
 
 impl ListingWork {
     /// Starts the thread.
     pub(in crate::app) fn new(repaint: &Repaint) -> Self {
-        Self(Latest::new("listing", repaint, |listed: &ListedPlan| listing_of(listed).map(Arc::new)))
+        Self(Latest::new("listing", repaint, |listed: &ListedPlan| Arc::new(listing_of(listed))))
     }
 
     /// Requests the program of the shown plan for one channel. Returns it once it is known.
@@ -60,7 +60,7 @@ impl ListingWork {
         self.0.request(wanted.clone());
         // Lines of another program would mislead.
         let (of, listing) = self.0.answer()?;
-        wanted.filter(|wanted| wanted == of).and_then(|_| listing.clone())
+        wanted.filter(|wanted| wanted == of).map(|_| Arc::clone(listing))
     }
 
     /// Whether a program is being listed.
@@ -69,8 +69,8 @@ impl ListingWork {
     }
 }
 
-/// The program as it is written, read back for the lines of its moves.
-fn listing_of(listed: &ListedPlan) -> Option<ProgramListing> {
+/// The program as it is written, read back for the lines of its moves; without lines where that fails.
+fn listing_of(listed: &ListedPlan) -> ProgramListing {
     let (text, ends): (String, Vec<Option<usize>>) = match listed {
         ListedPlan::Plunges(planned, policy) => {
             let plan = planned.plan(*policy);
@@ -85,8 +85,9 @@ fn listing_of(listed: &ListedPlan) -> Option<ProgramListing> {
             (flank_text(outcome), (before..all.moves.len()).map(Some).collect())
         }
     };
-    let read = read_apt_bytes("", text.as_bytes()).ok()?;
-    let line = |index: usize| read.moves.get(index).map(|step| step.line);
+    let read = read_apt_bytes("", text.as_bytes());
+    let moves = read.as_ref().map_or(&[][..], |program| &program.moves);
+    let line = |index: usize| moves.get(index).map(|step| step.line);
     let lines = ends.into_iter().map(|end| end.and_then(line)).collect();
-    Some(ProgramListing::new(text, lines))
+    ProgramListing::new(text, lines)
 }

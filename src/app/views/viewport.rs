@@ -15,7 +15,7 @@ use crate::plunge::inspect::feed_direction;
 
 use crate::app::App;
 use crate::app::control::export::device_problem;
-use crate::app::model::flank_passes::place_of;
+use crate::app::model::flank_passes::extent_of_pass;
 use crate::app::model::look::{Arrangement, Operation, PlaneOrientation, SectionPlaneLook};
 use crate::app::model::planned::Side;
 use crate::app::model::solid::SolidColours;
@@ -386,7 +386,7 @@ impl App {
             let pass = self.state.look.flank.pass.and_then(|k| self.state.results.passes.passes.get(k));
             let moves = self.state.results.flank.as_ref().map(|outcome| &outcome.plan.moves);
             if let Some((middle, reach, axis)) =
-                pass.zip(moves).and_then(|(pass, moves)| place_of(pass, moves))
+                pass.zip(moves).and_then(|(pass, moves)| extent_of_pass(pass, moves))
             {
                 self.view.fly_to(to(middle.coords.into()), 1.6 * reach as f32, to(axis.into()), time);
             }

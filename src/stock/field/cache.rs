@@ -23,7 +23,7 @@ pub struct FieldCache {
     cutters: Vec<FieldCutter>,
     bins: TileBins,
     tiles: Vec<KeptTile>,
-    /// Parts of a tile's cutters between which its heights are kept.
+    /// Number of parts of a tile's cutters after each of which its heights are kept.
     parts: usize,
 }
 
@@ -33,7 +33,7 @@ impl FieldCache {
         Self::with_parts(grid, KEPT_PARTS)
     }
 
-    /// `grid` before its only program: of the way there nothing is kept.
+    /// `grid` for one program: only the final heights of its tiles are kept.
     pub fn for_one(grid: FloorGrid) -> Self {
         Self::with_parts(grid, 1)
     }

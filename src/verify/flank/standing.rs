@@ -20,7 +20,7 @@ use crate::stock::solid::{
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
 
-/// Number of equal parts of a program; the stock after each is kept.
+/// Number of equal parts of a program; the stock after each is kept if another program may follow.
 const KEPT_PARTS: usize = 16;
 
 /// Searches programs of one part, with the same tools, for contacts with standing stock. A program that

@@ -145,6 +145,11 @@ impl AppState {
     /// Advances a playing timeline; returns the seconds until its next step.
     pub fn advance(&mut self, time: f64) -> Option<f64> {
         let since = self.look.playing?;
+        if self.timeline_len() == 0 {
+            // A checked program has been opened meanwhile.
+            self.look.playing = None;
+            return None;
+        }
         let rate = self.play_rate();
         let steps = ((time - since) * rate).floor().clamp(0.0, 1e6);
         if steps >= 1.0 {

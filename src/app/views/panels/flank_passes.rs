@@ -17,7 +17,7 @@ const COLUMNS: [(&str, &str, f32); 5] = [
     ("Layer", "Layer, 1 at the hub", 42.0),
     ("Region", "Where in the channel; w: along a wall", 56.0),
     ("mm", "Length, mm", 48.0),
-    ("Time", "Time of the program when the pass ends", 58.0),
+    ("Time", "Time from the first pass on when the pass ends, without what is cut before it", 58.0),
 ];
 
 /// Draws the table; a click on a row selects the pass.

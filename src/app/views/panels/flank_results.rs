@@ -40,7 +40,9 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     }
     if skipped > 0 {
         let text = RichText::new(format!("{skipped} stretches skipped")).color(amber);
-        ui.label(text).on_hover_text("Stretches of passes that no axis reaches");
+        ui.label(text).on_hover_text(
+            "Stretches of passes that are not cut: no axis reaches them, or they are too short",
+        );
     }
     ui.separator();
     let walls = format!("−{:.4} / +{:.4} mm", outcome.max_overcut(), outcome.plan.max_undercut());
@@ -118,6 +120,6 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     ));
     let lost: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
     if lost > 0.0 {
-        ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them"));
+        ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them, or they are too short"));
     }
 }

@@ -17,6 +17,8 @@ pub const HEIGHT: f32 = 92.0;
 const NARROW: f32 = 112.0;
 /// In plots narrower than this the value is below the name, points.
 const TIGHT: f32 = 80.0;
+/// Margins of the head of a plot, and between its name and value, points.
+const HEAD_MARGINS: f32 = 15.0;
 /// Height of a line of text, points.
 const LINE: f32 = 12.0;
 
@@ -93,7 +95,7 @@ pub(super) struct Picked {
     pub menu: Option<(Command, usize)>,
 }
 
-/// Where the values of so many positions stand in a plot, side by side.
+/// Where the values of positions stand in a plot, side by side.
 #[derive(Clone, Copy)]
 pub(super) struct PositionScale {
     /// The plot without its head and margins.
@@ -189,14 +191,17 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     }
     let font = FontId::proportional(11.0);
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
+    let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), ink).size().x;
+    let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
     let text = match value {
         Some(v) => format!("{v:.2}{}", curve.unit),
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
-        None => format!("{low:.1} to {high:.1}{}", curve.unit),
+        None => Some(format!("{low:.1} to {high:.1}{}", curve.unit))
+            .filter(|range| fits(curve.short, range))
+            .unwrap_or_default(),
     };
-    let is_short = value.is_some() && rect.width() < NARROW && !is_tight;
-    let name = if is_short { curve.short } else { curve.name };
+    let name = if is_tight || fits(curve.name, &text) { curve.name } else { curve.short };
     painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
     let at = rect.right_top() + egui::vec2(-5.0, if is_tight { 3.0 + LINE } else { 3.0 });
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });

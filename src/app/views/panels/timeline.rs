@@ -46,7 +46,8 @@ fn program_line(ui: &mut Ui, state: &AppState) {
         return;
     };
     let Some(line) = listing.line_after(state.timeline_cut()) else {
-        ui.label(RichText::new("Program: not in it").weak()).on_hover_text("The plunge has no moves");
+        ui.label(RichText::new("Program: not in it").weak())
+            .on_hover_text("The exported program has no move for this place");
         return;
     };
     let text = format!("Line {line}: {}", listing.statement(line));
