@@ -198,7 +198,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
         None => Some(format!("{low:.1} to {high:.1}{}", curve.unit))
-            .filter(|range| fits(curve.short, range))
+            .filter(|range| fits(curve.name, range))
             .unwrap_or_default(),
     };
     let name = if is_tight || fits(curve.name, &text) { curve.name } else { curve.short };
