@@ -140,8 +140,8 @@ impl RowAttempts<'_> {
     }
 
     /// Moves the start of the row out of the stock until the core column of its first station is free. If no
-    /// retreat frees it, the start stays where it was. `None` where there is no axis. `inclined` turns the
-    /// conventional first station into the wanted one, given the index of the retreat in [`START_RETREATS`].
+    /// retreat frees it, the row starts at its original start. `None` if no axis exists there. `inclined`
+    /// tilts the conventional first station for the retreat with the given index in [`START_RETREATS`].
     pub fn find_free_start(&self, mut inclined: impl FnMut(usize, Station) -> Station) -> Option<RowStart> {
         let maker = self.maker;
         let radius_s = maker.tool.radius() / self.context.workpiece.part.hub.length();

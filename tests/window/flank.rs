@@ -17,17 +17,22 @@ fn set_depth(window: &mut Window, depth: f64) {
     settle(window);
 }
 
+/// Plans flank milling in layers of `depth`, mm.
+fn plan_flank(window: &mut Window, depth: f64) {
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    set_depth(window, depth);
+    window.key_press(egui::Key::F6);
+    window.run_steps(2);
+    settle(window);
+}
+
 #[test]
 fn flank_curves_are_planned_shown_and_written() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     assert!(window.state().state().results.flank.is_none());
-    window.get_by_label("Flank: not calculated").click();
-    window.run_steps(4);
-    set_depth(&mut window, 8.0);
-    window.key_press(egui::Key::F6);
-    window.run_steps(2);
-    settle(&mut window);
+    plan_flank(&mut window, 8.0);
     let planned = window.state().state().results.flank.clone().expect("planned");
     assert_eq!(planned.plan.layout.strategy, FlankStrategy::Balanced);
     assert!(window.state().state().look.flank.shown, "what was asked for is shown");
@@ -112,12 +117,7 @@ fn with_plan() -> Window {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1280.0, 800.0));
-    window.get_by_label("Flank: not calculated").click();
-    window.run_steps(4);
-    set_depth(&mut window, 10.0);
-    window.key_press(egui::Key::F6);
-    window.run_steps(2);
-    settle(&mut window);
+    plan_flank(&mut window, 10.0);
     window.key_press(egui::Key::Num4);
     window.run_steps(4);
     settle(&mut window);

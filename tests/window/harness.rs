@@ -127,3 +127,15 @@ pub fn labels(window: &Window, start: &str) -> Vec<String> {
     let all = window.query_all_by(|node| node.value().is_some_and(|text| text.starts_with(start)));
     all.filter(is_it).filter_map(text).collect()
 }
+
+/// Turns the mouse wheel by `points` at the pointer, and runs `steps` frames.
+pub fn turn_wheel(window: &mut Window, points: f32, steps: usize) {
+    window.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: egui::vec2(0.0, points),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    window.run_steps(steps);
+}

@@ -8,7 +8,7 @@ use vanecut::app::model::part_source::PartSource;
 use vanecut::app::views::theme::{self, Condition};
 
 use crate::fake;
-use crate::harness::{Window, sample_in, scaled, settle, window, with_sample};
+use crate::harness::{Window, sample_in, scaled, settle, turn_wheel, window, with_sample};
 
 fn view(window: &Window) -> egui::Rect {
     window.get_by_label("3D view").rect()
@@ -76,14 +76,7 @@ fn a_new_part_starts_with_its_own_scroll_places_and_open_headings() {
     window.run_steps(3);
     let scroll = |window: &mut Window, delta: f32| {
         window.hover_at(egui::pos2(60.0, 300.0));
-        window.event(egui::Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Point,
-            delta: egui::vec2(0.0, delta),
-            phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Wheel,
-            modifiers: egui::Modifiers::NONE,
-        });
-        window.run_steps(6);
+        turn_wheel(window, delta, 6);
     };
     scroll(&mut window, -400.0);
     assert!(window.query_by_role_and_label(Role::Row, "Position 1").is_none(), "scrolled down");

@@ -6,7 +6,7 @@ use vanecut::app::model::machine::PlanOnMachine;
 use vanecut::geometry::rotate_vector_z;
 
 use crate::fake;
-use crate::harness::{Window, labels, press, settle, snapshot_view, with_sample, words};
+use crate::harness::{Window, labels, press, settle, snapshot_view, turn_wheel, with_sample, words};
 
 /// A window with a planned sample on a machine.
 pub fn with_machine(name: &str) -> Window {
@@ -183,14 +183,7 @@ fn the_machine_is_a_layer_of_the_view() {
     let view = window.get_by_label("3D view").rect();
     window.hover_at(view.center());
     for _ in 0..2 {
-        window.event(egui::Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Point,
-            delta: egui::vec2(0.0, -120.0),
-            phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Wheel,
-            modifiers: egui::Modifiers::NONE,
-        });
-        window.run_steps(6);
+        turn_wheel(&mut window, -120.0, 6);
     }
     settle(&mut window);
     snapshot_view(&mut window, "machine_trunnion");

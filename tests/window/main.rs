@@ -34,7 +34,7 @@ use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
-use harness::{settle, snapshot_ui, snapshot_view, window, with_sample};
+use harness::{settle, snapshot_ui, snapshot_view, turn_wheel, window, with_sample};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::state::Tone;
@@ -230,14 +230,7 @@ fn the_mouse_turns_shifts_and_zooms() {
     let turned = window.state().camera().expect("a camera");
     assert!((turned.yaw_rad - start.yaw_rad).abs() > 0.1, "a drag turns");
     window.hover_at(rect.center());
-    window.event(egui::Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: egui::vec2(0.0, 120.0),
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-        modifiers: egui::Modifiers::NONE,
-    });
-    window.run_steps(6);
+    turn_wheel(&mut window, 120.0, 6);
     let zoomed = window.state().camera().expect("a camera");
     assert!(zoomed.distance < turned.distance, "the wheel goes nearer");
 

@@ -5,7 +5,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::look::PlaneOrientation;
 
 use crate::fake;
-use crate::harness::{Window, labels, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, labels, press, settle, snapshot_view, turn_wheel, with_sample};
 
 /// A window with the conventional plan and its first fault selected, and the index of that position.
 fn with_fault_selected() -> (Window, usize) {
@@ -48,14 +48,7 @@ fn the_cut_can_be_chosen_zoomed_and_enlarged() {
     let name = format!("Sectional view through position {}", k + 1);
     let at = window.get_by_label(&name).rect().center();
     window.hover_at(at);
-    window.event(egui::Event::MouseWheel {
-        unit: egui::MouseWheelUnit::Point,
-        delta: egui::vec2(0.0, 240.0),
-        phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Wheel,
-        modifiers: egui::Modifiers::NONE,
-    });
-    window.run_steps(12);
+    turn_wheel(&mut window, 240.0, 12);
     let zoom = window.state().state().look.sectional.zoom;
     assert!(zoom > 1.5, "zoomed: {zoom}");
     window.get_by_label("Fit cut").click();
@@ -237,14 +230,7 @@ fn the_sectional_view_shows_shank_and_holder_when_it_is_zoomed_out() {
     let at = window.get_by_label("Enlarged sectional view through position 5").rect().center();
     window.hover_at(at);
     for _ in 0..3 {
-        window.event(egui::Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Point,
-            delta: egui::vec2(0.0, -240.0),
-            phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Wheel,
-            modifiers: egui::Modifiers::NONE,
-        });
-        window.run_steps(12);
+        turn_wheel(&mut window, -240.0, 12);
     }
     let zoom = window.state().state().look.sectional.zoom;
     assert!(zoom < 0.3, "the whole tool: {zoom}");

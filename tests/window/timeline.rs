@@ -113,6 +113,17 @@ fn a_click_on_a_class_of_the_legend_hides_its_cutters() {
     assert!(pick(&mut window).is_some(), "shown again");
 }
 
+/// Chooses in the menu of layers what the colours of cutters show.
+fn colour_by(window: &mut Window, entry: &str) {
+    window.get_by_role_and_label(Role::Button, "Layers").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::RadioButton, entry).click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(4);
+    settle(window);
+}
+
 #[test]
 fn every_tool_and_section_has_a_colour_of_its_own() {
     let mut window = with_sample(fake::engine_of_sections(9));
@@ -121,13 +132,7 @@ fn every_tool_and_section_has_a_colour_of_its_own() {
     window.run_steps(4);
     for (entry, first, last) in [("Tool", "T1 Ø30, ", "T9 Ø30, "), ("Section", "Section 1, ", "Section 9, ")]
     {
-        window.get_by_role_and_label(Role::Button, "Layers").click();
-        window.run_steps(2);
-        window.get_by_role_and_label(Role::RadioButton, entry).click();
-        window.run_steps(2);
-        window.key_press(egui::Key::Escape);
-        window.run_steps(4);
-        settle(&mut window);
+        colour_by(&mut window, entry);
         for name in [first, last] {
             window.get_by_label_contains(name);
         }
@@ -158,30 +163,21 @@ fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
     window.set_size(egui::vec2(1200.0, 700.0));
     window.key_press(egui::Key::Num4);
     window.run_steps(4);
-    let choose = |window: &mut Window, entry: &str| {
-        window.get_by_role_and_label(Role::Button, "Layers").click();
-        window.run_steps(2);
-        window.get_by_role_and_label(Role::RadioButton, entry).click();
-        window.run_steps(2);
-        window.key_press(egui::Key::Escape);
-        window.run_steps(4);
-        settle(window);
-    };
-    choose(&mut window, "Tool");
+    colour_by(&mut window, "Tool");
     window.get_by_label("T1 Ø30, 100 %");
-    choose(&mut window, "Section");
+    colour_by(&mut window, "Section");
     window.get_by_label("Section 1, 100 %");
-    choose(&mut window, "Feed rate");
+    colour_by(&mut window, "Feed rate");
     window.get_by_label("300 mm/min");
-    choose(&mut window, "Lead angle");
+    colour_by(&mut window, "Lead angle");
     let plan = window.state().state().shown().expect("planned").plan();
     let last = plan.positions[plan.positions.len() - 1].alpha_rad.to_degrees();
     window.get_by_label("2.0°");
     window.get_by_label(&format!("{last:.1}°"));
     snapshot_view(&mut window, "cutters_by_lead_angle");
-    choose(&mut window, "Time");
+    colour_by(&mut window, "Time");
     window.get_by_label("0 min");
-    choose(&mut window, "State");
+    colour_by(&mut window, "State");
     assert!(window.query_by_label("0 min").is_none(), "states have no scale");
 }
 

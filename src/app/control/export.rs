@@ -100,14 +100,13 @@ impl App {
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
         let program = self.state.shown_program().cloned();
-        let (flank, tool) = (self.flank_content(), self.flank_tool.follow(&self.state));
+        let (flank, tool) = (self.flank_content(), self.shown_tool());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
         let look = &self.state.look;
         picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
         // A file cannot show the badge of a plan under way, so its preview is left out.
-        let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
-        picture.load_preview(faulty.map(|place| &place.cutter).or(tool.as_ref()));
+        picture.load_preview(tool.as_ref());
         picture.load_flank(flank);
         picture.load_program(program.as_ref());
         match picture.export(&camera, &options, size) {

@@ -79,7 +79,7 @@ fn listing_of(listed: &ListedPlan) -> ProgramListing {
         }
         ListedPlan::Flank(outcome) => {
             let plan = &outcome.plan;
-            // What is cut before the passes is no part of the timeline.
+            // The timeline does not include the plunges that open the stock before the passes.
             let all = ClProgram::of_flank("", &plan.tool, &plan.moves).after_opening(plan.opening.as_ref());
             let before = all.moves.len() - plan.moves.len();
             (flank_text(outcome), (before..all.moves.len()).map(Some).collect())

@@ -18,6 +18,7 @@ use crate::app::control::export::device_problem;
 use crate::app::model::flank_passes::extent_of_pass;
 use crate::app::model::look::{Arrangement, Operation, PlaneOrientation, SectionPlaneLook};
 use crate::app::model::planned::Side;
+use crate::app::model::preview::ShownCutters;
 use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
 use crate::app::views::cube;
@@ -181,17 +182,14 @@ impl App {
     fn draw(&mut self, ui: &Ui, pane: &Pane, camera: Camera, moving: bool) {
         let content = self.content(pane.side);
         let options = SceneOptions { show_borders: true, ..self.options(pane.side) };
-        let flank = self.flank_content();
+        let (flank, tool) = (self.flank_content(), self.shown_tool());
         let is_roughing = self.state.look.operation == Operation::Roughing;
         let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
         let solid = self.solids[pane.side].shown().cloned();
         let preview = self.state.preview_on(pane.side).filter(|_| is_roughing);
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || preview.is_some();
-        let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
-        let flank_tool = self.flank_tool.follow(&self.state);
-        let preview = preview.map(|preview| &preview.shown).or(faulty.map(|place| &place.cutter));
-        let preview = preview.or(flank_tool.as_ref());
+        let preview = preview.map(|preview| &preview.shown).or(tool.as_ref());
         let program = self.state.shown_program();
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());
@@ -349,6 +347,13 @@ impl App {
             deviation: hover.hit.deviation,
             other: hover.other.map(|stock| (pane.side.other(), stock)),
         }
+    }
+
+    /// The only tool that is shown: at the selected fault of a checked program, or where the timeline of the
+    /// flank plan stands.
+    pub(in crate::app) fn shown_tool(&mut self) -> Option<ShownCutters> {
+        let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
+        faulty.map(|place| place.cutter.clone()).or_else(|| self.flank_tool.follow(&self.state))
     }
 
     /// What the pictures show of the flank plan.

@@ -8,7 +8,7 @@ use crate::app::model::solid::{SolidRequest, SolidSource, StockMoment};
 use crate::job::flank::FlankOutcome;
 
 impl AppState {
-    /// The solid that the layer shows on a side now; `None` while it is hidden or there is no plan.
+    /// The solid to show on a side; `None` if the layer is hidden or there is no plan.
     pub fn wanted_solid(&self, side: Side) -> Option<SolidRequest> {
         if !(self.look.layers.stock && self.shows(side)) {
             return None;
