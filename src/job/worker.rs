@@ -226,6 +226,11 @@ where
         self.progress().is_some()
     }
 
+    /// Whether an outcome waits to be taken.
+    pub fn has_outcome(&self) -> bool {
+        self.shared.lock_queue().outcome.is_some()
+    }
+
     /// Takes the latest outcome, if it was not taken before.
     pub fn take_outcome(&self) -> Option<(Ticket, Outcome<T, E>)> {
         self.shared.lock_queue().outcome.take()

@@ -228,6 +228,8 @@ fn the_line_of_the_exported_program_stands_below_the_timeline() {
     let begin = lines[line - 1].trim_end_matches('$');
     assert!(begin.starts_with("GOTO/") && statement.starts_with(begin), "{statement} and {begin}");
     assert_eq!(statement.split(',').count(), 6, "with what the next line continues: {statement}");
+    // The stock under the timeline is computed in the background.
+    settle(&mut window);
     snapshot_view(&mut window, "program_line");
     // The other plan has another program.
     window.key_press(egui::Key::B);

@@ -57,8 +57,8 @@ where
         self.answer.as_ref()
     }
 
-    /// Whether a request is being answered.
+    /// Whether a request is being answered, or its answer is not collected yet.
     pub(in crate::app) fn is_busy(&self) -> bool {
-        self.worker.is_busy()
+        self.worker.is_busy() || self.worker.has_outcome()
     }
 }
