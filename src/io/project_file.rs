@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::native::write_native;
-use super::setup_file::{beside, relative, write_setup};
+use super::setup_file::{TolerantSetup, beside, read_setup_tolerantly, relative, write_setup};
 use super::source::{name_of, read_bytes};
-use super::stored::{check_version, setup_within};
+use super::stored::{check_version, inside};
 use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
 use crate::part::PartDescription;
@@ -128,6 +128,8 @@ pub struct Project {
     pub chosen: PlanSelection,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
+    /// Faults in its setups when it was read: each faulty entry has its default. They are not written.
+    pub setup_faults: Vec<InputError>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -204,7 +206,8 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
 /// Reads a project file from bytes; `path` is where it is saved.
 ///
 /// # Errors
-/// When the bytes are not a project file of a supported version, or a setup in it has an error.
+/// When the bytes are not a project file of a supported version. Faults in its setups do not keep it from being
+/// opened: they are in [`Project::setup_faults`].
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
     let fault =
@@ -227,10 +230,20 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let part_hash = u64::from_str_radix(&file.part_hash, 16).map_err(|_| {
         fault(0, "part_hash is not a hexadecimal number".to_owned(), "save the project again")
     })?;
-    let setup = |what: &str, text: &str| setup_within(&name, what, text);
-    let sets = file.sets.iter().map(|set| {
-        Ok(StoredSet { name: set.name.clone(), setup: setup(&set.name, &set.setup)?, figures: set.figures })
-    });
+    let mut setup_faults = Vec::new();
+    let mut read_setup = |what: &str, text: &str| {
+        let TolerantSetup { setup, faults } = read_setup_tolerantly(&inside(&name, what), text)?;
+        // Figures are those of a setup as it was.
+        let is_whole = faults.is_empty();
+        setup_faults.extend(faults);
+        Ok::<_, InputError>((setup, is_whole))
+    };
+    let (setup, _) = read_setup("setup", &file.setup)?;
+    let mut sets = Vec::with_capacity(file.sets.len());
+    for set in file.sets {
+        let (setup, is_whole) = read_setup(&set.name, &set.setup)?;
+        sets.push(StoredSet { name: set.name, setup, figures: set.figures.filter(|_| is_whole) });
+    }
     let is_relative = |part: &Path| {
         let first = part.components().next();
         first.is_some_and(|c| matches!(c, Component::Normal(_) | Component::ParentDir | Component::CurDir))
@@ -242,11 +255,12 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     Ok(Project {
         part,
         part_hash,
-        setup: setup("setup", &file.setup)?,
-        sets: sets.collect::<Result<_, InputError>>()?,
+        setup,
+        sets,
         viewpoint: file.viewpoint.filter(Viewpoint::is_usable),
         chosen: file.chosen,
         original: file.original,
+        setup_faults,
     })
 }
 
@@ -292,6 +306,7 @@ mod tests {
             }),
             chosen: PlanSelection { before: true, position: Some(16), cut: None },
             original: None,
+            setup_faults: Vec::new(),
         }
     }
 
@@ -344,12 +359,26 @@ mod tests {
             (String::new(), "not a project file"),
             ("{\"vanecut_project\": 1}".to_owned(), "not a project file"),
             (text.replace("\"vanecut_project\": 3", "\"vanecut_project\": 99"), "newer vanecut"),
-            (text.replace("step = 7.5", "stepp = 7.5"), "step"),
+            (text.replacen("version = 2", "version = 77", 1), "newer vanecut"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
         ] {
             let error = read_project_bytes(path, bytes.as_bytes()).expect_err("is refused").to_string();
             assert!(error.starts_with("p.vanecut") && error.contains(word), "{error}");
         }
+    }
+
+    #[test]
+    fn a_faulty_setup_opens_with_its_faults() {
+        let path = Path::new("p.vanecut");
+        let text = write_project(&project(), path).replace("step = 7.5", "step = -7.5");
+        let read = read_project_bytes(path, text.as_bytes()).expect("opens");
+        let named: Vec<String> = read.setup_faults.iter().map(InputError::place).collect();
+        assert_eq!((read.setup.plunge.step, read.sets[0].setup.plunge.step), (None, None));
+        assert_eq!(read.sets[0].figures, None, "they are those of another setup");
+        assert!(named.len() == 2 && named[0].starts_with("p.vanecut (setup):"), "{named:?}");
+        assert!(named[1].starts_with("p.vanecut (Set 1):"), "{named:?}");
+        let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("opens");
+        assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
     }
 
     #[test]

@@ -38,16 +38,11 @@ pub(super) fn read_inputs(name: &str, part: &str, setup: &str) -> Result<StoredI
     let place = inside(name, "part");
     let description = read_part_bytes(&place, part.as_bytes(), "toml")?;
     let part = Impeller::build(&description).map_err(|e| InputError::of_part(&place, e))?;
-    Ok(StoredInputs { description, part, setup: setup_within(name, "setup", setup)? })
-}
-
-/// Reads the setup that is embedded in the file `name` under `what`.
-pub(super) fn setup_within(name: &str, what: &str, text: &str) -> Result<Setup, InputError> {
-    read_setup_bytes(&inside(name, what), text.as_bytes())
+    Ok(StoredInputs { description, part, setup: read_setup_bytes(&inside(name, "setup"), setup.as_bytes())? })
 }
 
 /// Name in messages of a text embedded in a file.
-fn inside(name: &str, what: &str) -> String {
+pub(super) fn inside(name: &str, what: &str) -> String {
     format!("{name} ({what})")
 }
 

@@ -70,6 +70,34 @@ fn a_project_opens_as_it_was_saved() {
 }
 
 #[test]
+fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    edit_step(&mut first, 6.0);
+    save_as(&mut first, &path);
+    let text = std::fs::read_to_string(&path).expect("reads");
+    let at = text.find("hub_allowance = ").expect("the allowance is written");
+    let end = at + text[at..].find("\\n").expect("more lines follow");
+    std::fs::write(&path, format!("{}hub_allowance = -3{}", &text[..at], &text[end..])).expect("writes");
+
+    let mut second = window(engine);
+    second.state_mut().open_path(path.clone());
+    settle(&mut second);
+    let state = second.state().state();
+    assert!(state.document.part.is_some(), "the part is open");
+    assert_eq!(state.document.edited.setup.plunge.step, Some(6.0), "what is sound stays");
+    assert!(state.document.is_unsaved(), "the file says something else");
+    let said: Vec<_> = state.problems.iter().filter(|p| p.message.contains("Hub allowance")).collect();
+    assert!(said.len() == 1 && said[0].help.contains("the default is used"), "{:?}", state.problems);
+    second.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
+    second.run_steps(2);
+    settle(&mut second);
+    assert!(read_project(&path).expect("reads").setup_faults.is_empty(), "saved, it is sound");
+}
+
+#[test]
 fn a_part_that_changed_since_is_noticed() {
     let folder = tempfile::tempdir().expect("a folder");
     let part = folder.path().join("wheel.toml");

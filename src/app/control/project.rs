@@ -11,14 +11,17 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::REVEAL;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
-use crate::app::model::problem::Problem;
+use crate::app::model::problem::{Problem, Topic};
 use crate::app::tasks::files::WriteTask;
 use crate::app::tasks::home::{self, Home, Preferences};
 use crate::app::tasks::project::project_of;
 use crate::app::views::unsaved::{self, UnsavedAnswer};
 use crate::gpu::camera::{Camera, Projection};
+use crate::io::InputError;
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
 
+/// Number of faults of a project's setups that are shown one by one.
+const MAX_REPORTED_FAULTS: usize = 4;
 /// Delay of the recovery copy after the last change.
 const COPY_AFTER: Duration = Duration::from_secs(2);
 
@@ -181,6 +184,24 @@ impl App {
         }
     }
 
+    /// Says what of the setups of an opened project is faulty. It counts as changed, as defaults stand there now.
+    fn report_setup_faults(&mut self, faults: &[InputError]) {
+        for fault in faults.iter().take(MAX_REPORTED_FAULTS) {
+            let help = format!("{}; until then the default is used", fault.help);
+            let problem = Problem::of(Topic::Other, &format!("{}: {}", fault.place(), fault.message), &help);
+            self.state.report_problem(problem.with_code(fault.code));
+        }
+        if faults.len() > MAX_REPORTED_FAULTS {
+            let message =
+                format!("{} more faults in the setups of the project", faults.len() - MAX_REPORTED_FAULTS);
+            self.state
+                .report_problem(Problem::new(message, "look through setup and variants before you save"));
+        }
+        if !faults.is_empty() {
+            self.state.document.mark_unsaved();
+        }
+    }
+
     /// Restores figures, view and selection of a project whose part and setup are open already.
     pub(in crate::app) fn take_project(&mut self, path: PathBuf, project: &Project) {
         for set in &project.sets {
@@ -209,6 +230,7 @@ impl App {
                 "check setup and variants, then save the project again",
             ));
         }
+        self.report_setup_faults(&project.setup_faults);
         let recovered = self.state.recoverable.iter().any(|copy| copy.path == path);
         if recovered {
             self.state.document.path.clone_from(&project.original);

@@ -35,6 +35,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
             cut: state.look.cut_count,
         },
         original: None,
+        setup_faults: Vec::new(),
     })
 }
 
