@@ -358,6 +358,7 @@ impl eframe::App for App {
             }
         }
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
+        self.claim_project();
         self.keep_copy(ctx);
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
             ctx.request_repaint_after(Duration::from_secs_f64(wait));

@@ -9,7 +9,7 @@ use vanecut::app::model::state::Tone;
 use vanecut::io::project_file::read_project;
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, settle, snapshot_ui, window, with_sample};
+use crate::harness::{Window, click_enabled, sample_in, settle, snapshot_ui, window, with_sample};
 
 fn save_as(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
@@ -43,6 +43,8 @@ fn a_project_opens_as_it_was_saved() {
     assert!(!first.state().state().document.is_unsaved());
     first.get_by_label("tuning");
     let camera = first.state().camera().expect("a camera");
+    let edited = first.state().state().document.edited.clone();
+    drop(first);
 
     let mut second = window(engine);
     second.state_mut().set_home(folder.path().join("home"));
@@ -51,7 +53,7 @@ fn a_project_opens_as_it_was_saved() {
     second.run_steps(2);
     settle(&mut second);
     let document = &second.state().state().document;
-    assert_eq!(document.edited, first.state().state().document.edited, "setup and sets");
+    assert_eq!(document.edited, edited, "setup and sets");
     assert!(!document.is_unsaved() && document.path.as_deref() == Some(path.as_path()));
     let again = second.state().camera().expect("a camera");
     assert!(
@@ -95,6 +97,37 @@ fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     second.run_steps(2);
     settle(&mut second);
     assert!(read_project(&path).expect("reads").setup_faults.is_empty(), "saved, it is sound");
+}
+
+#[test]
+fn a_second_window_on_a_project_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let is_open_twice = |window: &Window| {
+        let problems = &window.state().state().problems;
+        problems.iter().any(|p| p.message.contains("p.vanecut is open in another window"))
+    };
+    let opened = || {
+        let mut window = window(engine.clone());
+        window.state_mut().set_home(folder.path().join("home"));
+        window.run_steps(2);
+        window
+    };
+    let mut first = sample_in(opened());
+    save_as(&mut first, &path);
+    first.run_steps(2);
+    let mut second = opened();
+    second.state_mut().open_path(path.clone());
+    settle(&mut second);
+    assert!(is_open_twice(&second) && !is_open_twice(&first), "only the second one");
+    // A new project lets the file go.
+    first.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
+    first.run_steps(3);
+    let mut third = opened();
+    third.state_mut().open_path(path);
+    settle(&mut third);
+    assert!(!is_open_twice(&third), "{:?}", third.state().state().problems);
 }
 
 #[test]

@@ -14,6 +14,7 @@ use crate::app::model::planned::Side;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::tasks::files::WriteTask;
 use crate::app::tasks::home::{self, Home, Preferences};
+use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::project::project_of;
 use crate::app::views::unsaved::{self, UnsavedAnswer};
 use crate::gpu::camera::{Camera, Projection};
@@ -51,6 +52,8 @@ pub(in crate::app) struct Session {
     after_saving: Option<Pending>,
     /// Whether closing was confirmed.
     closing: bool,
+    /// The open project's file, and its lock where no other window holds it.
+    claim: Option<(PathBuf, Option<HeldLock>)>,
 }
 
 impl Session {
@@ -175,6 +178,29 @@ impl App {
                 self.run_pending(ctx, pending);
             }
         }
+    }
+
+    /// Holds the lock of the open project's file, and says so where another window has that file open.
+    pub(in crate::app) fn claim_project(&mut self) {
+        let path = self.state.document.path.as_ref();
+        if self.session.claim.as_ref().map(|(claimed, _)| claimed) == path {
+            return;
+        }
+        // The file that was open before is free for others.
+        self.session.claim = None;
+        let Some((path, home)) = path.cloned().zip(self.session.home.as_ref()) else { return };
+        let lock = match home.hold_project(&path) {
+            LockTry::Held(lock) => Some(lock),
+            LockTry::Unknown => None,
+            LockTry::HeldElsewhere => {
+                self.state.report_problem(Problem::new(
+                    format!("{} is open in another window", path.display()),
+                    "close one of the two, or save under another name: what is saved last replaces the other",
+                ));
+                None
+            }
+        };
+        self.session.claim = Some((path, lock));
     }
 
     /// Moves a project to the front of the recent projects.

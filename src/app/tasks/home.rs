@@ -1,7 +1,7 @@
 //! The window's own files: recent projects, preferences and recovery copies. Without a home folder none of
 //! them is stored.
 
-use std::fs::{File, TryLockError};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, SystemTime};
@@ -15,6 +15,8 @@ use crate::io::write::write_atomically;
 
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::state::RecoveryCopy;
+
+use super::lock::{HeldLock, LockTry, is_held, try_hold};
 
 /// File of the preferences.
 const HABITS: &str = "habits.json";
@@ -71,17 +73,20 @@ impl Home {
         if self.lock.get().is_some() {
             return;
         }
-        let path = lock_of(&self.copy);
-        if let Some(folder) = path.parent() {
-            // If this fails, so does the next step, and the copy counts as abandoned.
-            let _ = std::fs::create_dir_all(folder);
-        }
-        if let Ok(file) = File::create(&path)
-            && file.try_lock().is_ok()
-        {
+        // Without a lock the copy counts as abandoned.
+        if let LockTry::Held(lock) = try_hold(lock_of(&self.copy)) {
             // Set once: this is the only place that sets it.
-            let _ = self.lock.set(HeldLock { _file: file, path });
+            let _ = self.lock.set(lock);
         }
+    }
+
+    /// Tries to hold the lock that says that the project file at `path` is open in a window.
+    pub fn hold_project(&self, path: &Path) -> LockTry {
+        // One file has one lock, by whatever way it was opened.
+        let file = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+        let mut hasher = DefaultHasher::new();
+        file.unwrap_or_else(|_| path.to_owned()).hash(&mut hasher);
+        try_hold(self.folder.join("locks").join(format!("project-{:016x}.lock", hasher.finish())))
     }
 
     /// Removes this session's recovery copy, after saving or discarding.
@@ -99,7 +104,7 @@ impl Home {
                 let path = entry.path();
                 let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
                 let ours = path.extension().is_some_and(|e| e == EXTENSION) && path != self.copy;
-                (ours && !is_in_use(&path)).then_some((changed, path))
+                (ours && !is_held(&lock_of(&path))).then_some((changed, path))
             })
             .collect();
         found.sort_by(|a, b| b.cmp(a));
@@ -179,29 +184,10 @@ pub fn remove_copy(path: &Path) {
     let _ = std::fs::remove_file(lock_of(path));
 }
 
-/// A lock file that this session holds; removed with it.
-#[derive(Debug)]
-struct HeldLock {
-    _file: File,
-    path: PathBuf,
-}
-
-impl Drop for HeldLock {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_file(&self.path);
-    }
-}
-
 /// The file that is locked while the session of the recovery copy `copy` runs.
 fn lock_of(copy: &Path) -> PathBuf {
     let home = copy.parent().and_then(Path::parent).unwrap_or(Path::new(""));
     home.join("locks").join(copy.file_stem().unwrap_or_default()).with_extension("lock")
-}
-
-/// Whether the session that wrote the recovery copy at `path` still runs: it holds its lock. The system
-/// releases it however the session ends, at once.
-fn is_in_use(path: &Path) -> bool {
-    File::open(lock_of(path)).is_ok_and(|lock| matches!(lock.try_lock(), Err(TryLockError::WouldBlock)))
 }
 
 /// The text of a small file of our own; empty where it cannot be read.
@@ -235,6 +221,22 @@ mod tests {
         assert!(!killed.exists());
         home.drop_copy();
         assert!(!home.copy().exists());
+    }
+
+    #[test]
+    fn a_project_is_held_by_one_window_at_a_time() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.vanecut");
+        std::fs::write(&path, "x").expect("writes");
+        let home = || Home::new(folder.path().join("home"));
+        let held = home().hold_project(&path);
+        assert!(matches!(held, LockTry::Held(_)), "{held:?}");
+        let same = folder.path().join("home/../a.vanecut");
+        assert!(matches!(home().hold_project(&same), LockTry::HeldElsewhere), "the same file by another way");
+        let other = home().hold_project(&folder.path().join("b.vanecut"));
+        assert!(matches!(other, LockTry::Held(_)), "{other:?}");
+        drop(held);
+        assert!(matches!(home().hold_project(&path), LockTry::Held(_)), "closed there, free here");
     }
 
     #[test]
