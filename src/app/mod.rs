@@ -49,6 +49,7 @@ use views::dialogs::Dialogs;
 use views::flank_tool::FlankTool;
 use views::help::Help;
 use views::library_dialog::{LibraryAnswer, LibraryDialog};
+use views::nc_dialog::NcDialog;
 use views::palette::Palette;
 use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
@@ -89,6 +90,7 @@ pub struct App {
     export: ExportSettings,
     export_dialog: ExportDialog,
     channels_dialog: ChannelsDialog,
+    nc_dialog: NcDialog,
     library: LibraryDialog,
     /// The question about a program with something against it, while it is open.
     release: Option<ReleaseQuestion>,
@@ -137,6 +139,7 @@ impl App {
             export: ExportSettings::default(),
             export_dialog: ExportDialog::default(),
             channels_dialog: ChannelsDialog::default(),
+            nc_dialog: NcDialog::default(),
             library: LibraryDialog::default(),
             release: None,
             roles: RolesDialog::default(),
@@ -345,6 +348,7 @@ impl eframe::App for App {
         let asks = self.session.is_asking()
             || self.export_dialog.is_open()
             || self.channels_dialog.is_open()
+            || self.nc_dialog.is_open()
             || self.release.is_some()
             || self.roles.is_open()
             || self.dialogs.is_asking()
@@ -438,6 +442,7 @@ impl eframe::App for App {
         self.ask_release(ui);
         self.ask_export(ui);
         self.ask_channels(ui);
+        self.ask_nc_target(ui);
         self.tool_library(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.

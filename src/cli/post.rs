@@ -8,14 +8,12 @@ use crate::error::ErrorCode;
 use crate::io::apt::read_apt_bytes;
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::machine_file::read_machine;
-use crate::io::nc::{NcProgram, Post, read_post, write_nc};
+use crate::io::nc::read_post;
 use crate::io::plan_file::read_plan_bytes;
 use crate::io::setup_file::read_setup;
 use crate::io::write_atomically;
-use crate::machine::{
-    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind, PlacedPart, SectionTime,
-    machine_program, section_times,
-};
+use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
+use crate::machine::{BlankSize, MachineTool, MotionFault, OutputKind, SectionTime};
 use crate::monitor::Monitor;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
@@ -69,23 +67,19 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
     if let Some(path) = &args.setup {
         fill_tools(&mut source.program, &read_setup(path, &Setup::default())?.tools);
     }
-    let placed = PlacedPart::new(&machine.part, source.inlet_up);
-    let mut options = MotionOptions::new(output, post.format.angle_decimals);
-    options.blank = source.blank;
-    let made = machine_program(&machine, &placed, &source.program, &options, &Monitor::default());
-    let motion = made.map_err(|fault| refused(args, &machine, &source, &fault))?;
-    let written = write_nc(&source.program, &machine, &motion, &post, output)
-        .map_err(|error| Failure::from(error).at(&source.name))?;
-    let times = section_times(&machine, &source.program, &motion);
-    write_atomically(&args.file, written.text.as_bytes())?;
+    let request = PostRequest { machine, post, output, inlet_up: source.inlet_up, blank: source.blank };
+    let posted = post_program(&source.program, &request, &Monitor::default());
+    let posted = posted.map_err(|fault| match fault {
+        PostFault::Motion(fault) => refused(args, &request.machine, &source, &fault),
+        PostFault::Words(error) => Failure::from(error).at(&source.name),
+    })?;
+    write_atomically(&args.file, posted.written.text.as_bytes())?;
     if args.json {
-        let mut map = object(&machine, &source.program, &motion, &written, &times);
-        map.insert("control".into(), json!(post.name));
-        map.insert("output".into(), json!(output.name()));
+        let mut map = object(&request, &source.program, &posted);
         map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
         print_stdout(&format!("{}\n", Value::Object(map)))
     } else {
-        print_stdout(&text(args, &machine, &post, output, &source.program, &motion, &written, &times))
+        print_stdout(&text(args, &request, &source.program, &posted))
     }
 }
 
@@ -158,11 +152,6 @@ fn fill_tools(program: &mut ClProgram, tools: &[Tool]) {
     }
 }
 
-/// The largest error of the tip: in joint space and by rounding, mm.
-fn tip_error(motion: &MachineProgram, written: &NcProgram) -> f64 {
-    motion.tip_error + written.rounding_error
-}
-
 fn section_object(program: &ClProgram, time: &SectionTime) -> Value {
     json!({
         "section": time.section,
@@ -175,13 +164,9 @@ fn section_object(program: &ClProgram, time: &SectionTime) -> Value {
     })
 }
 
-fn object(
-    machine: &MachineTool,
-    program: &ClProgram,
-    motion: &MachineProgram,
-    written: &NcProgram,
-    times: &[SectionTime],
-) -> Map<String, Value> {
+fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) -> Map<String, Value> {
+    let PostRequest { machine, post, output, .. } = request;
+    let PostedProgram { motion, written, times } = posted;
     let mut map = Map::new();
     let travel: Map<String, Value> = (0..2)
         .map(|i| {
@@ -191,28 +176,22 @@ fn object(
         .collect();
     map.insert("machine".into(), json!(machine.name));
     map.insert("blocks".into(), json!(written.blocks));
-    map.insert("time".into(), report::number(times.iter().map(SectionTime::total_s).sum()));
+    map.insert("time".into(), report::number(posted.time_s()));
     map.insert("time_by_section".into(), times.iter().map(|time| section_object(program, time)).collect());
     map.insert("rotary_travel".into(), Value::Object(travel));
     map.insert("rewinds".into(), json!(motion.rewinds));
     map.insert("clear_links".into(), json!(motion.clear_links));
     map.insert("limits_exceeded".into(), json!(0));
-    map.insert("largest_tip_error".into(), report::number(tip_error(motion, written)));
+    map.insert("largest_tip_error".into(), report::number(posted.tip_error()));
     map.insert("largest_axis_error".into(), report::number(motion.axis_error_rad.to_degrees()));
+    map.insert("control".into(), json!(post.name));
+    map.insert("output".into(), json!(output.name()));
     map
 }
 
-#[expect(clippy::too_many_arguments, reason = "what is printed comes from all of them")]
-fn text(
-    args: &PostArgs,
-    machine: &MachineTool,
-    post: &Post,
-    output: OutputKind,
-    program: &ClProgram,
-    motion: &MachineProgram,
-    written: &NcProgram,
-    times: &[SectionTime],
-) -> String {
+fn text(args: &PostArgs, request: &PostRequest, program: &ClProgram, posted: &PostedProgram) -> String {
+    let PostRequest { machine, post, output, .. } = request;
+    let PostedProgram { motion, written, times } = posted;
     let minutes = |s: f64| format!("{:.1}", s / 60.0);
     let mut text = format!(
         "{}: {} blocks for {}, {} {}\n",
@@ -235,7 +214,7 @@ fn text(
     text += &format!(
         "{} min in all; {} turns {:.0}°, {} turns {:.0}°; {} links leave the part, \
          {} of them unwind an axis\n",
-        minutes(times.iter().map(SectionTime::total_s).sum()),
+        minutes(posted.time_s()),
         machine.rotary[0].letter,
         motion.rotary_travel[0].to_degrees(),
         machine.rotary[1].letter,
@@ -245,7 +224,7 @@ fn text(
     );
     text += &format!(
         "largest error of the tip {:.4} mm, of the axis {:.4}°\n",
-        tip_error(motion, written),
+        posted.tip_error(),
         motion.axis_error_rad.to_degrees()
     );
     text

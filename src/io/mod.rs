@@ -10,6 +10,7 @@ pub mod blank_file;
 pub mod flank_file;
 pub mod geomturbo;
 pub mod gltf;
+pub(crate) mod hash;
 pub mod machine_file;
 pub mod native;
 pub mod nc;

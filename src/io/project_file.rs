@@ -9,6 +9,7 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::InputError;
+use super::hash::{FNV_START, fnv1a};
 use super::native::write_native;
 use super::setup_file::{TolerantSetup, beside, read_setup_tolerantly, relative, write_setup};
 use super::source::{name_of, read_bytes};
@@ -160,11 +161,7 @@ struct SetFile {
 
 /// Hash of a part description; equal for all files that describe the same part.
 pub fn part_hash(part: &PartDescription) -> u64 {
-    // FNV-1a hash: small, and the same on every machine and in every version.
-    let start = 0xcbf2_9ce4_8422_2325u64;
-    write_native(part)
-        .bytes()
-        .fold(start, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    fnv1a(FNV_START, write_native(part).bytes())
 }
 
 /// Writes a project file (JSON) to be saved at `path`: the part's path is relative to it if the part is

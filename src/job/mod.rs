@@ -4,6 +4,7 @@
 pub mod flank;
 mod goal;
 mod part_cache;
+pub mod post;
 pub mod stage;
 pub mod worker;
 

@@ -15,7 +15,7 @@ use crate::fake;
 use crate::harness::{Window, click_enabled, settle, with_sample};
 
 /// Types a name into the field of the dialog.
-fn name_file(window: &mut Window, name: &Path) {
+pub fn name_file(window: &mut Window, name: &Path) {
     window.get_by_role_and_label(Role::TextInput, "File").focus();
     window.run_steps(1);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
@@ -24,7 +24,7 @@ fn name_file(window: &mut Window, name: &Path) {
     settle(window);
 }
 
-fn press_enter(window: &mut Window) {
+pub fn press_enter(window: &mut Window) {
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
     settle(window);

@@ -113,7 +113,7 @@ fn an_edit_of_flank_milling_is_followed_and_until_then_marked_and_the_plunge_pla
 }
 
 /// A window with a flank plan of few layers.
-fn with_plan() -> Window {
+pub fn with_plan() -> Window {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1280.0, 800.0));

@@ -15,6 +15,7 @@ mod layout;
 mod look;
 mod machine;
 mod mouse;
+mod nc;
 mod preview;
 mod program;
 mod project;

@@ -152,7 +152,7 @@ fn the_empty_palette_proposes_nothing_that_closes_the_project() {
     window.run_steps(3);
     settle(&mut window);
     assert!(window.state().state().document.part.is_some(), "the project is still open");
-    for (typed, found) in [("simulate", "Simulate to here"), ("gcode", "Export CL (APT)…")] {
+    for (typed, found) in [("simulate", "Simulate to here"), ("gcode", "Export NC program…")] {
         window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
         window.run_steps(3);
         window.event(egui::Event::Text(typed.to_owned()));

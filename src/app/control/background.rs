@@ -14,7 +14,7 @@ use crate::app::model::role_choices::hint_for_dialog;
 use crate::app::model::shop_library::ShopLibrary;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::engine::PlanTask;
-use crate::app::tasks::files::{self, ClTask, WriteTask};
+use crate::app::tasks::files::{self, PlungeSource, WriteTask};
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::opening::Opened;
 use crate::app::tasks::project::{edited_of, source_of};
@@ -335,7 +335,7 @@ impl App {
                 if let Some(ShownPlan { planned, policy }) = self.state.last_whole_plan(self.state.look.side)
                 {
                     let planned = planned.clone();
-                    self.write(WriteTask::Cl(path, ClTask { planned, policy, channels }));
+                    self.write(WriteTask::Cl(path, PlungeSource { planned, policy, channels }));
                 }
             }
             Purpose::ExportFlank => {
@@ -343,6 +343,8 @@ impl App {
                     self.write(WriteTask::Flank(path, outcome));
                 }
             }
+            Purpose::ExportNc { operation, .. } => self.export_nc(operation, path),
+            Purpose::OpenPost => self.take_post(&path),
             Purpose::ExportScene => self.export_scene(path),
             Purpose::ExportStock => {
                 if let Some(source) = self.state.solid_source(self.state.look.side) {

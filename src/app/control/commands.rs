@@ -31,6 +31,7 @@ impl App {
             C::CheckAgain | C::CloseProgram => {
                 self.state.results.checked.is_some() || self.work.asked_check.is_some()
             }
+            C::ExportNc => !self.planned_operations().is_empty(),
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::ExportScene
             | C::SaveSetup
@@ -140,6 +141,7 @@ impl App {
             C::ExportFlank => {
                 self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"));
             }
+            C::ExportNc => self.ask_for_nc_target(),
             C::FlankCurves => {
                 look.flank.shown = !(look.flank.shown && look.operation == Operation::Flank);
                 look.operation = Operation::Flank;
@@ -217,9 +219,15 @@ impl App {
         ctx.request_repaint();
     }
 
-    /// Asks where to write the shown plunge plan as a CL file. The proposed name says the policy where the
-    /// side "before" is shown, and of how many channels the program is.
+    /// Asks where to write the shown plunge plan as a CL file.
     pub(in crate::app) fn ask_for_cl_file(&mut self, ctx: &Context, channels: usize) {
+        let name = self.suggest_plunge_name(channels, "apt");
+        self.dialogs.open_dialog(ctx, Purpose::ExportCl { channels }, name);
+    }
+
+    /// Proposed name of a program of the shown plunge plan. It says the policy where the side "before" is
+    /// shown, and of how many channels the program is.
+    pub(in crate::app) fn suggest_plunge_name(&self, channels: usize, ending: &str) -> String {
         let side = self.state.look.side;
         let policy = match self.state.last_whole_plan(side) {
             Some(shown) if side == Side::Before => format!("-{}", shown.policy.name()),
@@ -231,8 +239,7 @@ impl App {
             n if n == all => "-all-channels".to_owned(),
             n => format!("-{n}-channels"),
         };
-        let name = self.suggest_file_name(&format!("plunge{policy}{of_channels}.apt"));
-        self.dialogs.open_dialog(ctx, Purpose::ExportCl { channels }, name);
+        self.suggest_file_name(&format!("plunge{policy}{of_channels}.{ending}"))
     }
 
     /// Number of channels of the open part; 1 without one.

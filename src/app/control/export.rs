@@ -1,16 +1,20 @@
 //! Files that leave the window: programs, after a question where something speaks against them; scenes and
 //! pictures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::Ui;
 
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
+use crate::app::model::look::{DEFAULT_MACHINE, Operation};
+use crate::app::model::nc_target::NcTarget;
 use crate::app::model::problem::Problem;
 use crate::app::model::release::concerns;
-use crate::app::tasks::files::{SceneTask, WriteTask};
+use crate::app::model::state::ShownPlan;
+use crate::app::tasks::files::{NcTask, PlungeSource, ProgramSource, SceneTask, WriteTask};
 use crate::app::views::command::Command;
+use crate::app::views::nc_dialog::{NcAnswer, NcQuestion};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, ReleaseAnswer};
 use crate::gpu::image::MAX_SIDE;
@@ -43,8 +47,11 @@ impl App {
         let Some(ReleaseQuestion { purpose, path, .. }) = self.release.take() else { return };
         match answer {
             ReleaseAnswer::Recalculate => {
-                let command =
-                    if purpose == Purpose::ExportFlank { Command::PlanFlank } else { Command::Plan };
+                let of_flank = matches!(
+                    purpose,
+                    Purpose::ExportFlank | Purpose::ExportNc { operation: Operation::Flank, .. }
+                );
+                let command = if of_flank { Command::PlanFlank } else { Command::Plan };
                 self.run_command(ui.ctx(), command);
             }
             ReleaseAnswer::Export => self.use_file(ui.ctx(), purpose, path),
@@ -64,6 +71,82 @@ impl App {
         if let Some(channels) = self.channels_dialog.show(ui, time) {
             self.ask_for_cl_file(ui.ctx(), channels);
         }
+    }
+
+    /// Operations that have a plan to write.
+    pub(in crate::app) fn planned_operations(&self) -> Vec<Operation> {
+        let roughing = self.state.last_whole_plan(self.state.look.side).map(|_| Operation::Roughing);
+        let flank = self.state.results.flank.as_ref().map(|_| Operation::Flank);
+        roughing.into_iter().chain(flank).collect()
+    }
+
+    /// Asks where an NC program is to run: on the machine of the setup, or on the one that was asked for last.
+    pub(in crate::app) fn ask_for_nc_target(&mut self) {
+        let operations = self.planned_operations();
+        let last = self.nc_dialog.question();
+        let machine = self.state.document.edited.setup.machine.file.as_deref();
+        let target = match (last, machine) {
+            (Some(last), machine) if machine.is_none_or(|machine| machine == last.target.machine) => {
+                Ok(last.target.clone())
+            }
+            (_, machine) => NcTarget::of_machine(machine.unwrap_or(DEFAULT_MACHINE)),
+        };
+        let target = match target {
+            Ok(target) => target,
+            Err(error) => return self.state.report_problem(Problem::from(&error)),
+        };
+        let selected = self.state.look.operation;
+        let operation = Some(selected).filter(|selected| operations.contains(selected));
+        let Some(operation) = operation.or(operations.first().copied()) else { return };
+        let channel_count = self.channel_count();
+        let channels = last.map_or(1, |last| last.channels).clamp(1, channel_count);
+        self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });
+    }
+
+    /// Draws the question where an NC program is to run, while that is due.
+    pub(in crate::app) fn ask_nc_target(&mut self, ui: &Ui) {
+        match self.nc_dialog.show(ui) {
+            Some(NcAnswer::Save) => {
+                let Some(question) = self.nc_dialog.question() else { return };
+                let (operation, dialect) = (question.operation, question.target.dialect);
+                let purpose = Purpose::ExportNc { operation, dialect };
+                let ending = purpose.filter().1.first().copied().unwrap_or_default();
+                let name = match operation {
+                    Operation::Flank => self.suggest_file_name(&format!("flank.{ending}")),
+                    _ => self.suggest_plunge_name(question.channels, ending),
+                };
+                self.dialogs.open_dialog(ui.ctx(), purpose, name);
+            }
+            Some(NcAnswer::OpenPost) => {
+                self.dialogs.open_dialog(ui.ctx(), Purpose::OpenPost, String::new());
+            }
+            Some(NcAnswer::Unreadable(error)) => self.state.report_problem(Problem::from(&error)),
+            None => {}
+        }
+    }
+
+    /// Goes on with the question where an NC program is to run, with the post that was chosen for it.
+    pub(in crate::app) fn take_post(&mut self, path: &Path) {
+        if let Err(error) = self.nc_dialog.take_post(&path.to_string_lossy()) {
+            self.state.report_problem(Problem::from(&error));
+        }
+    }
+
+    /// Writes the plan of `operation` as NC code for the machine that was chosen for it.
+    pub(in crate::app) fn export_nc(&mut self, operation: Operation, path: PathBuf) {
+        let Some(question) = self.nc_dialog.question() else { return };
+        let source = match operation {
+            Operation::Flank => self.state.results.flank.clone().map(ProgramSource::Flank),
+            _ => self.state.last_whole_plan(self.state.look.side).map(|ShownPlan { planned, policy }| {
+                let (planned, channels) = (planned.clone(), question.channels);
+                ProgramSource::Plunges(PlungeSource { planned, policy, channels })
+            }),
+        };
+        let Some(source) = source else { return };
+        let target = question.target.clone();
+        // What is written is read back for the same machine.
+        self.state.look.check_machine.clone_from(&target.machine);
+        self.write(WriteTask::Nc(path, NcTask { source, target }));
     }
 
     /// Draws the picture dialog.

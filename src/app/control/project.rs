@@ -210,7 +210,8 @@ impl App {
         }
     }
 
-    /// Says what of the setups of an opened project is faulty. It counts as changed, as defaults stand there now.
+    /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults stand
+    /// in place of what is faulty.
     fn report_setup_faults(&mut self, faults: &[InputError]) {
         for fault in faults.iter().take(MAX_REPORTED_FAULTS) {
             let help = format!("{}; until then the default is used", fault.help);

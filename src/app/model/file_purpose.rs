@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use super::look::Operation;
+use crate::io::nc::Dialect;
 use crate::io::part_file;
 use crate::io::project_file::EXTENSION;
 
@@ -35,6 +37,15 @@ pub enum Purpose {
     },
     /// Target of the flank plan's CL file.
     ExportFlank,
+    /// Target of the NC program of an operation.
+    ExportNc {
+        /// Roughing or flank.
+        operation: Operation,
+        /// Grammar of its control.
+        dialect: Dialect,
+    },
+    /// A post to write NC programs with.
+    OpenPost,
     /// Target of the glTF scene.
     ExportScene,
     /// Target of the stock as a solid.
@@ -60,6 +71,8 @@ impl Purpose {
             Self::ExportCl { channels: 1 } => "Export CL (APT)",
             Self::ExportCl { .. } => "Export CL of several channels (APT)",
             Self::ExportFlank => "Export flank CL (APT)",
+            Self::ExportNc { .. } => "Export NC program",
+            Self::OpenPost => "Open post",
             Self::ExportScene => "Export scene",
             Self::ExportStock => "Export stock",
             Self::CheckProgram => "Check program",
@@ -76,6 +89,7 @@ impl Purpose {
                 | Self::SaveLibrary
                 | Self::ExportCl { .. }
                 | Self::ExportFlank
+                | Self::ExportNc { .. }
                 | Self::ExportScene
                 | Self::ExportStock
                 | Self::SavePicture
@@ -98,10 +112,22 @@ impl Purpose {
             Self::SaveLibrary => ("Tool libraries", &["toml", "json"]),
             Self::OpenBlank => ("Blanks", &["stl", "txt"]),
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),
+            Self::OpenPost => ("Posts", &["toml"]),
             Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),
             Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::ExportStock => ("Solids", &["stl", "glb"]),
             Self::SavePicture => ("Pictures", &["png"]),
         }
+    }
+}
+
+/// Endings of the programs of a control; the first is added to a name without one.
+fn endings_of(dialect: Dialect) -> &'static [&'static str] {
+    match dialect {
+        Dialect::Heidenhain => &["h"],
+        Dialect::Siemens => &["mpf", "spf"],
+        Dialect::Fanuc | Dialect::Haas => &["nc", "tap", "cnc"],
+        Dialect::LinuxCnc => &["ngc", "nc"],
     }
 }

@@ -228,8 +228,8 @@ pub enum Arrangement {
     Wipe,
 }
 
-/// Machine for which NC code is read unless another is chosen: that of `vanecut post`.
-const DEFAULT_MACHINE: &str = "ac-trunnion";
+/// Machine for which NC code is read and written unless another is chosen: that of `vanecut post`.
+pub const DEFAULT_MACHINE: &str = "ac-trunnion";
 
 /// Number of frames; see [`Look::reveal_selection`].
 pub const REVEAL: u8 = 3;

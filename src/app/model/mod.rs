@@ -12,6 +12,7 @@ pub mod listing;
 pub mod look;
 pub mod machine;
 pub mod mouse_preset;
+pub mod nc_target;
 pub mod number;
 pub mod part_source;
 pub mod planned;

@@ -5,13 +5,16 @@ use crate::verify::{TILT_TOLERANCE, falls_short};
 
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::file_purpose::Purpose;
+use crate::app::model::look::Operation;
 use crate::app::model::state::AppState;
 
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
     match purpose {
-        Purpose::ExportCl { .. } => plunge_concerns(state),
-        Purpose::ExportFlank => flank_concerns(state),
+        Purpose::ExportCl { .. } | Purpose::ExportNc { operation: Operation::Roughing, .. } => {
+            plunge_concerns(state)
+        }
+        Purpose::ExportFlank | Purpose::ExportNc { operation: Operation::Flank, .. } => flank_concerns(state),
         _ => Vec::new(),
     }
 }

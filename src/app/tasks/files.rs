@@ -3,17 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::error::ErrorCode;
+use crate::error::{ErrorCode, UserError};
 use crate::gpu::encode_png;
 use crate::io::InputError;
 use crate::io::apt::write_apt;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
+use crate::io::machine_file::read_machine;
+use crate::io::nc::read_post;
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::project_file::{EXTENSION, part_hash};
 use crate::io::setup_file::write_setup_beside;
 use crate::io::shop_tools::{ToolLibrary, write_fusion, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
+use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
+use crate::machine::BlankSize;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::monitor::{Cancelled, Monitor};
 use crate::palette::ColourMap;
@@ -22,7 +26,9 @@ use crate::setup::{AxisPolicy, Setup};
 use crate::toolpath::ClProgram;
 
 use crate::app::model::document::Edited;
+use crate::app::model::figures::format_duration;
 use crate::app::model::file_purpose::PROGRAM_ENDINGS;
+use crate::app::model::nc_target::NcTarget;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
@@ -128,14 +134,30 @@ pub struct SceneTask {
     pub range: (f32, f32),
 }
 
-/// Content of a plunge program.
-pub struct ClTask {
+/// A plunge program to write.
+pub struct PlungeSource {
     /// The plans.
     pub planned: Arc<DisplayPlan>,
     /// The policy whose plan is written.
     pub policy: AxisPolicy,
     /// Number of channels that it mills, from the first on.
     pub channels: usize,
+}
+
+/// A program to write as NC code.
+pub enum ProgramSource {
+    /// That of a plunge plan.
+    Plunges(PlungeSource),
+    /// That of the flank plan.
+    Flank(Arc<FlankOutcome>),
+}
+
+/// Content of an NC program.
+pub struct NcTask {
+    /// The program.
+    pub source: ProgramSource,
+    /// Where it is to run.
+    pub target: NcTarget,
 }
 
 /// A file to write, with its path.
@@ -147,7 +169,9 @@ pub enum WriteTask {
     /// A tool library, as our TOML or as Fusion JSON by extension.
     Library(PathBuf, Box<ToolLibrary>),
     /// A plunge program as APT.
-    Cl(PathBuf, ClTask),
+    Cl(PathBuf, PlungeSource),
+    /// A program as NC code.
+    Nc(PathBuf, NcTask),
     /// The flank plan as APT.
     Flank(PathBuf, Arc<FlankOutcome>),
     /// A glTF scene.
@@ -163,6 +187,8 @@ pub enum WriteTask {
 /// # Errors
 /// [`InputError`] when the picture cannot be encoded or the file cannot be written.
 pub fn write(task: &WriteTask) -> Result<Written, InputError> {
+    // What the message says beside the path.
+    let mut about = String::new();
     let (path, bytes) = match task {
         WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
@@ -172,6 +198,12 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
             (path, text.into_bytes())
         }
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
+        WriteTask::Nc(path, content) => {
+            let posted = post(path, content)?;
+            let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
+            about = format!(": {blocks} blocks for {}, {time}", short_name(&content.target.machine));
+            (path, posted.written.text.into_bytes())
+        }
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
@@ -188,18 +220,60 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Project(path, _, edited) => Some((path.clone(), Edited::clone(edited))),
         _ => None,
     };
-    Ok(Written { text: format!("Wrote {}", path.display()), project })
+    Ok(Written { text: format!("Wrote {}{about}", path.display()), project })
 }
 
 /// A plunge plan as it is exported.
-pub fn cl_text(content: &ClTask) -> String {
+pub fn cl_text(content: &PlungeSource) -> String {
+    write_apt(&plunge_program(content))
+}
+
+fn plunge_program(content: &PlungeSource) -> ClProgram {
     let outcome = &content.planned.outcome;
     let channels = content.channels.clamp(1, outcome.workpiece.part.blade_count.max(1));
     let result = content.planned.result(content.policy);
     // Nothing cancels a file that is being written.
     outcome
         .program_for_channels(result, channels, &Monitor::default())
-        .map_or_else(|Cancelled| String::new(), |program| write_apt(&program))
+        .unwrap_or_else(|Cancelled| ClProgram::default())
+}
+
+/// Posts a program. Moves are named in messages by their numbers.
+fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
+    let NcTarget { machine, control, output, .. } = &content.target;
+    let (mut program, workpiece, setup) = match &content.source {
+        ProgramSource::Plunges(source) => {
+            let outcome = &source.planned.outcome;
+            (plunge_program(source), &outcome.workpiece, &outcome.setup)
+        }
+        ProgramSource::Flank(outcome) => (flank_program(outcome), &outcome.workpiece, &outcome.setup),
+    };
+    for (number, step) in (1..).zip(&mut program.moves) {
+        step.line = number;
+    }
+    let part = &workpiece.part;
+    let request = PostRequest {
+        machine: read_machine(Path::new(machine))?,
+        post: read_post(control)?,
+        output: *output,
+        inlet_up: part.out_of_inlet().z > 0.0,
+        blank: Some(BlankSize::of(part, &setup.allowances)),
+    };
+    let fault = |move_number: usize, error: UserError| {
+        let place = if move_number > 0 { format!("move {move_number}: ") } else { String::new() };
+        let (message, machine) = (error.message, short_name(machine));
+        let message = format!("the NC program is not written: {machine}: {place}{message}");
+        InputError::new(error.code, &path.display().to_string(), 0, message, error.help)
+    };
+    post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
+        PostFault::Motion(motion) => fault(motion.line(), motion.explained()),
+        PostFault::Words(error) => fault(0, error),
+    })
+}
+
+/// The name of a machine, or that of its file.
+fn short_name(machine: &str) -> String {
+    Path::new(machine).file_name().map_or_else(|| machine.to_owned(), |name| name.to_string_lossy().into())
 }
 
 fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
@@ -241,9 +315,13 @@ fn stock_bytes(path: &Path, source: &SolidSource, moment: StockMoment) -> Result
 
 /// A flank plan as it is exported.
 pub fn flank_text(outcome: &FlankOutcome) -> String {
+    write_apt(&flank_program(outcome))
+}
+
+fn flank_program(outcome: &FlankOutcome) -> ClProgram {
     let plan = &outcome.plan;
     let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
-    write_apt(&program.after_opening(plan.opening.as_ref()))
+    program.after_opening(plan.opening.as_ref())
 }
 
 #[cfg(test)]

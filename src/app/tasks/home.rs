@@ -1,7 +1,6 @@
 //! The window's own files: recent projects, preferences and recovery copies. Without a home folder none of
 //! them is stored.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, SystemTime};
@@ -9,6 +8,7 @@ use std::time::{Duration, SystemTime};
 use serde::{Deserialize, Serialize};
 
 use crate::io::InputError;
+use crate::io::hash::{FNV_START, fnv1a};
 use crate::io::project_file::{EXTENSION, PartLocation, read_project};
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
@@ -84,9 +84,9 @@ impl Home {
     pub fn hold_project(&self, path: &Path) -> LockTry {
         // One file has one lock, by whatever way it was opened.
         let file = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
-        let mut hasher = DefaultHasher::new();
-        file.unwrap_or_else(|_| path.to_owned()).hash(&mut hasher);
-        try_hold(self.folder.join("locks").join(format!("project-{:016x}.lock", hasher.finish())))
+        let file = file.unwrap_or_else(|_| path.to_owned());
+        let hash = fnv1a(FNV_START, file.as_os_str().as_encoded_bytes().iter().copied());
+        try_hold(self.folder.join("locks").join(format!("project-{hash:016x}.lock")))
     }
 
     /// Removes this session's recovery copy, after saving or discarding.

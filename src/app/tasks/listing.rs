@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Repaint;
-use super::files::{ClTask, cl_text, flank_text};
+use super::files::{PlungeSource, cl_text, flank_text};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::look::Operation;
 use crate::app::model::planned::DisplayPlan;
@@ -75,7 +75,7 @@ fn listing_of(listed: &ListedPlan) -> ProgramListing {
         ListedPlan::Plunges(planned, policy) => {
             let plan = planned.plan(*policy);
             let bottoms = ClProgram::of_plan("", plan).bottoms_of(plan);
-            (cl_text(&ClTask { planned: Arc::clone(planned), policy: *policy, channels: 1 }), bottoms)
+            (cl_text(&PlungeSource { planned: Arc::clone(planned), policy: *policy, channels: 1 }), bottoms)
         }
         ListedPlan::Flank(outcome) => {
             let plan = &outcome.plan;

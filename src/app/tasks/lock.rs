@@ -18,7 +18,7 @@ impl Drop for HeldLock {
     }
 }
 
-/// What came of a try to hold a lock.
+/// Result of trying to hold a lock.
 #[derive(Debug)]
 pub(in crate::app) enum LockTry {
     /// It is held now.

@@ -79,6 +79,8 @@ commands! {
         "Writes the shown plan, for every channel of the part, as an APT cutter-location file" [];
     ExportFlank "Export flank CL…"
         "Writes the flank plan as an APT cutter-location file" [];
+    ExportNc "Export NC program…"
+        "Writes the plan as NC code for a machine and its control" [CTRL | SHIFT, N];
     CheckProgram "Check program…"
         "Opens an APT or NC program and checks it against part and setup: faults with line and place" [];
     CheckAgain "Check again" "Reads the program again and checks it with the current setup" [NONE, F7];

@@ -29,6 +29,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::ExportClSome,
                 Command::ExportClAll,
                 Command::ExportFlank,
+                Command::ExportNc,
                 Command::ExportScene,
                 Command::ExportStock,
                 Command::SavePicture,

@@ -12,6 +12,7 @@ pub mod legend;
 pub mod library_dialog;
 mod menu;
 mod mouse;
+pub mod nc_dialog;
 mod overlay;
 pub mod palette;
 pub mod panels;

@@ -94,7 +94,7 @@ fn command_line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> e
 }
 
 /// Commands that the empty search shows first, in this order.
-const FIRST: [Command; 12] = [
+const FIRST: [Command; 13] = [
     Command::Plan,
     Command::PlanFlank,
     Command::NextFault,
@@ -106,6 +106,7 @@ const FIRST: [Command; 12] = [
     Command::Fit,
     Command::SaveProject,
     Command::ExportCl,
+    Command::ExportNc,
     Command::OpenPart,
 ];
 
@@ -121,8 +122,9 @@ fn synonyms(command: Command) -> &'static str {
         C::Stock => "simulate simulation solid material removal ipw blank",
         C::NextTool | C::PreviousTool => "toolchange m6 jump",
         C::NextSection | C::PreviousSection => "zone jump",
-        C::ExportCl | C::ExportClSome | C::ExportClAll | C::ExportFlank => {
-            "gcode g-code nc cnc post program output apt cl write"
+        C::ExportCl | C::ExportClSome | C::ExportClAll | C::ExportFlank => "nc program output apt cl write",
+        C::ExportNc => {
+            "gcode g-code cnc post postprocess output write heidenhain siemens fanuc haas linuxcnc"
         }
         C::ExportStock => "stl ipw rest",
         C::ExportScene => "gltf glb 3d model",

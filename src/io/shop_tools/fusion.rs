@@ -13,6 +13,7 @@ use super::{
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
+use crate::io::hash::{FNV_START, fnv1a};
 use crate::io::source::{Source, quote_for_message};
 use crate::io::tool_file::{MAX_NUMBER, MAX_TEETH};
 use crate::setup::{Tool, ToolAssembly};
@@ -326,11 +327,8 @@ pub fn write_fusion(library: &ToolLibrary) -> String {
 
 /// An identifier made from the content of a tool, in the form of a UUID: equal tools get equal ones.
 fn guid_of(text: &str) -> String {
-    // FNV-1a hash with two seeds.
-    let hash = |start: u64| {
-        text.bytes().fold(start, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
-    };
-    let (a, b) = (hash(0xcbf2_9ce4_8422_2325), hash(0x9ae1_6a3b_2f90_404f));
+    // Two hashes make 128 bits; any other start serves for the second one.
+    let [a, b] = [FNV_START, 0x9ae1_6a3b_2f90_404f].map(|start| fnv1a(start, text.bytes()));
     format!(
         "{:08x}-{:04x}-8{:03x}-8{:03x}-{:012x}",
         a >> 32,

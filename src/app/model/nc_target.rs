@@ -1,0 +1,82 @@
+//! Where an NC program is to run: its machine, control and output.
+
+use std::path::Path;
+
+use crate::io::InputError;
+use crate::io::machine_file::read_machine;
+use crate::io::nc::{Dialect, read_post};
+use crate::machine::OutputKind;
+
+/// Machine, control and output of an NC program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NcTarget {
+    /// Name of the machine, or its file.
+    pub machine: String,
+    /// Name of the control, or the file of its post.
+    pub control: String,
+    /// What the program gives; one of `outputs`.
+    pub output: OutputKind,
+    /// What the control takes.
+    pub outputs: Vec<OutputKind>,
+    /// Grammar of the control; the ending of the file follows from it.
+    pub dialect: Dialect,
+}
+
+impl NcTarget {
+    /// The machine of that name or file, with its own control and output.
+    ///
+    /// # Errors
+    /// When the machine or the post of its control cannot be read.
+    pub fn of_machine(name: &str) -> Result<Self, InputError> {
+        let machine = read_machine(Path::new(name))?;
+        let post = read_post(&machine.control)?;
+        let target = Self {
+            machine: name.to_owned(),
+            control: machine.control,
+            output: machine.output,
+            outputs: post.outputs().collect(),
+            dialect: post.dialect,
+        };
+        Ok(target.with_known_output())
+    }
+
+    /// The same machine with the control of that name, or with the post of that file.
+    ///
+    /// # Errors
+    /// When the post cannot be read.
+    pub fn with_control(&self, name: &str) -> Result<Self, InputError> {
+        let post = read_post(name)?;
+        let target = Self {
+            control: name.to_owned(),
+            outputs: post.outputs().collect(),
+            dialect: post.dialect,
+            ..self.clone()
+        };
+        Ok(target.with_known_output())
+    }
+
+    /// The same with an output that the control takes: its first where the chosen one is unknown to it.
+    fn with_known_output(self) -> Self {
+        let first = self.outputs.first().copied();
+        let output = Some(self.output).filter(|output| self.outputs.contains(output)).or(first);
+        Self { output: output.unwrap_or(self.output), ..self }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_control_that_does_not_take_the_output_gives_another() {
+        let target = NcTarget::of_machine("ac-trunnion").expect("known");
+        assert!(target.outputs.contains(&target.output));
+        for name in crate::io::nc::built_in_posts() {
+            let other = target.with_control(name).expect("known");
+            assert!(other.outputs.contains(&other.output), "{name}: {other:?}");
+            assert_eq!((other.control.as_str(), &other.machine), (name, &target.machine));
+        }
+        assert!(target.with_control("no-such-control").is_err());
+        assert!(NcTarget::of_machine("no-such-machine").is_err());
+    }
+}

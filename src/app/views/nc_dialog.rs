@@ -1,0 +1,204 @@
+//! The question where an NC program is to run: operation, channels, machine, control, output.
+
+use egui::{ComboBox, DragValue, Grid, Modal, RichText, Ui};
+
+use super::theme;
+use crate::app::model::look::Operation;
+use crate::app::model::nc_target::NcTarget;
+use crate::io::InputError;
+use crate::io::machine_file::built_in_names;
+use crate::io::nc::built_in_posts;
+use crate::machine::OutputKind;
+
+/// What the dialog asks about.
+#[derive(Clone, Debug)]
+pub struct NcQuestion {
+    /// Operations with a plan.
+    pub operations: Vec<Operation>,
+    /// The one whose plan is written.
+    pub operation: Operation,
+    /// Number of channels that a roughing program mills, from the first on.
+    pub channels: usize,
+    /// Number of channels of the part.
+    pub channel_count: usize,
+    /// Where the program is to run.
+    pub target: NcTarget,
+}
+
+/// Answer of the dialog.
+#[derive(Clone, Debug)]
+pub enum NcAnswer {
+    /// Ask for the file, then write the program.
+    Save,
+    /// Ask for the file of a post.
+    OpenPost,
+    /// A machine or control that cannot be read was chosen.
+    Unreadable(InputError),
+}
+
+/// The dialog.
+#[derive(Clone, Debug, Default)]
+pub struct NcDialog {
+    /// The question, as it is answered so far; kept after the dialog was closed.
+    question: Option<NcQuestion>,
+    is_open: bool,
+}
+
+impl NcDialog {
+    /// Asks `question`.
+    pub fn open(&mut self, question: NcQuestion) {
+        self.question = Some(question);
+        self.is_open = true;
+    }
+
+    /// Goes on with the last question, with the post of the file `post`.
+    ///
+    /// # Errors
+    /// When the post cannot be read; the dialog is open all the same.
+    pub fn take_post(&mut self, post: &str) -> Result<(), InputError> {
+        self.is_open = self.question.is_some();
+        let Some(question) = &mut self.question else { return Ok(()) };
+        question.target = question.target.with_control(post)?;
+        Ok(())
+    }
+
+    /// Whether it is open.
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
+    /// What was answered last.
+    pub fn question(&self) -> Option<&NcQuestion> {
+        self.question.as_ref()
+    }
+
+    /// Draws it; returns an answer once.
+    pub fn show(&mut self, ui: &Ui) -> Option<NcAnswer> {
+        let question = self.question.as_mut().filter(|_| self.is_open)?;
+        let (mut answer, mut close) = (None, false);
+        let modal = Modal::new(egui::Id::unique("nc program")).show(ui.ctx(), |ui| {
+            ui.set_width(340.0);
+            ui.label(RichText::new("Export NC program").strong());
+            ui.add_space(4.0);
+            answer = form(ui, question);
+            ui.add_space(4.0);
+            ui.label(RichText::new(UNPROVEN).weak());
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                if ui.button("Save as…").clicked() {
+                    answer = Some(NcAnswer::Save);
+                }
+                close = ui.button("Cancel").clicked();
+            });
+        });
+        close |= matches!(answer, Some(NcAnswer::Save | NcAnswer::OpenPost));
+        self.is_open &= !(close || modal.should_close());
+        answer
+    }
+}
+
+/// Draws the fields; returns what they cannot answer themselves.
+fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
+    let mut changed: Option<Result<NcTarget, InputError>> = None;
+    let mut opens_post = false;
+    Grid::new("nc fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
+        let label = ui.label("Operation");
+        let list = ComboBox::from_id_salt("nc operation").selected_text(question.operation.label());
+        let list = list.show_ui(ui, |ui| {
+            for &operation in &question.operations {
+                ui.selectable_value(&mut question.operation, operation, operation.label());
+            }
+        });
+        list.response.labelled_by(label.id);
+        ui.end_row();
+        if question.operation == Operation::Roughing {
+            let label = ui.label("Channels").on_hover_text("How many are milled, from the first on");
+            ui.horizontal(|ui| {
+                let count = question.channel_count;
+                ui.add(DragValue::new(&mut question.channels).range(1..=count)).labelled_by(label.id);
+                ui.label(format!("of {count}"));
+            });
+            ui.end_row();
+        }
+
+        let target = &mut question.target;
+        let mut machine = target.machine.clone();
+        let names = built_in_names().map(str::to_owned);
+        name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
+        if machine != target.machine {
+            changed = Some(NcTarget::of_machine(&machine));
+        }
+        let mut control = target.control.clone();
+        let names = built_in_posts().map(str::to_owned);
+        name_row(ui, "Control", CONTROL_TIP, &mut control, names, |ui| {
+            opens_post = ui.button("Post file…").on_hover_text(POST_TIP).clicked();
+        });
+        if control != target.control {
+            changed = Some(target.with_control(&control));
+        }
+        let label = ui.label("Output").on_hover_text(OUTPUT_TIP);
+        let list = ComboBox::from_id_salt("nc output").width(theme::FIELD_WIDTH);
+        let list = list.selected_text(words_of(target.output)).show_ui(ui, |ui| {
+            for &output in &target.outputs {
+                ui.selectable_value(&mut target.output, output, words_of(output));
+            }
+        });
+        list.response.labelled_by(label.id).on_hover_text(OUTPUT_TIP);
+        ui.end_row();
+    });
+    match changed {
+        Some(Ok(target)) => question.target = target,
+        Some(Err(error)) => return Some(NcAnswer::Unreadable(error)),
+        None => {}
+    }
+    opens_post.then_some(NcAnswer::OpenPost)
+}
+
+const UNPROVEN: &str =
+    "No program of this kind has run on a real control yet: read it first, and run it block by block in air";
+const MACHINE_TIP: &str = "The machine that runs the program: its axes, limits and conventions.\n\
+     The setup's machine, if it names one";
+const CONTROL_TIP: &str = "The control, whose words the program is written in";
+const POST_TIP: &str = "Takes the words from a post of your own: a copy of one of these, changed (.toml)";
+const OUTPUT_TIP: &str = "What the program gives: rotary angles or tool vectors with the tip held by the control,\n\
+     a tilted plane for each direction (3+2), or the positions of all axes";
+
+/// A row with a list of names; the chosen one may be a file, which stands before the others.
+fn name_row(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    chosen: &mut String,
+    known: impl Iterator<Item = String>,
+    more: impl FnOnce(&mut Ui),
+) {
+    let label = ui.label(name).on_hover_text(tip);
+    let known: Vec<String> = known.collect();
+    let own: Vec<String> = Some(chosen.clone()).into_iter().filter(|name| !known.contains(name)).collect();
+    let short = |name: &str| match std::path::Path::new(name).file_name() {
+        Some(file) => file.to_string_lossy().into_owned(),
+        None => name.to_owned(),
+    };
+    ui.horizontal(|ui| {
+        let list = ComboBox::from_id_salt(name).width(theme::FIELD_WIDTH).truncate();
+        let list = list.selected_text(short(chosen)).show_ui(ui, |ui| {
+            for name in own.into_iter().chain(known) {
+                let label = short(&name);
+                ui.selectable_value(chosen, name, label);
+            }
+        });
+        list.response.labelled_by(label.id).on_hover_text(tip);
+        more(ui);
+    });
+    ui.end_row();
+}
+
+/// What an output gives, in words.
+fn words_of(output: OutputKind) -> &'static str {
+    match output {
+        OutputKind::TcpAngles => "Rotary angles",
+        OutputKind::TcpVectors => "Tool vectors",
+        OutputKind::Plane => "Tilted planes",
+        OutputKind::Joints => "All axes",
+    }
+}

@@ -1,0 +1,79 @@
+//! The posting job that window and command line share: from a program to NC code of a control, with its times.
+
+use crate::error::UserError;
+use crate::io::nc::{NcProgram, Post, write_nc};
+use crate::machine::{
+    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind, PlacedPart, SectionTime,
+    machine_program, section_times,
+};
+use crate::monitor::Monitor;
+use crate::toolpath::ClProgram;
+
+/// Where a program is to run, and in which words it is written.
+#[derive(Clone, Debug)]
+pub struct PostRequest {
+    /// The machine.
+    pub machine: MachineTool,
+    /// The post of its control.
+    pub post: Post,
+    /// What the program gives; one of [`Post::outputs`].
+    pub output: OutputKind,
+    /// Whether the inlet of the part points to +Z in the part frame.
+    pub inlet_up: bool,
+    /// Extent of the blank; absent: what the moves say.
+    pub blank: Option<BlankSize>,
+}
+
+/// NC code, and the motion that it makes.
+#[derive(Clone, Debug)]
+pub struct PostedProgram {
+    /// The motion of the machine.
+    pub motion: MachineProgram,
+    /// The code.
+    pub written: NcProgram,
+    /// Times by section, in cutting order.
+    pub times: Vec<SectionTime>,
+}
+
+impl PostedProgram {
+    /// The largest error of the tip, in joint space and by rounding, mm.
+    pub fn tip_error(&self) -> f64 {
+        self.motion.tip_error + self.written.rounding_error
+    }
+
+    /// Time of the program with its tool changes, s.
+    pub fn time_s(&self) -> f64 {
+        self.times.iter().map(SectionTime::total_s).sum()
+    }
+}
+
+/// Why a program is not posted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PostFault {
+    /// The machine cannot run it.
+    #[error("{0}")]
+    Motion(MotionFault),
+    /// It cannot be written for the control.
+    #[error("{0}")]
+    Words(UserError),
+}
+
+/// Posts `program`: chooses rotary positions and links over the whole of it and writes it in the words of the
+/// control.
+///
+/// # Errors
+/// [`PostFault`] when the machine cannot run the program, the control cannot take it, or on a cancel.
+pub fn post_program(
+    program: &ClProgram,
+    request: &PostRequest,
+    monitor: &Monitor,
+) -> Result<PostedProgram, PostFault> {
+    let PostRequest { machine, post, output, inlet_up, blank } = request;
+    let placed = PlacedPart::new(&machine.part, *inlet_up);
+    let mut options = MotionOptions::new(*output, post.format.angle_decimals);
+    options.blank = *blank;
+    let motion = machine_program(machine, &placed, program, &options, monitor).map_err(PostFault::Motion)?;
+    let written = write_nc(program, machine, &motion, post, *output).map_err(PostFault::Words)?;
+    let times = section_times(machine, program, &motion);
+    Ok(PostedProgram { motion, written, times })
+}

@@ -1,0 +1,189 @@
+//! NC programs leave the window as `vanecut post` writes them.
+
+use std::path::Path;
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
+use vanecut::io::machine_file::read_machine;
+use vanecut::io::nc::read_post;
+use vanecut::job::post::{PostRequest, post_program};
+use vanecut::machine::{BlankSize, OutputKind};
+use vanecut::monitor::Monitor;
+use vanecut::toolpath::ClProgram;
+
+use crate::dialogs::{name_file, press_enter};
+use crate::fake;
+use crate::flank::with_plan;
+use crate::harness::{Window, settle, snapshot_ui, with_sample};
+use crate::machine::with_machine;
+
+/// Opens the question where the program is to run.
+fn ask(window: &mut Window) {
+    window.state_mut().use_own_file_dialogs();
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    // The name of the item has its keys, too.
+    window.get_by_label_contains("Export NC program…").click();
+    window.run_steps(3);
+}
+
+fn choose(window: &mut Window, list: &str, entry: &str) {
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, entry).click();
+    window.run_steps(3);
+}
+
+/// Saves under `path`, and confirms what speaks against the program.
+fn save(window: &mut Window, path: &Path) {
+    window.get_by_label("Save as…").click();
+    window.run_steps(3);
+    settle(window);
+    name_file(window, path);
+    press_enter(window);
+    if let Some(button) = window.query_by_label("Export anyway") {
+        button.click();
+        window.run_steps(3);
+        settle(window);
+    }
+}
+
+/// The program as the command line posts it.
+fn posted(window: &Window, program: &ClProgram, machine: &str, control: &str, output: OutputKind) -> String {
+    let state = window.state().state();
+    let outcome = &state.shown().expect("planned").planned.outcome;
+    let part = &outcome.workpiece.part;
+    let request = PostRequest {
+        machine: read_machine(Path::new(machine)).expect("a machine"),
+        post: read_post(control).expect("a post"),
+        output,
+        inlet_up: part.out_of_inlet().z > 0.0,
+        blank: Some(BlankSize::of(part, &outcome.setup.allowances)),
+    };
+    post_program(program, &request, &Monitor::default()).expect("runs").written.text
+}
+
+#[test]
+fn a_plan_is_exported_for_the_machine_of_the_setup() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_machine("bc-trunnion");
+    ask(&mut window);
+    window.get_by_label("Export NC program");
+    snapshot_ui(&mut window, "nc_program");
+    choose(&mut window, "Control", "siemens");
+    choose(&mut window, "Output", "Rotary angles");
+    window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(2.0);
+    window.run_steps(2);
+    save(&mut window, &folder.path().join("wheel"));
+    let path = folder.path().join("wheel.mpf");
+    let text = std::fs::read_to_string(&path).expect("written, with the ending of the control");
+    let state = window.state().state();
+    let shown = state.shown().expect("planned");
+    let outcome = &shown.planned.outcome;
+    let result = shown.planned.result(shown.policy);
+    let program = outcome.program_for_channels(result, 2, &Monitor::default()).expect("not cancelled");
+    let wanted = posted(&window, &program, "bc-trunnion", "siemens", OutputKind::TcpAngles);
+    assert_eq!(text, wanted, "what the command line writes");
+    let notice = &state.notice.as_ref().expect("a message").text;
+    assert!(notice.contains("blocks for bc-trunnion"), "{notice}");
+    assert_eq!(state.look.check_machine, "bc-trunnion", "where a check reads it");
+}
+
+#[test]
+fn what_speaks_against_a_plan_is_said_before_its_nc_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().look_mut().side = vanecut::app::model::planned::Side::Before;
+    ask(&mut window);
+    window.get_by_label("Save as…").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let path = folder.path().join("before.h");
+    name_file(&mut window, &path);
+    press_enter(&mut window);
+    window.get_by_label_contains("The core meets stock in");
+    assert!(!path.exists(), "not before the answer");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_program_that_the_machine_cannot_run_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_machine("ac-trunnion");
+    let text = include_str!("../../assets/machines/ac-trunnion.toml").replace("[-120, 120]", "[-5, 5]");
+    std::fs::write(folder.path().join("narrow.toml"), text).unwrap();
+    let setup = folder.path().join("setup.toml");
+    std::fs::write(&setup, "[machine]\nfile = \"narrow.toml\"\nmax_axis_tilt = 90\n").unwrap();
+    window.state_mut().open_path(setup);
+    settle(&mut window);
+    ask(&mut window);
+    window.get_by_role_and_label(Role::ComboBox, "NC machine");
+    let path = folder.path().join("p.h");
+    save(&mut window, &path);
+    window.get_by_label_contains("the NC program is not written: narrow.toml: move ");
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_post_of_ones_own_gives_the_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let post = folder.path().join("shop.toml");
+    let words = "extends = \"linuxcnc\"\n[blocks]\nstart = [\"(words of the shop)\"]\n";
+    std::fs::write(&post, words).unwrap();
+    let bad = folder.path().join("bad.toml");
+    std::fs::write(&bad, "extends = \"no-such-control\"\n").unwrap();
+    ask(&mut window);
+    for file in [&bad, &post] {
+        window.get_by_label("Post file…").click();
+        window.run_steps(3);
+        settle(&mut window);
+        window.get_by_label("Open post");
+        name_file(&mut window, file);
+        press_enter(&mut window);
+        window.get_by_label("Save as…");
+    }
+    window.get_by_label_contains("unknown control");
+    let path = folder.path().join("p.ngc");
+    save(&mut window, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    assert!(text.contains("(words of the shop)"), "{}", &text[..text.len().min(400)]);
+}
+
+#[test]
+fn the_flank_plan_is_exported_as_well() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_plan();
+    ask(&mut window);
+    assert!(window.query_by_role_and_label(Role::SpinButton, "Channels").is_none(), "flank is one channel");
+    choose(&mut window, "Operation", "Flank");
+    let path = folder.path().join("flank.h");
+    save(&mut window, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &outcome.plan.tool, &outcome.plan.moves);
+    let program = program.after_opening(outcome.plan.opening.as_ref());
+    let target = read_machine(Path::new("ac-trunnion")).unwrap();
+    assert_eq!(text, posted(&window, &program, "ac-trunnion", &target.control, target.output));
+}
+
+#[test]
+fn without_a_plan_there_is_nothing_to_post() {
+    let (engine, _) = fake::engine();
+    let mut window = crate::harness::window(engine);
+    window.run_steps(2);
+    let ctx = window.ctx.clone();
+    let purpose =
+        Purpose::ExportNc { operation: Operation::Roughing, dialect: vanecut::io::nc::Dialect::Fanuc };
+    let folder = tempfile::tempdir().unwrap();
+    window.state_mut().file_chosen(&ctx, purpose, folder.path().join("p.nc"));
+    settle(&mut window);
+    assert!(!folder.path().join("p.nc").exists());
+}
