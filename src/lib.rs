@@ -25,6 +25,7 @@
 //! | [`study`] | many plans: axes of variation, shards, results, merge, Pareto set |
 //! | `gpu` | graphics device, compute kernel, renderer of meshes, lines and instances |
 //! | `drawing` | parts, plans and stock as meshes, lines and instances |
+//! | [`report`] | documents: setup sheet of a plan, page of an assessment |
 //! | `app` | the window (egui) |
 //! | `cli` | the command line (clap) |
 //!
@@ -52,6 +53,7 @@ pub mod monitor;
 pub mod palette;
 pub mod part;
 pub mod plunge;
+pub mod report;
 pub mod setup;
 pub mod stock;
 pub mod study;

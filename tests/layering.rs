@@ -7,10 +7,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The modules, innermost first, as in the table of `src/lib.rs`.
-const MODULES: [&str; 23] = [
+const MODULES: [&str; 24] = [
     "error", "monitor", "palette", "geometry", "part", "setup", "mesh", "toolpath", "machine", "cutting",
     "assess", "plunge", "flank", "stock", "tradeoff", "verify", "io", "job", "study", "gpu", "drawing",
-    "app", "cli",
+    "report", "app", "cli",
 ];
 /// Modules of the core are those before this one.
 const FIRST_OUTSIDE: &str = "gpu";

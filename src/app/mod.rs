@@ -36,6 +36,7 @@ use model::part_source::PartSource;
 use model::planned::{PerSide, Side};
 use model::problem::{Problem, Topic};
 use model::state::AppState;
+use tasks::assess::AssessWork;
 use tasks::engine::Engine;
 use tasks::files;
 use tasks::listing::ListingWork;
@@ -74,6 +75,8 @@ pub struct App {
     machining: MachineWork,
     /// The program of the shown plan.
     listing: ListingWork,
+    /// The machinability of the part.
+    assessing: AssessWork,
     /// The tool of the flank plan at the position of the timeline.
     flank_tool: FlankTool,
     /// The solid stock of each side.
@@ -127,6 +130,7 @@ impl App {
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
+            assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
             flank_tool: FlankTool::default(),
             solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
@@ -207,6 +211,7 @@ impl App {
             || self.inspected.is_busy()
             || self.machining.is_busy()
             || self.listing.is_busy()
+            || self.assessing.is_busy()
             || self.solids.iter().any(SolidWork::is_busy)
     }
 
@@ -371,6 +376,7 @@ impl eframe::App for App {
         self.inspected.follow(&self.state);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
+        self.assessing.follow(&self.state, self.state.look.machinability);
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side].follow(wanted) {
@@ -437,6 +443,7 @@ impl eframe::App for App {
             self.run_command(ui.ctx(), command);
         }
         self.large_section(ui);
+        self.machinability(ui);
         self.help.show(ui, &self.device);
         self.ask_unsaved(ui);
         self.ask_release(ui);

@@ -1,24 +1,21 @@
 //! `vanecut assess`.
 
+use std::path::Path;
+
 use serde_json::{Map, Value, json};
 
 use super::args::AssessArgs;
-use super::report::{head, number};
-use super::{Failure, assess_pictures, open, plan, print_stdout};
+use super::output::{head, number};
+use super::{Failure, open, plan, print_stdout};
 use crate::assess::passage::{PassageKind, PassageMeasure};
-use crate::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
+use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::Twist;
-use crate::assess::{Assessment, BLADE_NAMES, BladeMeasure};
-use crate::job::resolve;
-use crate::part::Workpiece;
-use crate::setup::Setup;
-
-/// A part with its assessment and the setup with the tools.
-struct AssessedPart<'a> {
-    workpiece: &'a Workpiece,
-    setup: &'a Setup,
-    assessment: &'a Assessment,
-}
+use crate::assess::{BLADE_NAMES, BladeMeasure};
+#[cfg(feature = "gpu")]
+use crate::io::write::write_all_atomically;
+use crate::job::assess::AssessedPart;
+#[cfg(feature = "gpu")]
+use crate::report::assessment::assessment_page;
 
 /// Assesses a part, writes pictures if requested, prints the figures.
 ///
@@ -31,23 +28,12 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         plan::check_directory(folder)?;
     }
-    let workpiece = opened.setup.allowances.workpiece_of(part);
-    let (setup, no_reach) = match resolve(&opened.setup, &workpiece) {
-        Ok(resolved) => (resolved.setup, None),
-        // A part without a suitable standard cutter can still be measured.
-        Err(fault) if args.setup.is_none() => (opened.setup.clone(), Some(fault)),
-        Err(fault) => return Err(opened.failure(fault)),
-    };
-    let limits = ReachLimits {
-        hub_allowance: setup.allowances.hub_allowance,
-        blade_allowance: setup.allowances.blade_allowance,
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-        clearances: setup.clearances,
-    };
-    let assessment = Assessment::of(&workpiece, &stretches(&setup), &limits);
-    let found = AssessedPart { workpiece: &workpiece, setup: &setup, assessment: &assessment };
+    let found = AssessedPart::of(part, &opened.setup);
+    if let Some(fault) = found.no_reach.clone().filter(|_| args.setup.is_some()) {
+        return Err(opened.failure(fault));
+    }
     let drawn = match &args.output {
-        Some(folder) => assess_pictures::write(folder, &workpiece, &setup, &assessment)?,
+        Some(folder) => write_pictures(folder, &found)?,
         None => String::new(),
     };
     if args.json {
@@ -55,20 +41,27 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
         map.insert("elapsed".into(), number(started.elapsed().as_secs_f64()));
         print_stdout(&format!("{}\n", Value::Object(map)))
     } else {
-        let reach =
-            no_reach.map_or_else(|| reach_table(&found), |fault| format!("reach: not computed, {fault}\n"));
+        let reach = match &found.no_reach {
+            Some(fault) => format!("reach: not computed, {fault}\n"),
+            None => reach_table(&found),
+        };
         print_stdout(&format!("{}{reach}{drawn}", tables(&found)))
     }
 }
 
-fn stretches(setup: &Setup) -> Vec<ReachSection<'_>> {
-    let tool = |number: u32| setup.tools.iter().find(|t| t.number == number);
-    setup
-        .plunge
-        .sections
-        .iter()
-        .filter_map(|s| Some(ReachSection { from: s.from, to: s.to, tool: tool(s.tool)? }))
-        .collect()
+/// Writes the page and its pictures; returns a line for the user.
+#[cfg(feature = "gpu")]
+fn write_pictures(folder: &Path, found: &AssessedPart) -> Result<String, Failure> {
+    let document = assessment_page(found, "").map_err(Failure::of_work)?;
+    plan::create_directory(folder)?;
+    let page = folder.join("assess.html");
+    write_all_atomically(&document.files_at(&page))?;
+    Ok(format!("wrote {} and its pictures\n", page.display()))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn write_pictures(_: &Path, _: &AssessedPart) -> Result<String, Failure> {
+    super::without_gpu::no_pictures()
 }
 
 /// A class of access to the floor: its key in JSON, and whether a point is accessible in this class.
@@ -83,7 +76,7 @@ const ACCESS_CLASSES: [AccessClass; 4] = [
 ];
 
 fn object(found: &AssessedPart) -> Map<String, Value> {
-    let (part, a) = (&found.workpiece.part, found.assessment);
+    let (part, a) = (&found.workpiece.part, &found.assessment);
     let (narrow, wide) = a.width_range();
     let share = |wanted: fn(ReachSides) -> bool| {
         a.reach.as_ref().map_or(Value::Null, |map| number(map.share(wanted)))
@@ -172,7 +165,8 @@ fn passage_object(passage: &PassageMeasure) -> Value {
 }
 
 fn sections_object(found: &AssessedPart) -> Value {
-    stretches(found.setup)
+    found
+        .sections()
         .iter()
         .map(|stretch| {
             let mut map = Map::new();
@@ -215,7 +209,7 @@ fn passage_label(place: PassageKind) -> &'static str {
 }
 
 fn tables(found: &AssessedPart) -> String {
-    let (part, a) = (&found.workpiece.part, found.assessment);
+    let (part, a) = (&found.workpiece.part, &found.assessment);
     let mut text = format!(
         "{}: {} blades{}, D {:.1}\n\n",
         part.name,
@@ -295,7 +289,7 @@ fn reach_table(found: &AssessedPart) -> String {
              {any:>15.1}  {outlet:>13.1}  {inlet:>12.1}  {both:>11.1}\n"
         );
     };
-    for s in stretches(found.setup) {
+    for s in found.sections() {
         let shares = ACCESS_CLASSES.map(|(_, wanted)| map.share_between(s.from, s.to, wanted));
         let name = format!("{:.2} to {:.2}", s.from, s.to);
         line(name, format!("D {}", s.tool.diameter), format!("{:.0}", s.tool.overhang), shares);

@@ -3,10 +3,11 @@
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::report::number;
+use super::output::number;
 use crate::error::ErrorCode;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::monitor::Monitor;
+use crate::report::words::minutes;
 use crate::setup::AxisPolicy;
 
 /// At most `count` plans between the least stock and the least time.
@@ -19,11 +20,6 @@ pub fn time_stock_curve(outcome: &PlanOutcome, count: usize) -> Result<Vec<Polic
         return Err(Failure::input(ErrorCode::Arguments, "--pareto needs a plan of minimal", help));
     }
     outcome.time_stock_curve(count, &Monitor::default()).map_err(Failure::of_work)
-}
-
-/// Time of a plan, min.
-pub fn minutes(summary: &Summary) -> f64 {
-    summary.time_estimate / 60.0
 }
 
 /// A point of the curve as a JSON object: mm, s.

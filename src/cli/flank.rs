@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
+use super::output::{fault_list, head, number};
 use super::plan::{check_directory, create_directory};
-use super::report::{fault_list, head, number};
 use super::verify::flank::walls_text;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};

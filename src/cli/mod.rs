@@ -3,8 +3,6 @@
 
 mod args;
 mod assess;
-#[cfg(feature = "gpu")]
-mod assess_pictures;
 mod bench;
 mod bench_flank;
 #[cfg(feature = "gpu")]
@@ -18,11 +16,9 @@ mod curve;
 mod explain;
 mod failure;
 mod flank;
-mod html;
 mod open;
+mod output;
 mod plan;
-#[cfg(feature = "gpu")]
-mod plot;
 mod post;
 #[cfg(feature = "gpu")]
 mod render;
@@ -30,8 +26,6 @@ mod render;
 mod render_flank;
 #[cfg(feature = "gpu")]
 mod render_solid;
-mod report;
-mod sheet;
 mod stock;
 mod study;
 mod verify;
@@ -48,7 +42,7 @@ use crate::error::ErrorCode;
 use args::{Arguments, CliCommand};
 use failure::Failure;
 #[cfg(not(feature = "gpu"))]
-use without_gpu::{assess_pictures, render};
+use without_gpu::render;
 
 /// Number of faults or collisions that are printed; further ones are only counted.
 const MAX_SHOWN: usize = 20;

@@ -8,10 +8,9 @@ use serde_json::{Value, json};
 use super::args::PlanArgs;
 use super::curve::{curve_text, point_object, time_stock_curve};
 use super::open::OpenSetup;
-use super::report::{PlungeFigures, SectionFigures};
-use super::sheet::SheetInput;
+use super::output::{PlungeFigures, SectionFigures};
 use super::watch::run_with_progress;
-use super::{Failure, open, print_stdout, report, sheet};
+use super::{Failure, open, output, print_stdout};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
@@ -20,6 +19,10 @@ use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
+#[cfg(feature = "gpu")]
+use crate::report::pictures::plan_pictures;
+use crate::report::sheet::{SheetInput, setup_sheet};
+use crate::report::words;
 use crate::setup::AxisPolicy;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
@@ -62,10 +65,9 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
             .map_err(|error| Failure::of_verify(&name, error))?;
     if args.report {
         let files = ["plan.json".to_owned(), "plunge.apt".to_owned()];
-        sheet::write(
-            &args.output,
-            &SheetInput { outcome: &outcome, report: &report, channels, files: &files },
-        )?;
+        let sheet =
+            SheetInput { outcome: &outcome, shown: &outcome.after, report: &report, channels, files: &files };
+        write_sheet(&args.output, &sheet)?;
     }
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
@@ -80,6 +82,20 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
         }
     }
     check_result(&outcome, &report, &name)
+}
+
+/// Writes `report.html`, with its pictures where the program draws any, into `folder`.
+///
+/// # Errors
+/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
+fn write_sheet(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
+    #[cfg(feature = "gpu")]
+    let pictures = plan_pictures(input.outcome, input.shown, "").map_err(Failure::of_work)?;
+    // The sheet has its drawings all the same.
+    #[cfg(not(feature = "gpu"))]
+    let pictures = Vec::new();
+    let document = setup_sheet(input, pictures);
+    Ok(write_all_atomically(&document.files_at(&folder.join("report.html")))?)
 }
 
 /// Runs the planning job, with progress on a terminal.
@@ -146,20 +162,20 @@ fn plan_json(
     channels: usize,
 ) -> serde_json::Map<String, Value> {
     let (part, grid, reasons) = (&outcome.workpiece.part, &outcome.grid, &outcome.reasons);
-    let mut map = report::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
-    let compared = |result| report::comparison_object(&PlungeFigures::of_result(result, grid), reasons);
-    map.extend(report::assembly_keys(&report.verdict.assembly));
+    let mut map = output::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
+    let compared = |result| output::comparison_object(&PlungeFigures::of_result(result, grid), reasons);
+    map.extend(output::assembly_keys(&report.verdict.assembly));
     map.insert("policy".into(), json!(outcome.after.plan.policy));
     if channels > 1 {
         let one = PlungeFigures::of_result(&outcome.after, grid);
-        map.insert("one_channel".into(), Value::Object(report::plan_object(part, 1, &one, reasons)));
+        map.insert("one_channel".into(), Value::Object(output::plan_object(part, 1, &one, reasons)));
     }
     map.insert("before".into(), compared(&outcome.before));
     let policies = outcome.policies().into_iter();
     let policies = policies.map(|result| (result.plan.policy.name().to_owned(), compared(result)));
     map.insert("policies".into(), Value::Object(policies.collect()));
-    map.insert("faults".into(), report::fault_list(&report.verdict.faults));
-    map.insert("elapsed".into(), report::number(outcome.elapsed));
+    map.insert("faults".into(), output::fault_list(&report.verdict.faults));
+    map.insert("elapsed".into(), output::number(outcome.elapsed));
     map
 }
 
@@ -202,18 +218,18 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
         text += "one channel:\n";
     }
     let policies = outcome.policies().into_iter();
-    text += &report::table(
+    text += &output::table(
         policies.map(|result| (result.plan.policy.name(), PlungeFigures::of_result(result, &outcome.grid))),
     );
     if channels > 1 {
-        text += &format!("{} as written, {}:\n", plan.policy.name(), report::channels_text(channels));
+        text += &format!("{} as written, {}:\n", plan.policy.name(), words::channels_text(channels));
         text +=
-            &report::table([(plan.policy.name(), written_figures(outcome, report, channels))].into_iter());
+            &output::table([(plan.policy.name(), written_figures(outcome, report, channels))].into_iter());
     } else {
         text += &format!("{} as written:\n", plan.policy.name());
     }
-    text += &report::reasons_text(plan, &outcome.reasons);
-    text += &report::added_text(plan);
+    text += &output::reasons_text(plan, &outcome.reasons);
+    text += &output::added_text(plan);
     if let Some(whole) = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy) {
         let (found, kept) = (whole.positions.len(), plan.positions.len());
         text += &format!(
@@ -221,13 +237,13 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
             found - kept
         );
     }
-    text += &report::clearances_text(&report.summary, channels);
-    text += &report::assembly_text(&report.verdict.assembly);
-    text += &report::convergence_text(plan);
-    text += &report::limited_text(plan);
-    text += &report::blocked_text(plan);
-    text += &report::material_text(&outcome.setup);
-    text += &report::notes_text(&report.notes);
+    text += &words::clearances_text(&report.summary, channels);
+    text += &output::assembly_text(&report.verdict.assembly);
+    text += &output::convergence_text(plan);
+    text += &output::limited_text(plan);
+    text += &output::blocked_text(plan);
+    text += &output::material_text(&outcome.setup);
+    text += &output::notes_text(&report.notes);
     text += &format!(
         "wrote {} and {}\n",
         args.output.join("plan.json").display(),

@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::args::PostArgs;
-use super::{Failure, open, print_stdout, report};
+use super::{Failure, open, output, print_stdout};
 use crate::error::ErrorCode;
 use crate::io::apt::read_apt_bytes;
 use crate::io::flank_file::{is_flank, read_flank_bytes};
@@ -76,7 +76,7 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
     write_atomically(&args.file, posted.written.text.as_bytes())?;
     if args.json {
         let mut map = object(&request, &source.program, &posted);
-        map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
+        map.insert("elapsed".into(), output::number(started.elapsed().as_secs_f64()));
         print_stdout(&format!("{}\n", Value::Object(map)))
     } else {
         print_stdout(&text(args, &request, &source.program, &posted))
@@ -156,11 +156,11 @@ fn section_object(program: &ClProgram, time: &SectionTime) -> Value {
     json!({
         "section": time.section,
         "tool": program.tools.get(time.tool).map(|tool| tool.number),
-        "time": report::number(time.total_s()),
-        "feed": report::number(time.feed_s),
-        "links": report::number(time.links_s),
-        "turns": report::number(time.turns_s),
-        "tool_change": report::number(time.tool_change_s),
+        "time": output::number(time.total_s()),
+        "feed": output::number(time.feed_s),
+        "links": output::number(time.links_s),
+        "turns": output::number(time.turns_s),
+        "tool_change": output::number(time.tool_change_s),
     })
 }
 
@@ -170,20 +170,20 @@ fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) ->
     let mut map = Map::new();
     let travel: Map<String, Value> = (0..2)
         .map(|i| {
-            let degrees = report::number(motion.rotary_travel[i].to_degrees());
+            let degrees = output::number(motion.rotary_travel[i].to_degrees());
             (machine.rotary[i].letter.to_string(), degrees)
         })
         .collect();
     map.insert("machine".into(), json!(machine.name));
     map.insert("blocks".into(), json!(written.blocks));
-    map.insert("time".into(), report::number(posted.time_s()));
+    map.insert("time".into(), output::number(posted.time_s()));
     map.insert("time_by_section".into(), times.iter().map(|time| section_object(program, time)).collect());
     map.insert("rotary_travel".into(), Value::Object(travel));
     map.insert("rewinds".into(), json!(motion.rewinds));
     map.insert("clear_links".into(), json!(motion.clear_links));
     map.insert("limits_exceeded".into(), json!(0));
-    map.insert("largest_tip_error".into(), report::number(posted.tip_error()));
-    map.insert("largest_axis_error".into(), report::number(motion.axis_error_rad.to_degrees()));
+    map.insert("largest_tip_error".into(), output::number(posted.tip_error()));
+    map.insert("largest_axis_error".into(), output::number(motion.axis_error_rad.to_degrees()));
     map.insert("control".into(), json!(post.name));
     map.insert("output".into(), json!(output.name()));
     map

@@ -1,6 +1,4 @@
-//! `vanecut render`, and the pictures of `report.html`.
-
-use std::path::Path;
+//! `vanecut render`.
 
 use glam::UVec2;
 
@@ -8,17 +6,13 @@ use super::args::RenderArgs;
 use super::{Failure, open, plan, render_flank, render_solid};
 use crate::drawing::{scene_of_part, show_plan};
 use crate::error::{ErrorCode, UserError};
-use crate::gpu::image::MAX_SIDE;
-use crate::gpu::legend::add_legend;
-use crate::gpu::{
-    Camera, CutterFilter, FloorColours, Gpu, GpuError, Renderer, Scene, SceneOptions, Theme, View, encode_png,
-};
+use crate::gpu::image::{MAX_SIDE, draw_png};
+use crate::gpu::{CutterFilter, FloorColours, Gpu, GpuError, Renderer, SceneOptions, Theme, View};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::plan_file::read_plan_bytes;
 use crate::io::source::{name_of, read_bytes};
 use crate::io::write::write_atomically;
 use crate::job::FIELD_CELLS;
-use crate::job::PlanOutcome;
 use crate::monitor::Monitor;
 use crate::part::Impeller;
 use crate::plunge::PlungePlan;
@@ -139,29 +133,7 @@ fn picture(
         options.range_mm = range.unwrap_or_else(|| fitting_range(grid, &field.heights));
         show_plan(&mut scene, &gpu, plan, grid, &field.heights);
     }
-    draw(&gpu, &mut renderer, &scene, view, &options, size, legend)
-}
-
-/// One picture of a scene as a PNG file in memory, with its colour scale if `legend`.
-///
-/// # Errors
-/// [`Failure::work`] when the device or the encoder fails.
-pub fn draw(
-    gpu: &Gpu,
-    renderer: &mut Renderer,
-    scene: &Scene,
-    view: View,
-    options: &SceneOptions,
-    size: UVec2,
-    legend: bool,
-) -> Result<Vec<u8>, Failure> {
-    let camera = Camera::standard(view, scene.framing(), size.x as f32 / size.y as f32);
-    renderer.render(gpu, scene, &camera, options, size, 4);
-    let mut picture = renderer.read_rgba(gpu)?;
-    if legend {
-        add_legend(&mut picture, options);
-    }
-    encode_png(picture.width, picture.height, &picture.rgba).map_err(Failure::of_work)
+    draw_png(&gpu, &mut renderer, &scene, view, &options, size, legend).map_err(Failure::of_work)
 }
 
 fn parse_size(word: &str) -> Result<UVec2, Failure> {
@@ -183,33 +155,4 @@ pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
         let help = "give LOW:HIGH in mm, such as 0.5:4";
         Failure::input(ErrorCode::Arguments, "not a colour scale", help).at(format!("--range {word}"))
     })
-}
-
-/// Draws stock and interference before and after the plan of `outcome` into `folder`; returns file names and
-/// captions.
-///
-/// # Errors
-/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
-pub fn write_pictures(folder: &Path, outcome: &PlanOutcome) -> Result<Vec<(String, String)>, Failure> {
-    let gpu = Gpu::headless()?;
-    let mut renderer = Renderer::new(&gpu);
-    let mut scene = scene_of_part(&gpu, &outcome.workpiece.part);
-    let size = UVec2::new(900, 640);
-    let range = fitting_range(&outcome.grid, &outcome.before.field.heights);
-    let stock = format!("stock on the hub, {:.2} mm (dark) to {:.2} mm (bright)", range.0, range.1);
-    let mut pictures = Vec::new();
-    for (name, result) in [("before", &outcome.before), ("after", &outcome.after)] {
-        show_plan(&mut scene, &gpu, &result.plan, &outcome.grid, &result.field.heights);
-        for (show, caption, colours) in [
-            ("residual", stock.as_str(), FloorColours::Residual),
-            ("interference", "interfering plunges", FloorColours::Interference),
-        ] {
-            let options = SceneOptions { range_mm: range, ..SceneOptions::for_colours(colours) };
-            let png = draw(&gpu, &mut renderer, &scene, View::Channel, &options, size, false)?;
-            let file = format!("{name}_{show}.png");
-            write_atomically(&folder.join(&file), &png)?;
-            pictures.push((file, format!("{name}: {caption}")));
-        }
-    }
-    Ok(pictures)
 }

@@ -3,11 +3,12 @@
 use glam::UVec2;
 
 use super::args::RenderArgs;
-use super::render::{SOLID, draw};
+use super::render::SOLID;
 use super::{Failure, render_solid};
 use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations};
 use crate::drawing::scene_of_part;
 use crate::error::{ErrorCode, UserError};
+use crate::gpu::image::draw_png;
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, SceneOptions, Theme, View};
 use crate::io::flank_file::StoredFlank;
 
@@ -52,5 +53,5 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
         scene.set_values(&gpu, mesh);
     }
     scene.set_paths(&gpu, &toolpath_lines(&plan.passes, &plan.moves[..shown], plan.layers, colours));
-    draw(&gpu, &mut renderer, &scene, view, &options, size, false)
+    draw_png(&gpu, &mut renderer, &scene, view, &options, size, false).map_err(Failure::of_work)
 }

@@ -6,10 +6,11 @@ use glam::UVec2;
 
 use super::Failure;
 use super::args::RenderArgs;
-use super::render::{draw, parse_range};
+use super::render::parse_range;
 use super::watch::run_with_progress;
 use crate::drawing::scene_of_part;
 use crate::drawing::solid::solid_mesh;
+use crate::gpu::image::draw_png;
 use crate::gpu::mesh::Paint;
 use crate::gpu::{CutterFilter, FloorColours, Gpu, Renderer, SceneOptions, Theme, View};
 use crate::part::Impeller;
@@ -66,5 +67,5 @@ pub fn picture(
     let mut renderer = Renderer::new(&gpu);
     let mut scene = scene_of_part(&gpu, part);
     scene.set_solid(&gpu, Some(Arc::new(mesh)));
-    draw(&gpu, &mut renderer, &scene, view, &options, size, args.legend)
+    draw_png(&gpu, &mut renderer, &scene, view, &options, size, args.legend).map_err(Failure::of_work)
 }

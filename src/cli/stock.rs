@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::{Map, Value, json};
 
 use super::args::StockArgs;
-use super::report::{self, number};
+use super::output::{self, number};
 use super::watch::run_with_progress;
 use super::{Failure, MAX_SHOWN, open, print_stdout};
 use crate::error::ErrorCode;
@@ -94,7 +94,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         1e-3 * whole,
         1e-3 * volume,
     );
-    text += &report::notes_text(unknown_assemblies(&program, &setup).as_slice());
+    text += &output::notes_text(unknown_assemblies(&program, &setup).as_slice());
     text += &collisions.text();
     print_stdout(&text)
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::args::{MergeArgs, ParetoArgs, StudyAction, StudyArgs};
+use super::output::number;
 use super::plan::check_directory;
-use super::report::number;
 use super::watch::run_with_progress;
 use super::{Failure, print_stdout};
 use crate::error::ErrorCode;

@@ -7,14 +7,15 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
-use super::report::PlungeFigures;
+use super::output::PlungeFigures;
 use super::watch::run_with_progress;
-use super::{Failure, MAX_SHOWN, open, print_stdout, report};
+use super::{Failure, MAX_SHOWN, open, output, print_stdout};
 use crate::error::ErrorCode;
 use crate::io::program_file::{NcTarget, read_program_bytes};
 use crate::job::FIELD_CELLS;
 use crate::part::Impeller;
 use crate::plunge::sections::check_part;
+use crate::report::words;
 use crate::toolpath::ClWarning;
 use crate::verify::{PlungeReport, VerifyError, report_plunges, verify_flank};
 
@@ -53,8 +54,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     faults.extend(overruns);
     faults.sort_by_key(|fault| fault.line);
     if args.json {
-        map.insert("elapsed".into(), report::number(started.elapsed().as_secs_f64()));
-        map.insert("faults".into(), report::fault_list(&faults));
+        map.insert("elapsed".into(), output::number(started.elapsed().as_secs_f64()));
+        map.insert("faults".into(), output::fault_list(&faults));
         let warning = |w: &ClWarning| json!({"line": w.line, "message": w.message});
         map.insert("warnings".into(), program.warnings.iter().map(warning).collect());
         print_stdout(&format!("{}\n", Value::Object(map)))?;
@@ -80,11 +81,11 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
 
 /// The JSON object of a plunge program.
 fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
-    let mut map = report::plan_object(part, report.verdict.channels, &PlungeFigures::of_program(report), &[]);
-    map.extend(report::assembly_keys(&report.verdict.assembly));
+    let mut map = output::plan_object(part, report.verdict.channels, &PlungeFigures::of_program(report), &[]);
+    map.extend(output::assembly_keys(&report.verdict.assembly));
     map.insert("kind".into(), json!("plunge"));
-    map.insert("cut_share".into(), report::number(1.0 - report.summary.uncut_share));
-    map.insert("deepest_cut".into(), report::number(report.verdict.deepest_plunge));
+    map.insert("cut_share".into(), output::number(1.0 - report.summary.uncut_share));
+    map.insert("deepest_cut".into(), output::number(report.verdict.deepest_plunge));
     for key in [
         "max_overcut",
         "max_undercut",
@@ -100,14 +101,14 @@ fn plunge_object(part: &Impeller, report: &PlungeReport) -> Map<String, Value> {
 
 /// The text report of a plunge program.
 fn plunge_text(report: &PlungeReport) -> String {
-    let mut text = report::table([("program", PlungeFigures::of_program(report))].into_iter());
-    text += &report::clearances_text(&report.summary, report.verdict.channels);
+    let mut text = output::table([("program", PlungeFigures::of_program(report))].into_iter());
+    text += &words::clearances_text(&report.summary, report.verdict.channels);
     text += &format!(
         "cuts {:.1} % of the reachable floor; deepest plunge {:.1} mm through the blank\n",
         100.0 * (1.0 - report.summary.uncut_share),
         report.verdict.deepest_plunge
     );
-    text += &report::assembly_text(&report.verdict.assembly);
-    text += &report::notes_text(&report.notes);
+    text += &output::assembly_text(&report.verdict.assembly);
+    text += &output::notes_text(&report.notes);
     text
 }

@@ -1,5 +1,9 @@
-//! PNG encoding.
+//! Pictures as PNG files.
 
+use glam::UVec2;
+
+use super::legend::add_legend;
+use super::{Camera, Gpu, Renderer, Scene, SceneOptions, View};
 use crate::error::{ErrorCode, UserError};
 
 /// Largest side of a picture that may be asked for, pixels.
@@ -51,6 +55,28 @@ pub fn encode_png(width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, Image
     writer.write_image_data(rgba)?;
     writer.finish()?;
     Ok(file)
+}
+
+/// One picture of a scene as a PNG file in memory, with its colour scale if `legend`.
+///
+/// # Errors
+/// When the device or the encoder fails.
+pub fn draw_png(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    scene: &Scene,
+    view: View,
+    options: &SceneOptions,
+    size: UVec2,
+    legend: bool,
+) -> Result<Vec<u8>, UserError> {
+    let camera = Camera::standard(view, scene.framing(), size.x as f32 / size.y as f32);
+    renderer.render(gpu, scene, &camera, options, size, 4);
+    let mut picture = renderer.read_rgba(gpu)?;
+    if legend {
+        add_legend(&mut picture, options);
+    }
+    Ok(encode_png(picture.width, picture.height, &picture.rgba)?)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The plunge planning job that window and command line share: from a request to a result, with progress and
 //! cancellation.
 
+pub mod assess;
 pub mod flank;
 mod goal;
 mod part_cache;

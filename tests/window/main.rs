@@ -6,6 +6,7 @@ mod borders;
 mod compare;
 mod device;
 mod dialogs;
+mod documents;
 mod drop;
 mod fake;
 mod flank;

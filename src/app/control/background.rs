@@ -12,9 +12,8 @@ use crate::app::model::part_source::PartSource;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::role_choices::hint_for_dialog;
 use crate::app::model::shop_library::ShopLibrary;
-use crate::app::model::state::ShownPlan;
 use crate::app::tasks::engine::PlanTask;
-use crate::app::tasks::files::{self, PlungeSource, WriteTask};
+use crate::app::tasks::files::{self, WriteTask};
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::opening::Opened;
 use crate::app::tasks::project::{edited_of, source_of};
@@ -332,10 +331,8 @@ impl App {
                 self.write(WriteTask::Setup(path, Box::new(self.state.document.edited.setup.clone())));
             }
             Purpose::ExportCl { channels } => {
-                if let Some(ShownPlan { planned, policy }) = self.state.last_whole_plan(self.state.look.side)
-                {
-                    let planned = planned.clone();
-                    self.write(WriteTask::Cl(path, PlungeSource { planned, policy, channels }));
+                if let Some(source) = self.shown_plunges(channels) {
+                    self.write(WriteTask::Cl(path, source));
                 }
             }
             Purpose::ExportFlank => {
@@ -345,6 +342,17 @@ impl App {
             }
             Purpose::ExportNc { operation, .. } => self.export_nc(operation, path),
             Purpose::OpenPost => self.take_post(&path),
+            Purpose::ExportSheet => {
+                if let Some(source) = self.shown_plunges(1) {
+                    self.write(WriteTask::Sheet(path, source));
+                }
+            }
+            Purpose::SaveAssessment => {
+                if let Some(assessed) = self.assessing.known(&self.state) {
+                    let assessed = Arc::clone(assessed);
+                    self.write(WriteTask::Assessment(path, assessed));
+                }
+            }
             Purpose::ExportScene => self.export_scene(path),
             Purpose::ExportStock => {
                 if let Some(source) = self.state.solid_source(self.state.look.side) {

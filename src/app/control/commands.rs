@@ -26,7 +26,8 @@ impl App {
             C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
-            C::PlanFlank => open,
+            C::PlanFlank | C::Assess => open,
+            C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
             C::CheckAgain | C::CloseProgram => {
                 self.state.results.checked.is_some() || self.work.asked_check.is_some()
@@ -48,6 +49,7 @@ impl App {
             | C::ExportCl
             | C::ExportClSome
             | C::ExportClAll
+            | C::ExportSheet
             | C::BeforeAfter
             | C::SideBySide
             | C::Wipe
@@ -142,6 +144,15 @@ impl App {
                 self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"));
             }
             C::ExportNc => self.ask_for_nc_target(),
+            C::ExportSheet => {
+                let name = self.suggest_file_name("setup-sheet.html");
+                self.dialogs.open_dialog(ctx, Purpose::ExportSheet, name);
+            }
+            C::Assess => look.machinability ^= true,
+            C::SaveAssessment => {
+                let name = self.suggest_file_name("machinability.html");
+                self.dialogs.open_dialog(ctx, Purpose::SaveAssessment, name);
+            }
             C::FlankCurves => {
                 look.flank.shown = !(look.flank.shown && look.operation == Operation::Flank);
                 look.operation = Operation::Flank;

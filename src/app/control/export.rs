@@ -2,17 +2,19 @@
 //! pictures.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::Ui;
 
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{DEFAULT_MACHINE, Operation};
-use crate::app::model::nc_target::NcTarget;
+use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::Problem;
 use crate::app::model::release::concerns;
 use crate::app::model::state::ShownPlan;
-use crate::app::tasks::files::{NcTask, PlungeSource, ProgramSource, SceneTask, WriteTask};
+use crate::app::tasks::files::{SceneTask, WriteTask};
+use crate::app::tasks::programs::{NcTask, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion};
 use crate::app::views::picture_dialog::ExportSettings;
@@ -73,6 +75,12 @@ impl App {
         }
     }
 
+    /// The shown plunge plan as a program of that number of channels.
+    pub(in crate::app) fn shown_plunges(&self, channels: usize) -> Option<PlungeSource> {
+        let ShownPlan { planned, policy } = self.state.last_whole_plan(self.state.look.side)?;
+        Some(PlungeSource { planned: Arc::clone(planned), policy, channels })
+    }
+
     /// Operations that have a plan to write.
     pub(in crate::app) fn planned_operations(&self) -> Vec<Operation> {
         let roughing = self.state.last_whole_plan(self.state.look.side).map(|_| Operation::Roughing);
@@ -89,7 +97,7 @@ impl App {
             (Some(last), machine) if machine.is_none_or(|machine| machine == last.target.machine) => {
                 Ok(last.target.clone())
             }
-            (_, machine) => NcTarget::of_machine(machine.unwrap_or(DEFAULT_MACHINE)),
+            (_, machine) => PostTarget::of_machine(machine.unwrap_or(DEFAULT_MACHINE)),
         };
         let target = match target {
             Ok(target) => target,
@@ -137,10 +145,7 @@ impl App {
         let Some(question) = self.nc_dialog.question() else { return };
         let source = match operation {
             Operation::Flank => self.state.results.flank.clone().map(ProgramSource::Flank),
-            _ => self.state.last_whole_plan(self.state.look.side).map(|ShownPlan { planned, policy }| {
-                let (planned, channels) = (planned.clone(), question.channels);
-                ProgramSource::Plunges(PlungeSource { planned, policy, channels })
-            }),
+            _ => self.shown_plunges(question.channels).map(ProgramSource::Plunges),
         };
         let Some(source) = source else { return };
         let target = question.target.clone();

@@ -46,6 +46,10 @@ pub enum Purpose {
     },
     /// A post to write NC programs with.
     OpenPost,
+    /// Target of the setup sheet of the shown plunge plan.
+    ExportSheet,
+    /// Target of the page on machinability.
+    SaveAssessment,
     /// Target of the glTF scene.
     ExportScene,
     /// Target of the stock as a solid.
@@ -73,6 +77,8 @@ impl Purpose {
             Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportNc { .. } => "Export NC program",
             Self::OpenPost => "Open post",
+            Self::ExportSheet => "Export setup sheet",
+            Self::SaveAssessment => "Save machinability page",
             Self::ExportScene => "Export scene",
             Self::ExportStock => "Export stock",
             Self::CheckProgram => "Check program",
@@ -90,6 +96,8 @@ impl Purpose {
                 | Self::ExportCl { .. }
                 | Self::ExportFlank
                 | Self::ExportNc { .. }
+                | Self::ExportSheet
+                | Self::SaveAssessment
                 | Self::ExportScene
                 | Self::ExportStock
                 | Self::SavePicture
@@ -114,6 +122,7 @@ impl Purpose {
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),
             Self::OpenPost => ("Posts", &["toml"]),
+            Self::ExportSheet | Self::SaveAssessment => ("Pages", &["html"]),
             Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),
             Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::ExportStock => ("Solids", &["stl", "glb"]),

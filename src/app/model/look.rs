@@ -291,6 +291,8 @@ pub struct Look {
     pub section: Option<SectionPlaneLook>,
     /// Measured points while measuring, mm; at most two.
     pub measure: Option<Vec<glam::Vec3>>,
+    /// Whether the machinability of the part is shown.
+    pub machinability: bool,
     /// Whether the plots along the row are shown.
     pub plots: bool,
     /// Tab of the selected position.
@@ -436,6 +438,7 @@ impl Default for Look {
             fly: false,
             section: None,
             measure: None,
+            machinability: false,
             plots: true,
             tab: Tab::Section,
             sectional: SectionalLook::default(),

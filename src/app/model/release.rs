@@ -11,9 +11,9 @@ use crate::app::model::state::AppState;
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
     match purpose {
-        Purpose::ExportCl { .. } | Purpose::ExportNc { operation: Operation::Roughing, .. } => {
-            plunge_concerns(state)
-        }
+        Purpose::ExportCl { .. }
+        | Purpose::ExportSheet
+        | Purpose::ExportNc { operation: Operation::Roughing, .. } => plunge_concerns(state),
         Purpose::ExportFlank | Purpose::ExportNc { operation: Operation::Flank, .. } => flank_concerns(state),
         _ => Vec::new(),
     }

@@ -3,35 +3,30 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::error::{ErrorCode, UserError};
+use crate::error::ErrorCode;
 use crate::gpu::encode_png;
 use crate::io::InputError;
-use crate::io::apt::write_apt;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
-use crate::io::machine_file::read_machine;
-use crate::io::nc::read_post;
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::project_file::{EXTENSION, part_hash};
 use crate::io::setup_file::write_setup_beside;
 use crate::io::shop_tools::{ToolLibrary, write_fusion, write_toml};
 use crate::io::source::read_bytes;
-use crate::io::write::write_atomically;
-use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::BlankSize;
+use crate::io::write::{write_all_atomically, write_atomically};
+use crate::job::assess::AssessedPart;
 use crate::mesh::tessellate::{Fineness, Tessellation};
-use crate::monitor::{Cancelled, Monitor};
 use crate::palette::ColourMap;
 use crate::part::Impeller;
+use crate::report::Document;
 use crate::setup::{AxisPolicy, Setup};
-use crate::toolpath::ClProgram;
 
 use crate::app::model::document::Edited;
-use crate::app::model::figures::format_duration;
 use crate::app::model::file_purpose::PROGRAM_ENDINGS;
-use crate::app::model::nc_target::NcTarget;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
+use crate::app::tasks::documents::{assessment, sheet};
+use crate::app::tasks::programs::{NcTask, PlungeSource, cl_text, flank_text, nc_text};
 use crate::app::tasks::solid::solid_bytes;
 use crate::job::flank::FlankOutcome;
 
@@ -134,32 +129,6 @@ pub struct SceneTask {
     pub range: (f32, f32),
 }
 
-/// A plunge program to write.
-pub struct PlungeSource {
-    /// The plans.
-    pub planned: Arc<DisplayPlan>,
-    /// The policy whose plan is written.
-    pub policy: AxisPolicy,
-    /// Number of channels that it mills, from the first on.
-    pub channels: usize,
-}
-
-/// A program to write as NC code.
-pub enum ProgramSource {
-    /// That of a plunge plan.
-    Plunges(PlungeSource),
-    /// That of the flank plan.
-    Flank(Arc<FlankOutcome>),
-}
-
-/// Content of an NC program.
-pub struct NcTask {
-    /// The program.
-    pub source: ProgramSource,
-    /// Where it is to run.
-    pub target: NcTarget,
-}
-
 /// A file to write, with its path.
 pub enum WriteTask {
     /// A project's text, and the content it stores.
@@ -178,6 +147,10 @@ pub enum WriteTask {
     Scene(PathBuf, SceneTask),
     /// The stock as a solid at a moment. STL or glTF by extension.
     Stock(PathBuf, SolidSource, StockMoment),
+    /// The setup sheet of a plunge plan, with its pictures.
+    Sheet(PathBuf, PlungeSource),
+    /// The page of an assessment, with its pictures.
+    Assessment(PathBuf, Arc<AssessedPart>),
     /// A picture: width, height, RGBA.
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
@@ -199,14 +172,15 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         }
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Nc(path, content) => {
-            let posted = post(path, content)?;
-            let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
-            about = format!(": {blocks} blocks for {}, {time}", short_name(&content.target.machine));
-            (path, posted.written.text.into_bytes())
+            let (text, words) = nc_text(path, content)?;
+            about = words;
+            (path, text.into_bytes())
         }
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
+        WriteTask::Sheet(path, source) => return write_document(path, &sheet(path, source)?),
+        WriteTask::Assessment(path, assessed) => return write_document(path, &assessment(path, assessed)?),
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| {
                 let (file, help) = (path.display().to_string(), "resize the window and try again");
@@ -223,57 +197,9 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     Ok(Written { text: format!("Wrote {}{about}", path.display()), project })
 }
 
-/// A plunge plan as it is exported.
-pub fn cl_text(content: &PlungeSource) -> String {
-    write_apt(&plunge_program(content))
-}
-
-fn plunge_program(content: &PlungeSource) -> ClProgram {
-    let outcome = &content.planned.outcome;
-    let channels = content.channels.clamp(1, outcome.workpiece.part.blade_count.max(1));
-    let result = content.planned.result(content.policy);
-    // Nothing cancels a file that is being written.
-    outcome
-        .program_for_channels(result, channels, &Monitor::default())
-        .unwrap_or_else(|Cancelled| ClProgram::default())
-}
-
-/// Posts a program. Moves are named in messages by their numbers.
-fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
-    let NcTarget { machine, control, output, .. } = &content.target;
-    let (mut program, workpiece, setup) = match &content.source {
-        ProgramSource::Plunges(source) => {
-            let outcome = &source.planned.outcome;
-            (plunge_program(source), &outcome.workpiece, &outcome.setup)
-        }
-        ProgramSource::Flank(outcome) => (flank_program(outcome), &outcome.workpiece, &outcome.setup),
-    };
-    for (number, step) in (1..).zip(&mut program.moves) {
-        step.line = number;
-    }
-    let part = &workpiece.part;
-    let request = PostRequest {
-        machine: read_machine(Path::new(machine))?,
-        post: read_post(control)?,
-        output: *output,
-        inlet_up: part.out_of_inlet().z > 0.0,
-        blank: Some(BlankSize::of(part, &setup.allowances)),
-    };
-    let fault = |move_number: usize, error: UserError| {
-        let place = if move_number > 0 { format!("move {move_number}: ") } else { String::new() };
-        let (message, machine) = (error.message, short_name(machine));
-        let message = format!("the NC program is not written: {machine}: {place}{message}");
-        InputError::new(error.code, &path.display().to_string(), 0, message, error.help)
-    };
-    post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
-        PostFault::Motion(motion) => fault(motion.line(), motion.explained()),
-        PostFault::Words(error) => fault(0, error),
-    })
-}
-
-/// The name of a machine, or that of its file.
-fn short_name(machine: &str) -> String {
-    Path::new(machine).file_name().map_or_else(|| machine.to_owned(), |name| name.to_string_lossy().into())
+fn write_document(path: &Path, document: &Document) -> Result<Written, InputError> {
+    write_all_atomically(&document.files_at(path))?;
+    Ok(Written { text: format!("Wrote {} and its pictures", path.display()), project: None })
 }
 
 fn scene_bytes(scene: &SceneTask) -> Vec<u8> {
@@ -311,17 +237,6 @@ fn stock_bytes(path: &Path, source: &SolidSource, moment: StockMoment) -> Result
     };
     solid_bytes(source, moment, is_scene)
         .map_err(|message| fault(ErrorCode::StockSpacing, message, "recalculate and try again"))
-}
-
-/// A flank plan as it is exported.
-pub fn flank_text(outcome: &FlankOutcome) -> String {
-    write_apt(&flank_program(outcome))
-}
-
-fn flank_program(outcome: &FlankOutcome) -> ClProgram {
-    let plan = &outcome.plan;
-    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
-    program.after_opening(plan.opening.as_ref())
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::Repaint;
-use super::files::{PlungeSource, cl_text, flank_text};
+use super::programs::{PlungeSource, cl_text, flank_text};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::look::Operation;
 use crate::app::model::planned::DisplayPlan;

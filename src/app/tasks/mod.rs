@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+pub(in crate::app) mod assess;
 pub mod check;
+pub(in crate::app) mod documents;
 pub mod engine;
 pub(in crate::app) mod files;
 pub(in crate::app) mod home;
@@ -14,6 +16,7 @@ pub(in crate::app) mod mesh_nodes;
 pub(in crate::app) mod open_task;
 pub(in crate::app) mod opening;
 pub(in crate::app) mod part_meshes;
+pub(in crate::app) mod programs;
 pub(in crate::app) mod project;
 pub(in crate::app) mod scrub;
 pub mod solid;

@@ -81,6 +81,8 @@ commands! {
         "Writes the flank plan as an APT cutter-location file" [];
     ExportNc "Export NC program…"
         "Writes the plan as NC code for a machine and its control" [CTRL | SHIFT, N];
+    ExportSheet "Export setup sheet…"
+        "Writes what one takes to the machine as HTML: zero point, tools, sections with times, warnings" [];
     CheckProgram "Check program…"
         "Opens an APT or NC program and checks it against part and setup: faults with line and place" [];
     CheckAgain "Check again" "Reads the program again and checks it with the current setup" [NONE, F7];
@@ -98,6 +100,10 @@ commands! {
     Undo "Undo" "Undoes the last change of setup or variants" [CTRL, Z];
     Redo "Redo" "Redoes the change" [CTRL, Y];
     Plan "Calculate roughing" "Plans the rough milling of the channel with the current setup" [NONE, F5];
+    Assess "Machinability"
+        "Shows twist, depth, width, largest cutter, and what the tools reach, before any plan" [NONE, A];
+    SaveAssessment "Save machinability page…"
+        "Writes the machinability of the part with its pictures as HTML" [];
     PlanFlank "Calculate flank"
         "Plans the flank milling toolpath of the channel with the current setup" [NONE, F6];
     Cancel "Cancel"

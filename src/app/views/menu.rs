@@ -30,6 +30,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::ExportClAll,
                 Command::ExportFlank,
                 Command::ExportNc,
+                Command::ExportSheet,
                 Command::ExportScene,
                 Command::ExportStock,
                 Command::SavePicture,
@@ -41,6 +42,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
     (
         "Plan",
         &[
+            &[Command::Assess],
             &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
             &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
             &[

@@ -1,8 +1,10 @@
 //! What the window draws: panels, 3D views, menus, dialogs. Drawing reads the model, edits what the user
 //! edits, and returns commands; [`super::control`] carries them out.
 
+mod assess_window;
 mod borders;
 pub mod channels_dialog;
+mod chart;
 pub mod command;
 mod cube;
 pub mod dialogs;

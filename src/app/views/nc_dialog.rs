@@ -4,7 +4,7 @@ use egui::{ComboBox, DragValue, Grid, Modal, RichText, Ui};
 
 use super::theme;
 use crate::app::model::look::Operation;
-use crate::app::model::nc_target::NcTarget;
+use crate::app::model::post_target::PostTarget;
 use crate::io::InputError;
 use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
@@ -22,7 +22,7 @@ pub struct NcQuestion {
     /// Number of channels of the part.
     pub channel_count: usize,
     /// Where the program is to run.
-    pub target: NcTarget,
+    pub target: PostTarget,
 }
 
 /// Answer of the dialog.
@@ -99,7 +99,7 @@ impl NcDialog {
 
 /// Draws the fields; returns what they cannot answer themselves.
 fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
-    let mut changed: Option<Result<NcTarget, InputError>> = None;
+    let mut changed: Option<Result<PostTarget, InputError>> = None;
     let mut opens_post = false;
     Grid::new("nc fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         let label = ui.label("Operation");
@@ -126,7 +126,7 @@ fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
         let names = built_in_names().map(str::to_owned);
         name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
         if machine != target.machine {
-            changed = Some(NcTarget::of_machine(&machine));
+            changed = Some(PostTarget::of_machine(&machine));
         }
         let mut control = target.control.clone();
         let names = built_in_posts().map(str::to_owned);

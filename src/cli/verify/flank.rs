@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::cli::report::{assembly_keys, assembly_text, head, notes_text, number};
+use crate::cli::output::{assembly_keys, assembly_text, head, notes_text, number};
 use crate::part::Impeller;
 use crate::verify::FlankVerdict;
 

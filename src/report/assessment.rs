@@ -1,12 +1,9 @@
 //! Pictures and charts of an assessment, and the HTML page that shows them.
 
-use std::path::Path;
-
-use glam::UVec2;
-
+use super::chart::{LineChart, Series};
 use super::html::escaped;
-use super::plot::{LineChart, Series};
-use super::{Failure, plan, render};
+use super::pictures::SIZE;
+use super::{Document, PagePicture};
 use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
@@ -14,39 +11,27 @@ use crate::assess::{Assessment, BLADE_NAMES};
 use crate::drawing::floor::floor_mesh;
 use crate::drawing::scene_of_part;
 use crate::drawing::walls::wall_mesh;
+use crate::error::UserError;
+use crate::gpu::image::draw_png;
 use crate::gpu::mesh::{Mesh, even_steps};
 use crate::gpu::{FloorColours, Gpu, Renderer, SceneOptions, View};
-use crate::io::write::write_all_atomically;
+use crate::job::assess::AssessedPart;
 use crate::part::{Blade, BladeSide, Impeller, Workpiece};
 use crate::setup::Setup;
 use crate::stock::surface::MAX_LINES;
 use crate::stock::{FloorGrid, FloorSource};
 
-/// Size of the pictures, pixels.
-const SIZE: UVec2 = UVec2::new(900, 640);
 /// Number of floor cells along s and along λ.
 const FLOOR_CELLS: usize = 256;
 /// Number of wall lines along u and v at which the width is measured.
 const WALL_LINES: (usize, usize) = (120, 16);
 
-/// A file of the page: its name, its bytes and its caption.
-struct PageFile {
-    name: &'static str,
-    bytes: Vec<u8>,
-    caption: String,
-}
-
-/// Writes all pictures and the page into `folder`; returns a line for the user.
+/// The page with its pictures, whose names begin with `prefix`.
 ///
 /// # Errors
-/// [`Failure::work`] when there is no graphics device or drawing fails, [`Failure::input`] when the files
-/// cannot be written.
-pub fn write(
-    folder: &Path,
-    workpiece: &Workpiece,
-    setup: &Setup,
-    assessment: &Assessment,
-) -> Result<String, Failure> {
+/// When there is no graphics device, or drawing fails.
+pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<Document, UserError> {
+    let AssessedPart { workpiece, setup, assessment, .. } = assessed;
     let part = &workpiece.part;
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
@@ -54,12 +39,12 @@ pub fn write(
     let mut picture = |mesh: Mesh, range: (f32, f32)| {
         scene.set_values(&gpu, mesh);
         let options = SceneOptions { range_mm: range, ..SceneOptions::for_colours(FloorColours::Values) };
-        render::draw(&gpu, &mut renderer, &scene, View::Channel, &options, SIZE, false)
+        draw_png(&gpu, &mut renderer, &scene, View::Channel, &options, SIZE, false)
     };
-    let mut files = Vec::new();
+    let mut pictures = Vec::new();
     if let Some(map) = &assessment.reach {
-        files.push(PageFile {
-            name: "reach.png",
+        pictures.push(PagePicture {
+            name: format!("{prefix}reach.png"),
             bytes: picture(reach_mesh(workpiece, setup, map), (0.0, 3.0))?,
             caption: "Floor reached by the cutters. Dark blue: not reached; grey: from the inlet only; \
                       sand: from the outlet only; yellow: from both sides."
@@ -67,55 +52,56 @@ pub fn write(
         });
     }
     let (width, least, most) = width_mesh(part);
-    files.push(PageFile {
-        name: "width.png",
+    pictures.push(PagePicture {
+        name: format!("{prefix}width.png"),
         bytes: picture(width, (least, most))?,
         caption: format!(
             "Distance to the opposite wall, {least:.1} mm (dark) to {most:.1} mm (bright) and more."
         ),
     });
     let (gaps, most) = envelope_mesh(part, assessment);
-    files.push(PageFile {
-        name: "envelope.png",
+    pictures.push(PagePicture {
+        name: format!("{prefix}envelope.png"),
         bytes: picture(gaps, (0.0, most.max(0.01)))?,
         caption: format!(
             "Gap between the walls and their one-sided envelope, 0 (dark) to {most:.3} mm (bright)."
         ),
     });
-    files.push(PageFile {
-        name: "passage.svg",
-        bytes: passage_chart(assessment).svg().into_bytes(),
+    let [passages, twist] = assessment_charts(part, assessment);
+    pictures.push(PagePicture {
+        name: format!("{prefix}passage.svg"),
+        bytes: passages.svg().into_bytes(),
         caption: "Depth, narrowest width and largest cutter along the channel.".to_owned(),
     });
-    files.push(PageFile {
-        name: "twist.svg",
-        bytes: twist_chart(part, assessment).svg().into_bytes(),
+    pictures.push(PagePicture {
+        name: format!("{prefix}twist.svg"),
+        bytes: twist.svg().into_bytes(),
         caption: "Angle between camber line and rotation axis. Dots: where the line is most curved."
             .to_owned(),
     });
-    let page = page(part, &files);
-    plan::create_directory(folder)?;
-    let mut written: Vec<_> = files.iter().map(|f| (folder.join(f.name), &f.bytes[..])).collect();
-    written.push((folder.join("assess.html"), page.as_bytes()));
-    write_all_atomically(&written)?;
-    Ok(format!("wrote {} and its pictures\n", folder.join("assess.html").display()))
+    Ok(Document { page: page(part, &pictures), pictures })
 }
 
-fn page(part: &Impeller, files: &[PageFile]) -> String {
+/// Charts along the channel: depth, narrowest width and largest cutter; twist of the blades.
+pub fn assessment_charts(part: &Impeller, assessment: &Assessment) -> [LineChart; 2] {
+    [passage_chart(assessment), twist_chart(part, assessment)]
+}
+
+fn page(part: &Impeller, pictures: &[PagePicture]) -> String {
     let name = escaped(&part.name);
-    let figure = |f: &PageFile| {
+    let figure = |f: &PagePicture| {
         let caption = escaped(&f.caption);
         format!(
             "<figure><img src=\"{}\" width=\"720\" alt=\"{caption}\">\
              <figcaption>{caption}</figcaption></figure>\n",
-            f.name
+            escaped(&f.name)
         )
     };
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><meta charset=\"utf-8\"><title>{name}: machinability</title>\n\
          <style>body{{font-family:sans-serif;margin:2em;max-width:800px}}figure{{margin:0 0 2em}}</style>\n\
          <h1>{name}: machinability</h1>\n{}</html>\n",
-        files.iter().map(figure).collect::<String>()
+        pictures.iter().map(figure).collect::<String>()
     )
 }
 

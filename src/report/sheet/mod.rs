@@ -1,14 +1,12 @@
-//! The setup sheet of `plan --report`: what one takes to the machine, as HTML that prints to A4.
+//! The setup sheet of a plan: what one takes to the machine, as HTML that prints to A4.
 
 mod drawing;
 
 use std::fmt::Write;
-use std::path::Path;
 
-use super::curve::minutes;
 use super::html::escaped;
-use super::{Failure, render, report};
-use crate::io::write_atomically;
+use super::words::{channels_text, clearances_text, minutes};
+use super::{Document, PagePicture};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
@@ -27,46 +25,39 @@ const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-
 
 /// What the sheet shows.
 pub struct SheetInput<'a> {
-    /// The plan.
+    /// The plans.
     pub outcome: &'a PlanOutcome,
+    /// The one of them that the sheet is for.
+    pub shown: &'a PolicyResult,
     /// The judgement of its program.
     pub report: &'a PlungeReport,
     /// Channels of the program.
     pub channels: usize,
-    /// Names of the files that were written.
+    /// Names of the files of the program; none where it is not written with the sheet.
     pub files: &'a [String],
 }
 
-/// Writes `report.html`, with its pictures where the program draws any, into `folder`.
-///
-/// # Errors
-/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
-pub fn write(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
-    let pictures = render::write_pictures(folder, input.outcome)?;
-    let figures: String = pictures
-        .iter()
-        .map(|(file, caption)| {
-            let caption = escaped(caption);
-            format!(
-                "<figure><img src=\"{file}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"
-            )
-        })
-        .collect();
+/// The sheet with `pictures` of its plan.
+pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> Document {
+    let figure = |picture: &PagePicture| {
+        let (file, caption) = (escaped(&picture.name), escaped(&picture.caption));
+        format!("<figure><img src=\"{file}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n")
+    };
     let name = escaped(&input.outcome.workpiece.part.name);
-    let html = format!(
+    let page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <title>{name}: setup sheet</title>\n\
          <style>{STYLE}</style></head><body>\n<h1>{name}: setup sheet</h1>\n{}{}{}{}{}{}\
-         <h2>Stock before and after</h2>\n{figures}</body></html>\n",
+         <h2>Stock before and after</h2>\n{}</body></html>\n",
         part_text(input),
         warnings_text(input),
         program_text(input),
         tools_text(input),
         sections_text(input),
         policies_text(input.outcome),
+        pictures.iter().map(figure).collect::<String>(),
     );
-    write_atomically(&folder.join("report.html"), html.as_bytes())?;
-    Ok(())
+    Document { page, pictures }
 }
 
 /// Part, blank and zero point.
@@ -97,7 +88,7 @@ fn part_text(input: &SheetInput) -> String {
 
 /// What must be known before the program runs.
 fn warnings_text(input: &SheetInput) -> String {
-    let plan = &input.outcome.after.plan;
+    let plan = &input.shown.plan;
     let mut warnings = Vec::new();
     if plan.is_unfinished() {
         warnings.push("The plan is UNFINISHED: planning was stopped.".to_owned());
@@ -148,11 +139,11 @@ fn program_text(input: &SheetInput) -> String {
         0 => "no fault".to_owned(),
         count => format!("{count} faults"),
     };
+    let files = if files.is_empty() { input.shown.plan.policy.name().to_owned() } else { files.join(", ") };
     format!(
-        "<h2>Program</h2>\n<p>{}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
-        files.join(", "),
-        report::channels_text(input.channels),
-        escaped(&report::clearances_text(summary, input.channels)),
+        "<h2>Program</h2>\n<p>{files}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
+        channels_text(input.channels),
+        escaped(&clearances_text(summary, input.channels)),
     )
 }
 
@@ -161,7 +152,7 @@ fn tools_text(input: &SheetInput) -> String {
     let mut text = "<h2>Tools</h2>\n".to_owned();
     let mut seen = Vec::new();
     let setup = &input.outcome.setup;
-    let plan = &input.outcome.after.plan;
+    let plan = &input.shown.plan;
     for section in plan.sections.iter().filter(|section| section.is_cut()) {
         let Some(tool) = setup.tools.iter().find(|tool| tool.number == section.tool.number) else { continue };
         if seen.contains(&tool.number) {
@@ -193,13 +184,12 @@ fn tools_text(input: &SheetInput) -> String {
 
 /// The sections in cutting order, with times of one channel and of the wheel.
 fn sections_text(input: &SheetInput) -> String {
-    let outcome = input.outcome;
-    let after = &outcome.after;
+    let (outcome, shown) = (input.outcome, input.shown);
     let mut rows = String::new();
     let mut tool_changes: usize = 0;
     let mut last = None;
-    for (index, section) in after.plan.sections.iter().enumerate().filter(|(_, section)| section.is_cut()) {
-        let summary = Summary::of_section(&after.plan, &outcome.grid, &after.field, index);
+    for (index, section) in shown.plan.sections.iter().enumerate().filter(|(_, section)| section.is_cut()) {
+        let summary = Summary::of_section(&shown.plan, &outcome.grid, &shown.field, index);
         tool_changes += usize::from(last != Some(section.tool.number));
         last = Some(section.tool.number);
         let kind = match section.kind {
@@ -223,7 +213,7 @@ fn sections_text(input: &SheetInput) -> String {
     }
     let blades = outcome.workpiece.part.blade_count;
     let change = TOOL_CHANGE_S / 60.0 * tool_changes as f64;
-    let one = minutes(&after.summary);
+    let one = minutes(&shown.summary);
     format!(
         "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
          <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\

@@ -1,4 +1,4 @@
-//! Line charts as SVG, for reports.
+//! Line charts as SVG.
 
 use super::html::escaped;
 use crate::palette::{CURVES, to_bytes};
@@ -37,12 +37,17 @@ const SIZE: (f64, f64) = (900.0, 460.0);
 const FIELD: (f64, f64, f64, f64) = (70.0, 40.0, 600.0, 405.0);
 
 impl LineChart {
+    /// Step of the marks of the y axis, and its upper end, which is a mark; it begins at 0.
+    pub fn y_scale(&self) -> (f64, f64) {
+        let highest = self.series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max);
+        let step = tick_step(highest.max(1e-3));
+        (step, (highest / step).ceil().max(1.0) * step)
+    }
+
     /// The chart as a complete SVG file. x runs from 0 to 1, y from 0 to just above the highest value.
     pub fn svg(&self) -> String {
         let (left, top, right, bottom) = FIELD;
-        let highest = self.series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max);
-        let step = tick_step(highest.max(1e-3));
-        let y_max = (highest / step).ceil().max(1.0) * step;
+        let (step, y_max) = self.y_scale();
         let x = |value: f64| left + value * (right - left);
         let y = |value: f64| bottom - value / y_max * (bottom - top);
         let mut svg = format!(

@@ -9,7 +9,7 @@ use crate::machine::OutputKind;
 
 /// Machine, control and output of an NC program.
 #[derive(Clone, Debug, PartialEq)]
-pub struct NcTarget {
+pub struct PostTarget {
     /// Name of the machine, or its file.
     pub machine: String,
     /// Name of the control, or the file of its post.
@@ -22,7 +22,7 @@ pub struct NcTarget {
     pub dialect: Dialect,
 }
 
-impl NcTarget {
+impl PostTarget {
     /// The machine of that name or file, with its own control and output.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn a_control_that_does_not_take_the_output_gives_another() {
-        let target = NcTarget::of_machine("ac-trunnion").expect("known");
+        let target = PostTarget::of_machine("ac-trunnion").expect("known");
         assert!(target.outputs.contains(&target.output));
         for name in crate::io::nc::built_in_posts() {
             let other = target.with_control(name).expect("known");
@@ -77,6 +77,6 @@ mod tests {
             assert_eq!((other.control.as_str(), &other.machine), (name, &target.machine));
         }
         assert!(target.with_control("no-such-control").is_err());
-        assert!(NcTarget::of_machine("no-such-machine").is_err());
+        assert!(PostTarget::of_machine("no-such-machine").is_err());
     }
 }

@@ -211,11 +211,6 @@ pub fn fault_list(faults: &[Fault]) -> Value {
     Value::Array(faults.iter().map(one).collect())
 }
 
-/// Text for the number of channels of a program.
-pub fn channels_text(count: usize) -> String {
-    if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
-}
-
 fn feed_word(feed: CutDirection) -> &'static str {
     match feed {
         CutDirection::OutletToInlet => "inward",
@@ -321,23 +316,6 @@ pub fn added_text(plan: &PlungePlan) -> String {
         }
     }
     text
-}
-
-/// Text on clearances, axis change, lengths and time of a program of `channels` channels.
-pub fn clearances_text(s: &Summary, channels: usize) -> String {
-    format!(
-        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; \
-         axis change up to {:.1}° within a row\n\
-         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
-        s.min_hub_clearance,
-        s.min_blade_clearance,
-        s.min_retract_clearance,
-        s.max_axis_change_rad.to_degrees(),
-        s.cut_length,
-        s.rapid_length,
-        s.time_estimate / 60.0,
-        channels_text(channels),
-    )
 }
 
 /// A line where the material of `setup` has no cutting data; empty otherwise.

@@ -1,0 +1,52 @@
+//! Documents of the window: the setup sheet of a plan and the page of an assessment, as the command line writes
+//! them. The names of their pictures begin with that of the page: a folder may hold many pages.
+
+use std::path::Path;
+
+use super::programs::{PlungeSource, plunge_program};
+use crate::error::UserError;
+use crate::io::InputError;
+use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::job::FIELD_CELLS;
+use crate::job::assess::AssessedPart;
+use crate::monitor::Monitor;
+use crate::report::Document;
+use crate::report::assessment::assessment_page;
+use crate::report::pictures::plan_pictures;
+use crate::report::sheet::{SheetInput, setup_sheet};
+use crate::verify::{VerifyError, report_plunges};
+
+/// The setup sheet of a plunge plan, to be saved at `path`. Its program is verified as it is written.
+///
+/// # Errors
+/// When the pictures cannot be drawn or the program cannot be verified.
+pub(super) fn sheet(path: &Path, source: &PlungeSource) -> Result<Document, InputError> {
+    let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
+    let outcome = &source.planned.outcome;
+    let shown = source.planned.result(source.policy);
+    let program = write_apt(&plunge_program(source));
+    let written = read_apt_bytes("the program", program.as_bytes())?;
+    let report =
+        report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default());
+    let report = report.map_err(|error| match error {
+        VerifyError::Program(error) => fault(error.into()),
+        VerifyError::Cancelled(error) => fault(error.into()),
+    })?;
+    let pictures = plan_pictures(outcome, shown, &prefix(path)).map_err(fault)?;
+    let input = SheetInput { outcome, shown, report: &report, channels: source.channels, files: &[] };
+    Ok(setup_sheet(&input, pictures))
+}
+
+/// The page of an assessment, to be saved at `path`.
+///
+/// # Errors
+/// When its pictures cannot be drawn.
+pub(super) fn assessment(path: &Path, assessed: &AssessedPart) -> Result<Document, InputError> {
+    let name = path.display().to_string();
+    assessment_page(assessed, &prefix(path)).map_err(|error| InputError::at_file(&name, error))
+}
+
+/// What the names of the pictures begin with that stand beside the page at `path`.
+fn prefix(path: &Path) -> String {
+    format!("{}-", path.file_stem().unwrap_or_default().to_string_lossy())
+}

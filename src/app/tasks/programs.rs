@@ -1,0 +1,121 @@
+//! Programs as they leave the window: APT text and NC code.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::app::model::figures::format_duration;
+use crate::app::model::planned::DisplayPlan;
+use crate::app::model::post_target::PostTarget;
+use crate::error::UserError;
+use crate::io::InputError;
+use crate::io::apt::write_apt;
+use crate::io::machine_file::read_machine;
+use crate::io::nc::read_post;
+use crate::job::flank::FlankOutcome;
+use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
+use crate::machine::BlankSize;
+use crate::monitor::{Cancelled, Monitor};
+use crate::setup::AxisPolicy;
+use crate::toolpath::ClProgram;
+
+/// A plunge program to write.
+pub struct PlungeSource {
+    /// The plans.
+    pub planned: Arc<DisplayPlan>,
+    /// The policy whose plan is written.
+    pub policy: AxisPolicy,
+    /// Number of channels that it mills, from the first on.
+    pub channels: usize,
+}
+
+/// A program to write as NC code.
+pub enum ProgramSource {
+    /// That of a plunge plan.
+    Plunges(PlungeSource),
+    /// That of the flank plan.
+    Flank(Arc<FlankOutcome>),
+}
+
+/// Content of an NC program.
+pub struct NcTask {
+    /// The program.
+    pub source: ProgramSource,
+    /// Where it is to run.
+    pub target: PostTarget,
+}
+
+/// A plunge plan as it is exported.
+pub fn cl_text(content: &PlungeSource) -> String {
+    write_apt(&plunge_program(content))
+}
+
+/// The program of a plunge plan, for its channels.
+pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
+    let outcome = &content.planned.outcome;
+    let channels = content.channels.clamp(1, outcome.workpiece.part.blade_count.max(1));
+    let result = content.planned.result(content.policy);
+    // Nothing cancels a file that is being written.
+    outcome
+        .program_for_channels(result, channels, &Monitor::default())
+        .unwrap_or_else(|Cancelled| ClProgram::default())
+}
+
+/// NC code of a program for the file `path`, and what to say of it.
+///
+/// # Errors
+/// When machine or post cannot be read, or the machine cannot run the program.
+pub(super) fn nc_text(path: &Path, content: &NcTask) -> Result<(String, String), InputError> {
+    let posted = post(path, content)?;
+    let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
+    let about = format!(": {blocks} blocks for {}, {time}", short_name(&content.target.machine));
+    Ok((posted.written.text, about))
+}
+
+/// Posts a program. Moves are named in messages by their numbers.
+fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
+    let PostTarget { machine, control, output, .. } = &content.target;
+    let (mut program, workpiece, setup) = match &content.source {
+        ProgramSource::Plunges(source) => {
+            let outcome = &source.planned.outcome;
+            (plunge_program(source), &outcome.workpiece, &outcome.setup)
+        }
+        ProgramSource::Flank(outcome) => (flank_program(outcome), &outcome.workpiece, &outcome.setup),
+    };
+    for (number, step) in (1..).zip(&mut program.moves) {
+        step.line = number;
+    }
+    let part = &workpiece.part;
+    let request = PostRequest {
+        machine: read_machine(Path::new(machine))?,
+        post: read_post(control)?,
+        output: *output,
+        inlet_up: part.out_of_inlet().z > 0.0,
+        blank: Some(BlankSize::of(part, &setup.allowances)),
+    };
+    let fault = |move_number: usize, error: UserError| {
+        let place = if move_number > 0 { format!("move {move_number}: ") } else { String::new() };
+        let (message, machine) = (error.message, short_name(machine));
+        let message = format!("the NC program is not written: {machine}: {place}{message}");
+        InputError::new(error.code, &path.display().to_string(), 0, message, error.help)
+    };
+    post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
+        PostFault::Motion(motion) => fault(motion.line(), motion.explained()),
+        PostFault::Words(error) => fault(0, error),
+    })
+}
+
+/// The name of a machine, or that of its file.
+fn short_name(machine: &str) -> String {
+    Path::new(machine).file_name().map_or_else(|| machine.to_owned(), |name| name.to_string_lossy().into())
+}
+
+/// A flank plan as it is exported.
+pub fn flank_text(outcome: &FlankOutcome) -> String {
+    write_apt(&flank_program(outcome))
+}
+
+fn flank_program(outcome: &FlankOutcome) -> ClProgram {
+    let plan = &outcome.plan;
+    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
+    program.after_opening(plan.opening.as_ref())
+}

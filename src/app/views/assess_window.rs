@@ -1,0 +1,160 @@
+//! The machinability of the part: what `vanecut assess` prints and draws, in a window of its own.
+
+use egui::{Grid, RichText, ScrollArea, Ui};
+
+use super::chart;
+use super::command::Command;
+use crate::app::App;
+use crate::assess::reach::ReachSides;
+use crate::assess::{BLADE_NAMES, BladeMeasure};
+use crate::job::assess::AssessedPart;
+use crate::report::assessment::assessment_charts;
+
+impl App {
+    /// The machinability of the part, while it is shown.
+    pub(in crate::app) fn machinability(&mut self, ui: &Ui) {
+        if !self.state.look.machinability || self.state.document.part.is_none() {
+            return;
+        }
+        let mut open = true;
+        let size = egui::vec2(560.0, 520.0).min(ui.ctx().content_rect().size() - egui::vec2(40.0, 80.0));
+        let corner = ui.ctx().content_rect().center() - 0.5 * size;
+        let window = egui::Window::new("Machinability").open(&mut open).collapsible(false);
+        let shown =
+            window.default_pos(corner).default_size(size).min_size([320.0, 200.0]).show(ui.ctx(), |ui| {
+                let assessed = self.assessing.known(&self.state).map(|assessed| &**assessed);
+                show(ui, assessed, self.assessing.is_busy())
+            });
+        self.state.look.machinability = open;
+        if let Some(command) = shown.and_then(|shown| shown.inner.flatten()) {
+            self.run_command(ui.ctx(), command);
+        }
+    }
+}
+
+/// Draws the figures, or that they are being measured; returns the command that was chosen.
+fn show(ui: &mut Ui, assessed: Option<&AssessedPart>, is_busy: bool) -> Option<Command> {
+    let Some(assessed) = assessed else {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label("Measuring…");
+        });
+        return None;
+    };
+    let mut command = None;
+    ui.horizontal(|ui| {
+        let save = Command::SaveAssessment;
+        if ui.button(save.label()).on_hover_text(save.tip()).clicked() {
+            command = Some(save);
+        }
+        if is_busy {
+            ui.spinner();
+            ui.label(RichText::new("Measuring with the edited setup…").weak());
+        }
+    });
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        figures(ui, assessed);
+        reach(ui, assessed);
+        ui.add_space(8.0);
+        let charts = assessment_charts(&assessed.workpiece.part, &assessed.assessment);
+        for chart in &charts {
+            chart::show(ui, chart);
+            ui.add_space(8.0);
+        }
+    });
+    command
+}
+
+/// A number of mm; a dash where it could not be measured.
+fn mm(value: f64) -> String {
+    if value.is_finite() { format!("{value:.2} mm") } else { "–".to_owned() }
+}
+
+/// Passages, then blade by blade.
+fn figures(ui: &mut Ui, assessed: &AssessedPart) {
+    let measured = &assessed.assessment;
+    let (narrow, wide) = measured.width_range();
+    Grid::new("passages").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
+        for (name, value, tip) in [
+            ("Largest cutter", mm(measured.largest_cutter()), CUTTER_TIP),
+            ("Width of the passages", format!("{} to {}", mm(narrow), mm(wide)), WIDTH_TIP),
+            ("Depth up to", mm(measured.depth()), DEPTH_TIP),
+        ] {
+            ui.label(name).on_hover_text(tip);
+            ui.label(value);
+            ui.end_row();
+        }
+    });
+    ui.add_space(8.0);
+    Grid::new("blades").num_columns(5).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
+        for (name, tip) in BLADE_COLUMNS {
+            ui.label(RichText::new(name).strong()).on_hover_text(tip);
+        }
+        ui.end_row();
+        for (blade, name) in measured.blades.iter().zip(BLADE_NAMES) {
+            blade_row(ui, blade, name);
+        }
+    });
+}
+
+const CUTTER_TIP: &str =
+    "Diameter of the largest cutter that fits everywhere along the channel, down to the hub";
+const WIDTH_TIP: &str = "Distance between the walls of a passage: the least and the greatest";
+const DEPTH_TIP: &str = "Distance from shroud to hub";
+const BLADE_COLUMNS: [(&str, &str); 5] = [
+    ("Blade", "Main blade, and splitter if there is one"),
+    ("Twist", "Greatest angle between the chords of the camber line and the axis of rotation, span by span"),
+    ("Turn", "How far the blade's normal turns from hub to tip; about 0 for cylindrical blades"),
+    ("Bow", "Distance of the middle of the span from the straight line between hub and tip"),
+    ("Envelope gap", "Gap between the wall and its ruled envelope: what a flank of a cutter cannot follow"),
+];
+
+fn blade_row(ui: &mut Ui, blade: &BladeMeasure, name: &str) {
+    ui.label(name);
+    ui.label(format!("{:.1}°", blade.twisting().to_degrees()));
+    ui.label(format!("{:.1}°", blade.shape.normal_turn_rad.to_degrees()));
+    ui.label(format!("{:.3} mm", blade.shape.bow.offset));
+    ui.label(format!("{:.3} mm", blade.envelope_gap()));
+    ui.end_row();
+}
+
+/// What the tools reach of the floor, section by section.
+fn reach(ui: &mut Ui, assessed: &AssessedPart) {
+    ui.add_space(8.0);
+    let Some(map) = &assessed.assessment.reach else {
+        if let Some(fault) = &assessed.no_reach {
+            ui.label(format!("Reach is not known: {fault}"));
+        }
+        return;
+    };
+    let classes: [fn(ReachSides) -> bool; 4] = [|s| s.any, |s| s.outlet, |s| s.inlet, ReachSides::both];
+    Grid::new("reach").num_columns(6).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
+        for (name, tip) in REACH_COLUMNS {
+            ui.label(RichText::new(name).strong()).on_hover_text(tip);
+        }
+        ui.end_row();
+        for section in assessed.sections() {
+            ui.label(format!("{:.2} to {:.2}", section.from, section.to));
+            ui.label(format!("D {}", section.tool.diameter));
+            for class in classes {
+                ui.label(format!("{:.1} %", 100.0 * map.share_between(section.from, section.to, class)));
+            }
+            ui.end_row();
+        }
+        ui.label("all");
+        ui.label("");
+        for class in classes {
+            ui.label(format!("{:.1} %", 100.0 * map.share(class)));
+        }
+        ui.end_row();
+    });
+}
+
+const REACH_COLUMNS: [(&str, &str); 6] = [
+    ("Section", "From and to along the hub: 0 leading edge, 1 outlet"),
+    ("Tool", "Tool of the section"),
+    ("Reached", "Share of the floor that the tool reaches from any side"),
+    ("From outlet", "Share that it reaches with its axis leaning towards the outlet"),
+    ("From inlet", "Share that it reaches with its axis leaning towards the inlet"),
+    ("From both", "Share that it reaches from both"),
+];

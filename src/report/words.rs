@@ -1,0 +1,30 @@
+//! Figures of a program in words, the same in documents and on the command line.
+
+use crate::verify::Summary;
+
+/// Text for the number of channels of a program.
+pub fn channels_text(count: usize) -> String {
+    if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
+}
+
+/// Time of a plan, min.
+pub fn minutes(summary: &Summary) -> f64 {
+    summary.time_estimate / 60.0
+}
+
+/// Text on clearances, axis change, lengths and time of a program of `channels` channels.
+pub fn clearances_text(s: &Summary, channels: usize) -> String {
+    format!(
+        "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; \
+         axis change up to {:.1}° within a row\n\
+         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
+        s.min_hub_clearance,
+        s.min_blade_clearance,
+        s.min_retract_clearance,
+        s.max_axis_change_rad.to_degrees(),
+        s.cut_length,
+        s.rapid_length,
+        minutes(s),
+        channels_text(channels),
+    )
+}
