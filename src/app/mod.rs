@@ -43,6 +43,7 @@ use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
+use tasks::tradeoff::TradeoffWork;
 use tasks::work::{PROGRESS_EVERY, Work};
 use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
@@ -77,6 +78,8 @@ pub struct App {
     listing: ListingWork,
     /// The machinability of the part.
     assessing: AssessWork,
+    /// Time against stock of the plan.
+    weighing: TradeoffWork,
     /// The tool of the flank plan at the position of the timeline.
     flank_tool: FlankTool,
     /// The solid stock of each side.
@@ -131,6 +134,7 @@ impl App {
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
+            weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
             flank_tool: FlankTool::default(),
             solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
@@ -212,6 +216,7 @@ impl App {
             || self.machining.is_busy()
             || self.listing.is_busy()
             || self.assessing.is_busy()
+            || self.weighing.is_busy()
             || self.solids.iter().any(SolidWork::is_busy)
     }
 
@@ -377,6 +382,7 @@ impl eframe::App for App {
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
         self.assessing.follow(&self.state, self.state.look.machinability);
+        self.weighing.follow(&self.state, self.state.look.tradeoff, self.work.is_planning());
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side].follow(wanted) {
@@ -444,6 +450,7 @@ impl eframe::App for App {
         }
         self.large_section(ui);
         self.machinability(ui);
+        self.tradeoff(ui);
         self.help.show(ui, &self.device);
         self.ask_unsaved(ui);
         self.ask_release(ui);

@@ -1,11 +1,11 @@
 //! Plans by what the setup asks for: least stock, least time, or the balance of both; and the curve between.
 
 use super::{PlanOutcome, PolicyResult, measure_residual};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::plunge::{PlanError, Planner, PlungePlan};
 use crate::setup::Setup;
 use crate::stock::FloorGrid;
-use crate::tradeoff::{Thinning, ThinningInput, choose_point, max_mean_rise};
+use crate::tradeoff::{Thinning, ThinningInput, TradeoffPoint, choose_point, max_mean_rise};
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
@@ -61,16 +61,39 @@ impl PlanOutcome {
     /// [`PlanError::Cancelled`] when `monitor` is cancelled.
     pub fn time_stock_curve(&self, count: usize, monitor: &Monitor) -> Result<Vec<PolicyResult>, PlanError> {
         let planner = Planner::new(&self.workpiece, &self.setup);
-        let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
-        let grid = &weighing_grid(&self.grid);
-        let (setup, blank) = (&self.setup, &self.workpiece.blank);
-        let input = ThinningInput { plan, setup, blank, grid, max_mean_rise: f64::INFINITY };
-        let thinning = Thinning::new(input, monitor)?;
+        let plan = self.whole_plan();
+        let grid = weighing_grid(&self.grid);
+        let thinning = self.thinning(&grid, monitor)?;
         let points = thinning.points(count);
         let made = points.into_iter().map(|point| {
             let plan = keep(&planner, &thinning, plan, point.left_out, monitor)?;
             Ok(measure_residual(plan, &self.grid))
         });
         made.collect()
+    }
+
+    /// The points of [`Self::time_stock_curve`] without their plans, which takes a fraction of the time.
+    ///
+    /// # Errors
+    /// [`Cancelled`] when `monitor` is cancelled.
+    pub fn time_stock_points(
+        &self,
+        count: usize,
+        monitor: &Monitor,
+    ) -> Result<Vec<TradeoffPoint>, Cancelled> {
+        let grid = weighing_grid(&self.grid);
+        Ok(self.thinning(&grid, monitor)?.points(count))
+    }
+
+    /// The plan of `minimal` with all its plunges.
+    fn whole_plan(&self) -> &PlungePlan {
+        self.whole.as_ref().unwrap_or(&self.after.plan)
+    }
+
+    /// The order in which its plunges go, weighed over `grid`.
+    fn thinning<'a>(&'a self, grid: &'a FloorGrid, monitor: &Monitor) -> Result<Thinning<'a>, Cancelled> {
+        let (plan, setup, blank) = (self.whole_plan(), &self.setup, &self.workpiece.blank);
+        let input = ThinningInput { plan, setup, blank, grid, max_mean_rise: f64::INFINITY };
+        Thinning::new(input, monitor)
     }
 }

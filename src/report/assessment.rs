@@ -3,7 +3,7 @@
 use super::chart::{LineChart, Series};
 use super::html::escaped;
 use super::pictures::SIZE;
-use super::{Document, PagePicture};
+use super::{PagePicture, ReportPage};
 use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
@@ -30,7 +30,7 @@ const WALL_LINES: (usize, usize) = (120, 16);
 ///
 /// # Errors
 /// When there is no graphics device, or drawing fails.
-pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<Document, UserError> {
+pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPage, UserError> {
     let AssessedPart { workpiece, setup, assessment, .. } = assessed;
     let part = &workpiece.part;
     let gpu = Gpu::headless()?;
@@ -79,7 +79,7 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<Document
         caption: "Angle between camber line and rotation axis. Dots: where the line is most curved."
             .to_owned(),
     });
-    Ok(Document { page: page(part, &pictures), pictures })
+    Ok(ReportPage { page: page(part, &pictures), pictures })
 }
 
 /// Charts along the channel: depth, narrowest width and largest cutter; twist of the blades.

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// A page, and the pictures that stand beside it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Document {
+pub struct ReportPage {
     /// The page as HTML.
     pub page: String,
     /// Its pictures.
@@ -33,7 +33,7 @@ pub struct PagePicture {
     pub caption: String,
 }
 
-impl Document {
+impl ReportPage {
     /// All files of the document whose page is saved at `path`; the page comes last.
     pub fn files_at(&self, path: &Path) -> Vec<(PathBuf, &[u8])> {
         let pictures = self.pictures.iter();

@@ -29,6 +29,7 @@ mod solid;
 mod stages;
 mod timeline;
 mod tools;
+mod tradeoff;
 mod tuning;
 mod walk;
 

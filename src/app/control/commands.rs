@@ -50,6 +50,7 @@ impl App {
             | C::ExportClSome
             | C::ExportClAll
             | C::ExportSheet
+            | C::TimeAgainstStock
             | C::BeforeAfter
             | C::SideBySide
             | C::Wipe
@@ -149,6 +150,7 @@ impl App {
                 self.dialogs.open_dialog(ctx, Purpose::ExportSheet, name);
             }
             C::Assess => look.machinability ^= true,
+            C::TimeAgainstStock => look.tradeoff ^= true,
             C::SaveAssessment => {
                 let name = self.suggest_file_name("machinability.html");
                 self.dialogs.open_dialog(ctx, Purpose::SaveAssessment, name);

@@ -293,6 +293,8 @@ pub struct Look {
     pub measure: Option<Vec<glam::Vec3>>,
     /// Whether the machinability of the part is shown.
     pub machinability: bool,
+    /// Whether time against stock is shown.
+    pub tradeoff: bool,
     /// Whether the plots along the row are shown.
     pub plots: bool,
     /// Tab of the selected position.
@@ -439,6 +441,7 @@ impl Default for Look {
             section: None,
             measure: None,
             machinability: false,
+            tradeoff: false,
             plots: true,
             tab: Tab::Section,
             sectional: SectionalLook::default(),

@@ -10,7 +10,7 @@ use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::job::FIELD_CELLS;
 use crate::job::assess::AssessedPart;
 use crate::monitor::Monitor;
-use crate::report::Document;
+use crate::report::ReportPage;
 use crate::report::assessment::assessment_page;
 use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{SheetInput, setup_sheet};
@@ -20,7 +20,7 @@ use crate::verify::{VerifyError, report_plunges};
 ///
 /// # Errors
 /// When the pictures cannot be drawn or the program cannot be verified.
-pub(super) fn sheet(path: &Path, source: &PlungeSource) -> Result<Document, InputError> {
+pub(super) fn sheet(path: &Path, source: &PlungeSource) -> Result<ReportPage, InputError> {
     let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
     let outcome = &source.planned.outcome;
     let shown = source.planned.result(source.policy);
@@ -41,7 +41,7 @@ pub(super) fn sheet(path: &Path, source: &PlungeSource) -> Result<Document, Inpu
 ///
 /// # Errors
 /// When its pictures cannot be drawn.
-pub(super) fn assessment(path: &Path, assessed: &AssessedPart) -> Result<Document, InputError> {
+pub(super) fn assessment(path: &Path, assessed: &AssessedPart) -> Result<ReportPage, InputError> {
     let name = path.display().to_string();
     assessment_page(assessed, &prefix(path)).map_err(|error| InputError::at_file(&name, error))
 }

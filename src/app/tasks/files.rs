@@ -17,7 +17,7 @@ use crate::job::assess::AssessedPart;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::Impeller;
-use crate::report::Document;
+use crate::report::ReportPage;
 use crate::setup::{AxisPolicy, Setup};
 
 use crate::app::model::document::Edited;
@@ -197,7 +197,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     Ok(Written { text: format!("Wrote {}{about}", path.display()), project })
 }
 
-fn write_document(path: &Path, document: &Document) -> Result<Written, InputError> {
+fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
     write_all_atomically(&document.files_at(path))?;
     Ok(Written { text: format!("Wrote {} and its pictures", path.display()), project: None })
 }

@@ -20,6 +20,7 @@ pub(in crate::app) mod programs;
 pub(in crate::app) mod project;
 pub(in crate::app) mod scrub;
 pub mod solid;
+pub(in crate::app) mod tradeoff;
 pub(in crate::app) mod work;
 
 /// Asks the window to draw itself again, from any thread.

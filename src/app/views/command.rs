@@ -102,6 +102,8 @@ commands! {
     Plan "Calculate roughing" "Plans the rough milling of the channel with the current setup" [NONE, F5];
     Assess "Machinability"
         "Shows twist, depth, width, largest cutter, and what the tools reach, before any plan" [NONE, A];
+    TimeAgainstStock "Time against stock"
+        "Shows what less time costs in stock on the hub; drag the handle, and the plan follows" [NONE, G];
     SaveAssessment "Save machinability page…"
         "Writes the machinability of the part with its pictures as HTML" [];
     PlanFlank "Calculate flank"

@@ -42,7 +42,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
     (
         "Plan",
         &[
-            &[Command::Assess],
+            &[Command::Assess, Command::TimeAgainstStock],
             &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
             &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
             &[

@@ -126,6 +126,7 @@ fn synonyms(command: Command) -> &'static str {
         C::ExportNc => {
             "gcode g-code cnc post postprocess output write heidenhain siemens fanuc haas linuxcnc"
         }
+        C::TimeAgainstStock => "pareto tradeoff goal faster cycle optimise optimize",
         C::ExportSheet => "report print html machine operator write",
         C::Assess | C::SaveAssessment => "assess analyse analyze twist bow depth width cutter reach report",
         C::ExportStock => "stl ipw rest",

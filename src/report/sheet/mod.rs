@@ -6,7 +6,7 @@ use std::fmt::Write;
 
 use super::html::escaped;
 use super::words::{channels_text, clearances_text, minutes};
-use super::{Document, PagePicture};
+use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
@@ -38,7 +38,7 @@ pub struct SheetInput<'a> {
 }
 
 /// The sheet with `pictures` of its plan.
-pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> Document {
+pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage {
     let figure = |picture: &PagePicture| {
         let (file, caption) = (escaped(&picture.name), escaped(&picture.caption));
         format!("<figure><img src=\"{file}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n")
@@ -57,7 +57,7 @@ pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> Document {
         policies_text(input.outcome),
         pictures.iter().map(figure).collect::<String>(),
     );
-    Document { page, pictures }
+    ReportPage { page, pictures }
 }
 
 /// Part, blank and zero point.

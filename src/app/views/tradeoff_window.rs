@@ -1,0 +1,225 @@
+//! Time against stock: the curve of the plans of `minimal`, with the other policies beside it. The handle on the
+//! curve is the time that a channel may take; the plan follows it.
+
+use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
+
+use super::panels::fields;
+use super::panels::setup::{goal_rows, policy_label};
+use super::theme::{self, Condition};
+use crate::app::App;
+use crate::app::model::figures::format_duration;
+use crate::app::model::state::AppState;
+use crate::setup::{AxisPolicy, Goal};
+use crate::tradeoff::TradeoffPoint;
+
+/// Room for the scales at the left and below, and above and at the right, points.
+const MARGIN: [Vec2; 2] = [Vec2::new(38.0, 32.0), Vec2::new(14.0, 10.0)];
+/// Least height of the plot, points.
+const MIN_HEIGHT: f32 = 120.0;
+/// Height of the lines below the plot, points.
+const BELOW: f32 = 66.0;
+/// Radius of the handle, points.
+const HANDLE: f32 = 6.0;
+
+impl App {
+    /// Time against stock, while it is shown.
+    pub(in crate::app) fn tradeoff(&mut self, ui: &Ui) {
+        if !self.state.look.tradeoff || self.state.results.planned.is_none() {
+            return;
+        }
+        let mut open = true;
+        let size = Vec2::new(460.0, 390.0).min(ui.ctx().content_rect().size() - Vec2::new(40.0, 80.0));
+        // In a corner of the picture, which follows the handle.
+        let corner =
+            ui.ctx().content_rect().left_bottom() + Vec2::new(theme::LEFT_WIDTH + 20.0, -size.y - 140.0);
+        let window = egui::Window::new("Time against stock").open(&mut open).collapsible(false);
+        let window = window.default_pos(corner).default_size(size).min_size([300.0, 220.0]);
+        let points = self.weighing.points().cloned();
+        let is_busy = self.weighing.is_busy();
+        window.show(ui.ctx(), |ui| show(ui, &mut self.state, points.as_deref(), is_busy));
+        self.state.look.tradeoff = open;
+    }
+}
+
+/// A plan as a point: time of a channel in minutes, 95th percentile of the stock in mm.
+type Place = (f64, f64);
+
+fn place_of(point: &TradeoffPoint) -> Place {
+    (point.time_s / 60.0, point.residual_p95)
+}
+
+/// Draws plot, slider and figures; edits the goal of the setup.
+fn show(ui: &mut Ui, state: &mut AppState, points: Option<&[TradeoffPoint]>, is_busy: bool) {
+    let curve: Vec<Place> = points.unwrap_or_default().iter().map(place_of).collect();
+    let (Some(slowest), Some(fastest)) = (curve.first(), curve.last()) else {
+        ui.horizontal(|ui| {
+            let is_minimal = state.document.edited.setup.plunge.axis == AxisPolicy::Minimal;
+            if is_busy || is_minimal {
+                ui.spinner();
+                ui.label("Weighing the plunges…");
+            } else {
+                ui.label("Only plans of Min. stock leave a choice between time and stock.");
+            }
+        });
+        return;
+    };
+    let (fastest, slowest) = (fastest.0, slowest.0);
+    let goal = state.document.edited.setup.plunge.goal;
+    let limit = match goal {
+        Goal::Stock { max_time_min } => max_time_min,
+        Goal::Time { .. } | Goal::Balance => None,
+    };
+    // The handle stands at what is asked for, else at what the plan takes.
+    let planned = state.results.planned.as_ref().map(|planned| &planned.outcome);
+    let now = planned.map_or(slowest, |outcome| outcome.after.summary.time_estimate / 60.0);
+    let handle = limit.unwrap_or(now).clamp(fastest, slowest);
+    let others: Vec<Marker> = planned.map(|outcome| markers(&outcome.policies())).unwrap_or_default();
+    let first = planned.and_then(|outcome| outcome.setup.tools.first()).cloned();
+    fields::form(ui, "goal fields", |ui| {
+        goal_rows(ui, &mut state.document.edited.setup.plunge.goal, Goal::default(), first.as_ref());
+    });
+    let height = (ui.available_height() - BELOW).max(MIN_HEIGHT);
+    let dragged = plot(ui, &curve, &others, handle, height);
+    let mut wanted = dragged;
+    ui.horizontal(|ui| {
+        let label = ui.label("Max time per channel").on_hover_text(TIME_TIP);
+        let width = (ui.available_width() - 70.0).clamp(60.0, 220.0);
+        ui.spacing_mut().slider_width = width;
+        let (response, moved) = fields::slider(ui, handle, fastest..=slowest, 0.1);
+        response.labelled_by(label.id).on_hover_text(TIME_TIP);
+        wanted = wanted.or(moved);
+        let text = limit.map_or_else(|| "none".to_owned(), |minutes| format!("{minutes:.1} min"));
+        ui.label(text);
+    });
+    ui.label(words(&curve, handle, state));
+    if let Some(minutes) = wanted {
+        // The right end of the curve is the plan of the least stock.
+        let max_time_min = (minutes < slowest - 1e-9).then(|| (10.0 * minutes).round() / 10.0);
+        state.document.edited.setup.plunge.goal = Goal::Stock { max_time_min };
+    }
+}
+
+const TIME_TIP: &str = "How long a channel may take, without tool changes: as much stock as fits that time is left.\n\
+     At the right end: whatever the least stock takes";
+
+/// The plan of another policy in the plot.
+struct Marker {
+    name: &'static str,
+    at: Place,
+    interferes: bool,
+}
+
+fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
+    let other = policies.iter().filter(|result| result.plan.policy != AxisPolicy::Minimal);
+    other
+        .map(|result| Marker {
+            name: policy_label(result.plan.policy),
+            at: (result.summary.time_estimate / 60.0, result.summary.residual_p95),
+            interferes: result.summary.interfering > 0,
+        })
+        .collect()
+}
+
+/// Stock of the curve at a time of `minutes`, between its points.
+fn stock_at(curve: &[Place], minutes: f64) -> Option<f64> {
+    let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len() - 1);
+    let (slow, fast) = (curve.get(next.saturating_sub(1))?, curve.get(next)?);
+    let share = if slow.0 > fast.0 { (slow.0 - minutes) / (slow.0 - fast.0) } else { 0.0 };
+    Some(slow.1 + (fast.1 - slow.1) * share.clamp(0.0, 1.0))
+}
+
+/// What the time of the handle costs, against the least stock.
+fn words(curve: &[Place], handle: f64, state: &AppState) -> String {
+    let Some((slowest, stock)) = curve.first().copied().zip(stock_at(curve, handle)) else {
+        return String::new();
+    };
+    let wheel = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count) as f64;
+    let saved = 60.0 * wheel * (slowest.0 - handle);
+    format!(
+        "{handle:.1} min per channel: hub stock {stock:.2} mm (95 %) instead of {:.2} mm; saves {} per wheel",
+        slowest.1,
+        format_duration(saved),
+    )
+}
+
+/// Draws the plot; returns the time that the handle was dragged or clicked to.
+fn plot(ui: &mut Ui, curve: &[Place], others: &[Marker], handle: f64, height: f32) -> Option<f64> {
+    let size = Vec2::new(ui.available_width(), height);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Hub stock over time of a channel"));
+    let inner = Rect::from_min_max(
+        rect.min + Vec2::new(MARGIN[0].x, MARGIN[1].y),
+        rect.max - Vec2::new(MARGIN[1].x, MARGIN[0].y),
+    );
+    let all = || curve.iter().copied().chain(others.iter().map(|other| other.at));
+    let (low, high) = all().fold((f64::MAX, 0.0f64), |(low, high), at| (low.min(at.0), high.max(at.0)));
+    let top = 1.1 * all().map(|at| at.1).filter(|stock| stock.is_finite()).fold(0.1, f64::max);
+    let span = (high - low).max(1e-3);
+    // A little room at both ends, for the handle and the markers.
+    let (low, high) = (low - 0.05 * span, high + 0.08 * span);
+    let place = |(time, stock): Place| {
+        let across = ((time - low) / (high - low)) as f32;
+        Pos2::new(
+            inner.left() + inner.width() * across,
+            inner.bottom() - inner.height() * (stock / top) as f32,
+        )
+    };
+    let painter = ui.painter_at(rect);
+    let font = FontId::proportional(theme::MIN_TEXT_SIZE);
+    let (ink, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
+    painter.rect_filled(inner, 2.0, ui.visuals().extreme_bg_color);
+    for k in 0..=4 {
+        let share = f64::from(k) / 4.0;
+        let (time, stock) = (low + (high - low) * share, top * share);
+        let (below, left) = (place((time, 0.0)), place((low, stock)));
+        painter.text(
+            below + Vec2::new(0.0, 2.0),
+            Align2::CENTER_TOP,
+            format!("{time:.0}"),
+            font.clone(),
+            weak,
+        );
+        let text = format!("{stock:.1}");
+        painter.text(left - Vec2::new(4.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), weak);
+    }
+    let below = Pos2::new(inner.center().x, rect.bottom());
+    let axes = "min per channel; hub stock, 95 %, mm";
+    painter.text(below, Align2::CENTER_BOTTOM, axes, font.clone(), weak);
+    let accent = theme::accent(ui.visuals());
+    painter.line(curve.iter().map(|&at| place(at)).collect(), Stroke::new(1.6, accent));
+    for other in others {
+        let condition = if other.interferes { Condition::Interfering } else { Condition::Sound };
+        let (at, colour) = (place(other.at), condition.text(ui.visuals()));
+        painter.circle_stroke(at, 4.0, Stroke::new(1.6, colour));
+        // On the side where there is room.
+        let (side, align) =
+            if at.x > inner.center().x { (-7.0, Align2::RIGHT_CENTER) } else { (7.0, Align2::LEFT_CENTER) };
+        painter.text(at + Vec2::new(side, 0.0), align, other.name, font.clone(), ink);
+    }
+    if let Some(stock) = stock_at(curve, handle) {
+        let at = place((handle, stock));
+        painter.vline(at.x, inner.y_range(), Stroke::new(1.0, accent.gamma_multiply(0.5)));
+        let edge = if response.hovered() { ink } else { Color32::TRANSPARENT };
+        painter.circle(at, HANDLE, accent, Stroke::new(1.5, edge));
+    }
+    let pointer = response.interact_pointer_pos().filter(|_| response.dragged() || response.clicked())?;
+    let share = f64::from((pointer.x - inner.left()) / inner.width().max(1.0));
+    let (fastest, slowest) = (curve.last()?.0, curve.first()?.0);
+    Some((low + (high - low) * share).clamp(fastest, slowest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stock_at;
+
+    #[test]
+    fn between_points_the_curve_is_straight() {
+        let curve = [(100.0, 1.0), (60.0, 2.0), (50.0, 4.0)];
+        for (minutes, stock) in
+            [(120.0, 1.0), (100.0, 1.0), (80.0, 1.5), (60.0, 2.0), (55.0, 3.0), (40.0, 4.0)]
+        {
+            assert_eq!(stock_at(&curve, minutes), Some(stock), "{minutes} min");
+        }
+        assert_eq!(stock_at(&curve[..1], 70.0), Some(1.0));
+    }
+}
