@@ -57,6 +57,7 @@ use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
 use views::pictures::{Pictures, PreviewSource};
 use views::roles::RolesDialog;
+use views::tour::{Tour, WindowRegion};
 use views::view3d::{View3d, ViewHit};
 use views::viewport::{Hover, ScreenInfo};
 use views::{repaint, theme};
@@ -92,6 +93,7 @@ pub struct App {
     screen: ScreenInfo,
     palette: Palette,
     help: Help,
+    tour: Tour,
     session: Session,
     export: ExportSettings,
     export_dialog: ExportDialog,
@@ -143,6 +145,7 @@ impl App {
             screen: ScreenInfo::default(),
             palette: Palette::default(),
             help: Help::default(),
+            tour: Tour::default(),
             session: Session::default(),
             export: ExportSettings::default(),
             export_dialog: ExportDialog::default(),
@@ -404,17 +407,19 @@ impl eframe::App for App {
         if self.was_handed_over() {
             return;
         }
-        Panel::top("menu").show(ui, |ui| self.menu(ui));
+        let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;
+        let (mut setup, mut verdict, mut positions) = (None, None, None);
         let open = self.state.document.part.is_some();
         if open {
             let height = panels::verdict::height(ui.available_width());
-            Panel::top("verdict").exact_size(height).show(ui, |ui| {
+            let line = Panel::top("verdict").exact_size(height).show(ui, |ui| {
                 ui.horizontal_wrapped(|ui| match self.state.look.operation {
                     Operation::Roughing => panels::verdict::show(ui, &self.state),
                     Operation::Flank => panels::flank_results::verdict(ui, &self.state),
                     Operation::Program => panels::program::verdict(ui, &self.state),
                 });
             });
+            verdict = Some(line.response.rect);
         }
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
             let preview = self.pictures.as_ref().map(Pictures::preview_name);
@@ -428,16 +433,12 @@ impl eframe::App for App {
             }
         });
         if open {
-            Panel::left("left")
-                .default_size(theme::LEFT_WIDTH)
-                .min_size(200.0)
-                .show(ui, |ui| self.left_panel(ui));
-            Panel::right("right")
-                .default_size(theme::RIGHT_WIDTH)
-                .min_size(240.0)
-                .show(ui, |ui| self.right_panel(ui));
+            let left = Panel::left("left").default_size(theme::LEFT_WIDTH).min_size(200.0);
+            setup = Some(left.show(ui, |ui| self.left_panel(ui)).response.rect);
+            let right = Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0);
+            positions = Some(right.show(ui, |ui| self.right_panel(ui)).response.rect);
         }
-        CentralPanel::no_frame().show(ui, |ui| self.middle(ui));
+        let picture = CentralPanel::no_frame().show(ui, |ui| self.middle(ui)).response.rect;
         self.state.look.is_fresh &= !open;
         if let Some((purpose, path)) = self.dialogs.show(ui) {
             self.file_chosen(ui.ctx(), purpose, path);
@@ -452,6 +453,13 @@ impl eframe::App for App {
         self.machinability(ui);
         self.tradeoff(ui);
         self.help.show(ui, &self.device);
+        self.show_tour(ui, |region| match region {
+            WindowRegion::Setup => setup,
+            WindowRegion::Verdict => verdict,
+            WindowRegion::Picture => Some(picture),
+            WindowRegion::Positions => positions,
+            WindowRegion::Menus => Some(menus),
+        });
         self.ask_unsaved(ui);
         self.ask_release(ui);
         self.ask_export(ui);

@@ -92,6 +92,7 @@ pub fn run(initial: Option<PathBuf>) -> Result<(), AppError> {
         app.set_recovery_slot(leave_by);
         if let Some(folder) = eframe::storage_dir(APP_ID) {
             app.set_home(folder);
+            app.offer_tour();
         }
         if let Some(path) = initial {
             app.open_path(path);

@@ -4,7 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
 use crate::fake;
-use crate::harness::window;
+use crate::harness::{sample_in, snapshot_ui, window};
 
 #[test]
 fn shortcuts_glossary_and_version_can_be_read_in_the_window() {
@@ -36,4 +36,46 @@ fn shortcuts_glossary_and_version_can_be_read_in_the_window() {
     window.get_by_role_and_label(Role::Button, "About Vanecut").click();
     window.run_steps(3);
     window.get_by_label(&format!("Vanecut {}", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn the_tour_is_offered_once_and_shows_the_parts_of_the_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let start = || {
+        let (engine, _) = fake::engine();
+        let mut window = window(engine);
+        window.set_size(egui::vec2(1280.0, 800.0));
+        window.state_mut().set_home(home.clone());
+        window.state_mut().offer_tour();
+        window.run_steps(2);
+        assert!(window.query_by_label("1 of 5").is_none(), "not before there is something to show");
+        sample_in(window)
+    };
+    let mut first = start();
+    first.run_steps(2);
+    first.get_by_label("1 of 5");
+    snapshot_ui(&mut first, "tour");
+    for (button, page) in [("Next", 2), ("Next", 3), ("Back", 2), ("Next", 3), ("Next", 4), ("Next", 5)] {
+        first.get_by_role_and_label(Role::Button, button).click();
+        // A card of another height takes its place.
+        first.run_steps(5);
+        first.get_by_label(&format!("{page} of 5"));
+    }
+    first.get_by_role_and_label(Role::Button, "Done").click();
+    first.run_steps(2);
+    assert!(first.query_by_label_contains(" of 5").is_none(), "it ends");
+    drop(first);
+
+    let mut again = start();
+    again.run_steps(3);
+    assert!(again.query_by_label("1 of 5").is_none(), "it is known");
+    again.get_by_label("Help").click();
+    again.run_steps(2);
+    again.get_by_role_and_label(Role::Button, "Tour").click();
+    again.run_steps(3);
+    again.get_by_label("1 of 5");
+    again.get_by_role_and_label(Role::Button, "Skip tour").click();
+    again.run_steps(2);
+    assert!(again.query_by_label("1 of 5").is_none());
 }

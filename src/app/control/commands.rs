@@ -26,7 +26,7 @@ impl App {
             C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
-            C::PlanFlank | C::Assess => open,
+            C::PlanFlank | C::Assess | C::ShowTour => open,
             C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
             C::CheckAgain | C::CloseProgram => {
@@ -221,6 +221,7 @@ impl App {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
                 self.store_preferences();
             }
+            C::ShowTour => self.tour.begin(),
             C::ShowShortcuts => self.help.open(HelpPage::Shortcuts),
             C::ShowGlossary => self.help.open(HelpPage::Glossary),
             C::ShowAbout => self.help.open(HelpPage::About),

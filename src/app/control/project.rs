@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use egui::{Context, Ui};
+use egui::{Context, Rect, Ui};
 
 use crate::app::App;
 use crate::app::model::document::Edited;
@@ -16,6 +16,7 @@ use crate::app::tasks::files::WriteTask;
 use crate::app::tasks::home::{self, Home, Preferences};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::project::project_of;
+use crate::app::views::tour::WindowRegion;
 use crate::app::views::unsaved::{self, UnsavedAnswer};
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::InputError;
@@ -52,6 +53,10 @@ pub(in crate::app) struct Session {
     after_saving: Option<Pending>,
     /// Whether closing was confirmed.
     closing: bool,
+    /// Whether the tour was taken or skipped, in this session or before.
+    knows_tour: bool,
+    /// Whether the tour begins with the next part.
+    offers_tour: bool,
     /// The open project's file, and its lock where no other window holds it.
     claim: Option<(PathBuf, Option<HeldLock>)>,
 }
@@ -69,14 +74,33 @@ impl App {
         let home = Home::new(folder);
         self.state.recents = home.recents();
         self.state.recoverable = home.recovery_copies().into_iter().map(home::recovery_copy).collect();
-        self.state.look.mouse = home.preferences().mouse;
+        let preferences = home.preferences();
+        self.state.look.mouse = preferences.mouse;
+        self.session.knows_tour = preferences.knows_tour;
         self.session.home = Some(home);
+    }
+
+    /// Offers the tour with the first part that is opened, unless it was taken or skipped before.
+    pub fn offer_tour(&mut self) {
+        self.session.offers_tour = !self.session.knows_tour;
+    }
+
+    /// Draws the tour while it is due. `place_of`: where the parts of the window are.
+    pub(in crate::app) fn show_tour(&mut self, ui: &Ui, place_of: impl Fn(WindowRegion) -> Option<Rect>) {
+        if self.state.document.part.is_some() && std::mem::take(&mut self.session.offers_tour) {
+            self.tour.begin();
+        }
+        if self.tour.show(ui, place_of) {
+            self.session.knows_tour = true;
+            self.store_preferences();
+        }
     }
 
     /// Stores the preferences for the next start.
     pub(in crate::app) fn store_preferences(&self) {
         if let Some(home) = &self.session.home {
-            home.store_preferences(&Preferences { mouse: self.state.look.mouse });
+            let (mouse, knows_tour) = (self.state.look.mouse, self.session.knows_tour);
+            home.store_preferences(&Preferences { mouse, knows_tour });
         }
     }
 

@@ -29,6 +29,8 @@ const MAX_RECENTS: usize = 10;
 pub struct Preferences {
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
+    /// Whether the tour was taken or skipped.
+    pub knows_tour: bool,
 }
 
 /// Folder of the window's own files.

@@ -178,6 +178,7 @@ commands! {
     SwitchTheme "Switch light and dark" "Switches between the light and dark theme" [];
     ShowShortcuts "Keyboard shortcuts" "Lists all keys" [NONE, F1];
     ShowGlossary "Glossary" "Explains the words of the window" [];
+    ShowTour "Tour" "Shows in five steps what the parts of the window are for" [];
     ShowAbout "About Vanecut" "Shows version, licence and graphics device" [];
 }
 

@@ -82,7 +82,8 @@ const VIEWS: &[&[Command]] = &[
 ];
 
 /// Groups of the Help menu.
-const HELP: &[&[Command]] = &[&[Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
+const HELP: &[&[Command]] =
+    &[&[Command::ShowTour, Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
 
 impl App {
     /// Draws the menu bar.

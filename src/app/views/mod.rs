@@ -29,6 +29,7 @@ mod swatch;
 pub mod theme;
 mod tool_drawing;
 pub mod tool_form;
+pub mod tour;
 mod tradeoff_window;
 pub mod unsaved;
 pub mod view3d;

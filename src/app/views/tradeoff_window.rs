@@ -42,15 +42,15 @@ impl App {
 }
 
 /// A plan as a point: time of a channel in minutes, 95th percentile of the stock in mm.
-type Place = (f64, f64);
+type CurvePlace = (f64, f64);
 
-fn place_of(point: &TradeoffPoint) -> Place {
+fn place_of(point: &TradeoffPoint) -> CurvePlace {
     (point.time_s / 60.0, point.residual_p95)
 }
 
 /// Draws plot, slider and figures; edits the goal of the setup.
 fn show(ui: &mut Ui, state: &mut AppState, points: Option<&[TradeoffPoint]>, is_busy: bool) {
-    let curve: Vec<Place> = points.unwrap_or_default().iter().map(place_of).collect();
+    let curve: Vec<CurvePlace> = points.unwrap_or_default().iter().map(place_of).collect();
     let (Some(slowest), Some(fastest)) = (curve.first(), curve.last()) else {
         ui.horizontal(|ui| {
             let is_minimal = state.document.edited.setup.plunge.axis == AxisPolicy::Minimal;
@@ -105,7 +105,7 @@ const TIME_TIP: &str = "How long a channel may take, without tool changes: as mu
 /// The plan of another policy in the plot.
 struct Marker {
     name: &'static str,
-    at: Place,
+    at: CurvePlace,
     interferes: bool,
 }
 
@@ -121,7 +121,7 @@ fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
 }
 
 /// Stock of the curve at a time of `minutes`, between its points.
-fn stock_at(curve: &[Place], minutes: f64) -> Option<f64> {
+fn stock_at(curve: &[CurvePlace], minutes: f64) -> Option<f64> {
     let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len() - 1);
     let (slow, fast) = (curve.get(next.saturating_sub(1))?, curve.get(next)?);
     let share = if slow.0 > fast.0 { (slow.0 - minutes) / (slow.0 - fast.0) } else { 0.0 };
@@ -129,7 +129,7 @@ fn stock_at(curve: &[Place], minutes: f64) -> Option<f64> {
 }
 
 /// What the time of the handle costs, against the least stock.
-fn words(curve: &[Place], handle: f64, state: &AppState) -> String {
+fn words(curve: &[CurvePlace], handle: f64, state: &AppState) -> String {
     let Some((slowest, stock)) = curve.first().copied().zip(stock_at(curve, handle)) else {
         return String::new();
     };
@@ -143,7 +143,7 @@ fn words(curve: &[Place], handle: f64, state: &AppState) -> String {
 }
 
 /// Draws the plot; returns the time that the handle was dragged or clicked to.
-fn plot(ui: &mut Ui, curve: &[Place], others: &[Marker], handle: f64, height: f32) -> Option<f64> {
+fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, height: f32) -> Option<f64> {
     let size = Vec2::new(ui.available_width(), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Hub stock over time of a channel"));
@@ -157,7 +157,7 @@ fn plot(ui: &mut Ui, curve: &[Place], others: &[Marker], handle: f64, height: f3
     let span = (high - low).max(1e-3);
     // A little room at both ends, for the handle and the markers.
     let (low, high) = (low - 0.05 * span, high + 0.08 * span);
-    let place = |(time, stock): Place| {
+    let place = |(time, stock): CurvePlace| {
         let across = ((time - low) / (high - low)) as f32;
         Pos2::new(
             inner.left() + inner.width() * across,
