@@ -29,7 +29,7 @@ fn residual_keys(s: &Summary) -> Map<String, Value> {
 }
 
 /// Keys that every object of `--json` has, null where they do not apply.
-const SHARED_KEYS: [&str; 28] = [
+const SHARED_KEYS: [&str; 29] = [
     "channels",
     "positions",
     "rows",
@@ -50,6 +50,7 @@ const SHARED_KEYS: [&str; 28] = [
     "cut_length",
     "rapid_length",
     "time_estimate",
+    "feed_time",
     "blocked",
     "held",
     "settled",
@@ -156,6 +157,7 @@ pub fn plan_object(
     map.insert("cut_length".into(), number(s.cut_length));
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
+    map.insert("feed_time".into(), number(s.feed_time));
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), figures.if_planned(|plan| limited_object(&limited_counts(plan, None))));
     map.insert("settled".into(), figures.if_planned(|plan| json!(plan.converged)));
@@ -328,7 +330,8 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
     format!(
         "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; \
          axis change up to {:.1}° within a row\n\
-         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
+         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {}, {:.0} of them under feed (tool changes and \
+         accelerations left out)\n",
         s.min_hub_clearance,
         s.min_blade_clearance,
         s.min_retract_clearance,
@@ -337,6 +340,7 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
         s.rapid_length,
         s.time_estimate / 60.0,
         channels_text(channels),
+        s.feed_time / 60.0,
     )
 }
 
