@@ -48,7 +48,6 @@ use tasks::work::{PROGRESS_EVERY, Work};
 use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
 use views::dialogs::Dialogs;
-use views::flank_tool::FlankTool;
 use views::help::Help;
 use views::library_dialog::{LibraryAnswer, LibraryDialog};
 use views::nc_dialog::NcDialog;
@@ -57,6 +56,7 @@ use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
 use views::pictures::{Pictures, PreviewSource};
 use views::roles::RolesDialog;
+use views::timeline_tool::TimelineTool;
 use views::tour::{Tour, WindowRegion};
 use views::view3d::{View3d, ViewHit};
 use views::viewport::{Hover, ScreenInfo};
@@ -73,16 +73,16 @@ pub struct App {
     pictures: Option<Pictures>,
     scrubbed: TimelineStock,
     inspected: InspectedSection,
-    /// The shown plan on the chosen machine.
+    /// The shown program on its machine.
     machining: MachineWork,
-    /// The program of the shown plan.
+    /// The text of the shown program.
     listing: ListingWork,
     /// The machinability of the part.
     assessing: AssessWork,
     /// Time against stock of the plan.
     weighing: TradeoffWork,
-    /// The tool of the flank plan at the position of the timeline.
-    flank_tool: FlankTool,
+    /// The tool of the flank plan or checked program at the position of the timeline.
+    timeline_tool: TimelineTool,
     /// The solid stock of each side.
     solids: PerSide<SolidWork>,
     hover: Option<Hover>,
@@ -137,7 +137,7 @@ impl App {
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
             weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
-            flank_tool: FlankTool::default(),
+            timeline_tool: TimelineTool::default(),
             solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
             context_hit: None,
@@ -260,7 +260,7 @@ impl App {
         let has_timeline = match self.state.look.operation {
             Operation::Roughing => self.state.results.planned.is_some(),
             Operation::Flank => self.state.results.flank.is_some(),
-            Operation::Program => false,
+            Operation::Program => self.state.results.checked.is_some(),
         };
         if has_timeline {
             let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));

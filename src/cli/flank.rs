@@ -166,6 +166,7 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("link_time", number(plan.times.link_time));
     put("rapid_time", number(plan.times.rapid_time));
     put("time_estimate", judged(|v| v.time_estimate));
+    put("feed_time", judged(|v| v.feed_time));
     // Gaps of the isoparametric strategy are measured only if it is the chosen one.
     let measured = |s: FlankStrategy| s != FlankStrategy::Isoparametric || s == scheme;
     let by_scheme: Map<String, Value> = FlankStrategy::ALL

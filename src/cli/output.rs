@@ -29,7 +29,7 @@ fn residual_keys(s: &Summary) -> Map<String, Value> {
 }
 
 /// Keys that every object of `--json` has, null where they do not apply.
-const SHARED_KEYS: [&str; 28] = [
+const SHARED_KEYS: [&str; 29] = [
     "channels",
     "positions",
     "rows",
@@ -50,6 +50,7 @@ const SHARED_KEYS: [&str; 28] = [
     "cut_length",
     "rapid_length",
     "time_estimate",
+    "feed_time",
     "blocked",
     "held",
     "settled",
@@ -156,6 +157,7 @@ pub fn plan_object(
     map.insert("cut_length".into(), number(s.cut_length));
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
+    map.insert("feed_time".into(), number(s.feed_time));
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), figures.if_planned(|plan| limited_object(&limited_counts(plan, None))));
     map.insert("settled".into(), figures.if_planned(|plan| json!(plan.converged)));

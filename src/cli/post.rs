@@ -91,7 +91,15 @@ fn refused(args: &PostArgs, machine: &MachineTool, source: &PostSource, fault: &
     }
     if args.json {
         let mut map = Map::new();
-        for key in ["blocks", "time", "time_by_section", "rotary_travel", "rewinds", "largest_tip_error"] {
+        for key in [
+            "blocks",
+            "positions",
+            "time",
+            "time_by_section",
+            "rotary_travel",
+            "rewinds",
+            "largest_tip_error",
+        ] {
             map.insert(key.into(), Value::Null);
         }
         map.insert("limits_exceeded".into(), json!(fault.limits_exceeded()));
@@ -176,6 +184,7 @@ fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) ->
         .collect();
     map.insert("machine".into(), json!(machine.name));
     map.insert("blocks".into(), json!(written.blocks));
+    map.insert("positions".into(), json!(written.positions));
     map.insert("time".into(), output::number(posted.time_s()));
     map.insert("time_by_section".into(), times.iter().map(|time| section_object(program, time)).collect());
     map.insert("rotary_travel".into(), Value::Object(travel));

@@ -11,7 +11,7 @@ use super::output::PlungeFigures;
 use super::watch::run_with_progress;
 use super::{Failure, MAX_SHOWN, open, output, print_stdout};
 use crate::error::ErrorCode;
-use crate::io::program_file::{NcTarget, read_program_bytes};
+use crate::io::program_file::{NcTarget, ProgramReading, read_program_bytes};
 use crate::job::FIELD_CELLS;
 use crate::part::Impeller;
 use crate::plunge::sections::check_part;
@@ -35,7 +35,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let (name, bytes) = open::named_bytes(&args.program)?;
     let target =
         args.machine.as_deref().map(|machine| NcTarget { machine, control: args.control.as_deref() });
-    let (program, overruns) = read_program_bytes(&name, &bytes, target, &part, setup)?;
+    let ProgramReading { program, overruns, .. } = read_program_bytes(&name, &bytes, target, &part, setup)?;
     let workpiece = setup.allowances.workpiece_of(part);
     let part = &workpiece.part;
     let unjudged = |error: VerifyError| Failure::of_verify(&name, error);

@@ -22,9 +22,19 @@ pub struct NcTarget<'a> {
     pub control: Option<&'a str>,
 }
 
+/// A program as it was read.
+#[derive(Clone, Debug)]
+pub struct ProgramReading {
+    /// The program, in the part frame.
+    pub program: ClProgram,
+    /// Positions beyond the limits of an axis, as faults; of APT there are none.
+    pub overruns: Vec<Fault>,
+    /// Rotary positions (rad) that NC code names, one for each move; `None` for APT.
+    pub angles: Option<Vec<Option<[f64; 2]>>>,
+}
+
 /// Reads the program `bytes` of file `name` for `part`: APT, or with a `target` the NC code that was posted
-/// for it. The faults are positions beyond the limits of an axis. Tools of NC code are those of `setup`, or
-/// else of the library.
+/// for it. Tools of NC code are those of `setup`, or else of the library.
 ///
 /// # Errors
 /// When the program is not valid, or machine or control are not known.
@@ -34,9 +44,10 @@ pub fn read_program_bytes(
     target: Option<NcTarget<'_>>,
     part: &Impeller,
     setup: &Setup,
-) -> Result<(ClProgram, Vec<Fault>), InputError> {
+) -> Result<ProgramReading, InputError> {
     let Some(target) = target.filter(|_| !is_apt(bytes)) else {
-        return Ok((read_apt_bytes(name, bytes)?, Vec::new()));
+        let program = read_apt_bytes(name, bytes)?;
+        return Ok(ProgramReading { program, overruns: Vec::new(), angles: None });
     };
     let machine = read_machine(target.machine)?;
     let post = read_post(target.control.unwrap_or(&machine.control))?;
@@ -45,7 +56,8 @@ pub fn read_program_bytes(
     let placed = PlacedPart::of(&machine.part, part);
     let context = ReadContext { machine: &machine, placed, tools: &tools };
     let reading = read_nc(name, bytes, post.dialect, &context)?;
-    Ok((reading.program, reading.overruns.iter().map(overrun_fault).collect()))
+    let overruns = reading.overruns.iter().map(overrun_fault).collect();
+    Ok(ProgramReading { program: reading.program, overruns, angles: Some(reading.angles) })
 }
 
 /// The fault of a position beyond the limits of an axis.

@@ -94,7 +94,7 @@ pub(super) fn choose(
         let candidates = found.candidates(machine, stretch, tips);
         stages.push(Stage { stretch: index, candidates });
     }
-    if let Some(fault) = found.fault() {
+    if let Some(fault) = found.fault(machine) {
         return Err(fault);
     }
     run(machine, stretches, &mut stages, axis_tolerance, monitor)?;
@@ -106,6 +106,7 @@ pub(super) fn choose(
 struct Found {
     first: Option<(usize, LimitFault)>,
     count: usize,
+    steepest_rad: f64,
 }
 
 impl Found {
@@ -113,13 +114,16 @@ impl Found {
     fn check(&mut self, machine: &MachineTool, stretch: &Stretch, tips: &[Point]) {
         if let Some(fault) = machine.limit_fault(&stretch.axis, tips, stretch.length) {
             self.count += 1;
+            self.steepest_rad = self.steepest_rad.max(stretch.axis.angle(&Vector::z()));
             self.first.get_or_insert((stretch.line, fault));
         }
     }
 
-    fn fault(self) -> Option<MotionFault> {
-        let (line, fault) = self.first?;
-        Some(MotionFault::OutOfLimits { line, what: fault.to_string(), count: self.count })
+    fn fault(self, machine: &MachineTool) -> Option<MotionFault> {
+        let Self { first, count, steepest_rad } = self;
+        let (line, first) = first?;
+        let reach_rad = machine.max_axis_tilt_rad();
+        Some(MotionFault::OutOfLimits { line, first, count, steepest_rad, reach_rad })
     }
 
     /// All positions of a stretch that the limits allow.

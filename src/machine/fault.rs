@@ -1,7 +1,11 @@
 //! Why a program cannot run on a machine.
 
+use super::limits::LimitFault;
 use crate::error::{ErrorCode, UserError};
 use crate::monitor::Cancelled;
+
+/// Reach below which no plan can keep to it, degrees.
+const MIN_USEFUL_REACH_DEG: f64 = 1.0;
 
 /// Why a program cannot run on a machine. `line` is that of the program, 0 where it has none.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -11,10 +15,14 @@ pub enum MotionFault {
     OutOfLimits {
         /// Line of the first.
         line: usize,
-        /// The first, in words.
-        what: String,
+        /// What keeps the machine from the first.
+        first: LimitFault,
         /// Number of directions of the tool without a solution.
         count: usize,
+        /// Largest angle of one of them from the table's normal, rad.
+        steepest_rad: f64,
+        /// Largest tilt up to which the machine reaches every direction, rad.
+        reach_rad: f64,
     },
     /// An axis would have to turn back in the middle of a cut.
     TurnsBack {
@@ -45,11 +53,30 @@ impl MotionFault {
     /// What is wrong and what to do.
     pub fn explained(&self) -> UserError {
         match self {
-            Self::OutOfLimits { what, count, .. } => UserError::new(
-                ErrorCode::AxisLimits,
-                format!("{what} ({count} directions like this)"),
-                "choose a machine that reaches it, or give the planner less max_axis_tilt",
-            ),
+            Self::OutOfLimits { first, count, steepest_rad, reach_rad, .. } => {
+                let others = match count {
+                    1 => "the only such direction".to_owned(),
+                    n if first.is_of_linear_axis() => format!("{n} such directions"),
+                    n => {
+                        let steepest = steepest_rad.to_degrees();
+                        format!("{n} such directions, tilted by up to {steepest:.1}°")
+                    }
+                };
+                let reach = reach_rad.to_degrees();
+                let help = if first.is_of_linear_axis() {
+                    "place the part elsewhere ([part] origin of the machine file), or choose a machine with \
+                     more travel"
+                        .to_owned()
+                } else if reach < MIN_USEFUL_REACH_DEG {
+                    "choose another machine".to_owned()
+                } else {
+                    format!(
+                        "plan with this machine as [machine] file of the setup, which keeps to the {reach:.1}° \
+                         that it reaches, or choose another machine"
+                    )
+                };
+                UserError::new(ErrorCode::AxisLimits, format!("{first} ({others})"), help)
+            }
             Self::TurnsBack { letter, .. } => UserError::new(
                 ErrorCode::AxisTurnsBack,
                 format!("{letter} meets its limit in the middle of a cut"),

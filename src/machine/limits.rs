@@ -45,7 +45,12 @@ impl LimitFault {
 }
 
 impl LimitFault {
-    /// Whether it is the smaller one: of a linear axis, which another place of the part mends, or by less.
+    /// Whether it is of a linear axis, which another place of the part mends.
+    pub fn is_of_linear_axis(&self) -> bool {
+        matches!(self, Self::Beyond { is_rotary: false, .. })
+    }
+
+    /// Whether it is the smaller one: of a linear axis, or by less.
     fn is_less_than(&self, other: &Self) -> bool {
         let key = |fault: &Self| {
             let is_rotary = matches!(fault, Self::Beyond { is_rotary: true, .. });

@@ -244,7 +244,7 @@ impl MotionMaker<'_> {
                 let rate = self.check_feed(motion, line)?.unwrap_or_default();
                 if self.options.output == OutputKind::Plane && from.angles != pose.angles {
                     let what = "the tool turns under feed, which planes cannot do";
-                    let help = "give --output tcp-angles or joints";
+                    let help = "give another --output, such as tcp-angles";
                     let error = UserError::new(ErrorCode::ControlOutput, what, help);
                     return Err(MotionFault::Lacks { line, error });
                 }

@@ -17,7 +17,8 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
     format!(
         "least clearance: hub {:.4} mm, blades {:.4} mm, retracts {:.3} mm; \
          axis change up to {:.1}° within a row\n\
-         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {} (tool changes and accelerations left out)\n",
+         {:.0} mm cut, {:.0} mm in rapid, about {:.0} min for {}, {:.0} of them under feed (tool changes and \
+         accelerations left out)\n",
         s.min_hub_clearance,
         s.min_blade_clearance,
         s.min_retract_clearance,
@@ -26,5 +27,6 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
         s.rapid_length,
         minutes(s),
         channels_text(channels),
+        s.feed_time / 60.0,
     )
 }

@@ -14,6 +14,8 @@ pub struct Travel {
     pub rapid: f64,
     /// Estimated time, s.
     pub time: f64,
+    /// Of it, the time under feed, s.
+    pub feed_time: f64,
 }
 
 impl Travel {
@@ -35,6 +37,7 @@ impl Travel {
             travel.rapid += of_move.rapid;
             travel.cut += of_move.cut;
             travel.time += of_move.time;
+            travel.feed_time += of_move.feed_time;
         }
         travel
     }
@@ -44,11 +47,15 @@ impl Travel {
         let tool = pair[1].tool.filter(|_| pair[0].tool == pair[1].tool)?;
         let length = (pair[1].tip - pair[0].tip).norm();
         Some(match pair[1].motion {
-            Motion::Rapid => Self { cut: 0.0, rapid: length, time: length / RAPID_MM_PER_MIN * 60.0 },
+            Motion::Rapid => {
+                let time = length / RAPID_MM_PER_MIN * 60.0;
+                Self { rapid: length, time, ..Self::default() }
+            }
             Motion::Feed(feed) => {
                 let known = program.tools.get(tool).and_then(|tool| tool.feed_mm_per_min);
                 let feed = feed.or(known).unwrap_or(DEFAULT_FEED_MM_PER_MIN);
-                Self { cut: length, rapid: 0.0, time: length / feed * 60.0 }
+                let time = length / feed * 60.0;
+                Self { cut: length, time, feed_time: time, ..Self::default() }
             }
         })
     }

@@ -31,7 +31,7 @@ use examine::{StepResult, examine_step};
 use gouge::{StepClearance, StepSurroundings};
 use standing::StandingStock;
 use steps::{CutterStep, steps_of};
-use stock::{FloorCache, FloorResult, ProbeSample, StockProbe, evaluate_floor};
+use stock::{FloorCache, FloorResult, ProbeSample, SKIM_DEPTH, StockProbe, Sweep, evaluate_floor};
 pub use uncovered::Uncovered;
 pub use verdict::FlankVerdict;
 use walls::wall_deviation;
@@ -52,7 +52,7 @@ pub fn verify_flank(
     program: &ClProgram,
     monitor: &Monitor,
 ) -> Result<FlankVerdict, VerifyError> {
-    FlankVerifier::with(workpiece, setup, 0.0, false).verdict(program, monitor)
+    FlankVerifier::with(workpiece, setup, Strictness::VERIFY, false).verdict(program, monitor)
 }
 
 /// Checks programs against one part, one after another; the result of each step is cached.
@@ -63,12 +63,29 @@ pub struct FlankVerifier<'a> {
     keeps: bool,
     /// Search for contacts with stock that stands.
     standing: StandingStock,
+    /// Width of the rim of a cutter whose stock does not count for the depth of a cut, mm.
+    rim_tolerance: f64,
     /// The floor, once one was cut.
     floor: Option<FloorCache>,
     /// The tools of the last program, and the cache of steps with them.
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
     last: Option<LastProgram>,
+}
+
+/// How close to its limits a program may come.
+#[derive(Clone, Copy)]
+struct Strictness {
+    /// Share of what the solid does not resolve by which holders keep off stock.
+    holder_margin: f64,
+    /// See [`FlankVerifier::rim_tolerance`].
+    rim_tolerance: f64,
+}
+
+impl Strictness {
+    /// A planner's: what keeps to it does so after rounding too.
+    const PLAN: Self = Self { holder_margin: 1.0, rim_tolerance: 0.0 };
+    const VERIFY: Self = Self { holder_margin: 0.0, rim_tolerance: SKIM_DEPTH };
 }
 
 /// What is known of the stock under the last program: a job first asks for its faults, then for its verdict.
@@ -108,20 +125,22 @@ fn step_key(step: &CutterStep) -> StepKey {
 impl<'a> FlankVerifier<'a> {
     /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self::with(workpiece, setup, 0.0, true)
+        Self::with(workpiece, setup, Strictness::VERIFY, true)
     }
 
-    /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a
-    /// finer one finds nothing either.
+    /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: holders
+    /// keep off stock by what the solid does not resolve, so that a finer one finds nothing either, and cuts
+    /// are not too deep even at the rim of the cutter.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self::with(workpiece, setup, 1.0, true)
+        Self::with(workpiece, setup, Strictness::PLAN, true)
     }
 
     /// A verifier that `keeps` what another program may begin with, or judges one only.
-    fn with(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64, keeps: bool) -> Self {
+    fn with(workpiece: &'a Workpiece, setup: &'a Setup, strictness: Strictness, keeps: bool) -> Self {
+        let Strictness { holder_margin, rim_tolerance } = strictness;
         let standing = StandingStock::new(holder_margin, keeps);
         let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, keeps, standing, floor: None, tools, cache, last: None }
+        Self { workpiece, setup, keeps, standing, rim_tolerance, floor: None, tools, cache, last: None }
     }
 
     /// The faults of `program`, by line. The floor is cut only by a program whose moves have no faults
@@ -351,7 +370,7 @@ impl<'a> FlankVerifier<'a> {
             rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
         };
         let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
-        let cache = (&mut self.floor, self.keeps);
-        evaluate_floor(self.workpiece, self.setup, &self.tools, &ours, &places, cache)
+        let sweep = Sweep { tools: &self.tools, steps: &ours, places: &places, rim: self.rim_tolerance };
+        evaluate_floor(self.workpiece, self.setup, &sweep, (&mut self.floor, self.keeps))
     }
 }

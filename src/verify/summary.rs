@@ -43,6 +43,8 @@ pub struct Summary {
     /// Estimated time, s: cuts at their feed rates and rapids at [`crate::toolpath::RAPID_MM_PER_MIN`],
     /// without tool changes and accelerations.
     pub time_estimate: f64,
+    /// Of it, the time under feed, s.
+    pub feed_time: f64,
     /// Positions blocked by the blades, including those that were left out; `None` for a program, which does
     /// not contain them.
     pub blocked: Option<usize>,
@@ -153,6 +155,7 @@ impl Summary {
             cut_length: travel.cut,
             rapid_length: travel.rapid,
             time_estimate: travel.time,
+            feed_time: travel.feed_time,
             blocked: None,
         }
     }

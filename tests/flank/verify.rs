@@ -189,6 +189,34 @@ fn a_holder_that_comes_into_stock_is_found_and_one_above_cut_stock_is_not() {
 }
 
 #[test]
+fn a_flank_that_skims_stock_beside_it_is_no_deep_cut() {
+    let mut made = made(3);
+    let middle: Vec<Place> = made.inner[1][60..140].to_vec();
+    let first = made.program([&middle], |_| {});
+    // Where the first cutter has been, a wider one cuts no more than a wall of stock on both sides of it.
+    let mut deep_cuts_of_wider = |by: f64| {
+        let narrow = made.tool.clone();
+        (made.tool.diameter, made.tool.corner_radius) = (narrow.diameter + by, 0.5 * (narrow.diameter + by));
+        let second = made.program([&middle], |_| {});
+        made.tool = narrow;
+        let mut program = first.clone();
+        program.tools.push(ClTool { number: 2, ..second.tools[0].clone() });
+        program.moves.extend(second.moves.into_iter().map(|m| Move { tool: Some(1), ..m }));
+        let read = read_apt_bytes("flank.apt", write_apt(&program).as_bytes()).expect("readable");
+        let verdict = verify_flank(&made.workpiece, &made.setup, &read, &Monitor::default()).expect("judged");
+        let begin = read.moves.iter().find(|step| step.tool == Some(1)).expect("a move").line;
+        let is_deep =
+            |fault: &&vanecut::verify::Fault| fault.kind == FaultKind::TooDeep && fault.line > begin;
+        (verdict.faults.iter().filter(is_deep).count(), verdict.faults.len())
+    };
+    let (skims, all) = deep_cuts_of_wider(0.03);
+    assert_eq!(skims, 0, "0.015 mm on each side are below what the floor resolves");
+    assert!(all > 0, "the first cutter goes down to the floor at once");
+    let (cuts, _) = deep_cuts_of_wider(0.5);
+    assert!(cuts > 3, "{cuts}: 0.25 mm on each side are cut");
+}
+
+#[test]
 fn stock_of_a_channel_that_is_not_cut_stands_in_the_way() {
     let made = made(3);
     let pitch = made.workpiece.part.pitch();

@@ -248,6 +248,7 @@ fn summary(plan: &PlungePlan, mean: f64) -> Summary {
         cut_length: 2000.0,
         rapid_length: 4000.0,
         time_estimate: 1080.0,
+        feed_time: 1056.0,
         blocked: Some(plan.positions.iter().filter(|p| p.blocked.is_some()).count()),
     }
 }

@@ -18,7 +18,7 @@ fn set_depth(window: &mut Window, depth: f64) {
 }
 
 /// Plans flank milling in layers of `depth`, mm.
-fn plan_flank(window: &mut Window, depth: f64) {
+pub fn plan_flank(window: &mut Window, depth: f64) {
     window.get_by_label("Flank: not calculated").click();
     window.run_steps(4);
     set_depth(window, depth);

@@ -2,10 +2,11 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
-use vanecut::app::model::machine::PlanOnMachine;
-use vanecut::geometry::rotate_vector_z;
+use vanecut::app::model::machine::ProgramOnMachine;
+use vanecut::geometry::{Vector, rotate_vector_z};
 
 use crate::fake;
+use crate::flank::plan_flank;
 use crate::harness::{Window, labels, press, settle, snapshot_view, turn_wheel, with_sample, words};
 
 /// A window with a planned sample on a machine.
@@ -18,7 +19,7 @@ pub fn with_machine(name: &str) -> Window {
     window
 }
 
-fn choose(window: &mut Window, name: &str) {
+pub fn choose(window: &mut Window, name: &str) {
     window.get_by_role_and_label(Role::ComboBox, "Machine").click();
     window.run_steps(2);
     window.get_by_label(name).click();
@@ -26,7 +27,7 @@ fn choose(window: &mut Window, name: &str) {
     settle(window);
 }
 
-fn on_machine(window: &Window) -> &PlanOnMachine {
+fn on_machine(window: &Window) -> &ProgramOnMachine {
     let plan = window.state().state().results.on_machine.as_ref().expect("known");
     plan.as_ref().expect("the machine is read")
 }
@@ -38,7 +39,7 @@ fn line_of_axes(window: &Window) -> Option<String> {
 }
 
 /// The line of the axes, as pairs of a letter and a number.
-fn axes(window: &Window) -> Vec<(char, f64)> {
+pub fn axes(window: &Window) -> Vec<(char, f64)> {
     let text = line_of_axes(window).expect("a line");
     let words: Vec<&str> = text.split_whitespace().collect();
     let pair = |pair: &[&str]| Some((pair[0].chars().next()?, pair[1].trim_end_matches('°').parse().ok()?));
@@ -71,19 +72,51 @@ fn the_axes_beside_the_timeline_hold_the_tool_where_the_position_says() {
     let letters: Vec<char> = now.iter().map(|(letter, _)| *letter).collect();
     assert_eq!(letters, ['X', 'Y', 'Z', 'A', 'C']);
     assert_ne!(start, now, "the axes move with the timeline");
-    // From A and C back to the tool axis, by the closed form of a trunnion: C turns about Z, A about X.
     let state = window.state().state();
     assert_eq!(state.look.cut_count, Some(5));
     let plan = state.shown().expect("planned").plan();
-    let (a, c) = (now[3].1.to_radians(), now[4].1.to_radians());
-    let held = rotate_vector_z(&vanecut::geometry::Vector::new(0.0, -a.sin(), a.cos()), c);
-    let machine = on_machine(&window);
-    let axis = machine.placed.vector_in_part(&held);
-    let stray = axis.angle(&plan.positions[4].axis).to_degrees();
+    let stray = held_by_trunnion(&window, &now).angle(&plan.positions[4].axis).to_degrees();
     assert!(stray < 1e-3, "{now:?} holds the tool {stray}° off");
-    let tip = machine.placed.point_in_part(&machine.plunges[4].expect("a position").pose.tip);
+    let machine = on_machine(&window);
+    let tip = machine.placed.point_in_part(&machine.ends[4].expect("a position").pose.tip);
     assert!((tip - plan.positions[4].tip).norm() < 1e-9);
     snapshot_view(&mut window, "machine_axes");
+}
+
+/// Axis of the tool in the frame of the part at the `axes` of the AC trunnion, by its closed form: C turns
+/// about Z, A about X.
+pub fn held_by_trunnion(window: &Window, axes: &[(char, f64)]) -> Vector {
+    let (a, c) = (axes[3].1.to_radians(), axes[4].1.to_radians());
+    let held = rotate_vector_z(&Vector::new(0.0, -a.sin(), a.cos()), c);
+    on_machine(window).placed.vector_in_part(&held)
+}
+
+#[test]
+fn the_axes_of_a_flank_plan_stand_beside_its_timeline() {
+    let mut window = with_machine("ac-trunnion");
+    plan_flank(&mut window, 10.0);
+    let moves = window.state().state().results.flank.clone().expect("planned").plan.moves.clone();
+    assert_eq!(on_machine(&window).fault, None);
+    let mut seen = std::collections::BTreeSet::new();
+    for cut in [1, 40, moves.len() / 2, moves.len()] {
+        window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(cut as f64);
+        window.run_steps(3);
+        let now = axes(&window);
+        assert_eq!(now.iter().map(|(letter, _)| *letter).collect::<String>(), "XYZAC");
+        let stray = held_by_trunnion(&window, &now).angle(&moves[cut - 1].axis).to_degrees();
+        assert!(stray < 1e-3, "{now:?} holds the tool {stray}° off move {cut}");
+        let (placed, at) = (on_machine(&window).placed, on_machine(&window).at(Some(cut)).expect("runs"));
+        assert!((placed.point_in_part(&at.pose.tip) - moves[cut - 1].tip).norm() < 1e-9);
+        seen.insert(format!("{now:?}"));
+    }
+    assert_eq!(seen.len(), 4, "the axes move with the timeline");
+    // The plunge plan has axes of its own.
+    let of_flank = on_machine(&window).ends.len();
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(on_machine(&window).ends.len(), window.state().state().position_count());
+    assert_ne!(on_machine(&window).ends.len(), of_flank);
 }
 
 #[test]
@@ -100,7 +133,7 @@ fn a_machine_that_cannot_run_the_plan_says_why() {
     settle(&mut window);
     let fault = words(&window, "A would have to be").expect("the fault is shown");
     assert!(fault.starts_with("AC trunnion: "), "{fault}");
-    assert!(on_machine(&window).plunges.is_empty());
+    assert!(on_machine(&window).ends.is_empty());
     choose(&mut window, "None");
     assert!(window.state().state().results.on_machine.is_none());
     assert_eq!(words(&window, "A would have to be"), None);
@@ -111,10 +144,10 @@ fn the_table_warns_of_axis_limits_and_of_the_pole() {
     let mut window = with_machine("ac-trunnion");
     assert!(window.query_by_label("Sort by axis warnings").is_some(), "a column of its own");
     let count = window.state().state().position_count();
-    let first = on_machine(&window).plunges[0].expect("a position").pose.axis;
+    let first = on_machine(&window).ends[0].expect("a position").pose.axis;
     let folder = tempfile::tempdir().unwrap();
     // A tilts as far as the position in the middle needs.
-    let middle = on_machine(&window).machine.pole_angle(&on_machine(&window).plunges[8].unwrap().pose.axis);
+    let middle = on_machine(&window).machine.pole_angle(&on_machine(&window).ends[8].unwrap().pose.axis);
     let text = include_str!("../../assets/machines/ac-trunnion.toml");
     // C is where the tool of the first position is, with the part turned so that A reaches there.
     let pole = format!("dir = [0, {:?}, {:?}]", -first.x.hypot(first.y), -first.z);

@@ -20,6 +20,7 @@ use vanecut::verify::{Fault, FaultKind, verify};
 use crate::drop::drop_on;
 use crate::fake;
 use crate::harness::{HANG, Window, click_enabled, settle, snapshot_view, with_sample};
+use crate::machine::{axes, choose, held_by_trunnion, with_machine};
 
 /// The first plunges of the plan as a program; the fourth goes 3 mm too deep.
 fn program(window: &Window) -> String {
@@ -78,7 +79,7 @@ fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
     let faults: Vec<_> = checked.findings.iter().map(|finding| finding.fault.clone()).collect();
     assert_eq!(faults, verdict.faults);
     window.get_by_label(&format!("Faults {}", faults.len()));
-    assert!(window.query_by_label("Timeline").is_none(), "the plunge plan is hidden");
+    window.get_by_label(&format!("all {}", program.moves.len()));
 
     // A click leads to the place.
     let is_it = |fault: &&Fault| fault.line == ITS_LINE && fault.kind == FaultKind::HubAllowance;
@@ -89,6 +90,7 @@ fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
     window.run_steps(8);
     settle(&mut window);
     assert_eq!(window.state().state().look.finding, Some(k));
+    window.get_by_label(&format!("{} of {}", 3 * TOO_DEEP + 2, program.moves.len()));
     window.get_by_label(text.lines().nth(ITS_LINE - 1).expect("a line"));
     let camera = window.state().camera().expect("a camera");
     let plan = window.state().state().shown().expect("planned").plan();
@@ -150,6 +152,104 @@ fn a_program_that_cannot_be_read_is_a_problem_with_its_line() {
     let problem = window.state().state().problems.last().cloned().expect("a problem");
     assert!(problem.message.contains("bad.apt:4"), "{problem:?}");
     window.get_by_label("Program: not checked");
+}
+
+/// Moves the timeline to after `cut` moves.
+fn scrub(window: &mut Window, cut: usize) {
+    window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(cut as f64);
+    window.run_steps(3);
+}
+
+#[test]
+fn a_checked_program_has_a_timeline_with_its_line_its_tool_and_its_clock() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let text = program(&window);
+    let path = write(folder.path(), "deep.apt", &text);
+    window.set_size(egui::vec2(1200.0, 760.0));
+    window.run_steps(3);
+    check(&mut window, &path);
+    let moves = read_apt_bytes("deep.apt", text.as_bytes()).expect("a program").moves;
+    scrub(&mut window, 5);
+    let line = text.lines().nth(moves[4].line - 1).expect("a line");
+    window.get_by_label(&format!("Line {}: {line}", moves[4].line));
+    assert!(window.query_by_label_contains("X ").is_none(), "no machine, no axes");
+    let (now, whole) = window.state().state().clock().expect("a clock");
+    assert!(now > 0.0 && now < whole, "{now} of {whole} s");
+    // The tool is drawn there.
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    settle(&mut window);
+    snapshot_view(&mut window, "program_timeline");
+    // A fault takes the timeline along; scrubbed on, the fault is no longer selected.
+    window.key_press(egui::Key::N);
+    window.run_steps(4);
+    let state = window.state().state();
+    let first = state.selected_finding().and_then(|finding| finding.first_move).expect("at a move");
+    assert_eq!(state.timeline_cut(), Some(first + 1));
+    window.key_press(egui::Key::ArrowRight);
+    window.run_steps(2);
+    let state = window.state().state();
+    assert_eq!((state.timeline_cut(), state.look.finding), (Some(first + 2), None));
+}
+
+#[test]
+fn the_axes_of_an_apt_program_are_those_of_the_machine_of_the_setup() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = with_machine("ac-trunnion");
+    let text = program(&window);
+    let path = write(folder.path(), "deep.apt", &text);
+    check(&mut window, &path);
+    let moves = read_apt_bytes("deep.apt", text.as_bytes()).expect("a program").moves;
+    for cut in [1, 8, moves.len()] {
+        scrub(&mut window, cut);
+        let now = axes(&window);
+        let stray = held_by_trunnion(&window, &now).angle(&moves[cut - 1].axis).to_degrees();
+        assert!(stray < 1e-3, "{now:?} holds the tool {stray}° off move {cut}");
+    }
+    // Without a machine there is nothing to show.
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    choose(&mut window, "None");
+    window.get_by_label_contains("Program: ").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().results.on_machine.is_none());
+}
+
+#[test]
+fn the_axes_of_nc_code_are_those_that_it_commands() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    take_tools(&mut window, folder.path());
+    let text = nc_program(&window);
+    let nc = write(folder.path(), "plan.h", &text);
+    check(&mut window, &nc);
+    assert_eq!(window.state().state().document.edited.setup.machine.file, None, "the setup has no machine");
+    let checked = window.state().state().results.checked.clone().expect("checked");
+    let count = checked.program.moves.len();
+    for cut in [1, count / 3, count / 2, count] {
+        scrub(&mut window, cut);
+        let line = checked.program.moves[cut - 1].line;
+        // The words of the axes hold until others come; several moves may belong to a line.
+        let last = |letter: char| {
+            let words = text.lines().take(line).flat_map(str::split_whitespace);
+            let values = words.filter_map(|word| word.strip_prefix(letter)?.parse::<f64>().ok());
+            values.last().expect("commanded")
+        };
+        let is_end = checked.program.moves.get(cut).is_none_or(|next| next.line != line);
+        if is_end {
+            let now = axes(&window);
+            assert_eq!(now.iter().map(|(letter, _)| *letter).collect::<String>(), "XYZAC");
+            for (letter, shown) in now.iter().skip(3) {
+                assert!((shown - last(*letter)).abs() < 1e-3, "{letter}{shown} at line {line}");
+            }
+        }
+        window.get_by_label_contains(&format!("Line {line}: "));
+    }
 }
 
 /// The plan as NC code for the machine that is chosen, at first the trunnion.

@@ -86,6 +86,7 @@ impl App {
         self.work.asked_check = None;
         self.state.results.checked = None;
         self.state.look.operation = Operation::Roughing;
-        self.state.look.finding = None;
+        (self.state.look.finding, self.state.look.program_cut) = (None, None);
+        self.state.look.playing = None;
     }
 }

@@ -3,11 +3,14 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::listing::ProgramListing;
 use super::preview::ShownCutters;
+use super::state::Boundary;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
 use crate::part::Impeller;
 use crate::setup::Setup;
+use crate::toolpath::ClProgram;
 use crate::verify::Fault;
 
 /// What is checked, and against what.
@@ -54,6 +57,8 @@ pub struct ProgramFinding {
     pub fault: Fault,
     /// Where the tool is at its line; `None` where that line is not a move.
     pub place: Option<FaultPlace>,
+    /// Index of the first move of its line.
+    pub first_move: Option<usize>,
     /// Text of its line.
     pub text: String,
 }
@@ -76,6 +81,14 @@ pub struct CheckedProgram {
     pub figures: Vec<ProgramFigure>,
     /// Remarks that are not faults, those of the reader with their line.
     pub notes: Vec<String>,
+    /// The program itself.
+    pub program: ClProgram,
+    /// Rotary positions (rad) that NC code names, one for each move; `None` for APT.
+    pub angles: Option<Vec<Option<[f64; 2]>>>,
+    /// Its text, with the line of each move.
+    pub listing: Arc<ProgramListing>,
+    /// Time from the start to the end of each move, s.
+    pub clock: Vec<f64>,
     /// Its moves as lines.
     pub lines: Vec<Segment>,
     /// Estimated time of the whole program, s.
@@ -85,6 +98,26 @@ pub struct CheckedProgram {
 }
 
 impl CheckedProgram {
+    /// Time after the first `count` moves, s.
+    pub fn time_after(&self, count: usize) -> f64 {
+        count.checked_sub(1).and_then(|last| self.clock.get(last)).copied().unwrap_or(0.0)
+    }
+
+    /// Indices of the first moves of each tool, or of each section that the program names.
+    pub fn boundaries(&self, of: Boundary) -> Vec<usize> {
+        let Self { program: ClProgram { moves, rows, .. }, .. } = self;
+        match of {
+            Boundary::Tool => {
+                let begins = |k: &usize| *k == 0 || moves[*k].tool != moves[*k - 1].tool;
+                (0..moves.len()).filter(begins).collect()
+            }
+            Boundary::Section => {
+                let begins = |k: &usize| *k == 0 || rows[*k].section != rows[*k - 1].section;
+                (0..rows.len()).filter(begins).map(|k| rows[k].first_move).collect()
+            }
+        }
+    }
+
     /// Name of the file.
     pub fn name(&self) -> String {
         self.request.path.file_name().unwrap_or_default().to_string_lossy().into_owned()

@@ -283,6 +283,8 @@ pub struct Look {
     pub difference: bool,
     /// Selected fault of the checked program.
     pub finding: Option<usize>,
+    /// Timeline of the checked program: number of moves made; `None`: all.
+    pub program_cut: Option<usize>,
     /// Machine that checked NC code was posted for, by name.
     pub check_machine: String,
     /// Whether the camera zooms to the selection in the next frame.
@@ -436,6 +438,7 @@ impl Default for Look {
             range: None,
             difference: false,
             finding: None,
+            program_cut: None,
             check_machine: DEFAULT_MACHINE.to_owned(),
             fly: false,
             section: None,

@@ -1,4 +1,4 @@
-//! The shown plan on the chosen machine: where all axes stand at the end of each plunge.
+//! The shown program on its machine: where all axes stand at the end of each step of the timeline.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -21,22 +21,22 @@ pub struct AxisPositions {
     pub tool: DrawnTool,
 }
 
-/// A plan as a machine runs it.
+/// A program as a machine runs it.
 #[derive(Clone, Debug)]
-pub struct PlanOnMachine {
+pub struct ProgramOnMachine {
     /// The machine.
     pub machine: MachineTool,
     /// How the part lies on it.
     pub placed: PlacedPart,
     /// Extent of the blank.
     pub blank: BlankSize,
-    /// Before the first plunge.
+    /// Before the first step of the timeline.
     pub start: Option<AxisPositions>,
-    /// At the end of each plunge; empty where the machine cannot run the program.
-    pub plunges: Vec<Option<AxisPositions>>,
+    /// At the end of each step; empty where the machine cannot run the program.
+    pub ends: Vec<Option<AxisPositions>>,
     /// Why it cannot: what is wrong, and what to do.
     pub fault: Option<(String, String)>,
-    /// What each position asks of the axes.
+    /// What each position of a plunge plan asks of the axes; empty for other programs.
     pub demands: Vec<AxisDemand>,
 }
 
@@ -70,16 +70,16 @@ impl AxisDemand {
     }
 }
 
-impl PlanOnMachine {
-    /// The axes after `cut` plunges; `None`: after all.
+impl ProgramOnMachine {
+    /// The axes after `cut` steps of the timeline; `None`: after all.
     pub fn at(&self, cut: Option<usize>) -> Option<&AxisPositions> {
-        match cut.unwrap_or(self.plunges.len()).min(self.plunges.len()) {
+        match cut.unwrap_or(self.ends.len()).min(self.ends.len()) {
             0 => self.start.as_ref(),
-            count => self.plunges.get(count - 1)?.as_ref(),
+            count => self.ends.get(count - 1)?.as_ref(),
         }
     }
 
-    /// The machine as solids after `cut` plunges; see [`Self::at`].
+    /// The machine as solids after `cut` steps; see [`Self::at`].
     pub fn mesh(&self, cut: Option<usize>) -> Option<Mesh> {
         let AxisPositions { pose, joints, tool } = *self.at(cut)?;
         let (machine, placed, blank) = (&self.machine, &self.placed, self.blank);

@@ -24,3 +24,4 @@ pub mod role_choices;
 pub mod shop_library;
 pub mod solid;
 pub mod state;
+pub mod timeline_program;

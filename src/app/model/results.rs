@@ -11,7 +11,7 @@ use crate::setup::Setup;
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::listing::ProgramListing;
-use crate::app::model::machine::PlanOnMachine;
+use crate::app::model::machine::ProgramOnMachine;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::PlanPreview;
 
@@ -51,7 +51,7 @@ pub struct Results {
     /// The program that was checked last.
     pub checked: Option<Arc<CheckedProgram>>,
     /// The shown plan on the machine of the setup; `None` without a machine, or until it is known.
-    pub on_machine: Option<Result<Arc<PlanOnMachine>, InputError>>,
+    pub on_machine: Option<Result<Arc<ProgramOnMachine>, InputError>>,
     /// The program of the shown plan; `None` until it is known.
     pub listing: Option<Arc<ProgramListing>>,
     figures: Vec<(Setup, SetFigures)>,

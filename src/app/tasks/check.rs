@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::app::model::checked::{CheckRequest, CheckedProgram, FaultPlace, ProgramFigure, ProgramFinding};
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
+use crate::app::model::listing::ProgramListing;
 use crate::app::model::preview::ShownCutters;
 use crate::drawing::cutters::single_cutter;
 use crate::drawing::flank::RAPID_COLOUR;
@@ -14,13 +15,13 @@ use crate::error::ErrorCode;
 use crate::gpu::cutters::CutterState;
 use crate::gpu::mesh::Segment;
 use crate::io::InputError;
-use crate::io::program_file::{NcTarget, read_program_bytes};
+use crate::io::program_file::{NcTarget, ProgramReading, read_program_bytes};
 use crate::io::source::{name_of, read_bytes};
 use crate::monitor::Monitor;
 use crate::palette::{INTERFERING, category};
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
-use crate::toolpath::{ClProgram, Motion, Move};
+use crate::toolpath::{ClProgram, Motion, Move, Travel};
 use crate::verify::{
     Fault, FlankVerdict, PlungeReport, VerifyError, count_by_kind, report_plunges, verify_flank,
 };
@@ -58,7 +59,8 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         .map_err(|fault| InputError::new(fault.code, "", 0, fault.message.clone(), fault.help.clone()))?;
     let bytes = read_bytes(path)?;
     let target = NcTarget { machine: Path::new(machine), control: None };
-    let (program, overruns) = read_program_bytes(&name, &bytes, Some(target), part, setup)?;
+    let ProgramReading { program, overruns, angles } =
+        read_program_bytes(&name, &bytes, Some(target), part, setup)?;
     let workpiece = setup.allowances.workpiece_of(Arc::clone(part));
     let unjudged = |error: VerifyError| match error {
         VerifyError::Cancelled(_) => CheckError::Cancelled,
@@ -77,16 +79,23 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
     faults.extend(overruns);
     faults.sort_by_key(|fault| fault.line);
     let reader = program.warnings.iter().map(|w| format!("Line {}: {}", w.line, w.message));
+    let notes = judged.notes.into_iter().chain(reader).collect();
+    let ends = program.moves.iter().map(|step| Some(step.line).filter(|&line| line > 0)).collect();
+    let listing = ProgramListing::new(String::from_utf8_lossy(&bytes).into_owned(), ends);
     Ok(CheckedProgram {
         request: request.clone(),
         kind: judged.kind,
         summary: count_by_kind(&faults),
         lines: lines_of(&program, &faults),
-        findings: findings_of(&program, setup, &String::from_utf8_lossy(&bytes), faults),
+        findings: findings_of(&program, setup, &listing, faults),
         figures: judged.figures,
-        notes: judged.notes.into_iter().chain(reader).collect(),
+        notes,
         time: judged.time,
         is_complete: judged.is_complete,
+        clock: Travel::clock(&program),
+        listing: Arc::new(listing),
+        program,
+        angles,
     })
 }
 
@@ -188,18 +197,23 @@ fn lines_of(program: &ClProgram, faults: &[Fault]) -> Vec<Segment> {
     program.moves.windows(2).filter(same_tool).map(line).collect()
 }
 
-fn findings_of(program: &ClProgram, setup: &Setup, text: &str, faults: Vec<Fault>) -> Vec<ProgramFinding> {
-    let lines: Vec<&str> = text.lines().collect();
-    let mut moves: HashMap<usize, &Move> = HashMap::new();
-    for step in &program.moves {
-        moves.entry(step.line).or_insert(step);
+fn findings_of(
+    program: &ClProgram,
+    setup: &Setup,
+    listing: &ProgramListing,
+    faults: Vec<Fault>,
+) -> Vec<ProgramFinding> {
+    let mut moves: HashMap<usize, usize> = HashMap::new();
+    for (index, step) in program.moves.iter().enumerate() {
+        moves.entry(step.line).or_insert(index);
     }
     let finding = |(index, fault): (usize, Fault)| {
-        let step = moves.get(&fault.line).copied().filter(|_| fault.line > 0 && index < MAX_PLACES);
+        let first_move = moves.get(&fault.line).copied().filter(|_| fault.line > 0);
+        let step = first_move.and_then(|k| program.moves.get(k)).filter(|_| index < MAX_PLACES);
         let tool = step.and_then(|step| program.tools.get(step.tool?)).map(|tool| tool.completed(setup));
         let place = step.zip(tool).map(|(step, tool)| place_of(step, &tool));
-        let text = fault.line.checked_sub(1).and_then(|line| lines.get(line));
-        ProgramFinding { place, text: text.map_or_else(String::new, |text| text.trim().to_owned()), fault }
+        let text = listing.line(fault.line).unwrap_or_default().trim().to_owned();
+        ProgramFinding { place, first_move, text, fault }
     };
     faults.into_iter().enumerate().map(finding).collect()
 }

@@ -1,45 +1,34 @@
-//! The shown plan on the chosen machine, as `vanecut post` has it run: rotary positions chosen over the whole
-//! program.
+//! The shown program on its machine, as `vanecut post` has it run: rotary positions chosen over the whole
+//! program; those of NC code are read from it.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use super::Repaint;
-use crate::app::model::look::Operation;
-use crate::app::model::machine::{AxisDemand, AxisPositions, PlanOnMachine};
-use crate::app::model::planned::DisplayPlan;
+use crate::app::model::machine::{AxisDemand, AxisPositions, ProgramOnMachine};
 use crate::app::model::state::AppState;
+use crate::app::model::timeline_program::TimelineProgram;
 use crate::app::tasks::latest::Latest;
 use crate::drawing::machine::DrawnTool;
 use crate::io::InputError;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::machine::{
-    BlankSize, MachineProgram, MachineTool, MotionOptions, PlacedPart, gauge_length, machine_program,
+    BlankSize, MachineTool, MotionFault, MotionOptions, PlacedPart, Pose, gauge_length, machine_program,
 };
 use crate::monitor::Monitor;
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::AxisPolicy;
-use crate::toolpath::{ClProgram, ClTool};
+use crate::toolpath::{ClProgram, ClTool, Move};
 
-/// A plan, and the machine that is to run it.
-#[derive(Clone)]
+/// A program, and the machine that is to run it.
+#[derive(Clone, PartialEq)]
 struct MachineRequest {
-    planned: Arc<DisplayPlan>,
-    policy: AxisPolicy,
+    program: TimelineProgram,
     machine: String,
 }
 
-impl PartialEq for MachineRequest {
-    /// Plans are immutable, so pointer equality suffices.
-    fn eq(&self, other: &Self) -> bool {
-        (self.policy, &self.machine) == (other.policy, &other.machine)
-            && Arc::ptr_eq(&self.planned, &other.planned)
-    }
-}
-
-/// The answer: the plan on the machine, or why the machine is not known.
-type MachineAnswer = Result<Arc<PlanOnMachine>, InputError>;
+/// The answer: the program on the machine, or why the machine is not known.
+type MachineAnswer = Result<Arc<ProgramOnMachine>, InputError>;
 
 /// Finds the positions of the axes in the background.
 pub(in crate::app) struct MachineWork(Latest<MachineRequest, MachineAnswer>);
@@ -50,18 +39,14 @@ impl MachineWork {
         Self(Latest::new("machine", repaint, |request: &MachineRequest| run(request).map(Arc::new)))
     }
 
-    /// Requests the shown plan on the machine of the setup. Returns it once it is known; `None` without a
-    /// machine.
+    /// Requests the shown program on its machine. Returns it once it is known; `None` without a machine.
     pub(in crate::app) fn follow(&mut self, state: &AppState) -> Option<MachineAnswer> {
-        let machine = state.document.edited.setup.machine.file.clone();
-        let machine = machine.filter(|_| state.look.operation == Operation::Roughing);
-        let wanted = machine.zip(state.shown()).map(|(machine, shown)| MachineRequest {
-            planned: Arc::clone(shown.planned),
-            policy: shown.policy,
-            machine,
-        });
+        let program = state.timeline_program();
+        let wanted = program
+            .zip(state.timeline_machine())
+            .map(|(program, machine)| MachineRequest { program, machine: machine.to_owned() });
         self.0.request(wanted.clone());
-        // Positions of another plan or machine would mislead.
+        // Positions of another program or machine would mislead.
         let (of, answer) = self.0.answer()?;
         wanted.filter(|wanted| wanted == of).map(|_| answer.clone())
     }
@@ -72,33 +57,84 @@ impl MachineWork {
     }
 }
 
-fn run(request: &MachineRequest) -> Result<PlanOnMachine, InputError> {
+fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
     let machine = read_machine(Path::new(&request.machine))?;
-    let post = read_post(&machine.control)?;
-    let outcome = &request.planned.outcome;
-    let part = &outcome.workpiece.part;
-    let plan = request.planned.plan(request.policy);
-    let mut program = ClProgram::of_plan(&part.name, plan);
-    for (number, step) in (1..).zip(&mut program.moves) {
-        step.line = number;
-    }
+    let (part, allowances) = request.program.part();
     let placed = PlacedPart::of(&machine.part, part);
-    let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
-    let blank = BlankSize::of(part, &outcome.setup.allowances);
-    options.blank = Some(blank);
-    let made = machine_program(&machine, &placed, &program, &options, &Monitor::default());
-    let (start, plunges, fault) = match made {
-        Ok(motion) => {
-            let (start, plunges) = axis_positions(&machine, plan, &program, &motion);
-            (start, plunges, None)
-        }
+    let blank = BlankSize::of(part, allowances);
+    let (program, steps) = request.program.moves();
+    let named = match &request.program {
+        TimelineProgram::Checked(checked) => checked.angles.as_deref(),
+        _ => None,
+    };
+    let poses = match named.and_then(|angles| named_poses(&placed, &program, angles)) {
+        Some(poses) => Ok(poses),
+        None => chosen_poses(&machine, &placed, &program, blank)?,
+    };
+    let (poses, fault) = match poses {
+        Ok(poses) => (poses, None),
         Err(fault) => {
             let error = fault.explained();
-            (None, Vec::new(), Some((error.message, error.help)))
+            (Vec::new(), Some((error.message, error.help)))
         }
     };
-    let demands = plan.positions.iter().map(|position| demand(&machine, &placed, plan, position)).collect();
-    Ok(PlanOnMachine { machine, placed, blank, start, plunges, fault, demands })
+    let at = |index: usize| axis_positions(&machine, &program, index, (*poses.get(index)?)?);
+    let first = match request.program {
+        TimelineProgram::Flank(_) => steps.first().copied().flatten(),
+        _ => Some(0),
+    };
+    let start = first.and_then(at);
+    let ends = if fault.is_none() { steps.iter().map(|end| at((*end)?)).collect() } else { Vec::new() };
+    let demands = match &request.program {
+        TimelineProgram::Plunges(planned, policy) => {
+            let plan = planned.plan(*policy);
+            plan.positions.iter().map(|position| demand(&machine, &placed, plan, position)).collect()
+        }
+        _ => Vec::new(),
+    };
+    Ok(ProgramOnMachine { machine, placed, blank, start, ends, fault, demands })
+}
+
+/// The pose at the end of each move by the rotary positions that NC code names; `None` where it names none,
+/// since the control chooses them.
+fn named_poses(
+    placed: &PlacedPart,
+    program: &ClProgram,
+    angles: &[Option<[f64; 2]>],
+) -> Option<Vec<Option<Pose>>> {
+    angles.iter().any(Option::is_some).then(|| {
+        let pose = |(step, angles): (&Move, &Option<[f64; 2]>)| {
+            let (tip, axis) = (placed.point_in_program(&step.tip), placed.vector_in_program(&step.axis));
+            angles.map(|angles| Pose { tip, axis, angles })
+        };
+        program.moves.iter().zip(angles).map(pose).collect()
+    })
+}
+
+/// The pose at the end of each move as `vanecut post` chooses it, or why the machine cannot run the program.
+fn chosen_poses(
+    machine: &MachineTool,
+    placed: &PlacedPart,
+    program: &ClProgram,
+    blank: BlankSize,
+) -> Result<Result<Vec<Option<Pose>>, MotionFault>, InputError> {
+    let post = read_post(&machine.control)?;
+    let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
+    options.blank = Some(blank);
+    let made = machine_program(machine, placed, program, &options, &Monitor::default());
+    Ok(made.map(|motion| {
+        let mut poses = vec![None; program.moves.len()];
+        // Steps before the one that ends a move lead to it, and one after it may leave the part.
+        for step in &motion.steps {
+            let end = program.moves.get(step.source).map(|end| placed.point_in_program(&end.tip));
+            if let (Some(tip), Some(pose)) = (end, poses.get_mut(step.source))
+                && step.pose.tip == tip
+            {
+                *pose = Some(step.pose);
+            }
+        }
+        poses
+    }))
 }
 
 /// What a position asks of the axes.
@@ -110,27 +146,15 @@ fn demand(machine: &MachineTool, placed: &PlacedPart, plan: &PlungePlan, positio
     AxisDemand { fault: machine.limit_fault(&axis, &tips, length), pole_rad: machine.pole_angle(&axis) }
 }
 
-/// The axes before the first plunge, and at the end of each.
+/// All axes at the end of move `index`, whose pose is known.
 fn axis_positions(
     machine: &MachineTool,
-    plan: &PlungePlan,
     program: &ClProgram,
-    motion: &MachineProgram,
-) -> (Option<AxisPositions>, Vec<Option<AxisPositions>>) {
-    // The step that ends each move: a move may have several.
-    let mut ends = vec![None; program.moves.len()];
-    for (index, step) in motion.steps.iter().enumerate() {
-        if let Some(end) = ends.get_mut(step.source) {
-            *end = Some(index);
-        }
-    }
-    let after = |index: usize| {
-        let step = motion.steps.get(ends.get(index).copied().flatten()?)?;
-        let cutter = program.tools.get(step.tool)?;
-        let tool = DrawnTool { radius: 0.5 * cutter.diameter, length: gauge_length(machine, cutter) };
-        let joints = machine.joints(&step.pose.tip, &step.pose.angles, tool.length);
-        Some(AxisPositions { pose: step.pose, joints, tool })
-    };
-    let at_bottoms = program.bottoms_of(plan).into_iter().map(|bottom| after(bottom?)).collect();
-    (after(0), at_bottoms)
+    index: usize,
+    pose: Pose,
+) -> Option<AxisPositions> {
+    let cutter = program.tools.get(program.moves.get(index)?.tool?)?;
+    let tool = DrawnTool { radius: 0.5 * cutter.diameter, length: gauge_length(machine, cutter) };
+    let joints = machine.joints(&pose.tip, &pose.angles, tool.length);
+    Some(AxisPositions { pose, joints, tool })
 }

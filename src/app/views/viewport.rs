@@ -196,9 +196,9 @@ impl App {
         let look = &self.state.look;
         // Table and timeline are those of the active side.
         let is_shown = look.layers.machine && pane.side == look.side;
-        let machine =
-            self.state.on_machine().filter(|_| is_shown).map(|plan| (Arc::clone(plan), look.cut_count));
-        let scrubs = look.playing.is_some() || (held && self.state.timeline_cut().is_some());
+        let cut = self.state.timeline_cut();
+        let machine = self.state.on_machine().filter(|_| is_shown).map(|program| (Arc::clone(program), cut));
+        let scrubs = look.playing.is_some() || (held && cut.is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
         };
@@ -350,10 +350,10 @@ impl App {
     }
 
     /// The only tool that is shown: at the selected fault of a checked program, or where the timeline of the
-    /// flank plan stands.
+    /// flank plan or program stands.
     pub(in crate::app) fn shown_tool(&mut self) -> Option<ShownCutters> {
         let faulty = self.state.selected_finding().and_then(|finding| finding.place.as_ref());
-        faulty.map(|place| place.cutter.clone()).or_else(|| self.flank_tool.follow(&self.state))
+        faulty.map(|place| place.cutter.clone()).or_else(|| self.timeline_tool.follow(&self.state))
     }
 
     /// What the pictures show of the flank plan.
@@ -414,7 +414,7 @@ impl App {
         let difference = look.difference && side == Side::After && roughing;
         let (low, high) = state.range();
         let count = state.shown_on(side).map_or(0, |shown| shown.plan().positions.len());
-        let shows_flank_tool = state.shown_flank().is_some() && look.flank.cut.is_some_and(|cut| cut > 0);
+        let shows_timeline_tool = state.shows_timeline_tool();
         SceneOptions {
             show_hub: layers.hub,
             // The blades would hide the wall values.
@@ -425,14 +425,14 @@ impl App {
                 // Cutters that stay where they plunged would fill what they cut.
                 true if layers.stock => CutterFilter::Last,
                 true => CutterFilter::All,
-                // The tool at the selected fault, or where the timeline of the flank plan stands.
-                false if state.selected_finding().is_some() || shows_flank_tool => CutterFilter::All,
+                // The tool at the selected fault, or where the timeline stands.
+                false if state.selected_finding().is_some() || shows_timeline_tool => CutterFilter::All,
                 false => CutterFilter::Hidden,
             },
             show_solid: layers.stock,
-            show_machine: layers.machine && roughing,
+            show_machine: layers.machine,
             show_axes: layers.axes && roughing,
-            show_holders: layers.holders && (roughing || shows_flank_tool),
+            show_holders: layers.holders && (roughing || shows_timeline_tool),
             show_links: layers.links && roughing,
             show_floor_colours: match walls {
                 // The scale is that of the floor.
@@ -455,7 +455,7 @@ impl App {
                 None => (low, high),
             },
             theme: self.screen.theme,
-            cutter_stub: if shows_flank_tool { FULL_LENGTH } else { SceneOptions::default().cutter_stub },
+            cutter_stub: if shows_timeline_tool { FULL_LENGTH } else { SceneOptions::default().cutter_stub },
             up_to: look.cut_count.filter(|&cut| cut < count || cut == 0),
             selected: look.selected.filter(|_| side == look.side),
             pixel_scale: self.screen.scale,

@@ -37,6 +37,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     put("cut_length", number(verdict.cut_length));
     put("rapid_length", number(verdict.rapid_length));
     put("time_estimate", number(verdict.time_estimate));
+    put("feed_time", number(verdict.feed_time));
     map.extend(assembly_keys(&verdict.assembly));
     map
 }
@@ -45,12 +46,14 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
 pub(super) fn text(verdict: &FlankVerdict) -> String {
     let channels = if verdict.channels == 1 { "channel" } else { "channels" };
     let mut text = format!(
-        "flank program: {} moves under feed in {} {channels}, {:.0} mm; {:.0} mm in rapid; about {:.0} min\n",
+        "flank program: {} moves under feed in {} {channels}, {:.0} mm; {:.0} mm in rapid; about {:.0} min, \
+         {:.0} of them under feed\n",
         verdict.positions,
         verdict.channels,
         verdict.cut_length,
         verdict.rapid_length,
-        verdict.time_estimate / 60.0
+        verdict.time_estimate / 60.0,
+        verdict.feed_time / 60.0
     );
     text += &format!(
         "cuts {:.1} % of the floor; deepest cut {:.1} mm\n",

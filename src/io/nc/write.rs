@@ -22,6 +22,9 @@ pub struct NcProgram {
     pub text: String,
     /// Number of blocks: lines that are no mere comments.
     pub blocks: usize,
+    /// Number of moves under feed: those of the program that move, and what is added between them to keep
+    /// the machine on its course.
+    pub positions: usize,
     /// Largest distance of a tip as written from the one meant, mm: rounding.
     pub rounding_error: f64,
 }
@@ -64,6 +67,7 @@ pub fn write_nc(
         text: String::with_capacity(motion.steps.len() * 48),
         number: post.format.numbers.map_or(0, |(first, _)| first),
         blocks: 0,
+        positions: 0,
         said: Modal::default(),
         turn: Turn::default(),
         rounding_error: 0.0,
@@ -85,7 +89,8 @@ pub fn write_nc(
         writer.depart(last);
     }
     writer.group("end", before, None);
-    Ok(NcProgram { text: writer.text, blocks: writer.blocks, rounding_error: writer.rounding_error })
+    let NcWriter { text, blocks, positions, rounding_error, .. } = writer;
+    Ok(NcProgram { text, blocks, positions, rounding_error })
 }
 
 /// Checks what the control cannot do without.
@@ -186,6 +191,7 @@ struct NcWriter<'a> {
     text: String,
     number: u32,
     blocks: usize,
+    positions: usize,
     said: Modal,
     turn: Turn,
     rounding_error: f64,
@@ -440,6 +446,7 @@ impl NcWriter<'_> {
         }
         let line = line.trim_start().to_owned();
         self.line(&line);
+        self.positions += usize::from(matches!(step.motion, StepMotion::Feed(_)));
         self.said = Modal { words, feed_move: true, inverse: inverse.is_some() };
     }
 

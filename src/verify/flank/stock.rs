@@ -18,8 +18,8 @@ const CELLS: usize = 256;
 /// Scallop height between the samples of a sweep, mm.
 pub(super) const SAMPLE_SCALLOP: f64 = 0.01;
 /// Stock that a rapid may touch over its whole bottom, mm: the field cannot distinguish it from scallops
-/// between samples.
-const SKIM_DEPTH: f64 = 0.02;
+/// between samples. Neither does a cutter cut where its flank only skims stock that stands beside it.
+pub(super) const SKIM_DEPTH: f64 = 0.02;
 
 /// A part of the tool that must not meet stock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,23 +107,32 @@ impl FloorCache {
     }
 }
 
-/// Applies `steps` (of one channel) in order. `cache` is `None`, or of the same workpiece and setup, and
+/// The steps of one channel in order, as a sweep of cutters over the floor.
+pub(super) struct Sweep<'a> {
+    pub(super) tools: &'a [Tool],
+    pub(super) steps: &'a [&'a CutterStep],
+    /// Where probes are inside the blank, by step.
+    pub(super) places: &'a [ProbeSample],
+    /// Width of the rim of a cutter whose stock does not count for the depth of a cut, mm.
+    pub(super) rim: f64,
+}
+
+/// Applies a sweep. `cache` is `None`, or of the same workpiece and setup, and
 /// whether it keeps what the next program may begin with.
 pub(super) fn evaluate_floor(
     workpiece: &Workpiece,
     setup: &Setup,
-    tools: &[Tool],
-    steps: &[&CutterStep],
-    places: &[ProbeSample],
+    sweep: &Sweep<'_>,
     (cache, keeps): (&mut Option<FloorCache>, bool),
 ) -> FloorResult {
+    let Sweep { tools, steps, .. } = *sweep;
     let largest = steps.iter().filter(|s| s.feed.is_some()).map(|s| &tools[s.tool]);
     let Some(finest) = largest.min_by(|a, b| a.corner_radius.total_cmp(&b.corner_radius)) else {
         return FloorResult { collisions: Vec::new(), removed: 0.0, depths: Vec::new(), left: None };
     };
     let known = cache.take().filter(|known| known.radius == finest.radius());
     let cache = cache.insert(known.unwrap_or_else(|| FloorCache::new(workpiece, setup, finest, keeps)));
-    let (cutters, owners) = sweep_cutters(tools, steps, places);
+    let (cutters, owners) = sweep_cutters(sweep);
     let field = cache.field.residual_field(cutters);
     let mut struck: Vec<StockCollision> = Vec::new();
     let (mut removed, mut depths): (f64, Vec<(f64, usize)>) = (0.0, Vec::new());
@@ -167,12 +176,8 @@ enum Owner {
 }
 
 /// The cutter sampled along all steps in order, with the probes at the `places` of each step before its cuts.
-/// For cuts the core is the whole cutter, so the contact depth is the depth of cut.
-fn sweep_cutters(
-    tools: &[Tool],
-    steps: &[&CutterStep],
-    places: &[ProbeSample],
-) -> (Vec<FieldCutter>, Vec<Owner>) {
+/// For cuts the core is the whole cutter but its rim, so the contact depth is the depth of cut.
+fn sweep_cutters(&Sweep { tools, steps, places, rim }: &Sweep<'_>) -> (Vec<FieldCutter>, Vec<Owner>) {
     let (mut cutters, mut owners) = (Vec::new(), Vec::new());
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let mut add = |solid: CutterSolid, owner: Owner| {
@@ -180,7 +185,10 @@ fn sweep_cutters(
             tip: single(solid.tip.coords.into()),
             radius: solid.radius as f32,
             axis: single(solid.axis.into()),
-            core_radius: if matches!(owner, Owner::Cut(_)) { solid.radius as f32 } else { 0.0 },
+            core_radius: match owner {
+                Owner::Cut(_) => (solid.radius - rim).max(0.0) as f32,
+                Owner::Struck(..) => 0.0,
+            },
             corner_radius: solid.corner_radius as f32,
         });
         owners.push(owner);

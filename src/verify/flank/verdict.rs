@@ -23,6 +23,8 @@ pub struct FlankVerdict {
     pub rapid_length: f64,
     /// Estimated time, s, without tool changes and accelerations.
     pub time_estimate: f64,
+    /// Of it, the time under feed, s.
+    pub feed_time: f64,
     /// Least distance of the cutter to the finished hub, capped at 1 mm above the allowance.
     pub min_hub_clearance: f64,
     /// The same to the blades.
@@ -64,6 +66,7 @@ impl FlankVerdict {
             cut_length: 0.0,
             rapid_length: 0.0,
             time_estimate: 0.0,
+            feed_time: 0.0,
             min_hub_clearance: f64::NAN,
             min_blade_clearance: f64::NAN,
             min_retract_clearance: f64::NAN,
@@ -86,7 +89,9 @@ impl FlankVerdict {
         match step.feed {
             Some(feed) => {
                 self.cut_length += length;
-                self.time_estimate += length / feed.max(1e-6) * 60.0;
+                let time = length / feed.max(1e-6) * 60.0;
+                self.time_estimate += time;
+                self.feed_time += time;
                 self.max_axis_change_rad = self.max_axis_change_rad.max(step.turn());
                 self.min_hub_clearance = self.min_hub_clearance.min(look.clearance.hub);
                 self.min_blade_clearance = self.min_blade_clearance.min(look.clearance.blade);

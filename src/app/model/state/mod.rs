@@ -16,7 +16,7 @@ use crate::setup::AxisPolicy;
 use crate::app::model::document::{Document, Edited, OpenPart};
 use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::look::{Arrangement, Look, Operation};
-use crate::app::model::machine::{AxisDemand, PlanOnMachine};
+use crate::app::model::machine::{AxisDemand, ProgramOnMachine};
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::preview::PreviewCutters;
@@ -328,7 +328,7 @@ impl AppState {
     }
 
     /// The shown plan on the machine of the setup, once it is known.
-    pub fn on_machine(&self) -> Option<&Arc<PlanOnMachine>> {
+    pub fn on_machine(&self) -> Option<&Arc<ProgramOnMachine>> {
         self.results.on_machine.as_ref()?.as_ref().ok()
     }
 

@@ -13,6 +13,10 @@ impl AppState {
     pub fn take_checked(&mut self, checked: CheckedProgram) {
         self.look.operation = Operation::Program;
         self.look.finding = None;
+        // The same place as before where the program was checked again.
+        let is_same = |known: &Arc<CheckedProgram>| known.request.path == checked.request.path;
+        let cut = self.look.program_cut.filter(|_| self.results.checked.as_ref().is_some_and(is_same));
+        self.look.program_cut = cut.map(|cut| cut.min(checked.program.moves.len()));
         self.solve(Topic::Program);
         self.notice = None;
         self.results.checked = Some(Arc::new(checked));
@@ -47,10 +51,13 @@ impl AppState {
         self.shown_program()?.findings.get(self.look.finding?)
     }
 
-    /// Selects a fault of the shown program, and zooms to it.
+    /// Selects a fault of the shown program, and zooms to it; the timeline goes to its place.
     pub fn select_finding(&mut self, index: Option<usize>) {
         self.look.finding = index;
         self.look.fly = index.is_some();
+        if let Some(first) = self.selected_finding().and_then(|finding| finding.first_move) {
+            self.look.program_cut = Some(first + 1);
+        }
     }
 
     /// Selects the fault `step` after the selected one, with wrap-around if `wraps`.

@@ -1,27 +1,58 @@
 //! The timeline: how much of the shown operation is cut. It counts the plunges of a plunge plan, and the
-//! moves of a flank plan.
+//! moves of a flank plan or of a checked program.
+
+use std::sync::Arc;
 
 use super::AppState;
 use crate::app::model::look::{Operation, REVEAL};
+use crate::app::model::timeline_program::TimelineProgram;
 use crate::plunge::Position;
 
 /// Positions that a playing timeline cuts per second at speed 1.
 pub const PLAY_RATE: f64 = 15.0;
-/// Moves of a flank plan in their place: they are shorter.
-const FLANK_PLAY_RATE: f64 = 150.0;
+/// Moves in their place: they are shorter.
+const MOVES_PLAY_RATE: f64 = 150.0;
 
 /// Where a timeline jumps to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Boundary {
     /// The first plunge of a tool.
     Tool,
-    /// The first plunge of a section; of a flank plan the first move of a layer.
+    /// The first plunge of a section; of a flank plan the first move of a layer; of a checked program that of
+    /// a section that it names.
     Section,
 }
 
 impl AppState {
-    fn is_of_flank(&self) -> bool {
-        self.look.operation == Operation::Flank
+    /// What the timeline runs through; `None` before there is anything.
+    pub fn timeline_program(&self) -> Option<TimelineProgram> {
+        match self.look.operation {
+            Operation::Roughing => {
+                let shown = self.shown()?;
+                Some(TimelineProgram::Plunges(Arc::clone(shown.planned), shown.policy))
+            }
+            Operation::Flank => self.results.flank.clone().map(TimelineProgram::Flank),
+            Operation::Program => self.results.checked.clone().map(TimelineProgram::Checked),
+        }
+    }
+
+    /// Name of the machine on which the timeline's program runs: the one that checked NC code was read for,
+    /// otherwise that of the setup.
+    pub fn timeline_machine(&self) -> Option<&str> {
+        let checked = self.shown_program().filter(|checked| checked.angles.is_some());
+        let of_setup = || self.document.edited.setup.machine.file.as_deref();
+        checked.map(|checked| checked.request.machine.as_str()).or_else(of_setup)
+    }
+
+    /// Whether the views show the tool where the timeline stands, alone: not while they show it at a fault.
+    pub fn shows_timeline_tool(&self) -> bool {
+        let shows_moves = self.shown_flank().is_some() || self.shown_program().is_some();
+        shows_moves && self.selected_finding().is_none() && self.timeline_cut().is_some_and(|cut| cut > 0)
+    }
+
+    /// Whether the timeline counts moves, not plunges.
+    pub fn timeline_is_of_moves(&self) -> bool {
+        self.look.operation != Operation::Roughing
     }
 
     /// Number of steps of the timeline; 0 where the shown operation has none.
@@ -29,39 +60,54 @@ impl AppState {
         match self.look.operation {
             Operation::Roughing => self.position_count(),
             Operation::Flank => self.results.passes.clock.len(),
-            Operation::Program => 0,
+            Operation::Program => {
+                self.results.checked.as_ref().map_or(0, |checked| checked.program.moves.len())
+            }
         }
     }
 
     /// Number of steps that are cut; `None`: all.
     pub fn timeline_cut(&self) -> Option<usize> {
-        if self.is_of_flank() { self.look.flank.cut } else { self.look.cut_count }
+        match self.look.operation {
+            Operation::Roughing => self.look.cut_count,
+            Operation::Flank => self.look.flank.cut,
+            Operation::Program => self.look.program_cut,
+        }
     }
 
     /// What is selected, as the number of steps up to its end.
     fn selected_end(&self) -> Option<usize> {
-        if self.is_of_flank() {
-            return self.results.passes.passes.get(self.look.flank.pass?).map(|pass| pass.end);
+        match self.look.operation {
+            Operation::Roughing => self.look.selected.map(|k| k + 1),
+            Operation::Flank => self.results.passes.passes.get(self.look.flank.pass?).map(|pass| pass.end),
+            Operation::Program => self.selected_finding()?.first_move.map(|k| k + 1),
         }
-        self.look.selected.map(|k| k + 1)
     }
 
     /// Steps that a playing timeline cuts per second.
     pub fn play_rate(&self) -> f64 {
-        self.look.play_speed * if self.is_of_flank() { FLANK_PLAY_RATE } else { PLAY_RATE }
+        self.look.play_speed * if self.timeline_is_of_moves() { MOVES_PLAY_RATE } else { PLAY_RATE }
     }
 
     /// Time of the program at the position of the timeline and at its end, s.
     pub fn clock(&self) -> Option<(f64, f64)> {
         let count = self.timeline_len();
         let cut = self.timeline_cut().unwrap_or(count);
-        if self.is_of_flank() {
-            let passes = &self.results.passes;
-            return Some((passes.time_after(cut), passes.time_after(count)));
+        match self.look.operation {
+            Operation::Roughing => {
+                let shown = self.shown()?;
+                let at = |cut| shown.planned.time_after(shown.policy, cut);
+                at(cut).zip(at(count))
+            }
+            Operation::Flank => {
+                let passes = &self.results.passes;
+                Some((passes.time_after(cut), passes.time_after(count)))
+            }
+            Operation::Program => {
+                let checked = self.results.checked.as_ref()?;
+                Some((checked.time_after(cut), checked.time_after(count)))
+            }
         }
-        let shown = self.shown()?;
-        let at = |cut| shown.planned.time_after(shown.policy, cut);
-        at(cut).zip(at(count))
     }
 
     /// Moves the timeline by `step` steps and selects what was cut last. From the end it starts at the
@@ -77,9 +123,14 @@ impl AppState {
 
     /// Indices of the first steps of each section or layer, or after each tool change.
     pub fn boundaries(&self, of: Boundary) -> Vec<usize> {
-        if self.is_of_flank() {
-            let layers = || self.results.passes.layer_starts.clone();
-            return if of == Boundary::Section { layers() } else { Vec::new() };
+        match (self.look.operation, of) {
+            (Operation::Roughing, _) => {}
+            (Operation::Flank, Boundary::Section) => return self.results.passes.layer_starts.clone(),
+            (Operation::Flank, Boundary::Tool) => return Vec::new(),
+            (Operation::Program, _) => {
+                let checked = self.results.checked.as_ref();
+                return checked.map_or_else(Vec::new, |checked| checked.boundaries(of));
+            }
         }
         let Some(shown) = self.shown() else { return Vec::new() };
         let plan = shown.plan();
@@ -112,18 +163,28 @@ impl AppState {
     pub fn set_timeline(&mut self, cut: Option<usize>) {
         let count = self.timeline_len();
         let cut = cut.map(|cut| cut.min(count));
-        if self.is_of_flank() {
-            self.look.flank.cut = cut;
-            if let Some(cut) = cut {
-                self.look.flank.pass = self.results.passes.pass_after(cut);
-                self.look.flank.reveal = true;
+        match self.look.operation {
+            Operation::Roughing => {
+                self.look.cut_count = cut;
+                if let Some(cut) = cut {
+                    self.look.selected = cut.checked_sub(1);
+                    self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
+                }
             }
-            return;
-        }
-        self.look.cut_count = cut;
-        if let Some(cut) = cut {
-            self.look.selected = cut.checked_sub(1);
-            self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
+            Operation::Flank => {
+                self.look.flank.cut = cut;
+                if let Some(cut) = cut {
+                    self.look.flank.pass = self.results.passes.pass_after(cut);
+                    self.look.flank.reveal = true;
+                }
+            }
+            Operation::Program => {
+                self.look.program_cut = cut;
+                // The tool is shown where the timeline stands, no more at the fault.
+                if cut.is_some() {
+                    self.look.finding = None;
+                }
+            }
         }
     }
 

@@ -4,7 +4,7 @@
 use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui};
 
 use super::plots::PositionScale;
-use crate::app::model::machine::{AxisPositions, PlanOnMachine};
+use crate::app::model::machine::{AxisPositions, ProgramOnMachine};
 use crate::app::model::state::AppState;
 use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
@@ -23,18 +23,18 @@ const MIN_RANGE: f64 = 1.0;
 struct AxisCurve {
     letter: char,
     colour: Color32,
-    /// Degrees at the end of each plunge; NaN where it is not known.
+    /// Degrees at the end of each step of the timeline; NaN where it is not known.
     values: Vec<f64>,
     /// Ends of its scale, degrees.
     range: (f64, f64),
 }
 
 impl AxisCurve {
-    fn of(plan: &PlanOnMachine, axis: usize, colour: Color32) -> Self {
+    fn of(plan: &ProgramOnMachine, axis: usize, colour: Color32) -> Self {
         let value = |at: &Option<_>| {
             at.as_ref().map_or(f64::NAN, |at: &AxisPositions| at.pose.angles[axis].to_degrees())
         };
-        let values: Vec<f64> = plan.plunges.iter().map(value).collect();
+        let values: Vec<f64> = plan.ends.iter().map(value).collect();
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);
         let high = finite().fold(f64::NEG_INFINITY, f64::max);
@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Rotary axes over the program"));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
-    let Some(plan) = state.on_machine().filter(|plan| !plan.plunges.is_empty()) else {
+    let Some(plan) = state.on_machine().filter(|plan| !plan.ends.is_empty()) else {
         let is_known = state.results.on_machine.is_some();
         let text = if is_known { "The machine cannot run the plan" } else { "Axes: calculating…" };
         let (font, ink) = (FontId::proportional(theme::MIN_TEXT_SIZE), ui.visuals().weak_text_color());
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let colours = [0, 1].map(|k| theme::colour(category(k)));
     let axes = plan.rotary_by_letter();
     let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
-    let count = plan.plunges.len();
+    let count = plan.ends.len();
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, HEAD), rect.max - egui::vec2(5.0, 5.0));
     let scale = PositionScale { inner, count };
     let upright = |k: usize, stroke: Stroke| {

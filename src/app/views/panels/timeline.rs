@@ -23,9 +23,9 @@ pub fn height(state: &AppState) -> f32 {
     HEIGHT + LINE_HEIGHT * if has_machine { 2.0 } else { 1.0 }
 }
 
-/// Whether the axes of a machine are shown: only plunge plans are placed on it.
+/// Whether the axes of a machine are shown.
 fn shows_axes(state: &AppState) -> bool {
-    state.look.operation == Operation::Roughing && state.document.edited.setup.machine.file.is_some()
+    state.timeline_machine().is_some()
 }
 
 /// Draws the timeline, with the line of the program and the axes of the machine; returns the command that was
@@ -53,7 +53,10 @@ fn program_line(ui: &mut Ui, state: &AppState) {
     let text = format!("Line {line}: {}", listing.statement(line));
     let label = ui.add(egui::Label::new(RichText::new(text).monospace().size(12.0)).truncate());
     label.on_hover_ui(|ui| {
-        ui.label("The exported APT program of one channel, at the position of the timeline");
+        ui.label(match state.look.operation {
+            Operation::Program => "The checked program, at the position of the timeline",
+            _ => "The exported APT program of one channel, at the position of the timeline",
+        });
         for number in line.saturating_sub(LINES_AROUND).max(1)..=line + LINES_AROUND {
             let Some(text) = listing.line(number) else { break };
             let text = RichText::new(format!("{number:>6}  {text}")).monospace().size(12.0);
@@ -76,7 +79,7 @@ fn axes(ui: &mut Ui, state: &AppState) {
             ui.label(RichText::new("Axes: calculating…").weak());
         }
         Some(Err(error)) => line(ui, error.message.clone(), &error.help),
-        Some(Ok(plan)) => match (&plan.fault, plan.at(state.look.cut_count)) {
+        Some(Ok(plan)) => match (&plan.fault, plan.at(state.timeline_cut())) {
             (Some((what, help)), _) => {
                 line(ui, format!("{}: {what}", plan.machine.name), &format!("{what}\nTo do: {help}"));
             }
@@ -94,7 +97,8 @@ fn axes(ui: &mut Ui, state: &AppState) {
 }
 
 const AXES_TIP: &str = "Where the axes of the machine stand at the position of the timeline: machine coordinates\n\
-     of the spindle nose in mm, rotary axes as the program commands them, chosen over the whole program";
+     of the spindle nose in mm, rotary axes as NC code commands them, else as `vanecut post` chooses them\n\
+     over the whole program";
 
 fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let count = state.timeline_len();
@@ -110,7 +114,7 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             }
         }
         let cut = state.timeline_cut().unwrap_or(count);
-        let unit = if state.look.operation == Operation::Flank { "moves" } else { "plunges" };
+        let unit = if state.timeline_is_of_moves() { "moves" } else { "plunges" };
         let text = match (count, state.timeline_cut()) {
             (0, _) => format!("no {unit}"),
             (_, None) => format!("all {count}"),
@@ -139,16 +143,21 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         if let Some((now, whole)) = clock {
             ui.add_space(6.0);
             let text = format!("{} of {}", format_clock(now), format_clock(whole));
-            let part = state.document.part.as_ref();
-            let wheel = part.map_or(1.0, |part| part.impeller.blade_count as f64) * whole;
-            ui.label(RichText::new(text).weak()).on_hover_text(format!(
-                "Time of one channel up to here, from feed rates and rapids; without tool changes\n\
-                 Whole wheel: {}",
-                format_duration(wheel)
-            ));
+            ui.label(RichText::new(text).weak()).on_hover_text(clock_tip(state, whole));
         }
     });
     chosen
+}
+
+/// What the clock counts; `whole`: time at the end of the timeline, s.
+fn clock_tip(state: &AppState, whole: f64) -> String {
+    let from = "from feed rates and rapids; without tool changes";
+    if state.look.operation == Operation::Program {
+        return format!("Time of the program up to here, {from}");
+    }
+    let part = state.document.part.as_ref();
+    let wheel = part.map_or(1.0, |part| part.impeller.blade_count as f64) * whole;
+    format!("Time of one channel up to here, {from}\nWhole wheel: {}", format_duration(wheel))
 }
 
 /// What is cut at the place of the timeline under the pointer.
@@ -170,7 +179,15 @@ fn tooltip(response: &egui::Response, state: &AppState) {
                 }
             }
         }
-        _ => cutter_tooltip(ui, state, state.look.side, k),
+        Operation::Program => {
+            let Some(checked) = &state.results.checked else { return };
+            if let Some(line) = checked.listing.line_after(Some(k + 1)) {
+                ui.label(RichText::new(format!("Line {line}")).strong());
+                ui.label(RichText::new(checked.listing.statement(line)).monospace());
+            }
+            ui.label(format!("After {}", format_clock(checked.time_after(k + 1))));
+        }
+        Operation::Roughing => cutter_tooltip(ui, state, state.look.side, k),
     });
 }
 
@@ -233,6 +250,11 @@ fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
             let positions = shown.plan().positions.iter().enumerate();
             let faulty = positions.filter(|(_, position)| position.condition() != Condition::Sound);
             faulty.for_each(|(k, position)| mark(k, position.condition()));
+        }
+        (Operation::Program, ..) => {
+            let findings = state.results.checked.iter().flat_map(|checked| &checked.findings);
+            let places = findings.filter_map(|finding| finding.first_move);
+            places.for_each(|index| mark(index, Condition::Interfering));
         }
         _ => {}
     }

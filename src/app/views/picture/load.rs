@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Content, ShownFlank, SidePicture};
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
-use crate::app::model::machine::PlanOnMachine;
+use crate::app::model::machine::ProgramOnMachine;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::ShownCutters;
 use crate::app::tasks::solid::SolidPicture;
@@ -200,7 +200,7 @@ impl SidePicture {
     }
 
     /// Shows the machine after so many plunges of a plan on it, or none.
-    pub fn load_machine(&mut self, machine: Option<(Arc<PlanOnMachine>, Option<usize>)>) {
+    pub fn load_machine(&mut self, machine: Option<(Arc<ProgramOnMachine>, Option<usize>)>) {
         let same = match (&self.machine, &machine) {
             (Some((a, cut)), Some((b, wanted))) => Arc::ptr_eq(a, b) && cut == wanted,
             (a, b) => a.is_none() && b.is_none(),

@@ -1,0 +1,70 @@
+//! The program that the timeline of the shown operation runs through.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::checked::CheckedProgram;
+use super::planned::DisplayPlan;
+use crate::job::flank::FlankOutcome;
+use crate::part::Impeller;
+use crate::setup::{AllowanceSetup, AxisPolicy};
+use crate::toolpath::ClProgram;
+
+/// What the timeline runs through.
+#[derive(Clone, Debug)]
+pub enum TimelineProgram {
+    /// The plunge plan of a policy, plunge by plunge.
+    Plunges(Arc<DisplayPlan>, AxisPolicy),
+    /// A flank plan, move by move.
+    Flank(Arc<FlankOutcome>),
+    /// A checked program, move by move.
+    Checked(Arc<CheckedProgram>),
+}
+
+impl PartialEq for TimelineProgram {
+    /// Plans and checked programs are immutable, so pointer equality suffices.
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Plunges(a, policy), Self::Plunges(b, wanted)) => policy == wanted && Arc::ptr_eq(a, b),
+            (Self::Flank(a), Self::Flank(b)) => Arc::ptr_eq(a, b),
+            (Self::Checked(a), Self::Checked(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+impl TimelineProgram {
+    /// The whole program, and for each step of the timeline the index of the move that ends it; `None` of a
+    /// step without a move.
+    pub fn moves(&self) -> (Cow<'_, ClProgram>, Vec<Option<usize>>) {
+        match self {
+            Self::Plunges(planned, policy) => {
+                let plan = planned.plan(*policy);
+                let program = ClProgram::of_plan(&planned.outcome.workpiece.part.name, plan);
+                let bottoms = program.bottoms_of(plan);
+                (Cow::Owned(program), bottoms)
+            }
+            Self::Flank(outcome) => {
+                let plan = &outcome.plan;
+                let name = &outcome.workpiece.part.name;
+                // The timeline does not include the plunges that open the stock before the passes.
+                let passes = ClProgram::of_flank(name, &plan.tool, &plan.moves);
+                let program = passes.after_opening(plan.opening.as_ref());
+                let count = program.moves.len();
+                (Cow::Owned(program), (count - plan.moves.len()..count).map(Some).collect())
+            }
+            Self::Checked(checked) => {
+                (Cow::Borrowed(&checked.program), (0..checked.program.moves.len()).map(Some).collect())
+            }
+        }
+    }
+
+    /// The part, and the allowances that say what its blank is.
+    pub fn part(&self) -> (&Impeller, &AllowanceSetup) {
+        match self {
+            Self::Plunges(planned, _) => (&planned.outcome.workpiece.part, &planned.outcome.setup.allowances),
+            Self::Flank(outcome) => (&outcome.workpiece.part, &outcome.setup.allowances),
+            Self::Checked(checked) => (&checked.request.part, &checked.request.setup.allowances),
+        }
+    }
+}
