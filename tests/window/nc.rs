@@ -88,7 +88,13 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     assert_eq!(text, wanted, "what the command line writes");
     let notice = &state.notice.as_ref().expect("a message").text;
     assert!(notice.contains("blocks for bc-trunnion"), "{notice}");
-    assert_eq!(state.look.check_machine, "bc-trunnion", "where a check reads it");
+    // A check reads it for the same machine and control.
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    let checked = window.state().state().results.checked.clone().expect("it is read");
+    assert_eq!(checked.request.machine, "bc-trunnion");
+    assert_eq!(checked.request.control.as_deref(), Some("siemens"));
+    window.get_by_role_and_label(Role::ComboBox, "NC control");
 }
 
 #[test]

@@ -10,9 +10,10 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::machine_file::{built_in_names, read_machine};
-use vanecut::io::nc::{read_post, write_nc};
+use vanecut::io::nc::read_post;
 use vanecut::io::setup_file::write_setup;
-use vanecut::machine::{BlankSize, MotionOptions, PlacedPart, machine_program};
+use vanecut::job::post::{PostRequest, post_program};
+use vanecut::machine::BlankSize;
 use vanecut::monitor::Monitor;
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{Fault, FaultKind, verify};
@@ -262,13 +263,14 @@ fn nc_program(window: &Window) -> String {
         step.line = number;
     }
     let machine = read_machine(Path::new(&state.look.check_machine)).expect("a machine");
-    let post = read_post(&machine.control).expect("a control");
-    let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
-    options.blank = Some(BlankSize::of(part, &planned.outcome.setup.allowances));
-    let placed = PlacedPart::of(&machine.part, part);
-    let motion =
-        machine_program(&machine, &placed, &program, &options, &Monitor::default()).expect("it runs");
-    write_nc(&program, &machine, &motion, &post, machine.output).expect("written").text
+    let request = PostRequest {
+        post: read_post(&machine.control).expect("a control"),
+        output: machine.output,
+        machine,
+        inlet_up: part.out_of_inlet().z > 0.0,
+        blank: Some(BlankSize::of(part, &planned.outcome.setup.allowances)),
+    };
+    post_program(&program, &request, &Monitor::default()).expect("it runs").written.text
 }
 
 /// Gives the document the tools of the plan: NC code only has their numbers.

@@ -6,7 +6,7 @@ use vanecut::app::tasks::engine::Engine;
 use vanecut::setup::Goal;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_ui, with_sample};
+use crate::harness::{Window, press, settle, with_sample};
 
 fn goal(window: &Window) -> Goal {
     window.state().state().document.edited.setup.plunge.goal
@@ -40,7 +40,6 @@ fn the_handle_on_the_curve_sets_the_time_of_a_channel() {
     assert!((limit - wanted).abs() < 0.11, "{limit} for {wanted}");
     assert!(!window.state().state().out_of_date(), "the plan follows");
     window.get_by_label_contains(&format!("{limit:.1} min per channel: hub stock "));
-    snapshot_ui(&mut window, "tradeoff");
     let mut fields = 0;
     for field in window.get_all_by_role_and_label(Role::SpinButton, "Max time") {
         let shown = field.accesskit_node().numeric_value().expect("a number");

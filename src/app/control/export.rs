@@ -151,6 +151,7 @@ impl App {
         let target = question.target.clone();
         // What is written is read back for the same machine.
         self.state.look.check_machine.clone_from(&target.machine);
+        self.state.look.check_control = Some(target.control.clone());
         self.write(WriteTask::Nc(path, NcTask { source, target }));
     }
 

@@ -20,6 +20,8 @@ pub struct CheckRequest {
     pub path: PathBuf,
     /// Machine that NC code was posted for, by name.
     pub machine: String,
+    /// Its control, or the file of its post; `None`: that of the machine.
+    pub control: Option<String>,
     /// The part.
     pub part: Arc<Impeller>,
     /// Allowances, tools and machine.
@@ -31,7 +33,7 @@ impl CheckRequest {
     pub fn is_same(&self, other: &Self) -> bool {
         let (a, b) = (&self.setup, &other.setup);
         self.path == other.path
-            && self.machine == other.machine
+            && (&self.machine, &self.control) == (&other.machine, &other.control)
             && Arc::ptr_eq(&self.part, &other.part)
             && (&a.allowances, &a.tools, &a.machine) == (&b.allowances, &b.tools, &b.machine)
     }

@@ -287,6 +287,8 @@ pub struct Look {
     pub program_cut: Option<usize>,
     /// Machine that checked NC code was posted for, by name.
     pub check_machine: String,
+    /// Its control, or the file of its post; `None`: that of the machine.
+    pub check_control: Option<String>,
     /// Whether the camera zooms to the selection in the next frame.
     pub fly: bool,
     /// Section plane, if shown.
@@ -440,6 +442,7 @@ impl Default for Look {
             finding: None,
             program_cut: None,
             check_machine: DEFAULT_MACHINE.to_owned(),
+            check_control: None,
             fly: false,
             section: None,
             measure: None,
@@ -457,8 +460,10 @@ impl Look {
     /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
     pub fn begin(&mut self) {
         let check_machine = std::mem::take(&mut self.check_machine);
+        let check_control = self.check_control.take();
         let Self { layers, plots, tab, mouse, play_speed, .. } = *self;
-        *self = Self { layers, plots, tab, mouse, play_speed, check_machine, ..Self::default() };
+        *self =
+            Self { layers, plots, tab, mouse, play_speed, check_machine, check_control, ..Self::default() };
     }
 
     /// Selects a position and zooms to it.

@@ -53,12 +53,12 @@ impl From<InputError> for CheckError {
 /// # Errors
 /// [`CheckError`] when the program cannot be read, or cannot be judged at all, or when cancelled.
 pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram, CheckError> {
-    let CheckRequest { path, machine, part, setup } = request;
+    let CheckRequest { path, machine, control, part, setup } = request;
     let name = name_of(path);
     check_part(setup, part)
         .map_err(|fault| InputError::new(fault.code, "", 0, fault.message.clone(), fault.help.clone()))?;
     let bytes = read_bytes(path)?;
-    let target = NcTarget { machine: Path::new(machine), control: None };
+    let target = NcTarget { machine: Path::new(machine), control: control.as_deref() };
     let ProgramReading { program, overruns, angles } =
         read_program_bytes(&name, &bytes, Some(target), part, setup)?;
     let workpiece = setup.allowances.workpiece_of(Arc::clone(part));

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, DragValue, Grid, Modal, RichText, Ui};
 
+use super::panels::fields;
 use super::theme;
 use crate::app::model::look::Operation;
 use crate::app::model::post_target::PostTarget;
@@ -124,13 +125,13 @@ fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
         let target = &mut question.target;
         let mut machine = target.machine.clone();
         let names = built_in_names().map(str::to_owned);
-        name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
+        fields::name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
         if machine != target.machine {
             changed = Some(PostTarget::of_machine(&machine));
         }
         let mut control = target.control.clone();
         let names = built_in_posts().map(str::to_owned);
-        name_row(ui, "Control", CONTROL_TIP, &mut control, names, |ui| {
+        fields::name_row(ui, "Control", CONTROL_TIP, &mut control, names, |ui| {
             opens_post = ui.button("Post file…").on_hover_text(POST_TIP).clicked();
         });
         if control != target.control {
@@ -162,36 +163,6 @@ const CONTROL_TIP: &str = "The control, whose words the program is written in";
 const POST_TIP: &str = "Takes the words from a post of your own: a copy of one of these, changed (.toml)";
 const OUTPUT_TIP: &str = "What the program gives: rotary angles or tool vectors with the tip held by the control,\n\
      a tilted plane for each direction (3+2), or the positions of all axes";
-
-/// A row with a list of names; the chosen one may be a file, which stands before the others.
-fn name_row(
-    ui: &mut Ui,
-    name: &str,
-    tip: &str,
-    chosen: &mut String,
-    known: impl Iterator<Item = String>,
-    more: impl FnOnce(&mut Ui),
-) {
-    let label = ui.label(name).on_hover_text(tip);
-    let known: Vec<String> = known.collect();
-    let own: Vec<String> = Some(chosen.clone()).into_iter().filter(|name| !known.contains(name)).collect();
-    let short = |name: &str| match std::path::Path::new(name).file_name() {
-        Some(file) => file.to_string_lossy().into_owned(),
-        None => name.to_owned(),
-    };
-    ui.horizontal(|ui| {
-        let list = ComboBox::from_id_salt(name).width(theme::FIELD_WIDTH).truncate();
-        let list = list.selected_text(short(chosen)).show_ui(ui, |ui| {
-            for name in own.into_iter().chain(known) {
-                let label = short(&name);
-                ui.selectable_value(chosen, name, label);
-            }
-        });
-        list.response.labelled_by(label.id).on_hover_text(tip);
-        more(ui);
-    });
-    ui.end_row();
-}
 
 /// What an output gives, in words.
 fn words_of(output: OutputKind) -> &'static str {

@@ -31,8 +31,8 @@ impl AppState {
     /// The check of a program against the present setup; `None` without a part.
     pub fn check_request_of(&self, path: PathBuf) -> Option<CheckRequest> {
         let part = Arc::clone(&self.document.part.as_ref()?.impeller);
-        let machine = self.look.check_machine.clone();
-        Some(CheckRequest { path, machine, part, setup: self.document.edited.setup.clone() })
+        let (machine, control) = (self.look.check_machine.clone(), self.look.check_control.clone());
+        Some(CheckRequest { path, machine, control, part, setup: self.document.edited.setup.clone() })
     }
 
     /// Whether the setup was edited after the program was checked.

@@ -2,6 +2,8 @@
 //! Both have an accessible name, and a dot where the value differs from the default; a click on the dot
 //! resets it.
 
+use std::path::Path;
+
 use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
 
 use crate::app::model::number::{self, Quantity};
@@ -179,6 +181,36 @@ pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, c
         } else if reset_dot(ui, choice.label) {
             *value = default;
         }
+    });
+    ui.end_row();
+}
+
+/// A row with a list of names; the chosen one may be a file, which stands before the others.
+pub fn name_row(
+    ui: &mut Ui,
+    name: &str,
+    tip: &str,
+    chosen: &mut String,
+    known: impl Iterator<Item = String>,
+    more: impl FnOnce(&mut Ui),
+) {
+    let label = ui.label(name).on_hover_text(tip);
+    let known: Vec<String> = known.collect();
+    let own: Vec<String> = Some(chosen.clone()).into_iter().filter(|name| !known.contains(name)).collect();
+    let short = |name: &str| match Path::new(name).file_name() {
+        Some(file) => file.to_string_lossy().into_owned(),
+        None => name.to_owned(),
+    };
+    ui.horizontal(|ui| {
+        let list = ComboBox::from_id_salt(name).width(theme::FIELD_WIDTH).truncate();
+        let list = list.selected_text(short(chosen)).show_ui(ui, |ui| {
+            for name in own.into_iter().chain(known) {
+                let label = short(&name);
+                ui.selectable_value(chosen, name, label);
+            }
+        });
+        list.response.labelled_by(label.id).on_hover_text(tip);
+        more(ui);
     });
     ui.end_row();
 }

@@ -1,13 +1,15 @@
 //! A checked program: its figures, its faults as a list that leads to their places, and the verdict line.
 
-use egui::{Button, ComboBox, Grid, Label, Panel, RichText, ScrollArea, Ui};
+use egui::{Button, Grid, Label, Panel, RichText, ScrollArea, Ui};
 
+use super::fields;
 use super::verdict::figure;
 use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::Condition;
 use crate::io::machine_file::built_in_names;
+use crate::io::nc::built_in_posts;
 
 /// Maximum number of faults that are listed.
 const MAX_LISTED: usize = 500;
@@ -43,19 +45,23 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     figure(ui, "Time", format_duration(checked.time), tip);
 }
 
+const MACHINE_TIP: &str = "The machine that NC code was posted for: its axes and limits. APT needs none";
+const CONTROL_TIP: &str = "The control whose words the NC code is written in. APT needs none";
+/// Entry of the list of controls for the one that the machine file names.
+const OF_MACHINE: &str = "of the machine";
+
 /// Draws what was checked.
 pub fn form(ui: &mut Ui, state: &mut AppState) {
-    ui.horizontal(|ui| {
-        let label = ui.label("NC machine");
-        let machine = &mut state.look.check_machine;
-        let list = ComboBox::from_id_salt("check machine").selected_text(machine.as_str());
-        let list = list.show_ui(ui, |ui| {
-            for name in built_in_names() {
-                ui.selectable_value(machine, name.to_owned(), name);
-            }
-        });
-        let tip = "The machine that NC code was posted for: its control, axes and limits. APT needs none";
-        list.response.labelled_by(label.id).on_hover_text(tip);
+    Grid::new("check target").num_columns(2).spacing([10.0, 4.0]).show(ui, |ui| {
+        let own = state.document.edited.setup.machine.file.clone();
+        let is_own = |file: &String| !built_in_names().any(|known| known == *file);
+        let machines = own.into_iter().filter(is_own).chain(built_in_names().map(str::to_owned));
+        let look = &mut state.look;
+        fields::name_row(ui, "NC machine", MACHINE_TIP, &mut look.check_machine, machines, |_| {});
+        let mut control = look.check_control.clone().unwrap_or_else(|| OF_MACHINE.to_owned());
+        let controls = [OF_MACHINE].into_iter().chain(built_in_posts()).map(str::to_owned);
+        fields::name_row(ui, "NC control", CONTROL_TIP, &mut control, controls, |_| {});
+        look.check_control = Some(control).filter(|control| control != OF_MACHINE);
     });
     let Some(checked) = &state.results.checked else { return };
     let path = checked.request.path.display().to_string();
