@@ -211,8 +211,14 @@ pub fn plan(
     };
     monitor.report(0.85);
     let lead_in_out = setup.flank.lead_in_out_for(tool);
-    let CheckedMoves { moves, left_out: more, faults } =
-        remove_faults(&path, &mut layers, lead_in_out, check, monitor)?;
+    let CheckedMoves { moves, left_out: more, faults } = remove_faults(
+        &path,
+        &mut layers,
+        lead_in_out,
+        &|tip, axis| maker.way_off_blades(tip, axis),
+        check,
+        monitor,
+    )?;
     left_out.extend(more);
     left_out.sort_by_key(|left| left.layer);
     monitor.report(1.0);

@@ -28,6 +28,7 @@ use crate::setup::{Setup, Tool};
 use crate::stock::solid::Contact;
 use crate::toolpath::ClProgram;
 use examine::{StepResult, examine_step};
+use findings::{BLADE_TOLERANCE, PLANNED_BLADE_TOLERANCE};
 use gouge::{StepClearance, StepSurroundings};
 use standing::StandingStock;
 use steps::{CutterStep, steps_of};
@@ -52,7 +53,7 @@ pub fn verify_flank(
     program: &ClProgram,
     monitor: &Monitor,
 ) -> Result<FlankVerdict, VerifyError> {
-    FlankVerifier::with(workpiece, setup, 0.0, false).verdict(program, monitor)
+    FlankVerifier::with(workpiece, setup, 0.0, BLADE_TOLERANCE, false).verdict(program, monitor)
 }
 
 /// Checks programs against one part, one after another; the result of each step is cached.
@@ -61,6 +62,8 @@ pub struct FlankVerifier<'a> {
     setup: &'a Setup,
     /// Whether another program may follow.
     keeps: bool,
+    /// Cut below the allowance of a blade that is no fault, mm.
+    blade_tolerance: f64,
     /// Search for contacts with stock that stands.
     standing: StandingStock,
     /// The floor, once one was cut.
@@ -108,20 +111,27 @@ fn step_key(step: &CutterStep) -> StepKey {
 impl<'a> FlankVerifier<'a> {
     /// A verifier of programs that cut `workpiece` with the allowances of `setup`.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self::with(workpiece, setup, 0.0, true)
+        Self::with(workpiece, setup, 0.0, BLADE_TOLERANCE, true)
     }
 
     /// As [`Self::new`], for a planner: holders keep off stock by what the solid does not resolve, so that a
-    /// finer one finds nothing either.
+    /// finer one finds nothing either, and cuts of more than 4.9 µm below the allowance of a blade are
+    /// faults, so that a program without any has no overcut of more than 5 µm.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self::with(workpiece, setup, 1.0, true)
+        Self::with(workpiece, setup, 1.0, PLANNED_BLADE_TOLERANCE, true)
     }
 
     /// A verifier that `keeps` what another program may begin with, or judges one only.
-    fn with(workpiece: &'a Workpiece, setup: &'a Setup, holder_margin: f64, keeps: bool) -> Self {
+    fn with(
+        workpiece: &'a Workpiece,
+        setup: &'a Setup,
+        holder_margin: f64,
+        blade_tolerance: f64,
+        keeps: bool,
+    ) -> Self {
         let standing = StandingStock::new(holder_margin, keeps);
         let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, keeps, standing, floor: None, tools, cache, last: None }
+        Self { workpiece, setup, keeps, blade_tolerance, standing, floor: None, tools, cache, last: None }
     }
 
     /// The faults of `program`, by line. The floor is cut only by a program whose moves have no faults

@@ -14,6 +14,7 @@ use vanecut::assess::reach::ReachLimits;
 use vanecut::geometry::wrap_angle;
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::io::write_native;
+use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller};
@@ -187,6 +188,21 @@ fn floor_that_holds_only_its_allowance_is_not_left_uncut() {
         .collect();
     assert!(thin.len() > 100, "{}: {} cells", wheel.remarks, thin.len());
     assert!(thin.iter().all(|&cell| !grid.reachable[cell]), "{}", wheel.remarks);
+}
+
+/// Between two positions the tip moves straight. Where it rises while the axis turns, the axis gets nearer to
+/// the wall than where its low point moves straight: 5.6 µm below the allowance.
+#[test]
+fn flanks_cut_no_wall_deeper_than_5_um() {
+    let wheel = make::wheel(31, 7);
+    let part = open(&wheel);
+    let request = FlankRequest { setup: Setup::for_part(&part), part: part.into() };
+    let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("a plan");
+    let overcut = outcome.max_overcut();
+    assert!(overcut <= judge::MAX_OVERCUT, "{}: {overcut} mm over", wheel.remarks);
+    // What cuts a little too deep is moved, not left out.
+    let left = outcome.plan.uncut.iter().filter(|left| left.why.contains("would come too near to a blade"));
+    assert_eq!(left.count(), 0, "{:?}", outcome.plan.uncut);
 }
 
 /// A number from an environment variable.
