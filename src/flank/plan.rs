@@ -117,7 +117,7 @@ type WallInputs = (Setup, Vec<f64>);
 /// The setup reduced to what the axes along the walls depend on, and the heights of the layers, mm.
 fn wall_inputs(setup: &Setup, curves: &FlankLayout) -> WallInputs {
     let mut inputs = curve_inputs(setup);
-    let (lead_in_out, strategy) = (inputs.flank.lead_in_out, inputs.flank.strategy);
+    let (lead_in_out, strategy) = (inputs.flank.lead_in_out, curves.strategy);
     inputs.flank = Setup::default().flank;
     inputs.flank.lead_in_out = lead_in_out;
     if strategy == FlankStrategy::Isoparametric {
