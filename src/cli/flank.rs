@@ -248,6 +248,9 @@ fn text(outcome: &FlankOutcome) -> String {
             if scheme == curves.strategy { "  < written" } else { "" },
         );
     }
+    if let Some(note) = curves.replacement_note() {
+        text += &format!("{note}\n");
+    }
     text += &format!(
         "floor {:.1} mm, seams {:.1} mm: {} is {:.3} times floor plus half the seams\n",
         curves.floor_length,

@@ -94,7 +94,9 @@ pub struct LayerLayout {
 /// All layers of a channel.
 #[derive(Clone, Debug)]
 pub struct FlankLayout {
-    /// Strategy of the passes.
+    /// Strategy of the setup.
+    pub requested: FlankStrategy,
+    /// Strategy of the passes: the requested one, or `Isoparametric` where `Layers` would be longer.
     pub strategy: FlankStrategy,
     /// The layers of that strategy, hub first.
     pub layers: Vec<LayerLayout>,
@@ -111,6 +113,14 @@ pub struct FlankLayout {
 }
 
 impl FlankLayout {
+    /// What a user has to know where the passes are not by the requested strategy; `None` where they are.
+    pub fn replacement_note(&self) -> Option<String> {
+        (self.strategy != self.requested).then(|| {
+            let [written, requested] = [self.strategy, self.requested].map(FlankStrategy::name);
+            format!("{requested} would be longer than {written} here: {written} is written")
+        })
+    }
+
     /// Share of the area of a strategy in gaps wider than 1.02 times the stepover.
     pub fn wide_share(&self, strategy: FlankStrategy) -> f64 {
         let area = match strategy {
@@ -174,13 +184,29 @@ impl LayoutInputs<'_> {
         Ok(count as usize)
     }
 
-    /// Plans the passes of all strategies; those of the strategy in the setup are kept.
+    /// Plans the passes of all strategies; those of the strategy in the setup are kept. Where layers of
+    /// constant depth would have longer passes than isoparametric ones, as few layers on a low channel may,
+    /// these are kept instead.
     ///
     /// # Errors
     /// [`FlankError::Cancelled`] after a cancellation; [`FlankError::Setup`] where the layer depth or the
     /// scallop height is unusable or the tool fits nowhere.
     pub fn plan(&self, monitor: &Monitor) -> Result<FlankLayout, FlankError> {
-        let strategy = self.setup.flank.strategy;
+        use FlankStrategy::{Isoparametric, Layers};
+        let requested = self.plan_by(self.setup.flank.strategy, monitor)?;
+        let length = |strategy: FlankStrategy| requested.totals[strategy as usize].length;
+        if requested.strategy != Layers || length(Layers) <= length(Isoparametric) {
+            return Ok(requested);
+        }
+        match self.plan_by(Isoparametric, monitor) {
+            Ok(shorter) => Ok(FlankLayout { requested: Layers, ..shorter }),
+            Err(FlankError::Cancelled(cancelled)) => Err(cancelled.into()),
+            // Where the tool fits on none of the isoparametric layers they are no alternative.
+            Err(FlankError::Setup(_)) => Ok(requested),
+        }
+    }
+
+    fn plan_by(&self, strategy: FlankStrategy, monitor: &Monitor) -> Result<FlankLayout, FlankError> {
         let count = self.layer_count()?;
         let depth = self.setup.flank.layer_depth;
         // The lowest layer keeps the allowance of the hub.
@@ -209,6 +235,7 @@ impl LayoutInputs<'_> {
             .map(|k| if k % 2 == 0 { ours(k / 2) } else { baseline(k / 2) })
             .collect::<Result<_, _>>()?;
         let mut result = FlankLayout {
+            requested: strategy,
             strategy,
             layers: Vec::with_capacity(count),
             totals: [StrategyFigures::default(); 4],

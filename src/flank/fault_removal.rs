@@ -1,10 +1,11 @@
-//! Removes from a program what a check of all its moves rejects: pieces of passes, or the links of a layer.
+//! Repairs what a check of all moves of a program rejects: positions that cut a little below the allowance of
+//! a blade are moved off it; of the rest, pieces of passes are removed, or the links of a layer.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::layer::LayerPoint;
 use super::passes::{UncutLength, is_open};
-use super::path::{FlankMove, LayerPasses, MoveKind, Pass, PathMaker, Program, path_length};
+use super::path::{FlankMove, LayerPasses, MoveKind, MoveOrigin, Pass, PathMaker, Program, path_length};
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::setup::Tool;
@@ -16,7 +17,13 @@ pub struct MoveFault {
     pub index: usize,
     /// What is wrong with it, as a message.
     pub why: &'static str,
+    /// How far it cuts below the allowance of a blade, mm; `None` where something else is wrong.
+    pub overcut: Option<f64>,
 }
+
+/// Unit direction across the axis in which a cutter, given by tip and axis, gets off the nearest blade, and
+/// the length of the way for each mm of distance from it; `None` where there is none.
+pub(super) type WayOffBlades<'a> = dyn Fn(Point, Vector) -> Option<(Vector, f64)> + 'a;
 
 /// Checks the moves of a tool and returns the rejected ones, or [`Cancelled`].
 pub type MoveCheck<'a> = dyn FnMut(&Tool, &[FlankMove], &Monitor) -> Result<Vec<MoveFault>, Cancelled> + 'a;
@@ -29,6 +36,13 @@ pub(super) struct CheckedMoves {
     pub(super) faults: Vec<MoveFault>,
 }
 
+/// Overcut up to which positions are moved off the blade instead of being removed, mm: what stays on the blade
+/// then is much less than where a piece of a pass is missing.
+const MAX_MOVED_OVERCUT: f64 = 0.05;
+/// Overcut that is left where they are moved, mm.
+const OVERCUT_LEFT: f64 = 0.0045;
+/// Iterations that move positions.
+const MOVE_ITERATIONS: usize = 6;
 /// Iterations that remove pieces of passes; later ones remove whole passes.
 const PIECE_ITERATIONS: usize = 10;
 /// Iterations after which a layer with a rejected link loses all its links.
@@ -36,7 +50,7 @@ const LINK_ITERATIONS: usize = 2;
 /// Maximum number of iterations.
 const MAX_ITERATIONS: usize = 24;
 
-/// The program of `layers`, given in cutting order, without what `check` rejects: iterates removal and check.
+/// The program of `layers`, given in cutting order, without what `check` rejects: iterates repair and check.
 /// `lead_in_out` is the length of lead-in and lead-out, mm.
 ///
 /// # Errors
@@ -45,20 +59,74 @@ pub(super) fn remove_faults(
     path: &PathMaker,
     layers: &mut [LayerPasses],
     lead_in_out: f64,
+    way_off_blades: &WayOffBlades,
     check: &mut MoveCheck,
     monitor: &Monitor,
 ) -> Result<CheckedMoves, Cancelled> {
     let mut left_out = Vec::new();
-    let mut round = 0;
+    let (mut moves, mut round) = (0, 0);
     loop {
         let program = path.program(layers, monitor)?;
-        let faults = check(path.tool, &program.moves, monitor)?;
+        let mut faults = check(path.tool, &program.moves, monitor)?;
         if faults.is_empty() || round == MAX_ITERATIONS {
             return Ok(CheckedMoves { moves: program.moves, left_out, faults });
         }
-        remove_faulty_moves(layers, &program, &faults, round, lead_in_out, &mut left_out);
-        round += 1;
+        if moves < MOVE_ITERATIONS && move_off_blades(layers, &program, &mut faults, way_off_blades) {
+            moves += 1;
+        }
+        if !faults.is_empty() {
+            remove_faulty_moves(layers, &program, &faults, round, lead_in_out, &mut left_out);
+            round += 1;
+        }
     }
+}
+
+/// Moves the positions at both ends of moves that cut a little below the allowance of a blade off it, and
+/// takes these from `faults`. Returns whether there were any.
+fn move_off_blades(
+    layers: &mut [LayerPasses],
+    program: &Program,
+    faults: &mut Vec<MoveFault>,
+    way_off_blades: &WayOffBlades,
+) -> bool {
+    // The longest way of each position, by layer, pass and position.
+    let mut ways: BTreeMap<(usize, usize, usize), Vector> = BTreeMap::new();
+    let count = faults.len();
+    faults.retain(|fault| {
+        let way = way_off(program, fault, way_off_blades);
+        let Some((way, [from, to])) = way else { return true };
+        for end in [from, to].into_iter().flatten() {
+            let longest = ways.entry((end.layer, end.pass, end.to)).or_insert(way);
+            if way.norm() > longest.norm() {
+                *longest = way;
+            }
+        }
+        false
+    });
+    for ((layer, pass, position), way) in ways {
+        layers[layer].passes[pass].positions[position].0 += way;
+    }
+    faults.len() < count
+}
+
+/// The way off the blade that a move of a pass cuts, mm, and the origins of its ends that lie on the pass;
+/// `None` for other faults, and where the cut is too deep.
+fn way_off(
+    program: &Program,
+    fault: &MoveFault,
+    way_off_blades: &WayOffBlades,
+) -> Option<(Vector, [Option<MoveOrigin>; 2])> {
+    let overcut = fault.overcut.filter(|&overcut| overcut <= MAX_MOVED_OVERCUT)?;
+    let (b, to) = (program.moves.get(fault.index)?, *program.origins.get(fault.index)?);
+    if !matches!(b.kind, MoveKind::Cut | MoveKind::Approach) {
+        return None;
+    }
+    let before = fault.index.checked_sub(1)?;
+    let a = &program.moves[before];
+    let from = Some(program.origins[before]).filter(|from| (from.layer, from.pass) == (to.layer, to.pass));
+    let middle = (a.tip + (b.tip - a.tip) * 0.5, (a.axis + b.axis).try_normalize(1e-9)?);
+    let (direction, length) = way_off_blades(middle.0, middle.1)?;
+    Some((direction * (length * (overcut - OVERCUT_LEFT)), [from, Some(to)]))
 }
 
 /// What to remove from a pass.
@@ -82,7 +150,7 @@ fn remove_faulty_moves(
     left_out: &mut Vec<UncutLength>,
 ) {
     let mut cuts: BTreeMap<(usize, usize), PassRemovals> = BTreeMap::new();
-    for MoveFault { index, why } in faults {
+    for MoveFault { index, why, .. } in faults {
         let (Some(step), Some(origin)) = (program.moves.get(*index), program.origins.get(*index)) else {
             continue;
         };

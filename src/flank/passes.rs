@@ -40,6 +40,11 @@ const TOO_SHORT: &str = "too short between obstacles for a pass";
 /// Minimum and maximum step along inner passes, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
 
+/// A blade is near a cutter within this distance beyond the allowance, mm.
+const NEAR_BLADE: f64 = 1.0;
+/// Least share of the direction off a blade that lies across the axis, for a way across it.
+const MIN_ACROSS: f64 = 0.2;
+
 /// A fixed axis of the inner passes.
 #[derive(Clone, Copy, Debug)]
 pub struct RegionAxis {
@@ -114,6 +119,19 @@ impl<'a> PassMaker<'a> {
     /// What the cutter or the holder collides with at a position; `None` if it is free.
     pub fn find_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         self.search.find_obstacle(tip, axis)
+    }
+
+    /// Unit direction across the axis in which a cutter gets off the nearest blade, and the length of the way
+    /// for each mm of distance from it; `None` where no blade is near, or its bottom cuts from above.
+    pub fn way_off_blades(&self, tip: Point, axis: Vector) -> Option<(Vector, f64)> {
+        let cutter = self.tool.placed(tip, axis);
+        let near =
+            self.finished.nearest_within(&cutter, self.setup.allowances.blade_allowance + NEAR_BLADE)?;
+        let height = (near.point - tip).dot(&axis).max(cutter.corner_radius);
+        let away = (tip + axis * height - near.point).try_normalize(1e-9)?;
+        let across = away - axis * away.dot(&axis);
+        let share = across.norm();
+        (share >= MIN_ACROSS).then(|| (across / share, 1.0 / share))
     }
 
     /// Passes of one layer. `surface` is the layer offset by the corner radius, on which the tool rests.

@@ -117,7 +117,7 @@ type WallInputs = (Setup, Vec<f64>);
 /// The setup reduced to what the axes along the walls depend on, and the heights of the layers, mm.
 fn wall_inputs(setup: &Setup, curves: &FlankLayout) -> WallInputs {
     let mut inputs = curve_inputs(setup);
-    let (lead_in_out, strategy) = (inputs.flank.lead_in_out, inputs.flank.strategy);
+    let (lead_in_out, strategy) = (inputs.flank.lead_in_out, curves.strategy);
     inputs.flank = Setup::default().flank;
     inputs.flank.lead_in_out = lead_in_out;
     if strategy == FlankStrategy::Isoparametric {
@@ -211,8 +211,14 @@ pub fn plan(
     };
     monitor.report(0.85);
     let lead_in_out = setup.flank.lead_in_out_for(tool);
-    let CheckedMoves { moves, left_out: more, faults } =
-        remove_faults(&path, &mut layers, lead_in_out, check, monitor)?;
+    let CheckedMoves { moves, left_out: more, faults } = remove_faults(
+        &path,
+        &mut layers,
+        lead_in_out,
+        &|tip, axis| maker.way_off_blades(tip, axis),
+        check,
+        monitor,
+    )?;
     left_out.extend(more);
     left_out.sort_by_key(|left| left.layer);
     monitor.report(1.0);

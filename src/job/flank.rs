@@ -100,7 +100,7 @@ impl FlankJob {
                 opening = opener.opening(&workpiece, tool, moves, monitor)?;
             }
             let program = ProgramInput { name: &part.name, tool, moves, opening: opening.as_ref() };
-            faults_as_written(&mut verifier, &program, &mut faults, monitor)
+            faults_as_written(&mut verifier, &program, &request.setup, &mut faults, monitor)
         };
         let planned = self
             .last
@@ -206,11 +206,12 @@ impl ProgramInput<'_> {
 fn faults_as_written(
     verifier: &mut FlankVerifier,
     written: &ProgramInput,
+    setup: &Setup,
     found: &mut Vec<Fault>,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let count = written.moves.len();
-    let all = |why: &'static str| (0..count).map(|index| MoveFault { index, why }).collect();
+    let all = |why: &'static str| (0..count).map(|index| MoveFault { index, why, overcut: None }).collect();
     let Some(program) = written.program() else {
         return Ok(all("its program cannot be read back"));
     };
@@ -222,7 +223,9 @@ fn faults_as_written(
     let move_fault = |fault: &Fault| {
         let before = program.moves.len() - count;
         let index = program.moves.partition_point(|m| m.line < fault.line).checked_sub(before)?;
-        Some(MoveFault { index, why: fault_reason(fault.kind)? })
+        let is_overcut = fault.kind == FaultKind::BladeAllowance;
+        let overcut = fault.value.filter(|_| is_overcut).map(|near| setup.allowances.blade_allowance - near);
+        Some(MoveFault { index, why: fault_reason(fault.kind)?, overcut })
     };
     Ok(found.iter().filter_map(move_fault).collect())
 }

@@ -28,6 +28,7 @@ use crate::setup::{Setup, Tool};
 use crate::stock::solid::Contact;
 use crate::toolpath::ClProgram;
 use examine::{StepResult, examine_step};
+use findings::{BLADE_TOLERANCE, PLANNED_BLADE_TOLERANCE};
 use gouge::{StepClearance, StepSurroundings};
 use standing::StandingStock;
 use steps::{CutterStep, steps_of};
@@ -61,6 +62,8 @@ pub struct FlankVerifier<'a> {
     setup: &'a Setup,
     /// Whether another program may follow.
     keeps: bool,
+    /// Cut below the allowance of a blade that is no fault, mm.
+    blade_tolerance: f64,
     /// Search for contacts with stock that stands.
     standing: StandingStock,
     /// Width of the rim of a cutter whose stock does not count for the depth of a cut, mm.
@@ -80,12 +83,16 @@ struct Strictness {
     holder_margin: f64,
     /// See [`FlankVerifier::rim_tolerance`].
     rim_tolerance: f64,
+    /// See [`FlankVerifier::blade_tolerance`].
+    blade_tolerance: f64,
 }
 
 impl Strictness {
     /// A planner's: what keeps to it does so after rounding too.
-    const PLAN: Self = Self { holder_margin: 1.0, rim_tolerance: 0.0 };
-    const VERIFY: Self = Self { holder_margin: 0.0, rim_tolerance: SKIM_DEPTH };
+    const PLAN: Self =
+        Self { holder_margin: 1.0, rim_tolerance: 0.0, blade_tolerance: PLANNED_BLADE_TOLERANCE };
+    const VERIFY: Self =
+        Self { holder_margin: 0.0, rim_tolerance: SKIM_DEPTH, blade_tolerance: BLADE_TOLERANCE };
 }
 
 /// What is known of the stock under the last program: a job first asks for its faults, then for its verdict.
@@ -129,18 +136,29 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: holders
-    /// keep off stock by what the solid does not resolve, so that a finer one finds nothing either, and cuts
-    /// are not too deep even at the rim of the cutter.
+    /// keep off stock by what the solid does not resolve, so that a finer one finds nothing either, cuts are not
+    /// too deep even at the rim of the cutter, and no blade is overcut by more than 5 µm.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
         Self::with(workpiece, setup, Strictness::PLAN, true)
     }
 
     /// A verifier that `keeps` what another program may begin with, or judges one only.
     fn with(workpiece: &'a Workpiece, setup: &'a Setup, strictness: Strictness, keeps: bool) -> Self {
-        let Strictness { holder_margin, rim_tolerance } = strictness;
+        let Strictness { holder_margin, rim_tolerance, blade_tolerance } = strictness;
         let standing = StandingStock::new(holder_margin, keeps);
         let (tools, cache) = (Vec::new(), HashMap::new());
-        Self { workpiece, setup, keeps, standing, rim_tolerance, floor: None, tools, cache, last: None }
+        Self {
+            workpiece,
+            setup,
+            keeps,
+            blade_tolerance,
+            standing,
+            rim_tolerance,
+            floor: None,
+            tools,
+            cache,
+            last: None,
+        }
     }
 
     /// The faults of `program`, by line. The floor is cut only by a program whose moves have no faults

@@ -123,6 +123,9 @@ fn figures(summary: &Summary) -> [(&'static str, f64); 5] {
     ]
 }
 
+/// Most that a flank program cuts below the allowance of a blade, mm.
+pub const MAX_OVERCUT: f64 = 0.005;
+
 fn flank_faults(part: &Impeller) -> Vec<String> {
     let request = FlankRequest { part: part.clone().into(), setup: Setup::for_part(part) };
     let planned = || FlankJob::default().run(&request, &Monitor::default());
@@ -154,6 +157,9 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
         Ok(verdict) => {
             if let Some(fault) = verdict.faults.first() {
                 faults.push(format!("flank: {} faults, line {}: {fault}", verdict.faults.len(), fault.line));
+            }
+            if verdict.max_overcut > MAX_OVERCUT {
+                faults.push(format!("flank: {} mm overcut", verdict.max_overcut));
             }
         }
     }

@@ -11,9 +11,13 @@ mod sampled_tool;
 
 use vanecut::assess::Assessment;
 use vanecut::assess::reach::ReachLimits;
+use vanecut::flank::LayoutInputs;
+use vanecut::flank::choice::choose_tool;
 use vanecut::geometry::wrap_angle;
 use vanecut::io::part_file::read_part_bytes;
+use vanecut::io::tool_library::flank_cutters;
 use vanecut::io::write_native;
+use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller};
@@ -187,6 +191,49 @@ fn floor_that_holds_only_its_allowance_is_not_left_uncut() {
         .collect();
     assert!(thin.len() > 100, "{}: {} cells", wheel.remarks, thin.len());
     assert!(thin.iter().all(|&cell| !grid.reachable[cell]), "{}", wheel.remarks);
+}
+
+/// Between two positions the tip moves straight. Where it rises while the axis turns, the axis gets nearer to
+/// the wall than where its low point moves straight: 5.6 µm below the allowance.
+#[test]
+fn flanks_cut_no_wall_deeper_than_5_um() {
+    let wheel = make::wheel(31, 7);
+    let part = open(&wheel);
+    let request = FlankRequest { setup: Setup::for_part(&part), part: part.into() };
+    let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("a plan");
+    let overcut = outcome.max_overcut();
+    assert!(overcut <= judge::MAX_OVERCUT, "{}: {overcut} mm over", wheel.remarks);
+    // What cuts a little too deep is moved, not left out.
+    let left = outcome.plan.uncut.iter().filter(|left| left.why.contains("would come too near to a blade"));
+    assert_eq!(left.count(), 0, "{:?}", outcome.plan.uncut);
+}
+
+/// Few deep layers with few passes side by side, of which one more in a region counts.
+#[test]
+fn layers_of_constant_depth_are_never_longer_than_isoparametric_ones() {
+    let mut replaced = Vec::new();
+    for index in 0..20 {
+        let wheel = make::wheel(4, index);
+        let part = open(&wheel);
+        let mut setup = Setup::for_part(&part);
+        setup.flank.strategy = FlankStrategy::Layers;
+        setup.flank.layer_depth *= 3.0;
+        setup.flank.scallop_height *= 8.0;
+        let workpiece = setup.allowances.workpiece_of(part);
+        let tool = &choose_tool(&workpiece, &setup, flank_cutters()).expect("a cutter").tool;
+        let inputs = LayoutInputs { workpiece: &workpiece, setup: &setup, tool };
+        let layout = inputs.plan(&Monitor::default()).expect("passes");
+        let [isoparametric, layers] =
+            [FlankStrategy::Isoparametric, FlankStrategy::Layers].map(|s| layout.totals[s as usize].length);
+        let written: f64 =
+            layout.layers.iter().flat_map(|l| l.pass_curves.iter().map(|c| c.length(&l.layer))).sum();
+        assert!(written > 0.0 && written <= isoparametric * (1.0 + 1e-9), "{}", wheel.remarks);
+        assert_eq!(layout.replacement_note().is_some(), layers > isoparametric, "{}", wheel.remarks);
+        if layers > isoparametric {
+            replaced.push(index);
+        }
+    }
+    assert!(!replaced.is_empty() && replaced.len() < 3, "{replaced:?}");
 }
 
 /// A number from an environment variable.

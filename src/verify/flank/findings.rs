@@ -20,7 +20,9 @@ use crate::verify::too_deep;
 /// Gouge below the hub's allowance that is tolerated, mm: linear moves between positions deviate a little.
 const HUB_TOLERANCE: f64 = 1e-3;
 /// The same at the blades, where the best fit of a cylinder to a twisted wall cuts up to 5 µm too deep.
-const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
+pub(super) const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
+/// The same for a planner, mm: below 5 µm by more than what a clearance along a move errs by.
+pub(super) const PLANNED_BLADE_TOLERANCE: f64 = 4.9e-3;
 /// Depth of a plausible cut, in layers of the setup.
 const MAX_LAYERS: f64 = 4.0;
 /// Depth of a plausible cut, in cutter diameters.
@@ -41,7 +43,7 @@ impl FlankVerifier<'_> {
         let turns = step.feed.is_some() && step.turn() > MAX_TURN_RAD;
         let found = [
             near_hub(hub, stock, HUB_TOLERANCE),
-            near_blade(blade, stock, BLADE_TOLERANCE),
+            near_blade(blade, stock, self.blade_tolerance),
             holder.then(|| {
                 let what = "the holder runs into a blade, its allowance, or the hub";
                 Finding::new(FaultKind::HolderCollision, None, what)

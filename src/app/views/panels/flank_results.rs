@@ -109,6 +109,9 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             ui.end_row();
         }
     });
+    if let Some(note) = curves.replacement_note() {
+        ui.label(note);
+    }
     ui.label(format!(
         "{} layers, cutter Ø{}, floor {:.2} m; wall error: −{:.4} mm gouge, +{:.4} mm left; {}",
         curves.layers.len(),
