@@ -5,8 +5,9 @@
 //! contacts of a station are searched on a grid of directions. Greedy extension: a run continues while one of
 //! its axes suits the next station as well, which minimises the number of runs for that grid. Where the grid
 //! ends a run, directions between its nodes are tried. The search uses the fast approximate distances of
-//! `scene`; the axis of each run is then checked against the true surfaces.
+//! `scene` and `distance_table`; the axis of each run is then checked against the true surfaces.
 
+mod distance_table;
 mod scene;
 mod search;
 
@@ -15,7 +16,8 @@ use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
 use crate::part::{FinishedPart, Workpiece};
 use crate::setup::{AssemblySegment, ClearanceSetup, Tool};
-use scene::{BladePoints, Cone, DistanceTable, MinDistances, NearPoints, ToolShape};
+use distance_table::DistanceTable;
+use scene::{BladePoints, Cone, MinDistances, NearPoints, ToolShape};
 use search::Greedy;
 
 /// Contact of a tool with a layer.

@@ -1,8 +1,8 @@
-//! Fast approximate distances for the fixed-axis search: points of the blades and tables of distances, on the
-//! safe side by a few hundredths of a millimetre.
+//! Fast approximate distances from the blades for the fixed-axis search, by points of these, on the safe side
+//! by a few hundredths of a millimetre.
 
-use crate::geometry::{Meridional, Point, Vector, norm2};
-use crate::part::{BladeSide, Blank, Impeller};
+use crate::geometry::{Point, Vector};
+use crate::part::BladeSide;
 use crate::setup::{ClearanceSetup, Tool};
 
 /// Points sampled on the blades, at most [`SPACING`] apart along u.
@@ -34,6 +34,8 @@ pub(super) struct NearPoints {
 #[derive(Debug, Default)]
 struct PointTree {
     blocks: Vec<PointBlock>,
+    /// By groups, the balls around their blocks: side by side they are ruled out together.
+    inner: Vec<Balls>,
     /// Balls around each [`GROUP`] consecutive blocks.
     groups: Vec<Balls>,
 }
@@ -173,7 +175,10 @@ impl BlockMaker {
     fn into_tree(self) -> PointTree {
         let blocks: Vec<PointBlock> = self.points.chunks(LANES).map(PointBlock::of).collect();
         let around: Vec<([f32; 3], f32)> = blocks.chunks(GROUP).map(ball_around).collect();
-        PointTree { blocks, groups: around.chunks(LANES).map(Balls::of).collect() }
+        let balls = |group: &[PointBlock]| Balls::of(group.iter().map(|block| (block.centre, block.radius)));
+        let inner = blocks.chunks(GROUP).map(balls).collect();
+        let groups = around.chunks(LANES).map(|balls| Balls::of(balls.iter().copied())).collect();
+        PointTree { blocks, inner, groups }
     }
 }
 
@@ -189,9 +194,9 @@ fn ball_around(blocks: &[PointBlock]) -> ([f32; 3], f32) {
 
 impl Balls {
     /// At most [`LANES`] balls.
-    fn of(balls: &[([f32; 3], f32)]) -> Self {
+    fn of(balls: impl Iterator<Item = ([f32; 3], f32)>) -> Self {
         let mut all = Self { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES], radius: [0.0; LANES] };
-        for (k, &([x, y, z], radius)) in balls.iter().enumerate() {
+        for (k, ([x, y, z], radius)) in balls.enumerate() {
             (all.x[k], all.y[k], all.z[k], all.radius[k]) = (x, y, z, radius);
         }
         all
@@ -212,10 +217,10 @@ impl PointTree {
         mut look: impl FnMut(&PointBlock, f64) -> f64,
     ) -> f64 {
         let bounds = |balls: &Balls| {
+            let (up, squared) = ray.seen(&balls.x, &balls.y, &balls.z);
             let mut bounds = [0.0; LANES];
             for k in 0..LANES {
-                let (up, squared) = ray.seen_at([balls.x[k], balls.y[k], balls.z[k]]);
-                bounds[k] = bound(up, squared.sqrt(), balls.radius[k]);
+                bounds[k] = bound(up[k], squared[k].sqrt(), balls.radius[k]);
             }
             bounds
         };
@@ -229,14 +234,11 @@ impl PointTree {
         }
         let mut found = nearest;
         let mut group = |number: usize, found: f64| {
-            let blocks = self.blocks.chunks(GROUP).nth(number).unwrap_or_default();
-            let may = |block: &PointBlock, found: f64| {
-                let (up, squared) = ray.seen_at(block.centre);
-                f64::from(bound(up, squared.sqrt(), block.radius)) < found
-            };
-            blocks
-                .iter()
-                .fold(found, |found, block| if may(block, found) { look(block, found) } else { found })
+            let Some(balls) = self.inner.get(number) else { return found };
+            let (blocks, bounds) = (&self.blocks[number * GROUP..], bounds(balls));
+            blocks.iter().zip(&bounds[..GROUP]).fold(found, |found, (block, &bound)| {
+                if f64::from(bound) < found { look(block, found) } else { found }
+            })
         };
         if f64::from(first.0) < found {
             found = group(first.1, found);
@@ -293,20 +295,19 @@ struct RelativeAxis {
 }
 
 impl RelativeAxis {
-    /// Height of the point of a lane along the axis, and its squared distance from the axis.
+    /// Heights of points along the axis, and their squared distances from it. Loops over arrays without
+    /// branches become SIMD instructions; over points one by one they do not.
     #[inline(always)]
-    fn seen(&self, block: &PointBlock, k: usize) -> (f32, f32) {
-        self.seen_at([block.x[k], block.y[k], block.z[k]])
-    }
-
-    /// Height of a point along the axis, and its squared distance from the axis.
-    #[inline(always)]
-    fn seen_at(&self, [x, y, z]: [f32; 3]) -> (f32, f32) {
+    fn seen(&self, x: &LaneValues, y: &LaneValues, z: &LaneValues) -> (LaneValues, LaneValues) {
         let [ax, ay, az] = self.axis;
         let [ox, oy, oz] = self.offset;
-        let (x, y, z) = (x - ox, y - oy, z - oz);
-        let up = x * ax + y * ay + z * az;
-        (up, (x * x + y * y + z * z - up * up).max(0.0))
+        let (mut up, mut squared) = ([0.0; LANES], [0.0; LANES]);
+        for k in 0..LANES {
+            let (x, y, z) = (x[k] - ox, y[k] - oy, z[k] - oz);
+            let along = x * ax + y * ay + z * az;
+            (up[k], squared[k]) = (along, greater(x * x + y * y + z * z - along * along, 0.0));
+        }
+        (up, squared)
     }
 }
 
@@ -337,10 +338,10 @@ impl NearPoints {
                 if up + ball < from { f32::INFINITY } else { radial - ball - wide }
             };
             let look = |block: &PointBlock, found: f64| {
+                let (up, squared) = ray.seen(&block.x, &block.y, &block.z);
                 let mut least = [f32::MAX; LANES];
                 for k in 0..LANES {
-                    let (up, squared) = ray.seen(block, k);
-                    least[k] = if up >= from { squared } else { f32::MAX };
+                    least[k] = if up[k] >= from { squared[k] } else { f32::MAX };
                 }
                 found.min(f64::from(lane_min(&least)).sqrt() - radius)
             };
@@ -359,19 +360,20 @@ impl NearPoints {
         let rim = shape.rim() as f32;
         let (radius, corner) = (shape.radius as f32, shape.corner as f32);
         // No point of a ball is nearer than the ball, seen from the side or from below.
-        let bound = |up: f32, radial: f32, ball: f32| (radial - radius).max(-up - corner) - ball;
+        let bound = |up: f32, radial: f32, ball: f32| greater(radial - radius, -up - corner) - ball;
         let look = |block: &PointBlock, found: f64| {
+            let (up, squared) = ray.seen(&block.x, &block.y, &block.z);
             let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);
             for k in 0..LANES {
-                let (up, squared) = ray.seen(block, k);
                 let beyond = if BALL {
-                    squared
+                    squared[k]
                 } else {
-                    let beyond = (squared.sqrt() - rim).max(0.0);
+                    let beyond = greater(squared[k].sqrt() - rim, 0.0);
                     beyond * beyond
                 };
-                (beside[k], under[k]) =
-                    if up >= 0.0 { (squared, f32::MAX) } else { (f32::MAX, beyond + up * up) };
+                let below = beyond + up[k] * up[k];
+                beside[k] = if up[k] >= 0.0 { squared[k] } else { f32::MAX };
+                under[k] = if up[k] >= 0.0 { f32::MAX } else { below };
             }
             let side = f64::from(lane_min(&beside)).sqrt() - shape.radius;
             let bottom = f64::from(lane_min(&under)).sqrt() - shape.corner;
@@ -381,95 +383,23 @@ impl NearPoints {
     }
 }
 
+/// The greater of two numbers, of which neither is NaN: one instruction, unlike [`f32::max`].
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
 fn lane_min(row: &LaneValues) -> f32 {
-    row.iter().copied().fold(f32::MAX, f32::min)
-}
-
-/// A distance tabulated over the meridional plane, interpolated bilinearly.
-#[derive(Debug)]
-pub(super) struct DistanceTable {
-    from: Meridional,
-    spacing: f64,
-    columns: usize,
-    rows: usize,
-    distance: Vec<f32>,
-}
-
-/// Nodes along the longer side of the table.
-const NODES: f64 = 110.0;
-
-impl DistanceTable {
-    /// Signed distance from the hub, as far as `margin` mm beyond the part.
-    pub(super) fn of_hub(part: &Impeller, margin: f64) -> Self {
-        let curve = part.hub.curve();
-        // Along a row the projection moves little: warm start.
-        let mut warm: Option<f64> = None;
-        Self::new(part, margin, |p, spacing, begins| {
-            let (t, d) = match warm {
-                Some(t) if !begins => curve.project_near(p, t, 4.0 * spacing),
-                _ => curve.project(p),
-            };
-            warm = Some(t);
-            // Beyond its ends the hub has an edge, not a surface.
-            if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
-        })
-    }
-
-    /// Signed distance from the blank, as far as `margin` mm beyond the part.
-    pub(super) fn of_blank(part: &Impeller, blank: &Blank, margin: f64) -> Self {
-        let mut warm = None;
-        Self::new(part, margin, |p, _, begins| {
-            if begins {
-                warm = None;
-            }
-            blank.clearance(p, &mut warm)
-        })
-    }
-
-    /// Tabulates `distance` row by row. Its arguments are the node, the spacing of the nodes, mm, and whether
-    /// to discard the warm start.
-    fn new(part: &Impeller, margin: f64, mut distance: impl FnMut(Meridional, f64, bool) -> f64) -> Self {
-        let (mut low, mut high) =
-            (Meridional { r: f64::MAX, z: f64::MAX }, Meridional { r: f64::MIN, z: f64::MIN });
-        for path in [part.hub.curve(), part.shroud.curve()] {
-            for i in 0..=64 {
-                let p = path.point(path.length() * f64::from(i) / 64.0);
-                low = Meridional { r: low.r.min(p.r), z: low.z.min(p.z) };
-                high = Meridional { r: high.r.max(p.r), z: high.z.max(p.z) };
-            }
-        }
-        let from = Meridional { r: (low.r - margin).max(0.0), z: low.z - margin };
-        let (width, height) = (high.r + margin - from.r, high.z + margin - from.z);
-        let spacing = width.max(height) / NODES;
-        let (columns, rows) = ((width / spacing) as usize + 2, (height / spacing) as usize + 2);
-        let mut nodes = Vec::with_capacity(columns * rows);
-        for i in 0..rows {
-            for j in 0..columns {
-                let p = Meridional { r: from.r + spacing * j as f64, z: from.z + spacing * i as f64 };
-                nodes.push(distance(p, spacing, j % 8 == 0) as f32);
-            }
-        }
-        Self { from, spacing, columns, rows, distance: nodes }
-    }
-
-    /// Signed distance of a point, mm, accurate to a few hundredths; infinite far from the part.
-    pub(super) fn at(&self, p: &Point) -> f64 {
-        let x = (norm2(p.x, p.y) - self.from.r) / self.spacing;
-        let y = (p.z - self.from.z) / self.spacing;
-        if !(x >= 0.0 && y >= 0.0 && x < (self.columns - 1) as f64 && y < (self.rows - 1) as f64) {
-            return f64::INFINITY;
-        }
-        let (i, j) = (y as usize, x as usize);
-        let (fx, fy) = (x - j as f64, y - i as f64);
-        let node = |i: usize, j: usize| f64::from(self.distance[i * self.columns + j]);
-        let row = |i: usize| node(i, j) + fx * (node(i, j + 1) - node(i, j));
-        row(i) + fy * (row(i + 1) - row(i))
-    }
+    let less = |a: f32, b: f32| if a < b { a } else { b };
+    let four: [f32; LANES / 2] = std::array::from_fn(|k| less(row[k], row[k + LANES / 2]));
+    less(less(four[0], four[2]), less(four[1], four[3]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::norm2;
 
     /// Deterministic pseudorandom numbers from −1 to 1.
     fn dice(seed: &mut u64) -> f64 {
