@@ -2,12 +2,14 @@
 //!
 //! | file | answers |
 //! |---|---|
+//! | [`approach`] | how far down a tool may come in rapid, over what earlier plunges left |
 //! | [`assembly`] | how far shank and holder are from the finished part and the blank |
 //! | [`drop_cutter`] | how deep it goes along its axis until it touches a surface of revolution |
 //! | [`retract`] | from which height above its tip a tool is clear of the blank |
 //! | [`link`] | how far a rapid from one position to another stays clear of the blank |
 //! | [`contact`] | where the core of a plunge meets stock that earlier plunges left |
 
+pub mod approach;
 pub mod assembly;
 pub mod contact;
 pub mod drop_cutter;

@@ -92,6 +92,9 @@ struct PositionRecord {
     /// Height at which it enters the blank, and depth between two interruptions, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     peck: Option<[f64; 2]>,
+    /// Height above the tip at which the rapid down ends, where that is below the retract point, mm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    approach: Option<f64>,
 }
 
 /// Has a plan file hold these by their name.
@@ -142,12 +145,14 @@ impl PositionRecord {
             feed: motion.feed_mm_per_min,
             lift_off: motion.lift_off.into(),
             peck: motion.pecking.map(|pecking| [pecking.from, pecking.depth]),
+            approach: motion.approach,
         }
     }
 
     /// The position of a plan with this many sections; `None` if the record is damaged.
     fn position(&self, sections: usize) -> Option<Position> {
-        let moved = self.lift_off.iter().chain(self.peck.iter().flatten()).chain(&self.feed);
+        let moved =
+            self.lift_off.iter().chain(self.peck.iter().flatten()).chain(&self.feed).chain(&self.approach);
         let is_sound =
             are_coordinates(self.tip.iter().chain(&self.retract).chain(moved)) && self.section < sections;
         Some(Position {
@@ -181,6 +186,7 @@ impl PositionRecord {
                         .peck
                         .filter(|[from, depth]| *from > 0.0 && *depth > 0.0)
                         .map(|[from, depth]| Pecking { from, depth }),
+                    approach: self.approach.filter(|height| *height > 0.0),
                 },
             },
         })
@@ -211,8 +217,7 @@ impl StoredPlan {
         let channels = self.channels.clamp(1, self.part.blade_count);
         let allowances = &self.setup.allowances;
         let blank = allowances.blank_of(&self.part);
-        let safety = allowances.safety_distance;
-        let plan = plan_channels(&self.plan, &self.part, &blank, safety, channels, monitor)?;
+        let plan = plan_channels(&self.plan, &self.part, &blank, &self.setup, channels, monitor)?;
         Ok(ClProgram::of_plan(&self.part.name, &plan))
     }
 }

@@ -97,8 +97,7 @@ impl PlanOutcome {
         monitor: &Monitor,
     ) -> Result<ClProgram, Cancelled> {
         let Workpiece { part, blank, .. } = &*self.workpiece;
-        let safety_distance = self.setup.allowances.safety_distance;
-        let plan = plan_channels(&result.plan, part, blank, safety_distance, channels, monitor)?;
+        let plan = plan_channels(&result.plan, part, blank, &self.setup, channels, monitor)?;
         Ok(ClProgram::of_plan(&part.name, &plan))
     }
 

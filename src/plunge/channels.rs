@@ -4,21 +4,21 @@
 use std::collections::HashSet;
 
 use super::cut::LIFT_MARGIN;
-use super::evaluation::evaluated;
+use super::evaluation::{Measured, evaluated};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
-use crate::cutting::contact::{CoreContact, Engagement, core_contacts};
+use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contacts};
 use crate::geometry::{Point, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
-use crate::setup::SectionKind;
+use crate::setup::{SectionKind, Setup};
 
 /// Maximum number of lifts of the plunges; contact that remains is reported as interference.
 const MAX_ITERATIONS: usize = 8;
 /// Distance within which two plunges above the shroud are the same, mm.
 const SAME_PLACE: f64 = 1e-3;
 
-/// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links keep `safety` mm
-/// from `blank`. Row numbers continue from channel to channel.
+/// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links and approaches keep
+/// the distances of `setup` from `blank`. Row numbers continue from channel to channel.
 ///
 /// The order is tool by tool, so that no tool is loaded twice, and channel by channel with each tool. A
 /// plunge whose core meets stock only because of that order is lifted clear; one that interferes in channel 1
@@ -30,7 +30,7 @@ pub fn plan_channels(
     one: &PlungePlan,
     part: &Impeller,
     blank: &Blank,
-    safety: f64,
+    setup: &Setup,
     channels: usize,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
@@ -38,13 +38,13 @@ pub fn plan_channels(
     if channels <= 1 {
         return Ok(plan);
     }
-    let contacts = free_cores(&mut plan, blank, monitor)?;
+    let (contacts, columns) = free_cores(&mut plan, blank, monitor)?;
     let retracts = plan.positions.iter().map(|p| p.evaluation.retract).collect();
     // Those of channel 1 are on the safe side: where plunges of other channels come earlier, a plunge engages
     // less stock and its lead-out has more space.
     let motions: Vec<(Engagement, PlungeMotion)> =
         plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
-    evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)
+    evaluated(plan, Measured { contacts, motions, retracts }, &columns, blank, setup, monitor)
 }
 
 /// The positions of channel 1, rotated into each channel.
@@ -89,14 +89,15 @@ fn place(point: &Point) -> [i64; 3] {
     [point.x, point.y, point.z].map(|x| (x / SAME_PLACE).round() as i64)
 }
 
-/// Contact in cutting order, after plunges that interfere only in this order are lifted.
+/// Contact in cutting order, after plunges that interfere only in this order are lifted, and the plunges.
 fn free_cores(
     plan: &mut PlungePlan,
     blank: &Blank,
     monitor: &Monitor,
-) -> Result<Vec<CoreContact>, Cancelled> {
+) -> Result<(Vec<CoreContact>, Columns), Cancelled> {
     let lone: Vec<bool> = plan.positions.iter().map(|p| p.evaluation.contact.interferes()).collect();
-    let mut contacts = core_contacts(&plan.columns(blank), blank, monitor)?;
+    let mut columns = plan.columns(blank);
+    let mut contacts = core_contacts(&columns, blank, monitor)?;
     for _ in 0..MAX_ITERATIONS {
         let mut lifted = false;
         for ((position, contact), lone) in plan.positions.iter_mut().zip(&contacts).zip(&lone) {
@@ -110,8 +111,9 @@ fn free_cores(
         if !lifted {
             break;
         }
-        contacts = core_contacts(&plan.columns(blank), blank, monitor)?;
+        columns = plan.columns(blank);
+        contacts = core_contacts(&columns, blank, monitor)?;
     }
     monitor.check()?;
-    Ok(contacts)
+    Ok((contacts, columns))
 }

@@ -3,16 +3,18 @@
 
 use rayon::prelude::*;
 
+use super::approach::add_approaches;
 use super::context::PlanContext;
 use super::cycle::{PlacedPlan, PlanError};
 use super::links::raise_links;
 use super::motion::{motions, with_lifts};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan};
-use crate::cutting::contact::{CoreContact, Engagement, core_contact};
+use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contact};
 use crate::cutting::retract::RetractSurface;
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
+use crate::setup::Setup;
 
 /// Clearance added to the safety distance at a retract point, mm: between two samples of a link the distance
 /// may dip by some µm.
@@ -53,25 +55,35 @@ pub(super) fn evaluate(
         .collect();
     let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
     let motions = motions(context, &plan, &columns, monitor)?;
-    Ok(with_lifts(context, evaluated(plan, &contacts, &motions, retracts, blank, safety, monitor)?))
+    let measured = Measured { contacts, motions, retracts };
+    Ok(with_lifts(context, evaluated(plan, measured, &columns, blank, context.setup, monitor)?))
 }
 
-/// `plan` with `contacts` and `motions` of its positions, and with `retracts`, their retract points, raised
-/// until links keep `safety` mm from `blank`.
+/// What is measured of each position of a plan by itself and those before it.
+pub(super) struct Measured {
+    pub contacts: Vec<CoreContact>,
+    pub motions: Vec<(Engagement, PlungeMotion)>,
+    /// Retract points over the blank, before links are raised.
+    pub retracts: Vec<Point>,
+}
+
+/// `plan`, whose plunges are `columns`, with what was `measured` of its positions; their retract points raised
+/// until links keep the safety distance from `blank`, and with rapid approaches from there.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
 pub(super) fn evaluated<E: Sync>(
     plan: PlungePlan<E>,
-    contacts: &[CoreContact],
-    motions: &[(Engagement, PlungeMotion)],
-    retracts: Vec<Point>,
+    measured: Measured,
+    columns: &Columns,
     blank: &Blank,
-    safety: f64,
+    setup: &Setup,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
+    let Measured { contacts, mut motions, retracts } = measured;
     let lift_offs: Vec<Vector> = motions.iter().map(|(_, motion)| motion.lift_off).collect();
-    let raised = raise_links(&plan, retracts, &lift_offs, blank, safety, monitor)?;
+    let raised = raise_links(&plan, retracts, &lift_offs, blank, setup.allowances.safety_distance, monitor)?;
+    add_approaches(&plan, &raised, &mut motions, columns, blank, setup, monitor)?;
     Ok(plan.with_evaluations(|k| {
         let (retract, retract_clearance) = raised[k];
         let (engagement, motion) = motions[k];

@@ -29,6 +29,7 @@
 //! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
 //! | sectional view through one position | [`inspect`] |
 
+mod approach;
 mod assembly;
 pub mod channels;
 pub mod choice;

@@ -60,6 +60,7 @@ pub(super) fn motions<E: Sync>(
                 .peck
                 .filter(|depth| whole.top > *depth)
                 .map(|depth| Pecking { from: whole.top, depth }),
+            approach: None,
         };
         Ok((engaged, motion))
     };

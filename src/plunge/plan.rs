@@ -38,6 +38,9 @@ pub struct PlungeMotion {
     pub lift_off: Vector,
     /// Where it is interrupted to break the chip.
     pub pecking: Option<Pecking>,
+    /// Height above the tip at which the rapid down ends and the feed begins, mm; `None`: at the retract
+    /// point.
+    pub approach: Option<f64>,
 }
 
 impl PlungeMotion {
@@ -73,6 +76,13 @@ impl Pecking {
     pub fn heights(&self) -> impl Iterator<Item = f64> + use<> {
         let (from, depth) = (self.from, self.step());
         (1..).map(move |k| from - depth * f64::from(k)).take_while(|height| *height > 1e-6)
+    }
+
+    /// What is left of the interruptions where the feed begins at a `height` above the tip, mm; `None` where
+    /// that is no higher than the depth between two of them.
+    pub fn below(self, height: f64) -> Option<Self> {
+        let from = self.from.min(height);
+        (from > self.depth).then_some(Self { from, ..self })
     }
 
     /// Distance by which the tool retracts at each interruption, mm.

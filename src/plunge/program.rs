@@ -19,8 +19,8 @@ impl ClSection {
 }
 
 impl ClProgram {
-    /// The program of a plunge plan: per plunge a rapid to the retract point, a feed move to the tip, with
-    /// its interruptions, a move off the stock where it has one, and a rapid back, in cutting order, with
+    /// The program of a plunge plan: per plunge a rapid to the retract point and on down to where it
+    /// approaches stock, a feed move to the tip, with its interruptions, a move off the stock where it has one, and a rapid back, in cutting order, with
     /// sections and rows. Positions of a section that the plan lacks are left out. The part name of an
     /// unfinished plan ends in `UNFINISHED`.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
@@ -72,7 +72,12 @@ fn plunge_moves(position: &Position, tool: &Tool) -> Vec<(Motion, Point)> {
     let evaluation = &position.evaluation;
     let feed = Motion::Feed(Some(evaluation.motion.feed_mm_per_min.unwrap_or(tool.plunge_feed)));
     let mut moves = vec![(Motion::Rapid, evaluation.retract)];
-    if let Some(pecking) = evaluation.motion.pecking {
+    if let Some(height) = evaluation.motion.approach {
+        moves.push((Motion::Rapid, tip + axis * height));
+    }
+    // Above the approach there is no chip to break.
+    let start = evaluation.motion.approach.unwrap_or(f64::INFINITY);
+    if let Some(pecking) = evaluation.motion.pecking.and_then(|pecking| pecking.below(start)) {
         for height in pecking.heights() {
             moves.push((feed, tip + axis * height));
             moves.push((Motion::Rapid, tip + axis * (height + pecking.back())));

@@ -2,7 +2,7 @@
 
 use super::context::PlanContext;
 use super::cycle::PlanError;
-use super::evaluation::evaluated;
+use super::evaluation::{Measured, evaluated};
 use super::motion::{motions, with_lifts};
 use super::plan::{PlungePlan, Position};
 use crate::cutting::contact::{Columns, core_contacts};
@@ -40,9 +40,10 @@ pub(super) fn keep_plunges(
     for (section, rows) in thinned.sections.iter_mut().zip(rows) {
         section.rows = rows;
     }
-    let (blank, safety) = (&context.workpiece.blank, context.setup.allowances.safety_distance);
+    let blank = &context.workpiece.blank;
     let contacts = core_contacts(columns, blank, monitor)?;
     let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
     let motions = motions(context, &thinned, columns, monitor)?;
-    Ok(with_lifts(context, evaluated(thinned, &contacts, &motions, retracts, blank, safety, monitor)?))
+    let measured = Measured { contacts, motions, retracts };
+    Ok(with_lifts(context, evaluated(thinned, measured, columns, blank, context.setup, monitor)?))
 }

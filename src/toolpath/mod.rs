@@ -197,14 +197,14 @@ impl ClProgram {
 
 impl ClProgram {
     /// Indices of the moves with which plunges begin, in programs as the planner writes them: each of these
-    /// is a rapid to a plunge, after the rapid out of the one before.
+    /// is a rapid to a plunge, the first of a tool or after the rapid out of the plunge before. The rapid that
+    /// may follow, down to where the feed begins, belongs to the same plunge.
     pub fn plunge_starts(&self) -> Vec<usize> {
-        let is_rapid = |k: usize| self.moves[k].motion == Motion::Rapid;
-        let begins = |&k: &usize| {
-            let Some(before) = k.checked_sub(1) else { return true };
-            self.moves[before].tool != self.moves[k].tool || is_rapid(before)
-        };
-        (0..self.moves.len()).filter(|&k| is_rapid(k)).filter(begins).collect()
+        let moves = &self.moves;
+        let is_rapid = |k: usize| moves[k].motion == Motion::Rapid;
+        let is_first = |k: usize| k == 0 || moves[k - 1].tool != moves[k].tool;
+        let begins = |&k: &usize| is_first(k) || is_rapid(k - 1) && !is_first(k - 1) && !is_rapid(k - 2);
+        (0..moves.len()).filter(|&k| is_rapid(k)).filter(begins).collect()
     }
 }
 

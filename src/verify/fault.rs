@@ -242,6 +242,25 @@ pub(super) fn rapid_near_blank(distance: f64, stock: &AllowanceSetup) -> Option<
     })
 }
 
+/// The fault of a rapid down to `distance` mm from what earlier cuts left, negative in it, if that is too
+/// near.
+pub(super) fn rapid_near_stock(distance: f64, stock: &AllowanceSetup) -> Option<Finding> {
+    let safety = stock.safety_distance;
+    let (kind, value, what) = if distance < 0.0 {
+        let depth = -distance;
+        let what =
+            format!("comes down in rapid, {depth:.3} mm deep into stock that no cut before it removed");
+        (FaultKind::RapidInStock, depth, what)
+    } else {
+        let what = format!(
+            "comes down in rapid to {distance:.3} mm from standing stock; the safety distance is {safety} mm"
+        );
+        (FaultKind::RapidClearance, distance, what)
+    };
+    let help = "end the rapid higher, or cut that stock before";
+    falls_short(distance, safety).then(|| Finding::new(kind, value, what).with_help(help))
+}
+
 /// The fault of a plunge whose core meets stock up to `depth` mm above its bottom, over a share of its area
 /// where that is known.
 pub(super) fn core_in_stock(depth: f64, area_share: Option<f64>) -> Finding {

@@ -22,7 +22,7 @@ use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, TILT_TOLERANCE, VerifyError, count_by_kind, falls_short};
 use fault::{
     Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank,
-    stopped_spindle, tool_mismatch,
+    rapid_near_stock, stopped_spindle, tool_mismatch,
 };
 pub use flank::{FlankVerdict, FlankVerifier, Uncovered, verify_flank};
 use plunges::named_sections;
@@ -31,9 +31,10 @@ pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
 pub use verdict::{JudgedCut, PlungeVerdict};
 
+use crate::cutting::approach::ApproachRule;
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::contact::{
-    BlankTop, Columns, CoreContact, Engagement, PlungeColumn, core_contact, engagement,
+    BlankTop, Columns, CoreContact, Earlier, Engagement, PlungeColumn, core_contact, engagement,
 };
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface};
@@ -41,7 +42,7 @@ use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vec
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller, Workpiece};
 use crate::plunge::SectionPlan;
-use crate::setup::{AllowanceSetup, CutDirection, SectionKind, Setup, Tool};
+use crate::setup::{AllowanceSetup, ClearanceSetup, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
 /// Tolerance of distances in a program with six decimals, mm.
@@ -131,7 +132,7 @@ pub fn verify(
             let earlier = columns.before(k);
             let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
             let deep = whole.top > cut.tool.overhang;
-            let (retract, rapids) = check_rapids(cut, blank, &setup.allowances);
+            let (retract, rapids) = check_rapids(cut, earlier, (blank, &top), &setup.allowances);
             let left = |cutter: &CutterSolid| {
                 let column = PlungeColumn::new(*cutter, cut.tool.core_radius(), &top);
                 core_contact(&column, columns.before(k + 1), blank)
@@ -222,8 +223,14 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, `None` where it has none; and the
-/// faults of these rapids.
-fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (Option<f64>, Vec<Fault>) {
+/// faults of these rapids. A rapid down along the axis, nearer to the blank than the safety distance, is held
+/// against what the `earlier` cuts left, and does not count in that distance.
+fn check_rapids(
+    cut: &ProgramCut,
+    earlier: Earlier,
+    (blank, top): (&Blank, &BlankTop),
+    stock: &AllowanceSetup,
+) -> (Option<f64>, Vec<Fault>) {
     let surface = RetractSurface::new(blank, cut.tool.corner_radius);
     let mut least: Option<f64> = None;
     let mut faults = Vec::new();
@@ -231,6 +238,21 @@ fn check_rapids(cut: &ProgramCut, blank: &Blank, stock: &AllowanceSetup) -> (Opt
         let near = |(tip, axis): (Point, Vector)| NearBottom::of(&cut.tool.placed(tip, axis), blank);
         let end = near(rapid.to);
         let mut clearance = end.clearance;
+        if rapid.is_approach() && falls_short(clearance, stock.safety_distance) {
+            let segments = cut.tool.assembly.segments(cut.tool.overhang);
+            let rule = ApproachRule {
+                tool: &cut.tool,
+                segments: &segments,
+                blank,
+                top,
+                below: stock.safety_distance,
+                aside: -TOOL_TOLERANCE,
+                clearances: ClearanceSetup { shank: 0.0, holder: 0.0 },
+            };
+            let distance = stock.safety_distance - rule.height(rapid.to, earlier, f64::INFINITY).at_least;
+            faults.extend(rapid_near_stock(distance, stock).map(|finding| finding.at(rapid.line)));
+            continue;
+        }
         if let Some(from) = rapid.from.filter(|_| !rapid.is_retract()) {
             let link = LinkMove { tool: &cut.tool, blank, from, to: rapid.to };
             clearance = clearance.min(link.clearance([&near(from), &end], stock.safety_distance));

@@ -56,6 +56,13 @@ impl Rapid {
         let travel = self.to.0 - from;
         is_axial(&travel, &axis, &self.to.1) && travel.dot(&self.to.1) >= 0.0
     }
+
+    /// Whether the cutter comes down along its own axis.
+    pub fn is_approach(&self) -> bool {
+        let Some((from, axis)) = self.from else { return false };
+        let travel = self.to.0 - from;
+        is_axial(&travel, &axis, &self.to.1) && travel.dot(&self.to.1) < 0.0
+    }
 }
 
 /// Spacing of the samples along a move, in cutter radii.

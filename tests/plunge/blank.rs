@@ -15,7 +15,7 @@ use vanecut::plunge::channels::plan_channels;
 use vanecut::plunge::{PlungePlan, Position};
 use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool, ToolAssembly};
 use vanecut::stock::solid::{Contact, SolidBlank, SolidProgram, SolidStock, StockSurface};
-use vanecut::toolpath::{ClProgram, Motion};
+use vanecut::toolpath::{ClProgram, Motion, Move, Travel};
 use vanecut::verify::{FaultKind, verify};
 
 use super::samples::sample;
@@ -67,7 +67,12 @@ fn a_plan_of_a_turned_blank_is_free_of_faults_and_of_the_cylinder() {
     let (radius, (low, high)) = blank.outline().expect("a cylinder").bounds();
     let safety = outcome.setup.allowances.safety_distance;
     let mut least = f64::INFINITY;
-    for step in program.moves.iter().filter(|step| step.motion == Motion::Rapid) {
+    // The rapid down into what was cut follows that to the retract point.
+    let is_approach = |pair: &[Move]| {
+        pair[1].is_axial_from(&pair[0]) && (pair[1].tip - pair[0].tip).dot(&pair[1].axis) < 0.0
+    };
+    let above = program.moves.windows(2).filter(|pair| !is_approach(pair)).map(|pair| &pair[1]);
+    for step in above.filter(|step| step.motion == Motion::Rapid) {
         let (u, v) = vanecut::geometry::frame_about(&step.axis);
         for (share, turn) in (0..=8).flat_map(|i| (0..48).map(move |k| (f64::from(i) / 8.0, f64::from(k)))) {
             let (sin, cos) = (turn * std::f64::consts::TAU / 48.0).sin_cos();
@@ -118,6 +123,37 @@ fn collisions(program: &ClProgram, setup: &Setup) -> Vec<Contact> {
     stock.make_moves(&program.tools, &program.moves, &Monitor::default()).expect("runs")
 }
 
+/// Plunges below what was opened feed only where stock stands: in a fraction of the time that they take from
+/// the retract point; and approaches that end lower are faults.
+fn assert_rapids_come_down_to_the_stock(plan: &PlungePlan, setup: &Setup, program: &ClProgram) {
+    let mut slow = plan.clone();
+    slow.positions.iter_mut().for_each(|position| position.evaluation.motion.approach = None);
+    let [before, after] = [&slow, plan].map(|plan| Travel::of(&ClProgram::of_plan("a", plan)).time);
+    assert!(after < 0.8 * before, "{after} s, {before} s without approaches");
+    let begins = |k: &usize| {
+        let [step, before] = [&program.moves[*k], &program.moves[*k - 1]];
+        step.motion == Motion::Rapid
+            && before.motion == Motion::Rapid
+            && step.is_axial_from(before)
+            && (step.tip - before.tip).dot(&step.axis) < 0.0
+    };
+    let approaches: Vec<usize> = (1..program.moves.len()).filter(begins).collect();
+    assert!(approaches.len() > 100, "{}", approaches.len());
+    // Half way from there to the tip.
+    let mut low = program.clone();
+    for &k in &approaches {
+        low.moves[k].tip = program.moves[k].tip + (program.moves[k + 1].tip - program.moves[k].tip) * 0.5;
+    }
+    let verdict = verify(&setup.allowances.workpiece_of(PUMP.clone()), setup, &low, &Monitor::default())
+        .expect("it can be checked");
+    let lines: Vec<usize> = approaches.iter().map(|&k| program.moves[k].line).collect();
+    assert!(verdict.faults.iter().all(|fault| lines.contains(&fault.line)));
+    let count = |kind: FaultKind| verdict.faults.iter().filter(|fault| fault.kind == kind).count();
+    let found = [FaultKind::RapidClearance, FaultKind::RapidInStock].map(count);
+    assert_eq!(found[0] + found[1], verdict.faults.len());
+    assert!(found[1] > 50, "{found:?} of {}", approaches.len());
+}
+
 #[test]
 fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it() {
     let usual = planned_as_chosen(Setup::for_part(&PUMP)).after;
@@ -138,11 +174,11 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
         verify(&workpiece, &outcome.setup, &program, &Monitor::default()).expect("it can be checked");
     assert_eq!(verdict.faults, []);
     assert_eq!(collisions(&program, &outcome.setup), []);
+    assert_rapids_come_down_to_the_stock(plan, &outcome.setup, &program);
     // Neighbouring channels share plunges above the shroud.
-    let allowances = &outcome.setup.allowances;
-    let (blank, safety) = (allowances.blank_of(&PUMP), allowances.safety_distance);
-    let all =
-        plan_channels(plan, &PUMP, &blank, safety, PUMP.blade_count, &Monitor::default()).expect("runs");
+    let blank = outcome.setup.allowances.blank_of(&PUMP);
+    let all = plan_channels(plan, &PUMP, &blank, &outcome.setup, PUMP.blade_count, &Monitor::default())
+        .expect("runs");
     let [all_above, all_below] = kinds_of(&all);
     assert_eq!(all_below, PUMP.blade_count * below);
     assert!(all_above < PUMP.blade_count * above, "{all_above} of {above} for one channel");

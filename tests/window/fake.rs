@@ -1,19 +1,20 @@
 //! A fast fake planner whose plan has known faults. The part is real.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use vanecut::app::model::checked::CheckRequest;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::cutting::contact::CoreContact;
 use vanecut::error::ErrorCode;
 use vanecut::geometry::Vector;
+use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::plunge::{AddedPlunges, Blocked, Evaluation, PlungePlan, Position, SectionPlan, StopReason};
-use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, SetupFault, Tool};
+use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, Tool};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.
@@ -46,7 +47,28 @@ pub fn engine() -> (Engine, Slow) {
         }
         vanecut::app::tasks::check::check(request, monitor)
     };
-    (Engine { plan: Arc::new(plan), check: Arc::new(check), ..Engine::default() }, slow)
+    let flank = Arc::new(cached_flank);
+    (Engine { plan: Arc::new(plan), check: Arc::new(check), flank, ..Engine::default() }, slow)
+}
+
+/// Flank plans that were made, by name of the part and setup.
+static FLANK_PLANS: Mutex<Vec<(String, Setup, FlankOutcome)>> = Mutex::new(Vec::new());
+
+/// The real flank planner; a plan that another test has asked for is not made again.
+fn cached_flank(request: &FlankRequest, monitor: &Monitor) -> Result<FlankOutcome, JobError> {
+    let FlankRequest { part, setup } = request;
+    let known = |plans: &[(String, Setup, FlankOutcome)]| {
+        let same = plans.iter().find(|(name, asked, _)| *name == part.name && asked == setup);
+        same.map(|(.., outcome)| outcome.clone())
+    };
+    if let Some(outcome) = known(&FLANK_PLANS.lock().unwrap()) {
+        // It belongs to the part that is open.
+        let workpiece = Arc::new(setup.allowances.workpiece_of(Arc::clone(part)));
+        return Ok(FlankOutcome { workpiece, ..outcome });
+    }
+    let outcome = FlankJob::default().run(request, monitor)?;
+    FLANK_PLANS.lock().unwrap().push((part.name.clone(), setup.clone(), outcome.clone()));
+    Ok(outcome)
 }
 
 /// The plan with its first row only, as if the planner was stopped after it.

@@ -138,7 +138,11 @@ impl CoreFrame {
     /// The line of the core `rho` mm from its axis at angle `phi`.
     pub fn line(&self, rho: f64, phi: f64) -> CoreLine {
         let (sin, cos) = phi.sin_cos();
-        let (x, y) = (rho * cos, rho * sin);
+        self.line_at(rho * cos, rho * sin)
+    }
+
+    /// The line through a place on the bottom, by its coordinates from the centre, mm.
+    pub fn line_at(&self, x: f64, y: f64) -> CoreLine {
         CoreLine { origin: self.tip + self.across[0] * x + self.across[1] * y, x, y, axis: self.axis }
     }
 }

@@ -7,11 +7,13 @@ mod crossed;
 mod engagement;
 mod index;
 mod remainder;
+mod standing;
 
 pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
 use crossed::{CoreLine, Neighbours};
 pub use engagement::{Engagement, engagement};
 use remainder::LineRemainder;
+pub use standing::{StandingHeight, standing_height};
 
 use rayon::prelude::*;
 
