@@ -18,7 +18,7 @@ const MARGIN: f64 = 0.02;
 /// Time that an approach saves at least, s: a further block of the program, with its stop, costs as much.
 const MIN_SAVED_S: f64 = 0.5;
 
-/// Adds to the `motions` of `plan`, whose plunges are `columns` with these `retracts`, the height above its
+/// Adds, if the setup asks for it, to the `motions` of `plan`, whose plunges are `columns` with these `retracts`, the height above its
 /// tip at which the rapid down of each ends and its feed begins, in place of one that they have.
 ///
 /// # Errors
@@ -32,6 +32,10 @@ pub(super) fn add_approaches<E: Sync>(
     setup: &Setup,
     monitor: &Monitor,
 ) -> Result<(), Cancelled> {
+    if !setup.plunge.rapid_approach {
+        motions.iter_mut().for_each(|(_, motion)| motion.approach = None);
+        return Ok(());
+    }
     let top = BlankTop::new(blank);
     let distance = setup.allowances.safety_distance + MARGIN;
     let segments: Vec<Vec<AssemblySegment>> =

@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 
 use super::cut::LIFT_MARGIN;
-use super::evaluation::{Measured, evaluated};
+use super::evaluation::{MeasuredPlunges, evaluated};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
 use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contacts};
 use crate::geometry::{Point, rotate_vector_z, rotate_z};
@@ -44,7 +44,7 @@ pub fn plan_channels(
     // less stock and its lead-out has more space.
     let motions: Vec<(Engagement, PlungeMotion)> =
         plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
-    evaluated(plan, Measured { contacts, motions, retracts }, &columns, blank, setup, monitor)
+    evaluated(plan, MeasuredPlunges { contacts, motions, retracts }, &columns, blank, setup, monitor)
 }
 
 /// The positions of channel 1, rotated into each channel.

@@ -55,12 +55,12 @@ pub(super) fn evaluate(
         .collect();
     let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
     let motions = motions(context, &plan, &columns, monitor)?;
-    let measured = Measured { contacts, motions, retracts };
+    let measured = MeasuredPlunges { contacts, motions, retracts };
     Ok(with_lifts(context, evaluated(plan, measured, &columns, blank, context.setup, monitor)?))
 }
 
 /// What is measured of each position of a plan by itself and those before it.
-pub(super) struct Measured {
+pub(super) struct MeasuredPlunges {
     pub contacts: Vec<CoreContact>,
     pub motions: Vec<(Engagement, PlungeMotion)>,
     /// Retract points over the blank, before links are raised.
@@ -74,13 +74,13 @@ pub(super) struct Measured {
 /// When `monitor` is cancelled.
 pub(super) fn evaluated<E: Sync>(
     plan: PlungePlan<E>,
-    measured: Measured,
+    measured: MeasuredPlunges,
     columns: &Columns,
     blank: &Blank,
     setup: &Setup,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
-    let Measured { contacts, mut motions, retracts } = measured;
+    let MeasuredPlunges { contacts, mut motions, retracts } = measured;
     let lift_offs: Vec<Vector> = motions.iter().map(|(_, motion)| motion.lift_off).collect();
     let raised = raise_links(&plan, retracts, &lift_offs, blank, setup.allowances.safety_distance, monitor)?;
     add_approaches(&plan, &raised, &mut motions, columns, blank, setup, monitor)?;

@@ -41,6 +41,7 @@ impl SectionKey {
                 lift: None,
                 peck: None,
                 adapt_feed: false,
+                rapid_approach: false,
                 ..setup.plunge.clone()
             },
             machine: setup.machine.clone(),

@@ -2,7 +2,7 @@
 
 use super::context::PlanContext;
 use super::cycle::PlanError;
-use super::evaluation::{Measured, evaluated};
+use super::evaluation::{MeasuredPlunges, evaluated};
 use super::motion::{motions, with_lifts};
 use super::plan::{PlungePlan, Position};
 use crate::cutting::contact::{Columns, core_contacts};
@@ -44,6 +44,6 @@ pub(super) fn keep_plunges(
     let contacts = core_contacts(columns, blank, monitor)?;
     let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
     let motions = motions(context, &thinned, columns, monitor)?;
-    let measured = Measured { contacts, motions, retracts };
+    let measured = MeasuredPlunges { contacts, motions, retracts };
     Ok(with_lifts(context, evaluated(thinned, measured, columns, blank, context.setup, monitor)?))
 }

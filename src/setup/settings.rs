@@ -251,6 +251,9 @@ pub struct PlungeSetup {
     pub peck: Option<f64>,
     /// Whether the feed rate of a plunge follows its engagement, for tools whose number of teeth is known.
     pub adapt_feed: bool,
+    /// Whether a plunge comes down in rapid to the safety distance above what earlier plunges left, instead of
+    /// feeding from the retract point over the blank; rapids down along the axis are then judged by that too.
+    pub rapid_approach: bool,
     /// What a plan of `minimal` is for.
     pub goal: Goal,
     /// Whether automatically chosen sections are followed by rest milling with smaller tools, for the stock
@@ -508,6 +511,7 @@ impl Default for Setup {
                 lift: None,
                 peck: None,
                 adapt_feed: true,
+                rapid_approach: false,
                 goal: Goal::default(),
                 rest: true,
                 sections: Vec::new(),

@@ -42,7 +42,7 @@ use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vec
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller, Workpiece};
 use crate::plunge::SectionPlan;
-use crate::setup::{AllowanceSetup, ClearanceSetup, CutDirection, SectionKind, Setup, Tool};
+use crate::setup::{ClearanceSetup, CutDirection, SectionKind, Setup, Tool};
 use crate::toolpath::ClProgram;
 
 /// Tolerance of distances in a program with six decimals, mm.
@@ -132,7 +132,7 @@ pub fn verify(
             let earlier = columns.before(k);
             let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
             let deep = whole.top > cut.tool.overhang;
-            let (retract, rapids) = check_rapids(cut, earlier, (blank, &top), &setup.allowances);
+            let (retract, rapids) = check_rapids(cut, earlier, (blank, &top), setup);
             let left = |cutter: &CutterSolid| {
                 let column = PlungeColumn::new(*cutter, cut.tool.core_radius(), &top);
                 core_contact(&column, columns.before(k + 1), blank)
@@ -223,14 +223,16 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, `None` where it has none; and the
-/// faults of these rapids. A rapid down along the axis, nearer to the blank than the safety distance, is held
-/// against what the `earlier` cuts left, and does not count in that distance.
+/// faults of these rapids. Where the setup has rapid approaches, a rapid down along the axis that is nearer to
+/// the blank than the safety distance is held against what the `earlier` cuts left, and does not count in that
+/// distance.
 fn check_rapids(
     cut: &ProgramCut,
     earlier: Earlier,
     (blank, top): (&Blank, &BlankTop),
-    stock: &AllowanceSetup,
+    setup: &Setup,
 ) -> (Option<f64>, Vec<Fault>) {
+    let stock = &setup.allowances;
     let surface = RetractSurface::new(blank, cut.tool.corner_radius);
     let mut least: Option<f64> = None;
     let mut faults = Vec::new();
@@ -238,7 +240,8 @@ fn check_rapids(
         let near = |(tip, axis): (Point, Vector)| NearBottom::of(&cut.tool.placed(tip, axis), blank);
         let end = near(rapid.to);
         let mut clearance = end.clearance;
-        if rapid.is_approach() && falls_short(clearance, stock.safety_distance) {
+        let comes_down = setup.plunge.rapid_approach && rapid.is_approach();
+        if comes_down && falls_short(clearance, stock.safety_distance) {
             let segments = cut.tool.assembly.segments(cut.tool.overhang);
             let rule = ApproachRule {
                 tool: &cut.tool,

@@ -15,7 +15,7 @@ use vanecut::plunge::channels::plan_channels;
 use vanecut::plunge::{PlungePlan, Position};
 use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool, ToolAssembly};
 use vanecut::stock::solid::{Contact, SolidBlank, SolidProgram, SolidStock, StockSurface};
-use vanecut::toolpath::{ClProgram, Motion, Move, Travel};
+use vanecut::toolpath::{ClProgram, Motion, Travel};
 use vanecut::verify::{FaultKind, verify};
 
 use super::samples::sample;
@@ -67,12 +67,7 @@ fn a_plan_of_a_turned_blank_is_free_of_faults_and_of_the_cylinder() {
     let (radius, (low, high)) = blank.outline().expect("a cylinder").bounds();
     let safety = outcome.setup.allowances.safety_distance;
     let mut least = f64::INFINITY;
-    // The rapid down into what was cut follows that to the retract point.
-    let is_approach = |pair: &[Move]| {
-        pair[1].is_axial_from(&pair[0]) && (pair[1].tip - pair[0].tip).dot(&pair[1].axis) < 0.0
-    };
-    let above = program.moves.windows(2).filter(|pair| !is_approach(pair)).map(|pair| &pair[1]);
-    for step in above.filter(|step| step.motion == Motion::Rapid) {
+    for step in program.moves.iter().filter(|step| step.motion == Motion::Rapid) {
         let (u, v) = vanecut::geometry::frame_about(&step.axis);
         for (share, turn) in (0..=8).flat_map(|i| (0..48).map(move |k| (f64::from(i) / 8.0, f64::from(k)))) {
             let (sin, cos) = (turn * std::f64::consts::TAU / 48.0).sin_cos();
@@ -159,6 +154,7 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
     let usual = planned_as_chosen(Setup::for_part(&PUMP)).after;
     let mut setup = Setup::for_part(&PUMP);
     setup.allowances.blank = BlankShape::Turned;
+    setup.plunge.rapid_approach = true;
     let outcome = planned_as_chosen(setup);
     let plan = &outcome.after.plan;
     let [above, below] = kinds_of(plan);

@@ -19,5 +19,6 @@ mod probe;
 mod program;
 mod samples;
 mod splitters;
+mod standing;
 mod tool_choice;
 mod wall_axes;

@@ -14,7 +14,7 @@
 //! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
 //! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest,
-//!                            # goal, max_stock, max_time, lift, peck, adapt_feed
+//!                            # goal, max_stock, max_time, lift, peck, adapt_feed, rapid_approach
 //! axis = "monotone"
 //! [[plunge.section]]         # tool, from, to, cutting_direction, rest
 //! tool = 1

@@ -37,6 +37,7 @@ pub(super) fn plunge(
         "lift",
         "peck",
         "adapt_feed",
+        "rapid_approach",
         "rest",
         "section",
     ])?;
@@ -57,6 +58,9 @@ pub(super) fn plunge(
     plunge.peck = table.number("peck", LENGTH)?.map(|peck| peck.value);
     if let Some(adapt) = table.boolean("adapt_feed")? {
         plunge.adapt_feed = adapt.value;
+    }
+    if let Some(rapid) = table.boolean("rapid_approach")? {
+        plunge.rapid_approach = rapid.value;
     }
     if let Some(rest) = table.boolean("rest")? {
         plunge.rest = rest.value;

@@ -121,6 +121,9 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
     if !plunge.adapt_feed {
         writeln!(out, "adapt_feed = false")?;
     }
+    if plunge.rapid_approach {
+        writeln!(out, "rapid_approach = true")?;
+    }
     if !plunge.rest {
         writeln!(out, "rest = false")?;
     }
