@@ -21,7 +21,6 @@ use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::monitor::Cancelled;
 use crate::part::Impeller;
 use crate::setup::FlankStrategy;
-use crate::toolpath::ClProgram;
 use crate::verify::{FlankVerdict, count_by_kind};
 
 /// Plans, writes the files and prints the figures.
@@ -51,10 +50,8 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         let help = "give a thinner or a longer cutter, or smaller allowances";
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
-    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves)
-        .after_opening(plan.opening.as_ref());
     create_directory(&args.output)?;
-    let written = write_apt(&program);
+    let written = write_apt(&outcome.program());
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
     write_all_atomically(&[
         (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),

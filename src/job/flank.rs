@@ -48,6 +48,14 @@ pub struct FlankOutcome {
     pub elapsed: f64,
 }
 
+impl FlankOutcome {
+    /// The program of the plan, with the plunges that open the stock before the passes.
+    pub fn program(&self) -> ClProgram {
+        let FlankPlan { tool, moves, opening, .. } = &self.plan;
+        ClProgram::of_flank(&self.workpiece.part.name, tool, moves).after_opening(opening.as_ref())
+    }
+}
+
 impl From<FlankError> for JobError {
     fn from(error: FlankError) -> Self {
         match error {

@@ -75,7 +75,7 @@ fn plunge_moves(position: &Position, tool: &Tool) -> Vec<(Motion, Point)> {
     if let Some(height) = evaluation.motion.approach {
         moves.push((Motion::Rapid, tip + axis * height));
     }
-    // Above the approach there is no chip to break.
+    // The rapid above the approach cuts nothing, so no chip has to be broken there.
     let start = evaluation.motion.approach.unwrap_or(f64::INFINITY);
     if let Some(pecking) = evaluation.motion.pecking.and_then(|pecking| pecking.below(start)) {
         for height in pecking.heights() {

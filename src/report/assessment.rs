@@ -29,7 +29,7 @@ const WALL_LINES: (usize, usize) = (120, 16);
 /// The page with its pictures, whose names begin with `prefix`.
 ///
 /// # Errors
-/// When there is no graphics device, or drawing fails.
+/// When no graphics device is available, or when drawing fails.
 pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPage, UserError> {
     let AssessedPart { workpiece, setup, assessment, .. } = assessed;
     let part = &workpiece.part;

@@ -17,7 +17,7 @@ pub(super) const SIZE: UVec2 = UVec2::new(900, 640);
 /// of the files begin with `prefix`.
 ///
 /// # Errors
-/// When there is no graphics device, or drawing fails.
+/// When no graphics device is available, or when drawing fails.
 pub fn plan_pictures(
     outcome: &PlanOutcome,
     after: &PolicyResult,

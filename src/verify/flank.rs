@@ -62,7 +62,7 @@ pub struct FlankVerifier<'a> {
     setup: &'a Setup,
     /// Whether another program may follow.
     keeps: bool,
-    /// Cut below the allowance of a blade that is no fault, mm.
+    /// How far a cut may go below the allowance of a blade without being a fault, mm.
     blade_tolerance: f64,
     /// Search for contacts with stock that stands.
     standing: StandingStock,

@@ -1,5 +1,7 @@
 //! The plan on a machine: axes beside the timeline, in the table and in the plot.
 
+use std::path::Path;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::machine::ProgramOnMachine;
@@ -119,18 +121,22 @@ fn the_axes_of_a_flank_plan_stand_beside_its_timeline() {
     assert_ne!(on_machine(&window).ends.len(), of_flank);
 }
 
+/// Opens a setup with a machine file of its own, `narrow.toml`, with hardly any tilt.
+pub fn open_narrow_machine(window: &mut Window, folder: &Path) {
+    let text = include_str!("../../assets/machines/ac-trunnion.toml").replace("[-120, 120]", "[-5, 5]");
+    std::fs::write(folder.join("narrow.toml"), text).unwrap();
+    let setup = folder.join("setup.toml");
+    std::fs::write(&setup, "[machine]\nfile = \"narrow.toml\"\nmax_axis_tilt = 90\n").unwrap();
+    window.state_mut().open_path(setup);
+    settle(window);
+}
+
 #[test]
 fn a_machine_that_cannot_run_the_plan_says_why() {
     let mut window = with_machine("ac-trunnion");
     assert_eq!(on_machine(&window).fault, None);
-    // A machine file of one's own, with hardly any tilt.
     let folder = tempfile::tempdir().unwrap();
-    let text = include_str!("../../assets/machines/ac-trunnion.toml").replace("[-120, 120]", "[-5, 5]");
-    std::fs::write(folder.path().join("narrow.toml"), text).unwrap();
-    let setup = folder.path().join("setup.toml");
-    std::fs::write(&setup, "[machine]\nfile = \"narrow.toml\"\nmax_axis_tilt = 90\n").unwrap();
-    window.state_mut().open_path(setup);
-    settle(&mut window);
+    open_narrow_machine(&mut window, folder.path());
     let fault = words(&window, "A would have to be").expect("the fault is shown");
     assert!(fault.starts_with("AC trunnion: "), "{fault}");
     assert!(on_machine(&window).ends.is_empty());

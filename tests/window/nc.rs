@@ -17,7 +17,7 @@ use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::flank::with_plan;
 use crate::harness::{Window, settle, snapshot_ui, with_sample};
-use crate::machine::with_machine;
+use crate::machine::{open_narrow_machine, with_machine};
 
 /// Opens the question where the program is to run.
 fn ask(window: &mut Window) {
@@ -122,12 +122,7 @@ fn what_speaks_against_a_plan_is_said_before_its_nc_program() {
 fn a_program_that_the_machine_cannot_run_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = with_machine("ac-trunnion");
-    let text = include_str!("../../assets/machines/ac-trunnion.toml").replace("[-120, 120]", "[-5, 5]");
-    std::fs::write(folder.path().join("narrow.toml"), text).unwrap();
-    let setup = folder.path().join("setup.toml");
-    std::fs::write(&setup, "[machine]\nfile = \"narrow.toml\"\nmax_axis_tilt = 90\n").unwrap();
-    window.state_mut().open_path(setup);
-    settle(&mut window);
+    open_narrow_machine(&mut window, folder.path());
     ask(&mut window);
     window.get_by_role_and_label(Role::ComboBox, "NC machine");
     let path = folder.path().join("p.h");

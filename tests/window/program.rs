@@ -58,16 +58,22 @@ fn check(window: &mut Window, path: &Path) {
     settle(window);
 }
 
-#[test]
-fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
-    let folder = tempfile::tempdir().expect("a folder");
+/// A window with a sample and a checked program, `deep.apt` in `folder`, with faults; and its text.
+fn with_checked_program(folder: &Path) -> (Window, String) {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     let text = program(&window);
-    let path = write(folder.path(), "deep.apt", &text);
+    let path = write(folder, "deep.apt", &text);
     window.set_size(egui::vec2(1200.0, 760.0));
     window.run_steps(3);
     check(&mut window, &path);
+    (window, text)
+}
+
+#[test]
+fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
     let state = window.state().state();
     assert_eq!(state.look.operation, Operation::Program, "it is shown");
     let checked = state.results.checked.clone().expect("checked");
@@ -164,13 +170,7 @@ fn scrub(window: &mut Window, cut: usize) {
 #[test]
 fn a_checked_program_has_a_timeline_with_its_line_its_tool_and_its_clock() {
     let folder = tempfile::tempdir().expect("a folder");
-    let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
-    let text = program(&window);
-    let path = write(folder.path(), "deep.apt", &text);
-    window.set_size(egui::vec2(1200.0, 760.0));
-    window.run_steps(3);
-    check(&mut window, &path);
+    let (mut window, text) = with_checked_program(folder.path());
     let moves = read_apt_bytes("deep.apt", text.as_bytes()).expect("a program").moves;
     scrub(&mut window, 5);
     let line = text.lines().nth(moves[4].line - 1).expect("a line");
@@ -183,7 +183,7 @@ fn a_checked_program_has_a_timeline_with_its_line_its_tool_and_its_clock() {
     window.run_steps(4);
     settle(&mut window);
     snapshot_view(&mut window, "program_timeline");
-    // A fault takes the timeline along; scrubbed on, the fault is no longer selected.
+    // Selecting a fault moves the timeline there; moving the timeline on deselects the fault.
     window.key_press(egui::Key::N);
     window.run_steps(4);
     let state = window.state().state();

@@ -49,11 +49,8 @@ impl App {
         let Some(ReleaseQuestion { purpose, path, .. }) = self.release.take() else { return };
         match answer {
             ReleaseAnswer::Recalculate => {
-                let of_flank = matches!(
-                    purpose,
-                    Purpose::ExportFlank | Purpose::ExportNc { operation: Operation::Flank, .. }
-                );
-                let command = if of_flank { Command::PlanFlank } else { Command::Plan };
+                let is_flank = purpose.planned_operation() == Some(Operation::Flank);
+                let command = if is_flank { Command::PlanFlank } else { Command::Plan };
                 self.run_command(ui.ctx(), command);
             }
             ReleaseAnswer::Export => self.use_file(ui.ctx(), purpose, path),

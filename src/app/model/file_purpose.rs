@@ -86,6 +86,16 @@ impl Purpose {
         }
     }
 
+    /// The operation whose plan is written; `None` for other files.
+    pub fn planned_operation(self) -> Option<Operation> {
+        match self {
+            Self::ExportCl { .. } | Self::ExportSheet => Some(Operation::Roughing),
+            Self::ExportFlank => Some(Operation::Flank),
+            Self::ExportNc { operation, .. } => Some(operation),
+            _ => None,
+        }
+    }
+
     /// Whether a file is written.
     pub fn saves(self) -> bool {
         matches!(

@@ -10,12 +10,10 @@ use crate::app::model::state::AppState;
 
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
-    match purpose {
-        Purpose::ExportCl { .. }
-        | Purpose::ExportSheet
-        | Purpose::ExportNc { operation: Operation::Roughing, .. } => plunge_concerns(state),
-        Purpose::ExportFlank | Purpose::ExportNc { operation: Operation::Flank, .. } => flank_concerns(state),
-        _ => Vec::new(),
+    match purpose.planned_operation() {
+        Some(Operation::Roughing) => plunge_concerns(state),
+        Some(Operation::Flank) => flank_concerns(state),
+        Some(Operation::Program) | None => Vec::new(),
     }
 }
 

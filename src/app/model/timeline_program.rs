@@ -45,13 +45,11 @@ impl TimelineProgram {
                 (Cow::Owned(program), bottoms)
             }
             Self::Flank(outcome) => {
-                let plan = &outcome.plan;
-                let name = &outcome.workpiece.part.name;
-                // The timeline does not include the plunges that open the stock before the passes.
-                let passes = ClProgram::of_flank(name, &plan.tool, &plan.moves);
-                let program = passes.after_opening(plan.opening.as_ref());
+                let program = outcome.program();
                 let count = program.moves.len();
-                (Cow::Owned(program), (count - plan.moves.len()..count).map(Some).collect())
+                // The timeline does not include the plunges that open the stock before the passes.
+                let passes = count - outcome.plan.moves.len()..count;
+                (Cow::Owned(program), passes.map(Some).collect())
             }
             Self::Checked(checked) => {
                 (Cow::Borrowed(&checked.program), (0..checked.program.moves.len()).map(Some).collect())

@@ -79,7 +79,7 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
             let outcome = &source.planned.outcome;
             (plunge_program(source), &outcome.workpiece, &outcome.setup)
         }
-        ProgramSource::Flank(outcome) => (flank_program(outcome), &outcome.workpiece, &outcome.setup),
+        ProgramSource::Flank(outcome) => (outcome.program(), &outcome.workpiece, &outcome.setup),
     };
     for (number, step) in (1..).zip(&mut program.moves) {
         step.line = number;
@@ -111,11 +111,5 @@ fn short_name(machine: &str) -> String {
 
 /// A flank plan as it is exported.
 pub fn flank_text(outcome: &FlankOutcome) -> String {
-    write_apt(&flank_program(outcome))
-}
-
-fn flank_program(outcome: &FlankOutcome) -> ClProgram {
-    let plan = &outcome.plan;
-    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);
-    program.after_opening(plan.opening.as_ref())
+    write_apt(&outcome.program())
 }

@@ -15,22 +15,25 @@ const POINTS: usize = 40;
 
 /// A finished plan of `minimal`, whose plunges may be left out.
 #[derive(Clone)]
-struct TradeoffRequest(Arc<DisplayPlan>);
+struct TradeoffRequest {
+    planned: Arc<DisplayPlan>,
+    /// Its setup without the goal, on which the curve does not depend.
+    setup: Setup,
+}
 
 impl TradeoffRequest {
-    /// The setup without its goal, on which the curve does not depend.
-    fn setup(&self) -> Setup {
-        let mut setup = self.0.setup.clone();
+    fn of(planned: &Arc<DisplayPlan>) -> Self {
+        let mut setup = planned.setup.clone();
         setup.plunge.goal = Goal::default();
-        setup
+        Self { planned: Arc::clone(planned), setup }
     }
 }
 
 impl PartialEq for TradeoffRequest {
     /// Parts are immutable, so pointer equality suffices for them.
     fn eq(&self, other: &Self) -> bool {
-        let part = |request: &Self| Arc::clone(&request.0.outcome.workpiece.part);
-        Arc::ptr_eq(&part(self), &part(other)) && self.setup() == other.setup()
+        let [part, same] = [self, other].map(|request| &request.planned.outcome.workpiece.part);
+        Arc::ptr_eq(part, same) && self.setup == other.setup
     }
 }
 
@@ -44,7 +47,7 @@ pub(in crate::app) struct TradeoffWork {
 impl TradeoffWork {
     /// Starts the thread.
     pub(in crate::app) fn new(repaint: &Repaint) -> Self {
-        let find = |TradeoffRequest(planned): &TradeoffRequest| {
+        let find = |TradeoffRequest { planned, .. }: &TradeoffRequest| {
             // Nothing cancels it; a newer request supersedes it.
             planned.outcome.time_stock_points(POINTS, &Monitor::default()).unwrap_or_default().into()
         };
@@ -60,10 +63,7 @@ impl TradeoffWork {
             let planned = state.results.planned.as_ref();
             let planned =
                 planned.filter(|p| p.setup.plunge.axis == AxisPolicy::Minimal && !p.is_unfinished());
-            let request = planned.map(|planned| TradeoffRequest(Arc::clone(planned)));
-            if request != self.asked {
-                self.asked = request;
-            }
+            self.asked = planned.map(TradeoffRequest::of);
         }
         self.latest.request(self.asked.clone());
     }

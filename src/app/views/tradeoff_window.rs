@@ -155,7 +155,7 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
     let (low, high) = all().fold((f64::MAX, 0.0f64), |(low, high), at| (low.min(at.0), high.max(at.0)));
     let top = 1.1 * all().map(|at| at.1).filter(|stock| stock.is_finite()).fold(0.1, f64::max);
     let span = (high - low).max(1e-3);
-    // A little room at both ends, for the handle and the markers.
+    // Some margin at both ends, so that handle and markers are not cut off.
     let (low, high) = (low - 0.05 * span, high + 0.08 * span);
     let place = |(time, stock): CurvePlace| {
         let across = ((time - low) / (high - low)) as f32;
@@ -191,7 +191,7 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
         let condition = if other.interferes { Condition::Interfering } else { Condition::Sound };
         let (at, colour) = (place(other.at), condition.text(ui.visuals()));
         painter.circle_stroke(at, 4.0, Stroke::new(1.6, colour));
-        // On the side where there is room.
+        // The name goes to the side with more space.
         let (side, align) =
             if at.x > inner.center().x { (-7.0, Align2::RIGHT_CENTER) } else { (7.0, Align2::LEFT_CENTER) };
         painter.text(at + Vec2::new(side, 0.0), align, other.name, font.clone(), ink);

@@ -26,7 +26,7 @@ pub struct TolerantSetup {
 pub fn read_setup_tolerantly(name: &str, text: &str) -> Result<TolerantSetup, InputError> {
     let mut lines: Vec<&str> = text.lines().collect();
     let mut faults = Vec::new();
-    // Headers of tables from which a faulty key was removed: that this key is missing is no second fault.
+    // Headers of tables that lost a faulty key. A later "missing key" fault there is not reported again.
     let mut incomplete: Vec<usize> = Vec::new();
     for _ in 0..MAX_FAULTS {
         let fault = match read_setup_bytes(name, lines.join("\n").as_bytes()) {
