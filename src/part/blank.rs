@@ -6,6 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::blank_shape::{BlankFile, BlankShape};
+use super::end_face::EndFace;
 use super::impeller::Impeller;
 use super::meridional_outline::MeridionalOutline;
 use super::nose::HubNose;
@@ -117,6 +118,19 @@ impl Blank {
             .iter()
             .flat_map(|&(a, b)| (0..=steps).map(move |i| a.lerp(b, f64::from(i) / f64::from(steps))))
             .collect()
+    }
+
+    /// The circles of the leading-edge line and of the rim line at the hub.
+    pub fn hub_circles(&self) -> [Meridional; 2] {
+        self.ends.map(|(hub, _)| hub)
+    }
+
+    /// Height along `axis` (unit) above `centre`, mm, at which a disc of `radius` mm, lowered from above,
+    /// touches the conical faces of the leading-edge line and of the rim line, between their circles; `None`
+    /// where it misses both. Of a blank without an outline of its own.
+    pub fn end_face_touch(&self, centre: &Point, axis: &Vector, radius: f64) -> Option<f64> {
+        let touch = |(hub, shroud)| EndFace { hub, shroud }.touch_height(centre, axis, radius);
+        self.ends.into_iter().filter_map(touch).max_by(f64::total_cmp)
     }
 
     /// Depth of `point` inside the blank, mm; negative outside. Near the outline it is the distance to the

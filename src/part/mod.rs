@@ -8,6 +8,7 @@ pub mod body;
 mod camber;
 pub mod channel;
 pub mod description;
+mod end_face;
 pub mod envelope;
 mod finished;
 mod flowpath;

@@ -1,13 +1,15 @@
 //! Contact that is narrower than the lines of a core are apart, and corners of the blank: against other
 //! methods.
 
-use vanecut::geometry::{Meridional, Point, Vector};
+use vanecut::cutting::contact::{BlankTop, PlungeColumn};
+use vanecut::geometry::{Circle, CutterSolid, Meridional, Point, Vector};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Workpiece};
 use vanecut::stock::solid::{SolidBlank, SolidProgram, SolidStock, ToolPart, TurnedOutline};
 use vanecut::toolpath::ClProgram;
 
 use super::goals::WHOLE;
+use super::samples::sample_plans;
 
 /// The next pseudo-random number in −1…1 (linear congruential, Knuth's constants).
 fn next(state: &mut u64) -> f64 {
@@ -50,21 +52,53 @@ fn chords_across_corners_of_the_blank_are_found() {
     assert!(short > 50, "{short} chords shorter than 0.5 mm");
 }
 
+/// Plunges at the inlet run nearly along the front face of the blank and come into it from the side, far above
+/// the floor.
+#[test]
+fn a_column_reaches_up_to_where_the_last_of_its_lines_leaves_the_blank() {
+    let blank = Blank::of(&WHOLE.workpiece.part, 0.0);
+    let top = BlankTop::new(&blank);
+    let (hub, shroud) = (blank.hub.point(0.0), blank.shroud.point(0.0));
+    let mut state = 5;
+    let mut high = 0;
+    for case in 0..200 {
+        let from = hub.lerp(shroud, 0.1 + 0.1 * next(&mut state));
+        let tip = Point::new(from.r, 0.0, from.z) + Vector::z() * (2.0 + next(&mut state));
+        let axis = Vector::new(1.0, 0.4 * next(&mut state), 0.2 * next(&mut state)).normalize();
+        let radius = 1.5 + next(&mut state);
+        let cutter = CutterSolid { tip, axis, radius: 2.0 * radius, corner_radius: 0.0 };
+        let column = PlungeColumn::new(cutter, radius, &top);
+        let rim = Circle::new(&tip, &axis, radius);
+        let leaves = (0..360).filter_map(|i| {
+            let (origin, _) = rim.point_and_derivative(f64::from(i).to_radians().sin_cos());
+            blank.highest_inside(&origin, &axis, 0.0, 500.0, &mut None)
+        });
+        let highest = leaves.fold(0.0, f64::max);
+        high += usize::from(highest > 20.0);
+        assert!(column.top > highest - 1e-3, "case {case}: up to {}, lines up to {highest}", column.top);
+    }
+    assert!(high > 50, "{high} of 200 columns are in the blank far up");
+}
+
 #[test]
 fn the_solid_finds_no_core_in_stock_where_a_plan_is_free() {
-    let Workpiece { part, blank, .. } = &*WHOLE.workpiece;
-    let outline = SolidBlank::Turned(TurnedOutline::of_blank(part, blank));
-    let spacing = outline.default_spacing();
-    for plan in [&WHOLE.after.plan, WHOLE.whole.as_ref().unwrap_or(&WHOLE.after.plan)] {
-        let program = SolidProgram::new(&ClProgram::of_plan("a", plan), &WHOLE.setup).expect("it has tools");
-        let mut stock = SolidStock::new(&outline, spacing).expect("it fits");
-        let contacts =
-            stock.make_moves(&program.tools, &program.moves, &Monitor::default()).expect("it ends");
-        let deepest = contacts
-            .iter()
-            .filter(|contact| contact.part == ToolPart::Core)
-            .map(|contact| contact.depth)
-            .fold(0.0, f64::max);
-        assert!(deepest < spacing, "a core meets stock, {deepest} mm above its bottom");
+    // On the second wheel plunges at the inlet run along the front face.
+    for outcome in [&*WHOLE, sample_plans("impeller532")] {
+        let Workpiece { part, blank, .. } = &*outcome.workpiece;
+        let outline = SolidBlank::Turned(TurnedOutline::of_blank(part, blank));
+        let spacing = outline.default_spacing();
+        for plan in [&outcome.after.plan, outcome.whole.as_ref().unwrap_or(&outcome.after.plan)] {
+            let program = ClProgram::of_plan(&part.name, plan);
+            let program = SolidProgram::new(&program, &outcome.setup).expect("it has tools");
+            let mut stock = SolidStock::new(&outline, spacing).expect("it fits");
+            let contacts =
+                stock.make_moves(&program.tools, &program.moves, &Monitor::default()).expect("it ends");
+            let deepest = contacts
+                .iter()
+                .filter(|contact| contact.part == ToolPart::Core)
+                .map(|contact| contact.depth)
+                .fold(0.0, f64::max);
+            assert!(deepest < spacing, "{}: a core meets stock, {deepest} mm above its bottom", part.name);
+        }
     }
 }

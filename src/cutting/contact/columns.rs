@@ -34,7 +34,7 @@ impl PlungeColumn {
 #[derive(Debug)]
 pub struct BlankTop<'a> {
     blank: &'a Blank,
-    /// The shroud and the ends of the blank; `None` for a blank with an outline.
+    /// The shroud, and the circles of the ends of the blank; `None` for a blank with an outline.
     surface: Option<DepthSurface<'a>>,
 }
 
@@ -42,7 +42,7 @@ impl<'a> BlankTop<'a> {
     /// The top of `blank`.
     pub fn new(blank: &'a Blank) -> Self {
         // A small offset gives the circles of the outline a finite thickness.
-        let surface = || DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.end_circles());
+        let surface = || DepthSurface::new(&blank.shroud, 0.01).with_edges(blank.hub_circles());
         let surface = blank.outline().is_none().then(surface);
         Self { blank, surface }
     }
@@ -52,8 +52,14 @@ impl<'a> BlankTop<'a> {
             let touch = self.blank.outline_touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6), 0.0);
             return touch.unwrap_or(0.0);
         };
-        let touch = surface.touch(&cutter.tip, &cutter.axis, core_radius.max(1e-6));
-        touch.map_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, core_radius), |t| t.height)
+        let radius = core_radius.max(1e-6);
+        let shroud = surface.touch(&cutter.tip, &cutter.axis, radius).map(|touch| touch.height);
+        let faces = self.blank.end_face_touch(&cutter.tip, &cutter.axis, radius);
+        shroud
+            .into_iter()
+            .chain(faces)
+            .max_by(f64::total_cmp)
+            .unwrap_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, radius))
     }
 }
 
