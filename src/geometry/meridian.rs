@@ -176,13 +176,15 @@ impl MeridionalCurve {
     /// Projects a point onto the curve between its ends, by Newton iteration from the nearest sample: (arc
     /// length t in mm, signed distance in mm, positive on the outer side).
     pub fn project(&self, to: Meridional) -> (f64, f64) {
-        let squared = |p: &[f64; 2]| {
+        // The distances first: without a branch between them they are computed several at a time.
+        let mut distances = [0.0; PROJECTION_SAMPLES + 1];
+        let squared = &mut distances[..self.samples.len()];
+        for (squared, p) in squared.iter_mut().zip(&self.samples) {
             let (dr, dz) = (p[0] - to.r, p[1] - to.z);
-            dr * dr + dz * dz
-        };
+            *squared = dr * dr + dz * dz;
+        }
         let mut best = (f64::INFINITY, 0);
-        for (i, p) in self.samples.iter().enumerate() {
-            let d = squared(p);
+        for (i, &d) in squared.iter().enumerate() {
             if d < best.0 {
                 best = (d, i);
             }
@@ -192,11 +194,11 @@ impl MeridionalCurve {
         // Other local minima among the samples may be nearer between two samples.
         let worth = found.1.abs() + 0.5 * apart;
         let last = self.samples.len() - 1;
-        for i in (0..=last).filter(|i| i.abs_diff(best.1) > 1) {
-            let here = squared(&self.samples[i]);
+        for (i, &here) in squared.iter().enumerate() {
             if here < worth * worth
-                && (i == 0 || here <= squared(&self.samples[i - 1]))
-                && (i == last || here <= squared(&self.samples[i + 1]))
+                && i.abs_diff(best.1) > 1
+                && (i == 0 || here <= squared[i - 1])
+                && (i == last || here <= squared[i + 1])
             {
                 let other = self.project_near(to, apart * i as f64, apart);
                 if other.1.abs() < found.1.abs() {
