@@ -409,6 +409,38 @@ proptest! {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig { cases: cases().cases / 4, ..cases() })]
+
+    // Fewer cases: of most files a part is still made, and tools chosen for it.
+    #[test]
+    fn changed_parts(changes in changes()) {
+        let bytes = changed(PART, &changes);
+        part(&bytes, "toml");
+    }
+
+    #[test]
+    fn changed_sections(changes in changes()) {
+        let bytes = changed(&SAMPLES.sections, &changes);
+        part(&bytes, "toml");
+    }
+
+    #[test]
+    fn changed_geomturbo(changes in changes()) {
+        let bytes = changed(&SAMPLES.geomturbo, &changes);
+        part(&bytes, "geomTurbo");
+    }
+
+    #[test]
+    fn changed_turbogrid(which in 0usize..4, changes in changes()) {
+        let files = &SAMPLES.turbogrid;
+        let bytes = changed(&files[which], &changes);
+        if let Some(description) = read_turbogrid(files, which, &bytes) {
+            prepare(&description);
+        }
+    }
+}
+
+proptest! {
     #![proptest_config(cases())]
 
     #[test]
@@ -435,24 +467,6 @@ proptest! {
     }
 
     #[test]
-    fn changed_parts(changes in changes()) {
-        let bytes = changed(PART, &changes);
-        part(&bytes, "toml");
-    }
-
-    #[test]
-    fn changed_sections(changes in changes()) {
-        let bytes = changed(&SAMPLES.sections, &changes);
-        part(&bytes, "toml");
-    }
-
-    #[test]
-    fn changed_geomturbo(changes in changes()) {
-        let bytes = changed(&SAMPLES.geomturbo, &changes);
-        part(&bytes, "geomTurbo");
-    }
-
-    #[test]
     fn changed_setups(changes in changes()) {
         let bytes = changed(SETUP, &changes);
         setup(&bytes);
@@ -468,14 +482,5 @@ proptest! {
     fn changed_plans(changes in changes()) {
         let bytes = changed(&SAMPLES.plan, &changes);
         let _ = read_plan_bytes("a", &bytes);
-    }
-
-    #[test]
-    fn changed_turbogrid(which in 0usize..4, changes in changes()) {
-        let files = &SAMPLES.turbogrid;
-        let bytes = changed(&files[which], &changes);
-        if let Some(description) = read_turbogrid(files, which, &bytes) {
-            prepare(&description);
-        }
     }
 }

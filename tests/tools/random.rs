@@ -55,13 +55,15 @@ fn every_flank_strategy_keeps_random_assemblies_clear() {
     let workpiece = setup.allowances.workpiece_of(part.clone());
     let points = WheelPoints::of(&workpiece);
     let ball = choose_tool(&workpiece, &setup, flank_cutters()).expect("a tool").tool;
-    for (strategy, seed) in FlankStrategy::ALL.into_iter().zip(20..) {
+    // The balanced one is tried on made wheels (tests/wheels).
+    let strategies = FlankStrategy::ALL.into_iter().filter(|&strategy| strategy != FlankStrategy::Balanced);
+    for (strategy, seed) in strategies.zip(20..) {
         let mut setup = setup.clone();
         setup.tools = vec![with_random_assembly(&ball, &mut Dice::new(seed))];
         setup.flank.tool = Some(ball.number);
         setup.flank.strategy = strategy;
-        // A quarter of the passes of the defaults: each is checked move by move.
-        (setup.flank.layer_depth, setup.flank.scallop_height) = (6.0, 1.0);
+        // A fraction of the passes of the defaults: each is checked move by move.
+        (setup.flank.layer_depth, setup.flank.scallop_height) = (9.0, 1.5);
         let request = FlankRequest { part: part.clone().into(), setup };
         let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("a plan");
         let plan = &outcome.plan;

@@ -20,14 +20,14 @@ const SAME: f64 = 5e-6;
 /// Cells of the floor's grid.
 const CELLS: usize = 128;
 
-/// All faults of the plans of `part`, one line each.
-pub fn faults(part: &Impeller) -> Vec<String> {
-    let mut faults = plunge_faults(part);
-    faults.extend(flank_faults(part));
+/// All faults of the plans of `part`, one line each. With `twice` it is planned again, for the same programs.
+pub fn faults(part: &Impeller, twice: bool) -> Vec<String> {
+    let mut faults = plunge_faults(part, twice);
+    faults.extend(flank_faults(part, twice));
     faults
 }
 
-fn plunge_faults(part: &Impeller) -> Vec<String> {
+fn plunge_faults(part: &Impeller, twice: bool) -> Vec<String> {
     let setup = Setup::for_part(part);
     let request = |compare: bool| PlanRequest {
         part: part.clone().into(),
@@ -44,8 +44,8 @@ fn plunge_faults(part: &Impeller) -> Vec<String> {
     for result in outcome.policies() {
         judge(part, &outcome, result, &mut faults);
     }
-    let again = run(&request(false), &Monitor::default()).map(|again| program_text(part, &again.after));
-    if again.ok() != Some(program_text(part, &outcome.after)) {
+    let again = || run(&request(false), &Monitor::default()).map(|again| program_text(part, &again.after));
+    if twice && again().ok() != Some(program_text(part, &outcome.after)) {
         faults.push("minimal: planned twice, the programs differ".to_owned());
     }
     faults
@@ -126,7 +126,7 @@ fn figures(summary: &Summary) -> [(&'static str, f64); 5] {
 /// Most that a flank program cuts below the allowance of a blade, mm.
 pub const MAX_OVERCUT: f64 = 0.005;
 
-fn flank_faults(part: &Impeller) -> Vec<String> {
+fn flank_faults(part: &Impeller, twice: bool) -> Vec<String> {
     let request = FlankRequest { part: part.clone().into(), setup: Setup::for_part(part) };
     let planned = || FlankJob::default().run(&request, &Monitor::default());
     let outcome = match planned() {
@@ -138,7 +138,7 @@ fn flank_faults(part: &Impeller) -> Vec<String> {
         write_apt(&ClProgram::of_flank(&part.name, &plan.tool, &plan.moves))
     };
     let mut faults = Vec::new();
-    if planned().ok().map(|again| text(&again)) != Some(text(&outcome)) {
+    if twice && planned().ok().map(|again| text(&again)) != Some(text(&outcome)) {
         faults.push("flank: planned twice, the programs differ".to_owned());
     }
     let verdict = read_apt_bytes("flank.apt", text(&outcome).as_bytes())

@@ -254,25 +254,30 @@ fn wheels() -> (Vec<(u64, usize)>, bool) {
 
 #[test]
 fn wheels_are_planned_and_verified() {
-    judge_wheels(|_, part| judge::faults(part));
+    let (wheels, is_gate) = wheels();
+    let first = wheels[0];
+    judge_wheels(&wheels, |wheel, part| judge::faults(part, !is_gate || wheel == first));
 }
 
 #[test]
 fn shanks_and_holders_of_random_assemblies_stay_clear() {
-    let schemes: &[FlankStrategy] = match wheels().1 {
-        true => &[FlankStrategy::Balanced],
-        false => &FlankStrategy::ALL,
+    let (wheels, is_gate) = wheels();
+    let (wheels, schemes): (_, &[FlankStrategy]) = match is_gate {
+        true => (&wheels[..2], &[FlankStrategy::Balanced]),
+        false => (&wheels[..], &FlankStrategy::ALL),
     };
-    judge_wheels(|seed, part| judge::assembly_faults(part, seed, schemes));
+    judge_wheels(wheels, |(seed, index), part| {
+        judge::assembly_faults(part, 1000 * seed + index as u64, schemes)
+    });
 }
 
-/// Judges each wheel, by a seed of its own, and names those with faults.
-fn judge_wheels(judge: impl Fn(u64, &Impeller) -> Vec<String>) {
+/// Judges each wheel, (seed, index), and names those with faults.
+fn judge_wheels(wheels: &[(u64, usize)], judge: impl Fn((u64, usize), &Impeller) -> Vec<String>) {
     let mut faults = Vec::new();
-    for (seed, index) in wheels().0 {
+    for &(seed, index) in wheels {
         let wheel = make::wheel(seed, index);
         let started = std::time::Instant::now();
-        let found = judge(1000 * seed + index as u64, &open(&wheel));
+        let found = judge((seed, index), &open(&wheel));
         let verdict = if found.is_empty() { "good" } else { "FAULTS" };
         let name = &wheel.description.name;
         println!(
