@@ -13,7 +13,9 @@ use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, S
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
-use vanecut::plunge::{AddedPlunges, Blocked, Evaluation, PlungePlan, Position, SectionPlan, StopReason};
+use vanecut::plunge::{
+    AddedPlunges, Blocked, EditReport, Evaluation, PlungePlan, Position, SectionPlan, StopReason,
+};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, Tool};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
@@ -138,6 +140,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         } else {
             Vec::new()
         },
+        edits: EditReport::default(),
         elapsed: 0.084,
     })
 }

@@ -8,6 +8,7 @@ mod device;
 mod dialogs;
 mod documents;
 mod drop;
+mod edits;
 mod fake;
 mod flank;
 mod harness;

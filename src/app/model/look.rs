@@ -4,11 +4,12 @@
 use crate::drawing::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::plunge::inspect::CutPlane;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, PlungePose};
 
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::{PerSide, Side};
+use crate::app::model::plunge_edits::EditFields;
 use crate::app::model::solid::SolidColours;
 
 /// Visibility of the layers of the 3D view.
@@ -303,6 +304,10 @@ pub struct Look {
     pub plots: bool,
     /// Tab of the selected position.
     pub tab: Tab,
+    /// Fields of the tab that edits it.
+    pub edit: EditFields,
+    /// The plunge to be selected when the plan that cuts it in another order arrives.
+    pub followed: Option<PlungePose>,
     /// Display of the sectional view.
     pub sectional: SectionalLook,
     /// Mouse preset of the camera.
@@ -370,6 +375,8 @@ pub enum Tab {
     Section,
     /// Figures.
     Facts,
+    /// What can be changed by hand.
+    Edit,
 }
 
 /// Orientation of a section plane.
@@ -450,6 +457,8 @@ impl Default for Look {
             tradeoff: false,
             plots: true,
             tab: Tab::Section,
+            edit: EditFields::default(),
+            followed: None,
             sectional: SectionalLook::default(),
             mouse: MousePreset::default(),
         }

@@ -16,6 +16,7 @@ pub mod number;
 pub mod part_source;
 pub mod planned;
 pub mod post_target;
+pub mod plunge_edits;
 pub mod preview;
 pub mod problem;
 pub mod release;

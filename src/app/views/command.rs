@@ -155,6 +155,15 @@ commands! {
     ScrubHere "Simulate to here" "Shows the stock after the selected position" [];
     MeasureHere "Measure from here"
         "Starts measuring at the point under the pointer, else at the tip of the selected position" [];
+    EditPlunge "Edit plunge" "Shows what can be changed in the selected plunge or row by hand" [NONE, E];
+    DeletePlunge "Delete plunge" "Leaves the selected plunge out of the plan" [NONE, Delete];
+    DeleteRow "Delete row" "Leaves the row of the selected plunge out of the plan" [SHIFT, Delete];
+    LockPlunge "Lock plunge" "Keeps the selected plunge in every plan as it is, or no longer" [NONE, L];
+    LockRow "Lock row" "Keeps the plunges of the selected row in every plan as they are, or no longer" [SHIFT, L];
+    CutEarlier "Cut earlier" "Cuts the selected plunge before the one that is cut before it" [];
+    CutLater "Cut later" "Cuts the selected plunge after the one that is cut after it" [];
+    CutRowEarlier "Cut row earlier" "Cuts the row of the selected plunge before the row before it" [];
+    CutRowLater "Cut row later" "Cuts the row of the selected plunge after the row after it" [];
     Plots "Plots along the row"
         "Shows lead angle, contact, stock, step, engaged arc and chip along the row of the selected position" [];
     Hub "Hub" "Shows the hub with the residual stock on it" [];

@@ -38,7 +38,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
             &[Command::Quit],
         ],
     ),
-    ("Edit", &[&[Command::Undo, Command::Redo], &[Command::KeepSet], &[Command::Palette]]),
+    ("Edit", &[&[Command::Undo, Command::Redo], &[Command::KeepSet], EDITS, &[Command::Palette]]),
     (
         "Plan",
         &[
@@ -62,6 +62,19 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
             ],
         ],
     ),
+];
+
+/// Edits of the selected plunge and its row.
+const EDITS: &[Command] = &[
+    Command::EditPlunge,
+    Command::DeletePlunge,
+    Command::LockPlunge,
+    Command::CutEarlier,
+    Command::CutLater,
+    Command::DeleteRow,
+    Command::LockRow,
+    Command::CutRowEarlier,
+    Command::CutRowLater,
 ];
 
 /// Groups of the View menu; the layers follow them.

@@ -160,6 +160,7 @@ impl AppState {
         }
         self.results.take(planned);
         self.keep_within_plan();
+        self.follow_reordered();
         self.solve(Topic::Plan);
         self.solve(Topic::Stock);
         self.notice = None;

@@ -216,7 +216,7 @@ pub fn name_row(
 }
 
 /// Rounds away the error of a conversion to radians and back: 5° becomes 5.000000000000001°.
-fn round_degrees(degrees: f64) -> f64 {
+pub fn round_degrees(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
 }
 

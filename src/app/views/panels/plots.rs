@@ -131,7 +131,7 @@ impl PositionScale {
             ui.data_mut(|data| data.insert_temp(id, self.near(at)));
         }
         let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        let menu = Popup::context_menu(response).show(|ui| position_menu(ui, first + of_menu));
+        let menu = Popup::context_menu(response).show(|ui| position_menu(ui, first + of_menu, false));
         let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
         Picked { clicked: pointer.filter(|_| picks).map(|at| self.near(at)), menu }
     }

@@ -6,7 +6,7 @@ use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use crate::machine::LimitFault;
-use crate::plunge::{Blocked, Position};
+use crate::plunge::{Blocked, PlungeMark, Position};
 
 use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
@@ -66,13 +66,38 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
 }
 
 /// Commands for a position, in the context menus of tables, plots and views.
-pub const POSITION_COMMANDS: [Command; 4] =
+const POSITION_COMMANDS: [Command; 4] =
     [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
+/// Those that edit it, where the plan can be edited.
+const POSITION_EDITS: [Command; 5] = [
+    Command::EditPlunge,
+    Command::DeletePlunge,
+    Command::DeleteRow,
+    Command::LockPlunge,
+    Command::LockRow,
+];
 
-/// Draws the context menu of position `k`; returns the chosen command.
-pub fn position_menu(ui: &mut Ui, k: usize) -> Option<Command> {
+/// Whether a command is for a position.
+pub fn is_for_position(command: Command) -> bool {
+    POSITION_COMMANDS.contains(&command) || POSITION_EDITS.contains(&command)
+}
+
+/// Draws the context menu of position `k`; returns the chosen command. `can_edit`: whether the plan can be
+/// edited.
+pub fn position_menu(ui: &mut Ui, k: usize, can_edit: bool) -> Option<Command> {
     ui.label(RichText::new(format!("At position {}", k + 1)).strong());
-    POSITION_COMMANDS.into_iter().find(|command| command.menu_item(ui, true))
+    let mut chosen = None;
+    for command in POSITION_COMMANDS {
+        chosen = command.menu_item(ui, true).then_some(command).or(chosen);
+    }
+    if can_edit {
+        ui.menu_button("Change by hand", |ui| {
+            for command in POSITION_EDITS {
+                chosen = command.menu_item(ui, true).then_some(command).or(chosen);
+            }
+        });
+    }
+    chosen
 }
 
 fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, usize)> {
@@ -86,13 +111,14 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     // Of this frame: the panel below may just have taken some of it.
     let height = ui.available_height() - pitch;
     let has_machine = state.document.edited.setup.machine.file.is_some();
+    let can_edit = state.editable_plan().is_some();
     let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
     let mut builder = TableBuilder::new(ui)
         .striped(true)
         .sense(Sense::click())
         .auto_shrink([false, false])
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
-        .column(Column::exact(12.0))
+        .column(Column::exact(19.0))
         .column(Column::exact(30.0))
         .column(Column::exact(28.0))
         .column(Column::exact(30.0))
@@ -134,7 +160,11 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 row.set_selected(selected == Some(k));
                 let tool = plan.sections.get(position.section).map(|section| &section.tool);
                 let of = position.condition();
-                row.col(|ui| mark(ui, of));
+                let by_hand = state.plunge_mark(k);
+                row.col(|ui| {
+                    let rect = mark(ui, of);
+                    hand_mark(ui, rect, by_hand);
+                });
                 let cells = [
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
@@ -167,7 +197,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 response.widget_info(|| {
                     egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
                 });
-                if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k)) {
+                if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k, can_edit)) {
                     chosen = chosen.or(menu.inner.map(|command| (command, k)));
                 }
                 if response.on_hover_ui(|ui| row_tooltip(ui, state, k, position)).clicked() {
@@ -268,7 +298,7 @@ pub fn cell(ui: &mut Ui, text: RichText) {
 }
 
 /// Mark of a state, by colour and shape: disc, square or small ring.
-fn mark(ui: &mut Ui, of: Condition) {
+fn mark(ui: &mut Ui, of: Condition) -> egui::Rect {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());
     let painter = ui.painter();
     match of {
@@ -286,6 +316,33 @@ fn mark(ui: &mut Ui, of: Condition) {
             painter.circle_stroke(rect.center(), 2.5, egui::Stroke::new(1.5, of.mark()));
         }
     }
+    rect
+}
+
+/// What was done by hand, right of the mark of the state in `rect`: a padlock, or a bar for other edits.
+fn hand_mark(ui: &Ui, rect: egui::Rect, of: PlungeMark) {
+    let (painter, ink) = (ui.painter(), theme::accent(ui.visuals()));
+    let at = rect.right_center() + egui::vec2(5.0, 0.0);
+    match of {
+        PlungeMark::Planned => {}
+        PlungeMark::Edited => {
+            painter.rect_filled(egui::Rect::from_center_size(at, egui::vec2(3.0, 9.0)), 1.0, ink);
+        }
+        PlungeMark::Locked(_) => {
+            let body = egui::Rect::from_center_size(at + egui::vec2(0.0, 1.5), egui::vec2(7.0, 5.0));
+            painter.rect_filled(body, 1.0, ink);
+            painter.circle_stroke(at - egui::vec2(0.0, 1.5), 2.3, egui::Stroke::new(1.2, ink));
+        }
+    }
+}
+
+/// What was done by hand to a position, in words; `None` where nothing was.
+fn hand_words(of: PlungeMark) -> Option<&'static str> {
+    match of {
+        PlungeMark::Planned => None,
+        PlungeMark::Edited => Some("Edited by hand"),
+        PlungeMark::Locked(_) => Some("Locked: stays in every plan"),
+    }
 }
 
 /// Number and state of the selected position.
@@ -298,6 +355,11 @@ pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
         mark(ui, of);
         let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.label());
         ui.label(RichText::new(text).strong());
+        match state.plunge_mark(k) {
+            PlungeMark::Planned => {}
+            PlungeMark::Edited => drop(ui.label(RichText::new("edited").weak())),
+            PlungeMark::Locked(_) => drop(ui.label(RichText::new("locked").weak())),
+        }
     });
 }
 
@@ -418,6 +480,9 @@ fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
         ));
     }
     remarks(ui, position);
+    if let Some(words) = hand_words(state.plunge_mark(k)) {
+        ui.label(words);
+    }
     if let Some(shown) = state.shown() {
         motion(ui, state, shown, k);
     }
