@@ -407,6 +407,7 @@ impl eframe::App for App {
         if self.was_handed_over() {
             return;
         }
+        views::units::set(ui.ctx(), self.state.look.units);
         let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;
         let (mut setup, mut verdict, mut positions) = (None, None, None);
         let open = self.state.document.part.is_some();

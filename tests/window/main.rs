@@ -32,6 +32,7 @@ mod timeline;
 mod tools;
 mod tradeoff;
 mod tuning;
+mod units;
 mod walk;
 
 use std::sync::atomic::Ordering;

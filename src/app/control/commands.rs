@@ -14,6 +14,7 @@ use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::Side;
 use crate::app::model::plunge_edits::CuttingPlace;
 use crate::app::model::state::Boundary;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::help::HelpPage;
 use crate::app::views::panels::edit_plunge;
@@ -239,6 +240,11 @@ impl App {
             C::Machine => look.layers.machine ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
+                self.store_preferences();
+            }
+            C::UnitsMetric | C::UnitsInch => {
+                look.units =
+                    if command == C::UnitsInch { DisplayUnits::Inch } else { DisplayUnits::Metric };
                 self.store_preferences();
             }
             C::ShowTour => self.tour.begin(),

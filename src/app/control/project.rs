@@ -75,7 +75,7 @@ impl App {
         self.state.recents = home.recents();
         self.state.recoverable = home.recovery_copies().into_iter().map(home::recovery_copy).collect();
         let preferences = home.preferences();
-        self.state.look.mouse = preferences.mouse;
+        (self.state.look.mouse, self.state.look.units) = (preferences.mouse, preferences.units);
         self.session.knows_tour = preferences.knows_tour;
         self.session.home = Some(home);
     }
@@ -99,8 +99,8 @@ impl App {
     /// Stores the preferences for the next start.
     pub(in crate::app) fn store_preferences(&self) {
         if let Some(home) = &self.session.home {
-            let (mouse, knows_tour) = (self.state.look.mouse, self.session.knows_tour);
-            home.store_preferences(&Preferences { mouse, knows_tour });
+            let (mouse, units) = (self.state.look.mouse, self.state.look.units);
+            home.store_preferences(&Preferences { mouse, units, knows_tour: self.session.knows_tour });
         }
     }
 

@@ -11,6 +11,7 @@ use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::{PerSide, Side};
 use crate::app::model::plunge_edits::EditFields;
 use crate::app::model::solid::SolidColours;
+use crate::app::model::units::DisplayUnits;
 
 /// Visibility of the layers of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,12 +181,12 @@ impl TableColumn {
         match self {
             Self::Order => "Number in cutting order",
             Self::Row => "Row within its section, 1 at the suction wall",
-            Self::Diameter => "Diameter of the tool, mm",
+            Self::Diameter => "Diameter of the tool",
             Self::Alpha => "Lead angle: between hub normal and axis, positive towards the inlet",
-            Self::Contact => "Height above the tip at which the core meets stock, mm",
-            Self::Hub => "Mean residual stock on the hub under the cutter, mm",
+            Self::Contact => "Height above the tip at which the core meets stock",
+            Self::Hub => "Mean residual stock on the hub under the cutter",
             Self::Axes => {
-                "Machine: how far an axis would be beyond its limits, ° or mm; or, below 5.7°, the angle of \
+                "Machine: how far an axis would be beyond its limits; or, below 5.7°, the angle of \
                  the tool axis from the pole, the line of the rotary axis nearest to the workpiece. Near it \
                  that axis turns by more than ten times as much as the tool"
             }
@@ -312,6 +313,8 @@ pub struct Look {
     pub sectional: SectionalLook,
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
+    /// Units of lengths and feed rates.
+    pub units: DisplayUnits,
 }
 
 /// Scrolling of the table of positions.
@@ -461,18 +464,19 @@ impl Default for Look {
             followed: None,
             sectional: SectionalLook::default(),
             mouse: MousePreset::default(),
+            units: DisplayUnits::default(),
         }
     }
 }
 
 impl Look {
-    /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
+    /// Resets the display for another part; layers, plots, tab, mouse preset and units are kept.
     pub fn begin(&mut self) {
         let check_machine = std::mem::take(&mut self.check_machine);
         let check_control = self.check_control.take();
-        let Self { layers, plots, tab, mouse, play_speed, .. } = *self;
+        let Self { layers, plots, tab, mouse, units, play_speed, .. } = *self;
         *self =
-            Self { layers, plots, tab, mouse, play_speed, check_machine, check_control, ..Self::default() };
+            Self { layers, plots, tab, mouse, units, play_speed, check_machine, check_control, ..Self::default() };
     }
 
     /// Selects a position and zooms to it.

@@ -26,3 +26,4 @@ pub mod shop_library;
 pub mod solid;
 pub mod state;
 pub mod timeline_program;
+pub mod units;

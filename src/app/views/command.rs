@@ -184,6 +184,9 @@ commands! {
     MouseOnshape "Mouse: Onshape" "Right button orbits, middle or ctrl-right pans" [];
     MouseBlender "Mouse: Blender"
         "Middle button orbits, shift-middle pans, ctrl-middle zooms; left with alt does the same" [];
+    UnitsMetric "Units: mm" "Shows lengths in mm and feed rates in mm/min" [];
+    UnitsInch "Units: inch"
+        "Shows lengths in inches and feed rates in in/min, and takes numbers as such; files stay in mm" [];
     SwitchTheme "Switch light and dark" "Switches between the light and dark theme" [];
     ShowShortcuts "Keyboard shortcuts" "Lists all keys" [NONE, F1];
     ShowGlossary "Glossary" "Explains the words of the window" [];

@@ -130,6 +130,10 @@ impl App {
                     let command = overlay::mouse_choice(ui, self.state.look.mouse);
                     chosen = command.or(chosen);
                 });
+                ui.menu_button("Units", |ui| {
+                    let command = overlay::unit_choice(ui, self.state.look.units);
+                    chosen = command.or(chosen);
+                });
                 ui.separator();
                 for (shown, command) in overlay::switches(&mut self.state.look.layers) {
                     ui.checkbox(shown, command.label()).on_hover_text(command.tip());

@@ -31,6 +31,7 @@ mod tool_drawing;
 pub mod tool_form;
 pub mod tour;
 mod tradeoff_window;
+mod units;
 pub mod unsaved;
 pub mod view3d;
 pub mod viewport;

@@ -158,7 +158,7 @@ impl AppState {
             self.plan_cancelled();
             return;
         }
-        self.results.take(planned);
+        self.results.take(planned, self.look.units);
         self.keep_within_plan();
         self.follow_reordered();
         self.solve(Topic::Plan);

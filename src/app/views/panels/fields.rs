@@ -6,8 +6,9 @@ use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
 
-use crate::app::model::number::{self, Quantity};
-use crate::app::views::theme;
+use crate::app::model::number::Quantity;
+use crate::app::model::units::DisplayUnits;
+use crate::app::views::{theme, units};
 
 /// Description of a number field.
 #[derive(Clone, Copy, Debug)]
@@ -76,18 +77,20 @@ impl FieldSpec {
 }
 
 /// Number with unit, without trailing zeros.
-fn show(value: f64, spec: &FieldSpec) -> String {
-    let mut text = format!("{value:.*}", spec.decimals);
-    if text.contains('.') {
-        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
+    match spec.quantity() {
+        Quantity::Length => format!("{} {}", units.short(value, spec.decimals), units.length_unit()),
+        Quantity::FeedRate => format!("{} {}", units.short(value, spec.decimals), units.feed_unit()),
+        Quantity::Angle | Quantity::SpindleSpeed | Quantity::Plain => {
+            DisplayUnits::Metric.short(value, spec.decimals) + spec.unit
+        }
     }
-    text + spec.unit
 }
 
 /// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
 pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Option<&str>) -> Response {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
-    let quantity = spec.quantity();
+    let (quantity, units) = (spec.quantity(), units::of(ui));
     let words = automatic.map(str::to_owned);
     let parser_words = words.clone();
     let spec_copy = *spec;
@@ -98,11 +101,11 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
         .clamp_existing_to_range(false)
         .custom_formatter(move |v, _| match &words {
             Some(words) if v <= 0.0 => words.clone(),
-            _ => show(v, &spec_copy),
+            _ => show(v, &spec_copy, units),
         })
         .custom_parser(move |text| match &parser_words {
             Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
-            _ => number::parse(text, quantity),
+            _ => units.parse(text, quantity),
         })
         .update_while_editing(false);
     if spec.decimals == 0 {
@@ -112,7 +115,8 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
     if spec.tip.is_empty() {
         return response;
     }
-    let limits = format!("{}\n{} to {}", spec.tip, show(least.max(spec.min), spec), show(spec.max, spec));
+    let limits = [least.max(spec.min), spec.max].map(|limit| show(limit, spec, units));
+    let limits = format!("{}\n{} to {}", spec.tip, limits[0], limits[1]);
     response.on_hover_text(limits)
 }
 

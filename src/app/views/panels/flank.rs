@@ -14,6 +14,7 @@ use super::fields::{self, ChoiceSpec, FieldSpec};
 use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
 use crate::app::views::swatch::swatch;
+use crate::app::views::units;
 
 const DEPTH: FieldSpec = FieldSpec::mm(
     "Layer depth",
@@ -157,9 +158,9 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             }
         }
         FlankColours::Feed => {
-            let (slow, fast) = feed_range(&plan.moves);
-            patch(ui, end(0), &format!("{slow:.0} mm/min"));
-            patch(ui, end(TABLE_LEN - 1), &format!("{fast:.0} mm/min"));
+            let ((slow, fast), units) = (feed_range(&plan.moves), units::of(ui));
+            patch(ui, end(0), &units.feed(slow));
+            patch(ui, end(TABLE_LEN - 1), &units.feed(fast));
             patch(ui, RAPID_COLOUR, "rapid");
         }
         FlankColours::Walls => {

@@ -13,8 +13,10 @@ use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
 use crate::app::model::machine::AxisDemand;
 use crate::app::model::planned::Side;
 use crate::app::model::state::{AppState, ShownPlan};
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 
 /// Reason why a position is blocked.
 pub fn blocked_reason(blocked: Blocked) -> &'static str {
@@ -111,7 +113,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     // Of this frame: the panel below may just have taken some of it.
     let height = ui.available_height() - pitch;
     let has_machine = state.document.edited.setup.machine.file.is_some();
-    let can_edit = state.editable_plan().is_some();
+    let (can_edit, units) = (state.editable_plan().is_some(), state.look.units);
     let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
     let mut builder = TableBuilder::new(ui)
         .striped(true)
@@ -168,14 +170,14 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 let cells = [
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
-                    tool.map_or(String::new(), |t| format!("{}", t.diameter)),
+                    tool.map_or(String::new(), |t| units.short(t.diameter, 3)),
                     format!("{:.1}", position.alpha_rad.to_degrees()),
                 ];
                 for text in cells {
                     row.col(|ui| cell(ui, RichText::new(text)));
                 }
                 row.col(|ui| {
-                    let text = RichText::new(depth(position.evaluation.contact.depth));
+                    let text = RichText::new(depth(position.evaluation.contact.depth, units));
                     let colour = Condition::Interfering.text(ui.visuals());
                     cell(ui, if of == Condition::Interfering { text.color(colour).strong() } else { text });
                 });
@@ -183,12 +185,12 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                     let stock = shown.stock(k);
                     cell(
                         ui,
-                        RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
+                        RichText::new(if stock.is_finite() { units.number(stock.into(), 2) } else { "-".into() }),
                     );
                 });
                 let demand = state.axis_demand(k);
                 if has_machine {
-                    row.col(|ui| axis_warning(ui, demand));
+                    row.col(|ui| axis_warning(ui, demand, units));
                 }
                 // Space for the scroll bar.
                 row.col(|_| ());
@@ -243,7 +245,7 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
 const AXES_WIDTH: f32 = 54.0;
 
 /// The worst that a position asks of the axes: an axis with its excess, or the angle from the pole.
-fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>) {
+fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>, units: DisplayUnits) {
     let Some(demand) = demand.filter(|demand| demand.is_warning()) else { return };
     let (text, condition) = match &demand.fault {
         Some(LimitFault::Unreachable { .. }) => ("none".to_owned(), Condition::Interfering),
@@ -258,13 +260,21 @@ fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>) {
                     format!("{letter} +{degrees:.0}°")
                 }
             } else {
-                format!("{letter} +{excess:.0}")
+                format!("{letter} +{}", units.number(excess, 0))
             };
             (text, Condition::Interfering)
         }
         None => (format!("P {:.1}°", demand.pole_rad.to_degrees()), Condition::Blocked),
     };
     cell(ui, RichText::new(text).color(condition.text(ui.visuals())).strong());
+}
+
+/// The position of an axis: its name, and its value with its unit: degrees, or mm without one.
+pub fn axis_text<N: std::fmt::Display>((name, value, unit): (N, f64, &str), units: DisplayUnits) -> String {
+    match unit {
+        "°" => format!("{name} {value:.3}{unit}"),
+        _ => format!("{name} {}", units.number(value, 3)),
+    }
 }
 
 /// What a position asks of the axes, in words.
@@ -286,9 +296,9 @@ fn degrees(angle_rad: f64) -> String {
     format!("{:.1}°", angle_rad.to_degrees())
 }
 
-/// Contact depth, mm; "0" if it would round to 0.00.
-fn depth(depth: f64) -> String {
-    if depth < 0.005 { "0".to_owned() } else { format!("{depth:.2}") }
+/// Contact depth, from mm; "0" if it would round to 0.00 mm.
+fn depth(depth: f64, units: DisplayUnits) -> String {
+    if depth < 0.005 { "0".to_owned() } else { units.number(depth, 2) }
 }
 
 /// A cell of a table.
@@ -368,6 +378,7 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
     let Some(shown) = state.shown() else { return };
     let plan = shown.plan();
     let Some(position) = plan.positions.get(k) else { return };
+    let units = state.look.units;
     remarks(ui, position);
     axis_remarks(ui, state, k);
     Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
@@ -379,27 +390,30 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         let section = plan.sections.get(position.section);
         if let Some(tool) = section.map(|section| &section.tool) {
             let place = format!("section {}, row {}", position.section + 1, position.row + 1);
-            fact("Location", format!("{place}, T{} Ø{}", tool.number, tool.diameter));
+            fact("Location", format!("{place}, T{} {}", tool.number, units.diameter(tool.diameter)));
         }
         let contact = position.evaluation.contact;
         if contact.interferes() {
             fact(
                 "Core hits stock",
-                format!("{:.2} mm, {:.0} % of its area", contact.depth, 100.0 * contact.area_share),
+                format!("{}, {:.0} % of its area", units.length(contact.depth, 2), 100.0 * contact.area_share),
             );
         }
-        let [x, y, z] = [position.tip.x, position.tip.y, position.tip.z];
-        fact("Tool tip X Y Z", format!("{x:.3} {y:.3} {z:.3} mm"));
+        let point = |numbers: [f64; 3]| {
+            let numbers = numbers.map(|mm| units.number(mm, 3));
+            format!("{} {}", numbers.join(" "), units.length_unit())
+        };
+        fact("Tool tip X Y Z", point([position.tip.x, position.tip.y, position.tip.z]));
         let [i, j, l] = [position.axis.x, position.axis.y, position.axis.z];
         fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
         if let Some((plan, at)) = state.on_machine().and_then(|plan| Some((plan, plan.at(Some(k + 1))?))) {
             let [x, y, z, a, b] = plan.named(at);
-            fact("Machine X Y Z", [x, y, z].map(|(_, value, _)| format!("{value:.3}")).join(" ") + " mm");
+            fact("Machine X Y Z", point([x, y, z].map(|(_, value, _)| value)));
             let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
             fact("Rotary axes", angles.join(" "));
         }
         let spindle = section.map_or(0.0, |section| section.tool.spindle);
-        fact("Feed rate, speed", format!("{:.0} mm/min, {spindle:.0} rev/min", plan.feed_of(k)));
+        fact("Feed rate, speed", format!("{}, {spindle:.0} rev/min", units.feed(plan.feed_of(k))));
         if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
             fact("Cut after", format_clock(time));
         }
@@ -408,10 +422,11 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             fact("Program line", line.to_string());
         }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
-        let [hub, blade] = [position.hub_clearance, position.blade_clearance];
-        fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
+        let [hub, blade] = [units.number(position.hub_clearance, 3), units.length(position.blade_clearance, 3)];
+        fact("Clearance", format!("hub {hub}, blade {blade}"));
         let arc = position.evaluation.engagement.max_arc_rad.to_degrees();
-        let chip = plan.chip_thickness_of(k).map_or_else(String::new, |chip| format!(", chip {chip:.3} mm"));
+        let chip = plan.chip_thickness_of(k);
+        let chip = chip.map_or_else(String::new, |chip| format!(", chip {}", units.length(chip, 3)));
         fact("Engaged arc", format!("{arc:.0}°{chip}"));
     });
     ui.add_space(4.0);
@@ -426,7 +441,7 @@ fn remarks(ui: &mut Ui, position: &Position) {
         ui.label(format!("Limited by: {}", held.words()));
     }
     if position.lift > 0.02 {
-        ui.label(format!("Ends {:.2} mm above full depth", position.lift));
+        ui.label(format!("Ends {} above full depth", units::of(ui).length(position.lift, 2)));
     }
 }
 
@@ -440,7 +455,8 @@ pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
     let Some(section) = plan.sections.get(position.section) else { return };
     let tool = &section.tool;
     let place = format!("section {}, row {}", position.section + 1, position.row + 1);
-    ui.label(format!("{}; T{} Ø{}, {place}", position.condition().label(), tool.number, tool.diameter));
+    let diameter = state.look.units.diameter(tool.diameter);
+    ui.label(format!("{}; T{} {diameter}, {place}", position.condition().label(), tool.number));
     motion(ui, state, shown, k);
 }
 
@@ -450,9 +466,9 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
     let Some(position) = plan.positions.get(k) else { return };
     let spindle = plan.sections.get(position.section).map_or(0.0, |section| section.tool.spindle);
     ui.label(format!(
-        "α {:.1}°, {:.0} mm/min, {spindle:.0} rev/min",
+        "α {:.1}°, {}, {spindle:.0} rev/min",
         position.alpha_rad.to_degrees(),
-        plan.feed_of(k),
+        state.look.units.feed(plan.feed_of(k)),
     ));
     if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
         ui.label(format!("Cut after {}", format_clock(time)));
@@ -464,19 +480,20 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
     if let Some(plan) = state.on_machine().filter(|_| is_active)
         && let Some(at) = plan.at(Some(k + 1))
     {
-        let axes = plan.named(at).map(|(name, value, unit)| format!("{name} {value:.3}{unit}"));
+        let axes = plan.named(at).map(|axis| axis_text(axis, state.look.units));
         ui.label(axes.join("  "));
     }
 }
 
 /// Tooltip of a row.
 fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
+    let units = state.look.units;
     ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().label())).strong());
     if position.evaluation.contact.interferes() {
         let share = 100.0 * position.evaluation.contact.area_share;
         ui.label(format!(
-            "Core hits stock {:.2} mm above the tip, {share:.0} % of its area",
-            position.evaluation.contact.depth
+            "Core hits stock {} above the tip, {share:.0} % of its area",
+            units.length(position.evaluation.contact.depth, 2)
         ));
     }
     remarks(ui, position);
@@ -489,7 +506,8 @@ fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
     axis_remarks(ui, state, k);
     ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
     ui.label(format!(
-        "Clearance: hub {:.3} mm, blade {:.3} mm",
-        position.hub_clearance, position.blade_clearance
+        "Clearance: hub {}, blade {}",
+        units.length(position.hub_clearance, 3),
+        units.length(position.blade_clearance, 3)
     ));
 }

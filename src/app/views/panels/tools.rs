@@ -9,6 +9,7 @@ use crate::app::model::planned::DisplayPlan;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
 use crate::app::views::tool_form;
+use crate::app::views::units;
 
 const S: FieldSpec = FieldSpec {
     label: "s",
@@ -66,6 +67,7 @@ fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change
 }
 
 fn summary(ui: &mut Ui, setup: &Setup) {
+    let units = units::of(ui);
     Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for head in ["Tool", "Insert", "From s", "To s"] {
             ui.label(RichText::new(head).weak());
@@ -74,8 +76,8 @@ fn summary(ui: &mut Ui, setup: &Setup) {
         for section in &setup.plunge.sections {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
             let rest = section.kind.suffix();
-            ui.label(format!("T{} Ø{}{rest}", tool.number, tool.diameter));
-            ui.label(format!("{} mm", tool.insert_width));
+            ui.label(format!("T{} {}{rest}", tool.number, units.diameter(tool.diameter)));
+            ui.label(format!("{} {}", units.short(tool.insert_width, 3), units.length_unit()));
             ui.label(format!("{:.2}", section.from));
             ui.label(format!("{:.2}", section.to));
             ui.end_row();
@@ -87,7 +89,7 @@ fn summary(ui: &mut Ui, setup: &Setup) {
 fn uses(ui: &mut Ui, planned: &DisplayPlan) {
     let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
     for (k, section) in plan.sections.iter().enumerate() {
-        let tool = format!("T{} Ø{}", section.tool.number, section.tool.diameter);
+        let tool = format!("T{} {}", section.tool.number, units::of(ui).diameter(section.tool.diameter));
         let text = match plan.idle_words(k) {
             Some(why) => RichText::new(format!("{tool}: no plunges, {why}"))
                 .color(Condition::Blocked.text(ui.visuals())),
@@ -104,7 +106,9 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     let mut remove = None;
     let last_one = setup.tools.len() == 1;
     for (k, tool) in setup.tools.iter_mut().enumerate() {
-        let name = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
+        let units = units::of(ui);
+        let insert = format!("{} {}", units.short(tool.insert_width, 3), units.length_unit());
+        let name = format!("T{}  {}, insert {insert}", tool.number, units.diameter(tool.diameter));
         egui::CollapsingHeader::new(name).id_salt(("tool", k)).show_unindented(ui, |ui| {
             tool_form::show(ui, tool);
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
