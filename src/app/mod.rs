@@ -408,6 +408,7 @@ impl eframe::App for App {
             return;
         }
         views::units::set(ui.ctx(), self.state.look.units);
+        views::field_faults::set(ui.ctx(), self.state.field_faults());
         let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;
         let (mut setup, mut verdict, mut positions) = (None, None, None);
         let open = self.state.document.part.is_some();
@@ -439,6 +440,7 @@ impl eframe::App for App {
             let right = Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0);
             positions = Some(right.show(ui, |ui| self.right_panel(ui)).response.rect);
         }
+        self.state.end_field_faults(&views::field_faults::edited(ui.ctx()));
         let picture = CentralPanel::no_frame().show(ui, |ui| self.middle(ui)).response.rect;
         self.state.look.is_fresh &= !open;
         if let Some((purpose, path)) = self.dialogs.show(ui) {

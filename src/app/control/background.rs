@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::project::Pending;
 use crate::app::App;
 use crate::app::model::document::Edited;
+use crate::app::model::field_faults::FaultyField;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::part_source::PartSource;
@@ -23,6 +24,7 @@ use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::Outcome;
 use crate::part::BlankShape;
+use crate::setup::SetupFault;
 
 impl App {
     pub(in crate::app) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
@@ -159,13 +161,19 @@ impl App {
                 self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
-                let problem = Problem::of(Topic::Flank, &fault.message, &fault.help);
-                self.state.report_problem(problem.with_code(fault.code));
+                self.report_setup_fault(Topic::Flank, &fault);
             }
             Outcome::Panicked(what) => {
                 self.state.report_problem(panic_problem(Topic::Flank, "Flank calculation", &what));
             }
         }
+    }
+
+    /// Reports why a setup cannot be planned, at its field too.
+    fn report_setup_fault(&mut self, topic: Topic, fault: &SetupFault) {
+        let field = FaultyField::of_place(fault.place, &self.state.document.edited.setup);
+        let problem = Problem::of(topic, &fault.message, &fault.help);
+        self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
     }
 
     /// Handles the results of finished tasks.
@@ -193,8 +201,7 @@ impl App {
                 }
                 Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 Outcome::Failed(JobError::Setup(fault)) => {
-                    let problem = Problem::of(Topic::Plan, &fault.message, &fault.help);
-                    self.state.report_problem(problem.with_code(fault.code));
+                    self.report_setup_fault(Topic::Plan, &fault);
                 }
                 Outcome::Panicked(what) => {
                     self.state.report_problem(panic_problem(Topic::Plan, "Calculation", &what));

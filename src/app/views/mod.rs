@@ -8,6 +8,7 @@ mod chart;
 pub mod command;
 mod cube;
 pub mod dialogs;
+mod field_faults;
 pub mod help;
 pub mod legend;
 pub mod library_dialog;

@@ -36,7 +36,7 @@ mod write;
 pub use plunge::parse_axis_policy;
 pub(crate) use read::setup_of_table;
 pub use read::{line_of_place, parse_flank_strategy, read_setup, read_setup_bytes, read_setup_with_defaults};
-pub use tolerant::{TolerantSetup, read_setup_tolerantly};
+pub use tolerant::{SetupEntry, SetupEntryFault, TolerantSetup, read_setup_tolerantly};
 pub(super) use write::{beside, relative};
 pub use write::{locate_machine, write_setup, write_setup_beside};
 

@@ -8,7 +8,7 @@ use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2
 
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
-use crate::app::views::{theme, units};
+use crate::app::views::{field_faults, theme, units};
 
 /// Description of a number field.
 #[derive(Clone, Copy, Debug)]
@@ -168,23 +168,57 @@ pub struct ChoiceSpec<T: 'static> {
 /// A form row with label, list and dot.
 pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &ChoiceSpec<T>) {
     let label = ui.label(choice.label).on_hover_text(choice.tip);
-    ui.horizontal(|ui| {
-        ComboBox::from_id_salt(choice.label)
-            .width(theme::FIELD_WIDTH)
-            .truncate()
-            .selected_text((choice.name)(*value))
-            .show_ui(ui, |ui| {
-                for &one in choice.all {
-                    ui.selectable_value(value, one, (choice.name)(one)).on_hover_text((choice.meaning)(one));
-                }
-            })
-            .response
-            .labelled_by(label.id);
-        if *value == default {
-            reserve_dot(ui);
-        } else if reset_dot(ui, choice.label) {
-            *value = default;
-        }
+    let before = *value;
+    ui.vertical(|ui| {
+        let mut at = egui::Rect::NOTHING;
+        ui.horizontal(|ui| {
+            let list = ComboBox::from_id_salt(choice.label)
+                .width(theme::FIELD_WIDTH)
+                .truncate()
+                .selected_text((choice.name)(*value))
+                .show_ui(ui, |ui| {
+                    for &one in choice.all {
+                        let entry = ui.selectable_value(value, one, (choice.name)(one));
+                        entry.on_hover_text((choice.meaning)(one));
+                    }
+                });
+            at = list.response.labelled_by(label.id).rect;
+            if *value == default {
+                reserve_dot(ui);
+            } else if reset_dot(ui, choice.label) {
+                *value = default;
+            }
+        });
+        field_faults::show(ui, choice.label, at, *value != before);
+    });
+    ui.end_row();
+}
+
+/// A form row with label, check box and dot. `words`: what is so while it is checked.
+pub fn switch_row(ui: &mut Ui, value: &mut bool, default: bool, name: &str, (words, tip): (&str, &str)) {
+    let before = *value;
+    ui.label(name).on_hover_text(tip);
+    ui.vertical(|ui| {
+        let mut at = egui::Rect::NOTHING;
+        ui.horizontal(|ui| {
+            let box_width = Vec2::new(theme::FIELD_WIDTH, 20.0);
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            let field = ui.allocate_ui_with_layout(box_width, layout, |ui| {
+                ui.set_min_width(theme::FIELD_WIDTH);
+                ui.checkbox(value, words)
+            });
+            at = field.inner.rect;
+            field.inner.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::CheckBox, true, *value, name)
+            });
+            field.inner.on_hover_text(tip);
+            if *value == default {
+                reserve_dot(ui);
+            } else if reset_dot(ui, name) {
+                *value = default;
+            }
+        });
+        field_faults::show(ui, name, at, *value != before);
     });
     ui.end_row();
 }
@@ -236,8 +270,10 @@ fn labelled(
     let label = ui.label(spec.label).on_hover_text(spec.tip);
     ui.vertical(|ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
+        let mut at = egui::Rect::NOTHING;
         ui.horizontal(|ui| {
-            number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
+            let field = number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
+            at = field.rect;
             match default.filter(|default| default != value) {
                 Some(default) if reset_dot(ui, spec.label) => *value = default,
                 Some(_) => {}
@@ -252,6 +288,7 @@ fn labelled(
             response.labelled_by(label.id);
             *value = moved.unwrap_or(*value);
         }
+        field_faults::show(ui, spec.label, at, *value != before);
     });
     ui.end_row();
     *value != before

@@ -11,8 +11,10 @@ use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::setup::{FlankStrategy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
+use crate::app::model::field_faults::FieldScope;
 use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
+use crate::app::views::field_faults;
 use crate::app::views::swatch::swatch;
 use crate::app::views::units;
 
@@ -83,7 +85,7 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 /// Draws the fields of the setup. `planned` is the latest flank plan.
 pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&FlankOutcome>) {
     let default = &defaults.flank;
-    fields::form(ui, "flank fields", |ui| {
+    let form = |ui: &mut Ui| {
         fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
         fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
         fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);
@@ -109,7 +111,8 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&F
             &RAMP_FEED,
             feeds.map(|f| f.ramp_mm_per_min),
         );
-    });
+    };
+    field_faults::within(ui, FieldScope::Flank, |ui| fields::form(ui, "flank fields", form));
 }
 
 /// Draws the fields of the display.

@@ -5,8 +5,10 @@ use egui::{ComboBox, Grid, RichText, Ui};
 use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
+use crate::app::model::field_faults::{FieldScope, SECTION};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::command::Command;
+use crate::app::views::field_faults;
 use crate::app::views::theme::Condition;
 use crate::app::views::tool_form;
 use crate::app::views::units;
@@ -109,8 +111,11 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
         let units = units::of(ui);
         let insert = format!("{} {}", units.short(tool.insert_width, 3), units.length_unit());
         let name = format!("T{}  {}, insert {insert}", tool.number, units.diameter(tool.diameter));
-        egui::CollapsingHeader::new(name).id_salt(("tool", k)).show_unindented(ui, |ui| {
-            tool_form::show(ui, tool);
+        let is_faulty = field_faults::is_any(ui, FieldScope::Tool(k));
+        let heading = egui::CollapsingHeader::new(name).id_salt(("tool", k));
+        // A fault is not hidden under a closed heading.
+        heading.open(is_faulty.then_some(true)).show_unindented(ui, |ui| {
+            field_faults::within(ui, FieldScope::Tool(k), |ui| tool_form::show(ui, tool));
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
@@ -155,7 +160,8 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     for (k, section) in setup.plunge.sections.iter_mut().enumerate() {
         ui.push_id(("section", k), |ui| {
             let title = ui.label(format!("Section {}", k + 1));
-            ui.horizontal(|ui| {
+            let before = section.clone();
+            let line = ui.horizontal(|ui| {
                 ComboBox::from_id_salt("tool")
                     .width(46.0)
                     .selected_text(format!("T{}", section.tool))
@@ -170,6 +176,9 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                 ui.label("to");
                 s_box(ui, &mut section.to).labelled_by(title.id);
                 fit_ends(section);
+            });
+            field_faults::within(ui, FieldScope::Section(k), |ui| {
+                field_faults::show(ui, SECTION, line.response.rect, *section != before);
             });
             ui.horizontal(|ui| {
                 ComboBox::from_id_salt("feed")
