@@ -25,6 +25,7 @@ use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::Outcome;
 use crate::part::BlankShape;
 use crate::setup::SetupFault;
+use crate::study::StudyResults;
 
 impl App {
     pub(in crate::app) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
@@ -38,16 +39,24 @@ impl App {
             OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
             OpenTask::Files { part, .. } => part.clone(),
             OpenTask::Nodes(source) => Some(source.clone()),
-            OpenTask::Blank(_) | OpenTask::Library(_) => None,
+            OpenTask::Blank(_) | OpenTask::Library(_) | OpenTask::Study(_) | OpenTask::Run { .. } => None,
         };
         self.state.notice = None;
         self.work.opener.submit(task);
     }
 
-    /// Opens a project, setup or part, depending on the file.
+    /// Plans the run of a row of a study's results.
+    pub(in crate::app) fn open_run(&mut self, results: Arc<StudyResults>, row: usize) {
+        let open = self.state.document.part.as_ref().map(|part| part.source.clone());
+        self.submit_open(OpenTask::Run { results, row, open });
+    }
+
+    /// Opens a project, setup, part or study, depending on the file.
     pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
         self.dialogs.note_folder(&path);
-        if files::is_program(&path) {
+        if files::is_study(&path) {
+            self.submit_open(OpenTask::Study(path));
+        } else if files::is_program(&path) {
             self.check_program(path);
         } else if files::is_project(&path) {
             self.submit_open(OpenTask::Project(path, None));
@@ -259,7 +268,12 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, blank, library, unassigned } = opened;
+        let Opened { part, setup, project, blank, library, study, is_run, unassigned } = opened;
+        if let Some(results) = study {
+            self.state.report_done(format!("Opened {}: {} runs", results.path.display(), results.table.rows.len()));
+            self.study.take(results);
+            return;
+        }
         if let Some((path, content)) = library {
             let count = content.tools.len();
             self.state.report_done(format!("Opened {}: {count} tools", path.display()));
@@ -315,7 +329,7 @@ impl App {
             self.take_project(path, &project);
         }
         // The first plan of a part starts automatically.
-        if new_part || self.state.results.planned.is_none() {
+        if new_part || is_run || self.state.results.planned.is_none() {
             self.plan();
         }
     }
@@ -327,6 +341,7 @@ impl App {
             Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
             Purpose::CheckProgram => self.check_program(path),
+            Purpose::OpenStudy => self.submit_open(OpenTask::Study(path)),
             Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
             Purpose::OpenLibrary => self.submit_open(OpenTask::Library(path)),
             Purpose::SaveLibrary => {

@@ -29,6 +29,7 @@ impl App {
             C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
+            C::StudyResults => self.study.has_results(),
             C::PlanFlank | C::Assess | C::ShowTour => open,
             C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
@@ -120,6 +121,8 @@ impl App {
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
             C::ToolLibrary => self.library.open(),
+            C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
+            C::StudyResults => self.study.open(),
             C::OpenLibrary => self.dialogs.open_dialog(ctx, Purpose::OpenLibrary, String::new()),
             C::SaveLibrary => self.dialogs.open_dialog(ctx, Purpose::SaveLibrary, "tools.toml".to_owned()),
             C::SaveSetup => {

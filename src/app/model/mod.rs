@@ -26,5 +26,6 @@ pub mod role_choices;
 pub mod shop_library;
 pub mod solid;
 pub mod state;
+pub mod study_table;
 pub mod timeline_program;
 pub mod units;

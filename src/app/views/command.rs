@@ -70,6 +70,9 @@ commands! {
     OpenLibrary "Open library…"
         "Opens a tool library of Fusion (.json, .tools), FreeCAD (.fctb, .fctl) or our own (.toml)" [];
     SaveLibrary "Save library…" "Writes the tool library: our own (.toml) or Fusion (.json)" [];
+    OpenStudy "Open study results…"
+        "Opens what `vanecut study` found: its merged table (.csv), or the study.json in its folder" [];
+    StudyResults "Study results" "Shows the results of the study that was opened last" [];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
         "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];

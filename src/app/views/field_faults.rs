@@ -16,7 +16,7 @@ struct ShownFaults {
 }
 
 fn key() -> Id {
-    Id::new("field faults")
+    Id::unique("field faults")
 }
 
 /// Makes `faults` those that all fields show from now on.

@@ -19,6 +19,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::AssignRoles,
                 Command::OpenSetup,
                 Command::OpenBlank,
+                Command::OpenStudy,
             ],
             &[Command::ToolLibrary],
             &[Command::CheckProgram, Command::CheckAgain, Command::CloseProgram],
@@ -42,7 +43,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
     (
         "Plan",
         &[
-            &[Command::Assess, Command::TimeAgainstStock],
+            &[Command::Assess, Command::TimeAgainstStock, Command::StudyResults],
             &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
             &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
             &[

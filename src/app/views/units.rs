@@ -5,7 +5,7 @@ use egui::{Context, Id, Ui};
 use crate::app::model::units::DisplayUnits;
 
 fn key() -> Id {
-    Id::new("display units")
+    Id::unique("display units")
 }
 
 /// Makes `units` those of all views of the window.
