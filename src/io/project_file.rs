@@ -133,8 +133,8 @@ pub struct Project {
     pub chosen: PlanSelection,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
-    /// Faults in its setups when it was read: each faulty entry has its default. They are not written. Those of
-    /// sets name no entry.
+    /// Faults in its setups when it was read: each faulty entry has its default. They are not written. Those
+    /// of sets name no entry.
     pub setup_faults: Vec<SetupEntryFault>,
 }
 
@@ -237,10 +237,11 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         let TolerantSetup { setup, faults } = read_setup_tolerantly(&inside(&name, what), text)?;
         // Figures are those of a setup as it was.
         let is_whole = faults.is_empty();
-        setup_faults.extend(faults.into_iter().map(|fault| SetupEntryFault {
-            entry: fault.entry.filter(|_| what == CURRENT),
-            ..fault
-        }));
+        setup_faults.extend(
+            faults
+                .into_iter()
+                .map(|fault| SetupEntryFault { entry: fault.entry.filter(|_| what == CURRENT), ..fault }),
+        );
         Ok::<_, InputError>((setup, is_whole))
     };
     let (setup, _) = read_setup(CURRENT, &file.setup)?;

@@ -107,7 +107,7 @@ impl PlanOutcome {
 
     /// The result of every planned policy, in the order of [`AxisPolicy::ALL`].
     pub fn policies(&self) -> Vec<&PolicyResult> {
-        // The requested plan first: with edits it differs from the one before even where the policy is the same.
+        // The requested plan first: with edits it differs from the one before even by the same policy.
         let all = || [&self.after, &self.before].into_iter().chain(&self.others);
         AxisPolicy::ALL.iter().filter_map(|policy| all().find(|r| r.plan.policy == *policy)).collect()
     }

@@ -194,8 +194,8 @@ impl SectionCut {
     }
 }
 
-/// `cutter`, raised along its axis where it violates the hub allowance by rounding, and its clearance from the
-/// finished hub, mm.
+/// `cutter`, raised along its axis where it violates the hub allowance by rounding, and its clearance from
+/// the finished hub, mm.
 pub(super) fn raise_to_allowance(context: &PlanContext, mut cutter: CutterSolid) -> (CutterSolid, f64) {
     let mut hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
     for doubling in 0..12 {

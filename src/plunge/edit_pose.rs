@@ -8,7 +8,7 @@ use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Meridional, Point, Vector, wrap_angle};
 use crate::setup::{PlungeMove, PlungePose, Tool};
 
-/// Directions at a point of the hub, unit vectors of the part's frame, at right angles to each other.
+/// Directions at a point of the hub, unit vectors of the part's frame, all at right angles to its normal.
 struct FloorFrame {
     /// s and λ of the point.
     s: f64,
@@ -16,8 +16,12 @@ struct FloorFrame {
     normal: Vector,
     /// Along the channel towards the inlet.
     inwards: Vector,
-    /// Towards the pressure side of the channel.
+    /// Across it, towards its pressure side.
     across: Vector,
+    /// Along the meridian towards the inlet: lead angles are measured in its plane.
+    meridian: Vector,
+    /// Around the axis of rotation, towards the pressure side.
+    around: Vector,
 }
 
 impl FloorFrame {
@@ -33,15 +37,15 @@ impl FloorFrame {
             // The turn of the point from the middle of the channel: it may lie a little beyond a wall.
             0.5 + wrap_angle(theta - low - 0.5 * width) / width
         });
+        let meridian = -foot.tangent.direction_at_angle(theta);
         let upstream = lambda.and_then(|lambda| Some(-passage.point(part, s, lambda, 0.0)?.by_s));
-        let upstream = upstream.unwrap_or_else(|| -foot.tangent.direction_at_angle(theta));
-        let flat = upstream - normal * upstream.dot(&normal);
-        let inwards = flat.try_normalize(1e-9).unwrap_or_else(|| -foot.tangent.direction_at_angle(theta));
-        let turn = passage.wall_angles(part, 0.5, 0.0).map_or(1.0, |[low, high]| (high - low).signum());
-        let around = Vector::new(-theta.sin(), theta.cos(), 0.0) * turn;
+        let flat = upstream.map(|upstream| upstream - normal * upstream.dot(&normal));
+        let inwards = flat.and_then(|flat| flat.try_normalize(1e-9)).unwrap_or(meridian);
+        let sense = passage.wall_angles(part, 0.5, 0.0).map_or(1.0, |[low, high]| (high - low).signum());
+        let around = Vector::new(-theta.sin(), theta.cos(), 0.0) * sense;
         let across = normal.cross(&inwards);
         let across = across * across.dot(&around).signum();
-        Self { s, lambda: lambda.unwrap_or(0.5), normal, inwards, across }
+        Self { s, lambda: lambda.unwrap_or(0.5), normal, inwards, across, meridian, around }
     }
 }
 
@@ -69,8 +73,8 @@ pub(super) fn moved(
     by: &PlungeMove,
 ) -> PlungePose {
     let foot = pose.lifted(-lift).tip;
-    let FloorFrame { normal, inwards, across, .. } = FloorFrame::at(context, &foot);
-    let axis = turned(&turned(&pose.axis, &normal, &inwards, by.lead_rad), &normal, &across, by.tilt_rad);
+    let FloorFrame { normal, inwards, across, meridian, around, .. } = FloorFrame::at(context, &foot);
+    let axis = turned(&turned(&pose.axis, &normal, &meridian, by.lead_rad), &normal, &around, by.tilt_rad);
     let axis = axis.normalize();
     let on_axis = foot + inwards * by.along + across * by.across;
     let tip = depth_surface(context, tool).tip(tool, &on_axis, &axis).unwrap_or(on_axis);
@@ -89,8 +93,9 @@ pub(super) fn position_at(
     let foot = pose.lifted(-lift).tip;
     let frame = FloorFrame::at(context, &foot);
     let bottom = tool.radius() - tool.corner_radius;
-    let contact_point = depth_surface(context, tool).touch(&foot, &pose.axis, bottom).map_or(foot, |t| t.point);
-    let FloorFrame { normal, inwards, .. } = FloorFrame::at(context, &contact_point);
+    let contact_point =
+        depth_surface(context, tool).touch(&foot, &pose.axis, bottom).map_or(foot, |t| t.point);
+    let FloorFrame { normal, meridian, .. } = FloorFrame::at(context, &contact_point);
     let cutter = tool.placed(pose.tip, pose.axis);
     let finished = &context.workpiece.finished;
     Position {
@@ -100,7 +105,7 @@ pub(super) fn position_at(
         row,
         s: frame.s,
         lambda: frame.lambda,
-        alpha_rad: pose.axis.dot(&inwards).atan2(pose.axis.dot(&normal)),
+        alpha_rad: pose.axis.dot(&meridian).atan2(pose.axis.dot(&normal)),
         contact_point,
         lift,
         blocked: None,

@@ -1,6 +1,6 @@
-//! Edits of a plan by hand ([`PlungeEdit`]): plunges left out, lifted, moved, kept whatever the planner finds,
-//! and cut in another order. They apply in sequence to the plan that was found; then the edited plan is
-//! evaluated as every other one is, so that contact, clearances, links and time are those of what will be cut.
+//! Edits of a plan by hand ([`PlungeEdit`]): plunges left out, lifted, moved, kept whatever the planner
+//! finds, and cut in another order. They apply in sequence to the plan that was found; then the edited plan
+//! is evaluated as every other one is: contact, clearances, links and time are those of what will be cut.
 //!
 //! An edit names its plunge by its pose. Where the plan has no such plunge (any more) it does nothing and is
 //! reported; a lock puts its plunge into the plan instead.
@@ -112,7 +112,7 @@ impl Editor<'_> {
                 true
             }
             PlungeChange::Lift(by) => {
-                self.replace(range, |_, draft| (draft.pose().lifted(by), draft.position.lift + by));
+                self.lift(range, by);
                 true
             }
             PlungeChange::Move(by) => {
@@ -130,6 +130,21 @@ impl Editor<'_> {
             }
             PlungeChange::Reorder(before) => self.reorder(range, before.as_ref(), edit.whole_row),
             PlungeChange::Lock { .. } => true,
+        }
+    }
+
+    /// Lets the plunges of `range` stop short by `by` mm more: what is said of their axes stays.
+    fn lift(&mut self, range: Range<usize>, by: f64) {
+        let finished = &self.context.workpiece.finished;
+        for draft in &mut self.plunges[range] {
+            let (tool, _) = &self.sections[draft.position.section];
+            let pose = draft.pose().lifted(by);
+            let cutter = tool.placed(pose.tip, pose.axis);
+            draft.position.tip = pose.tip;
+            draft.position.lift += by;
+            draft.position.hub_clearance = finished.hub_clearance(&cutter);
+            draft.position.blade_clearance = finished.blade_clearance(&cutter);
+            draft.mark = draft.mark.edited();
         }
     }
 
@@ -228,20 +243,17 @@ impl Editor<'_> {
         k + usize::from(is_after)
     }
 
-    /// The edited plan, made of `plan`: rows are counted anew, and one ends where the axis turns by more than
-    /// the setup allows.
+    /// The edited plan, made of `plan`: rows are counted anew.
     fn finish(self, mut plan: PlungePlan<Unevaluated>) -> (PlungePlan<Unevaluated>, Vec<PlungeMark>) {
-        let limit = self.context.setup.plunge.max_axis_change_rad;
         let mut rows = vec![0; plan.sections.len()];
         let mut marks = Vec::with_capacity(self.plunges.len());
-        let mut last: Option<((usize, usize), PlungePose)> = None;
+        let mut last = None;
         plan.positions.clear();
         for draft in self.plunges {
-            let (row, pose) = (draft.row(), draft.pose());
-            if last.is_none_or(|(before, of)| before != row || of.axis.angle(&pose.axis) > limit) {
+            let row = draft.row();
+            if last.replace(row) != Some(row) {
                 rows[row.0] += 1;
             }
-            last = Some((row, pose));
             plan.positions.push(Position { row: rows[row.0] - 1, ..draft.position });
             marks.push(draft.mark);
         }

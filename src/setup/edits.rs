@@ -1,5 +1,5 @@
-//! Edits of single plunges and rows: what a user changes in a plan by hand. They are part of the setup, so that
-//! every front end makes the same plan, and apply in sequence to the plan that the planner found.
+//! Edits of single plunges and rows: what a user changes in a plan by hand. They are part of the setup, so
+//! that every front end makes the same plan, and apply in sequence to the plan that the planner found.
 
 use crate::geometry::{Point, Vector};
 
@@ -45,8 +45,8 @@ pub enum PlungeChange {
     },
     /// Moves and turns it, and lowers it onto the hub allowance again.
     Move(PlungeMove),
-    /// Cuts it, or its row, before the plunge or the row of this pose in the same section; `None`: last of the
-    /// section.
+    /// Cuts it, or its row, before the plunge or the row of this pose in the same section; `None`: last of
+    /// the section.
     Reorder(Option<PlungePose>),
 }
 
@@ -74,8 +74,8 @@ pub struct PlungeEdit {
     pub change: PlungeChange,
 }
 
-/// Adds `edit` to the `edits` of a setup. A lift of what was just lifted adds to that one, whether the plunge is
-/// named as it was before or after.
+/// Adds `edit` to the `edits` of a setup. A lift of what was just lifted adds to that one, whether the plunge
+/// is named as it was before or after.
 pub fn add_edit(edits: &mut Vec<PlungeEdit>, edit: PlungeEdit) {
     if let (Some(last), PlungeChange::Lift(more)) = (edits.last_mut(), edit.change)
         && let PlungeChange::Lift(by) = last.change

@@ -58,7 +58,8 @@ impl StudyResults {
         let own = own.unwrap_or(Path::new(".")).to_owned();
         let mut folders = vec![own.clone()];
         let within = std::fs::read_dir(&own).into_iter().flatten().flatten().take(MAX_FOLDERS);
-        let mut within: Vec<PathBuf> = within.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+        let mut within: Vec<PathBuf> =
+            within.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
         within.sort();
         folders.extend(within);
         folders.into_iter().find(|folder| result_path(folder, id).is_file())

@@ -62,13 +62,15 @@ fn row(row: usize) -> (usize, usize) {
 #[test]
 fn a_deleted_plunge_is_gone_and_what_stays_is_measured_again() {
     let found = &FOUND.after;
-    // The second of the first row: the core of the next one needs its cut.
-    let outcome = edited(&[edit(1, PlungeChange::Delete)]);
+    // In the middle of the first row: the core of the next one needs its cut.
+    let (first, count) = row(0);
+    let k = first + count / 2;
+    let outcome = edited(&[edit(k, PlungeChange::Delete)]);
     let plan = &outcome.after.plan;
     assert_eq!(plan.positions.len(), found.plan.positions.len() - 1);
-    assert!(!plan.positions.iter().any(|p| pose(p).is(&pose(&found.plan.positions[1]))));
+    assert!(!plan.positions.iter().any(|p| pose(p).is(&pose(&found.plan.positions[k]))));
     assert!(
-        plan.positions[1].evaluation.contact.depth > found.plan.positions[2].evaluation.contact.depth,
+        plan.positions[k].evaluation.contact.depth > found.plan.positions[k + 1].evaluation.contact.depth,
         "the next plunge meets what the deleted one would have cut"
     );
     assert!(outcome.after.summary.time_estimate < found.summary.time_estimate);
@@ -102,19 +104,28 @@ fn a_lifted_plunge_stops_short_by_so_much() {
 
 #[test]
 fn a_moved_plunge_ends_on_the_allowance_where_it_was_moved_to() {
-    let allowance = FOUND.setup.allowances.hub_allowance;
-    let (first, count) = row(1);
-    let k = first + count / 2;
-    let before = &FOUND.after.plan.positions[k];
-    let moved = |by: PlungeMove| edited(&[edit(k, PlungeChange::Move(by))]).after.plan.positions[k].clone();
+    // Conventional plunges are not lifted.
+    let setup = setup(&SETUP.replace("staircase", "conventional"));
+    let found = planned(&setup, &[]).expect("a plan");
+    let allowance = found.setup.allowances.hub_allowance;
+    let positions = &found.after.plan.positions;
+    let first = positions.iter().position(|position| position.row == 1).expect("a second row");
+    let k = first + 8;
+    let before = &positions[k];
+    assert_eq!(before.row, 1);
+    let moved = |by: PlungeMove| {
+        let edit = PlungeEdit { plunge: pose(before), whole_row: false, change: PlungeChange::Move(by) };
+        planned(&setup, &[edit]).expect("a plan").after.plan.positions[k].clone()
+    };
     let along = moved(PlungeMove { along: 3.0, ..PlungeMove::default() });
     assert!((along.axis - before.axis).norm() < 1e-9, "it is not turned");
-    let shift = (before.s - along.s) * PART.hub.length();
-    assert!((1.5..4.5).contains(&shift), "{shift} mm towards the inlet");
+    let (shift, inwards) = ((along.contact_point - before.contact_point).norm(), before.s - along.s);
+    assert!((1.5..4.5).contains(&shift) && inwards > 0.0, "{shift} mm, {inwards} of s towards the inlet");
+    assert!((along.lambda - before.lambda).abs() < 0.05, "along the channel");
     let across = moved(PlungeMove { across: 1.0, ..PlungeMove::default() });
     assert!(across.lambda > before.lambda, "{} after {}", across.lambda, before.lambda);
     for position in [&along, &across] {
-        let stands = position.hub_clearance - before.lift;
+        let stands = position.hub_clearance;
         assert!((allowance - 1e-6..allowance + 0.05).contains(&stands), "{stands} mm above the hub");
     }
     let turn = 2f64.to_radians();
@@ -152,7 +163,8 @@ fn a_locked_plunge_survives_another_setup_and_other_edits_wait_for_theirs() {
     let lifted = edit(3, PlungeChange::Lift(0.8));
     let at = lifted.plunge.lifted(0.8);
     let lock = PlungeChange::Lock { tool: 1, lift: FOUND.after.plan.positions[3].lift + 0.8 };
-    let edits = [lifted, PlungeEdit { plunge: at, whole_row: false, change: lock }, edit(6, PlungeChange::Delete)];
+    let edits =
+        [lifted, PlungeEdit { plunge: at, whole_row: false, change: lock }, edit(6, PlungeChange::Delete)];
     let outcome = edited(&edits);
     assert_eq!(outcome.edits.mark(3), PlungeMark::Locked(1));
     assert!(outcome.edits.unfitting.is_empty());
@@ -174,11 +186,8 @@ fn a_locked_plunge_survives_another_setup_and_other_edits_wait_for_theirs() {
 #[test]
 fn what_is_far_from_every_plunge_is_locked_in_addition() {
     let far = edit(0, PlungeChange::Lock { tool: 1, lift: 0.0 }).plunge.lifted(40.0);
-    let lock = |tool| PlungeEdit {
-        plunge: far,
-        whole_row: false,
-        change: PlungeChange::Lock { tool, lift: 40.0 },
-    };
+    let lock =
+        |tool| PlungeEdit { plunge: far, whole_row: false, change: PlungeChange::Lock { tool, lift: 40.0 } };
     let outcome = edited(&[lock(1)]);
     assert_eq!(outcome.after.plan.positions.len(), FOUND.after.plan.positions.len() + 1);
     let outcome = edited(&[lock(7)]);

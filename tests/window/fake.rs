@@ -16,7 +16,9 @@ use vanecut::part::{Impeller, Workpiece};
 use vanecut::plunge::{
     AddedPlunges, Blocked, EditReport, Evaluation, PlungePlan, Position, SectionPlan, StopReason,
 };
-use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool};
+use vanecut::setup::{
+    AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool,
+};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.

@@ -4,6 +4,7 @@
 
 mod borders;
 mod compare;
+mod defects;
 mod device;
 mod dialogs;
 mod documents;
@@ -28,6 +29,7 @@ mod roles;
 mod section;
 mod solid;
 mod stages;
+mod studies;
 mod timeline;
 mod tools;
 mod tradeoff;

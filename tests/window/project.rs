@@ -102,9 +102,6 @@ fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     let field = second.get_by_role_and_label(Role::SpinButton, "Hub allowance").rect();
     let text = second.get_by_label(&shown).rect();
     assert!(text.top() >= field.bottom() && text.top() < field.bottom() + 30.0, "{text} below {field}");
-    second.set_size(egui::vec2(1280.0, 900.0));
-    second.run_steps(3);
-    snapshot_view(&mut second, "fault_at_field");
     second.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     second.run_steps(2);
     settle(&mut second);
@@ -130,6 +127,9 @@ fn a_setup_that_cannot_be_planned_says_so_at_its_field() {
     let shown = window.state().state().field_faults();
     assert_eq!(shown.len(), 1);
     window.get_by_label(&shown[0].text);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    window.run_steps(3);
+    snapshot_view(&mut window, "fault_at_field");
     window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(1.0);
     window.run_steps(3);
     settle(&mut window);
@@ -140,6 +140,8 @@ fn a_setup_that_cannot_be_planned_says_so_at_its_field() {
 fn rapid_approaches_are_switched_on_in_the_form() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1000.0));
+    window.run_steps(3);
     let rapid = |window: &Window| window.state().state().document.edited.setup.plunge.rapid_approach;
     assert!(!rapid(&window));
     window.get_by_role_and_label(Role::CheckBox, "Rapid approach").click();

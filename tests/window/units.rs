@@ -45,11 +45,13 @@ fn every_length_is_shown_in_inches_when_asked_for() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1280.0, 900.0));
+    window.run_steps(3);
     window.get_by_label("Position 3").click();
     window.run_steps(3);
-    window.get_by_label("Figures").click();
+    window.get_by_label("Figures").click_accesskit();
     window.run_steps(3);
-    assert!(says(&window, "532.0 mm") && says(&window, "300 mm/min"), "the part, and a feed rate");
+    let said = labels(&window, "");
+    assert!(says(&window, "532.0 mm") && says(&window, "300 mm/min"), "the part, and a feed rate: {said:?}");
     choose(&mut window, "Units: inch");
     // Names and tips of the machine's files and the words of the planner stay.
     for unit in [" mm", "mm/min"] {
@@ -57,7 +59,7 @@ fn every_length_is_shown_in_inches_when_asked_for() {
         assert!(left.is_empty(), "still in mm: {left:?}");
     }
     assert!(says(&window, "20.945 in") && says(&window, "11.8 in/min"), "{:?}", labels(&window, ""));
-    window.get_by_label("Sectional view").click();
+    window.get_by_label("Sectional view").click_accesskit();
     window.run_steps(3);
     settle(&mut window);
     snapshot_view(&mut window, "inches");
@@ -71,6 +73,8 @@ fn typed_numbers_are_inches_then_and_files_stay_in_mm() {
     let (engine, _) = fake::engine();
     let mut first = with_sample(engine.clone());
     first.state_mut().set_home(folder.path().join("home"));
+    first.set_size(egui::vec2(1100.0, 1000.0));
+    first.run_steps(3);
     choose(&mut first, "Units: inch");
     type_allowance(&mut first, "0.03");
     assert!((allowance(&first) - 0.762).abs() < 1e-12, "{}", allowance(&first));

@@ -270,7 +270,8 @@ impl App {
     fn take_opened(&mut self, opened: Opened) {
         let Opened { part, setup, project, blank, library, study, is_run, unassigned } = opened;
         if let Some(results) = study {
-            self.state.report_done(format!("Opened {}: {} runs", results.path.display(), results.table.rows.len()));
+            let name = results.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            self.state.report_done(format!("Opened {name}: {} runs", results.table.rows.len()));
             self.study.take(results);
             return;
         }

@@ -246,8 +246,7 @@ impl App {
                 self.store_preferences();
             }
             C::UnitsMetric | C::UnitsInch => {
-                look.units =
-                    if command == C::UnitsInch { DisplayUnits::Inch } else { DisplayUnits::Metric };
+                look.units = if command == C::UnitsInch { DisplayUnits::Inch } else { DisplayUnits::Metric };
                 self.store_preferences();
             }
             C::ShowTour => self.tour.begin(),

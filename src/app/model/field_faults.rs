@@ -103,9 +103,7 @@ impl FaultyField {
         };
         match place {
             SetupPlace::Whole | SetupPlace::Part => None,
-            SetupPlace::Stock(key) => {
-                Some(Self { scope: FieldScope::Setup, label: label_of("stock", key)? })
-            }
+            SetupPlace::Stock(key) => Some(Self { scope: FieldScope::Setup, label: label_of("stock", key)? }),
             SetupPlace::Plunge(key) => {
                 Some(Self { scope: FieldScope::Setup, label: label_of("plunge", key)? })
             }

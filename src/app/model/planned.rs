@@ -188,7 +188,8 @@ impl DisplayPlan {
     /// What differs between the tools and sections of two plans, for a reader; `None` if nothing does. Only
     /// for plans of one part.
     pub fn tool_change_since(&self, last: &Self, units: DisplayUnits) -> Option<String> {
-        let (then, now) = (tools_in_words(&last.outcome.setup, units), tools_in_words(&self.outcome.setup, units));
+        let (then, now) =
+            (tools_in_words(&last.outcome.setup, units), tools_in_words(&self.outcome.setup, units));
         (then != now).then(|| format!("{then} became {now}"))
     }
 

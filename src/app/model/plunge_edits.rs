@@ -145,8 +145,8 @@ impl AppState {
         self.change_edits(|edits| edits.extend(added));
     }
 
-    /// The edit that cuts the selected plunge or its row earlier or later; `None` where it is the first or the
-    /// last of its section.
+    /// Before what the selected plunge or its row is cut when it goes earlier or later, and its own pose;
+    /// `None` where it is the first or the last of its section.
     fn reordered(&self, whole_row: bool, to: CuttingPlace) -> Option<(Option<PlungePose>, PlungePose)> {
         let range = self.edited_range(whole_row)?;
         let plan = self.editable_plan()?;

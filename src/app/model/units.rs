@@ -1,5 +1,5 @@
-//! Units in which the window shows lengths and feed rates, and takes them. Files and everything inside stay in
-//! mm and mm/min. All texts with a length or a feed rate come from here.
+//! Units in which the window shows lengths and feed rates, and takes them. Files and everything inside stay
+//! in mm and mm/min. All texts with a length or a feed rate come from here.
 
 use super::number::{self, Quantity};
 
@@ -84,9 +84,18 @@ impl DisplayUnits {
         if mm.is_finite() { self.length(mm, decimals) } else { "-".to_owned() }
     }
 
+    /// The size of a tool, without unit and zeros at its end.
+    pub fn size(self, mm: f64) -> String {
+        match self {
+            Self::Metric => self.short(mm, 3),
+            // Thousandths, as tools are named.
+            Self::Inch => self.short(mm, 1),
+        }
+    }
+
     /// A diameter with its sign, without unit and zeros at its end.
     pub fn diameter(self, mm: f64) -> String {
-        format!("Ø{}", self.short(mm, 3))
+        format!("Ø{}", self.size(mm))
     }
 
     /// A feed rate with its unit.
@@ -129,6 +138,7 @@ mod tests {
     fn lengths_and_feed_rates_have_the_unit_of_the_window() {
         assert_eq!((Metric.length(12.7, 2), Inch.length(12.7, 2)), ("12.70 mm".into(), "0.5000 in".into()));
         assert_eq!((Metric.diameter(30.0), Inch.diameter(25.4)), ("Ø30".into(), "Ø1".into()));
+        assert_eq!((Metric.size(12.125), Inch.size(30.0)), ("12.125".into(), "1.181".into()));
         assert_eq!((Metric.feed(300.0), Inch.feed(300.0)), ("300 mm/min".into(), "11.8 in/min".into()));
         assert_eq!((Metric.short(0.5, 3), Inch.short(0.5, 3)), ("0.5".into(), "0.0197".into()));
         assert_eq!((Metric.short(300.0, 0), Inch.short(25.4, 0)), ("300".into(), "1".into()));

@@ -125,8 +125,16 @@ impl Judged {
                 FigureValue::Length(summary.min_hub_clearance),
                 "Least distance of a cutter to the finished hub",
             ),
-            ("Blade clearance", FigureValue::Length(summary.min_blade_clearance), "Least distance to a finished blade"),
-            ("Rapid clearance", FigureValue::Length(summary.min_retract_clearance), "Least distance of rapids to the blank"),
+            (
+                "Blade clearance",
+                FigureValue::Length(summary.min_blade_clearance),
+                "Least distance to a finished blade",
+            ),
+            (
+                "Rapid clearance",
+                FigureValue::Length(summary.min_retract_clearance),
+                "Least distance of rapids to the blank",
+            ),
         ];
         Self {
             kind: "Plunge program",
@@ -143,16 +151,32 @@ impl Judged {
         let figures = vec![
             ("Cutting moves", count(verdict.positions), "Moves under feed"),
             ("Channels", count(verdict.channels), "Channels with cuts"),
-            ("Gouge of walls", FigureValue::Length(verdict.max_overcut), "Cut below the allowance of the blades"),
-            ("Left on walls", FigureValue::Length(verdict.max_undercut), "Stock left above the allowance of the blades"),
-            ("Residual", FigureValue::Residual(verdict.layer.mean.into(), verdict.layer.p95.into()), RESIDUAL_TIP),
+            (
+                "Gouge of walls",
+                FigureValue::Length(verdict.max_overcut),
+                "Cut below the allowance of the blades",
+            ),
+            (
+                "Left on walls",
+                FigureValue::Length(verdict.max_undercut),
+                "Stock left above the allowance of the blades",
+            ),
+            (
+                "Residual",
+                FigureValue::Residual(verdict.layer.mean.into(), verdict.layer.p95.into()),
+                RESIDUAL_TIP,
+            ),
             ("Not machined", FigureValue::Text(format_percent(uncut)), UNCUT_TIP),
             (
                 "Hub clearance",
                 FigureValue::Length(verdict.min_hub_clearance),
                 "Least distance of a cutter to the finished hub",
             ),
-            ("Blade clearance", FigureValue::Length(verdict.min_blade_clearance), "Least distance to a finished blade"),
+            (
+                "Blade clearance",
+                FigureValue::Length(verdict.min_blade_clearance),
+                "Least distance to a finished blade",
+            ),
         ];
         Self {
             kind: "Flank program",

@@ -14,8 +14,8 @@ use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 
 use crate::app::model::mouse_preset::MousePreset;
-use crate::app::model::units::DisplayUnits;
 use crate::app::model::state::RecoveryCopy;
+use crate::app::model::units::DisplayUnits;
 
 use super::lock::{HeldLock, LockTry, is_held, try_hold};
 

@@ -67,7 +67,9 @@ pub(in crate::app) fn open(
         OpenTask::Study(path) => {
             return Ok(Opened { study: Some(StudyResults::read(path)?), ..Opened::default() });
         }
-        OpenTask::Run { results, row, open } => return open_run(engine, results, *row, open.as_ref(), monitor),
+        OpenTask::Run { results, row, open } => {
+            return open_run(engine, results, *row, open.as_ref(), monitor);
+        }
         OpenTask::Nodes(source) => {
             let nodes =
                 source.mesh().map(|(path, said)| UnassignedRoles::read(path, &said, task.clone(), None));

@@ -140,7 +140,7 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         ui.end_row();
         for section in assessed.sections() {
             ui.label(format!("{:.2} to {:.2}", section.from, section.to));
-            ui.label(format!("D {}", units::of(ui).short(section.tool.diameter, 3)));
+            ui.label(format!("D {}", units::of(ui).size(section.tool.diameter)));
             for class in classes {
                 ui.label(format!("{:.1} %", 100.0 * map.share_between(section.from, section.to, class)));
             }

@@ -2,9 +2,9 @@
 
 use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
-use crate::palette::{CURVES, to_bytes};
 use super::units;
 use crate::app::model::units::DisplayUnits;
+use crate::palette::{CURVES, to_bytes};
 use crate::report::chart::{LineChart, Series};
 
 /// Height of a chart with its scales, points.

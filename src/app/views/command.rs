@@ -162,7 +162,8 @@ commands! {
     DeletePlunge "Delete plunge" "Leaves the selected plunge out of the plan" [NONE, Delete];
     DeleteRow "Delete row" "Leaves the row of the selected plunge out of the plan" [SHIFT, Delete];
     LockPlunge "Lock plunge" "Keeps the selected plunge in every plan as it is, or no longer" [NONE, L];
-    LockRow "Lock row" "Keeps the plunges of the selected row in every plan as they are, or no longer" [SHIFT, L];
+    LockRow "Lock row"
+        "Keeps the plunges of the selected row in every plan as they are, or no longer" [SHIFT, L];
     CutEarlier "Cut earlier" "Cuts the selected plunge before the one that is cut before it" [];
     CutLater "Cut later" "Cuts the selected plunge after the one that is cut after it" [];
     CutRowEarlier "Cut row earlier" "Cuts the row of the selected plunge before the row before it" [];

@@ -17,8 +17,8 @@ use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
 use crate::app::views::swatch::swatch;
-use crate::app::views::units;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 
 /// Height of the legend, points.
 pub const HEIGHT: f32 = 26.0;

@@ -153,7 +153,8 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary) {
         |ui, range| {
             for &index in &shown[range] {
                 let entry = &library.content.tools[index];
-                let button = egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
+                let button =
+                    egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
                 let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
                 if button.clicked() {
                     library.selected = Some(index);

@@ -168,7 +168,9 @@ impl App {
         let height = panels::section::height(ui.ctx().content_rect().height());
         panels::positions::headline(ui, &self.state, k);
         ui.horizontal(|ui| {
-            for (tab, name) in [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures"), (Tab::Edit, "By hand")] {
+            for (tab, name) in
+                [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures"), (Tab::Edit, "By hand")]
+            {
                 ui.selectable_value(&mut self.state.look.tab, tab, name);
             }
         });

@@ -122,17 +122,17 @@ fn plot(ui: &mut Ui, table: &StudyTable, height: f32, units: DisplayUnits) -> Op
     let font = FontId::proportional(theme::MIN_TEXT_SIZE);
     let weak = ui.visuals().weak_text_color();
     painter.rect_filled(inner, 2.0, ui.visuals().extreme_bg_color);
-    let places: Vec<(usize, (f64, f64))> = (0..table.results.table.rows.len())
-        .filter_map(|row| Some((row, table.place(row, units)?)))
-        .collect();
+    let places: Vec<(usize, (f64, f64))> =
+        (0..table.results.table.rows.len()).filter_map(|row| Some((row, table.place(row, units)?))).collect();
     if places.is_empty() {
         painter.text(inner.center(), Align2::CENTER_CENTER, "No run has these figures", font, weak);
         return None;
     }
     let range = |of: fn(&(f64, f64)) -> f64| {
-        let ends = places.iter().map(|(_, at)| of(at)).fold((f64::MAX, f64::MIN), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
+        let ends = places
+            .iter()
+            .map(|(_, at)| of(at))
+            .fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
         let span = (ends.1 - ends.0).max(1e-9 + 0.02 * ends.1.abs());
         (ends.0 - 0.06 * span, ends.0 + 1.06 * span)
     };
@@ -254,16 +254,14 @@ fn rows(ui: &mut Ui, table: &mut StudyTable, units: DisplayUnits) {
                 for column in 0..table.columns.len() {
                     header.col(|ui| {
                         let direction = table.sort.filter(|(of, _)| *of == column).map(|(_, down)| down);
-                        let arrow = match direction {
-                            None => "",
-                            Some(false) => " ⏶",
-                            Some(true) => " ⏷",
-                        };
                         let title = table.head(column, units);
-                        let text = RichText::new(format!("{title}{arrow}"));
+                        let text = RichText::new(&title);
                         let text = if direction.is_some() { text.strong() } else { text.weak() };
                         let label = egui::Label::new(text).selectable(false).sense(Sense::click());
                         let response = ui.add(label.truncate());
+                        if let Some(descending) = direction {
+                            theme::sort_mark(ui, response.rect.center_bottom(), descending);
+                        }
                         let name = format!("Sort runs by {title}");
                         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
                         if response.on_hover_text("Click to sort").clicked() {

@@ -63,7 +63,8 @@ fn edit(table: &TomlTable<'_>) -> Result<PlungeEdit, InputError> {
         other => {
             let what = format!("{} is not a change", quote_for_message(other));
             let near = nearest(other, &CHANGES).unwrap_or_default();
-            let help = format!("use {} (the nearest is \"{near}\")", CHANGES.map(|c| format!("\"{c}\"")).join(", "));
+            let help =
+                format!("use {} (the nearest is \"{near}\")", CHANGES.map(|c| format!("\"{c}\"")).join(", "));
             return Err(table.fault_at(change.at, what, help).with_code(ErrorCode::UnknownName));
         }
     };

@@ -73,7 +73,7 @@ pub fn read_setup_tolerantly(name: &str, text: &str) -> Result<TolerantSetup, In
     Ok(TolerantSetup { setup: Setup::default(), faults })
 }
 
-/// The entry in line `line` (from 1) of the `whole` text, of which `left` are the lines without faulty entries.
+/// The entry in line `line` (from 1) of the `whole` text; `left` are its lines without faulty entries.
 fn entry_of(whole: &[&str], left: &[&str], line: usize) -> Option<SetupEntry> {
     let at = line.checked_sub(1).filter(|&at| at < whole.len())?;
     let header = whole[..=at].iter().rposition(|line| table_name(line).is_some())?;

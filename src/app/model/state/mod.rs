@@ -376,11 +376,12 @@ impl AppState {
         self.problems.iter().filter_map(|problem| problem.field.clone()).collect()
     }
 
-    /// Ends the problems of fields that were edited: the default no longer stands for what was faulty. One of a
-    /// calculation ends with the next.
+    /// Ends the problems of fields that were edited: the default no longer stands for what was faulty. One of
+    /// a calculation ends with the next.
     pub fn end_field_faults(&mut self, edited: &[FaultyField]) {
         let is_ended = |problem: &Problem| {
-            problem.topic == Topic::Other && problem.field.as_ref().is_some_and(|fault| edited.contains(&fault.field))
+            problem.topic == Topic::Other
+                && problem.field.as_ref().is_some_and(|fault| edited.contains(&fault.field))
         };
         self.problems.retain(|problem| !is_ended(problem));
     }

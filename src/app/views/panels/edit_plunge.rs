@@ -19,10 +19,13 @@ const ACROSS: FieldSpec =
     FieldSpec::mm("Move across", "Across the channel, positive towards the pressure side", -100.0, 100.0);
 const LEAD: FieldSpec =
     FieldSpec::degrees("Turn lead", "Change of the lead angle, positive towards the inlet", -45.0, 45.0);
-const TILT: FieldSpec =
-    FieldSpec::degrees("Turn tilt", "Change of the tilt angle, positive towards the pressure side", -45.0, 45.0);
-const MOVE_TIP: &str =
-    "Moves and turns by the four fields, then lowers the cutter onto the hub allowance again.\n\
+const TILT: FieldSpec = FieldSpec::degrees(
+    "Turn tilt",
+    "Change of the tilt angle, positive towards the pressure side",
+    -45.0,
+    45.0,
+);
+const MOVE_TIP: &str = "Moves and turns by the four fields, then lowers the cutter onto the hub allowance again.\n\
      Contact and clearances are measured anew; blades do not stop it";
 
 /// Draws the tab for the selected position; returns the command that was asked for.
@@ -120,13 +123,15 @@ pub fn counts(ui: &mut Ui, state: &mut AppState) {
     if count == 0 {
         return;
     }
-    ui.horizontal(|ui| {
+    ui.vertical(|ui| {
         let word = if count == 1 { "edit" } else { "edits" };
         let text = match unfitting {
             0 => format!("{count} {word}"),
             n => format!("{count} {word}, {n} without a plunge in this plan"),
         };
         ui.label(RichText::new(text).weak()).on_hover_text(UNFITTING_TIP);
+    });
+    ui.horizontal(|ui| {
         if unfitting > 0 && ui.small_button("Remove those").on_hover_text(UNFITTING_TIP).clicked() {
             state.remove_unfitting_edits();
         }

@@ -208,9 +208,7 @@ pub fn switch_row(ui: &mut Ui, value: &mut bool, default: bool, name: &str, (wor
                 ui.checkbox(value, words)
             });
             at = field.inner.rect;
-            field.inner.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::CheckBox, true, *value, name)
-            });
+            field.inner.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, *value, name));
             field.inner.on_hover_text(tip);
             if *value == default {
                 reserve_dot(ui);

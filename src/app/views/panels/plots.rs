@@ -220,7 +220,12 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
     let tip = response.hover_pos().map(|at| scale.near(at)).and_then(|k| Some((k, *curve.values.get(k)?)));
     if let Some((k, v)) = tip {
-        response.clone().on_hover_text_at_pointer(format!("{} of the row: {v:.*}{}", k + 1, digits(3), curve.unit));
+        response.clone().on_hover_text_at_pointer(format!(
+            "{} of the row: {v:.*}{}",
+            k + 1,
+            digits(3),
+            curve.unit
+        ));
     }
     scale.picked(ui, &response, curve.first)
 }

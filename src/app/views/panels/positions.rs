@@ -5,6 +5,7 @@ use std::sync::Arc;
 use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
+use super::hand_mark::{hand_mark, hand_words};
 use crate::machine::LimitFault;
 use crate::plunge::{Blocked, PlungeMark, Position};
 
@@ -71,13 +72,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
 const POSITION_COMMANDS: [Command; 4] =
     [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
 /// Those that edit it, where the plan can be edited.
-const POSITION_EDITS: [Command; 5] = [
-    Command::EditPlunge,
-    Command::DeletePlunge,
-    Command::DeleteRow,
-    Command::LockPlunge,
-    Command::LockRow,
-];
+const POSITION_EDITS: [Command; 5] =
+    [Command::EditPlunge, Command::DeletePlunge, Command::DeleteRow, Command::LockPlunge, Command::LockRow];
 
 /// Whether a command is for a position.
 pub fn is_for_position(command: Command) -> bool {
@@ -120,7 +116,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
         .sense(Sense::click())
         .auto_shrink([false, false])
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
-        .column(Column::exact(19.0))
+        .column(Column::exact(12.0))
         .column(Column::exact(30.0))
         .column(Column::exact(28.0))
         .column(Column::exact(30.0))
@@ -163,18 +159,21 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 let tool = plan.sections.get(position.section).map(|section| &section.tool);
                 let of = position.condition();
                 let by_hand = state.plunge_mark(k);
-                row.col(|ui| {
-                    let rect = mark(ui, of);
-                    hand_mark(ui, rect, by_hand);
-                });
+                row.col(|ui| mark(ui, of));
                 let cells = [
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
-                    tool.map_or(String::new(), |t| units.short(t.diameter, 3)),
+                    tool.map_or(String::new(), |t| table_diameter(t.diameter, units)),
                     format!("{:.1}", position.alpha_rad.to_degrees()),
                 ];
-                for text in cells {
-                    row.col(|ui| cell(ui, RichText::new(text)));
+                for (column, text) in cells.into_iter().enumerate() {
+                    row.col(|ui| {
+                        // Beside the number.
+                        if column == 0 {
+                            hand_mark(ui, ui.max_rect().left_center(), by_hand);
+                        }
+                        cell(ui, RichText::new(text));
+                    });
                 }
                 row.col(|ui| {
                     let text = RichText::new(depth(position.evaluation.contact.depth, units));
@@ -185,7 +184,11 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                     let stock = shown.stock(k);
                     cell(
                         ui,
-                        RichText::new(if stock.is_finite() { units.number(stock.into(), 2) } else { "-".into() }),
+                        RichText::new(if stock.is_finite() {
+                            units.number(stock.into(), 2)
+                        } else {
+                            "-".into()
+                        }),
                     );
                 });
                 let demand = state.axis_demand(k);
@@ -229,12 +232,7 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
     let text = if sorted.is_some() { text.strong() } else { text.weak() };
     let response = ui.add(egui::Label::new(text).selectable(false).sense(Sense::click()));
     if let Some(descending) = sorted {
-        // A triangle under the label that points to the large values.
-        let (at, up) = (response.rect.center_bottom(), if descending { 1.0 } else { -1.0 });
-        let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);
-        let ink = ui.visuals().strong_text_color();
-        let triangle = vec![corner(-3.0, -1.5), corner(3.0, -1.5), corner(0.0, 1.5)];
-        ui.painter().add(egui::Shape::convex_polygon(triangle, ink, egui::Stroke::NONE));
+        theme::sort_mark(ui, response.rect.center_bottom(), descending);
     }
     let name = format!("Sort by {}", key.name());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
@@ -296,6 +294,14 @@ fn degrees(angle_rad: f64) -> String {
     format!("{:.1}°", angle_rad.to_degrees())
 }
 
+/// Diameter of a tool, in as few digits as the column has room for.
+fn table_diameter(mm: f64, units: DisplayUnits) -> String {
+    match units {
+        DisplayUnits::Metric => units.size(mm),
+        DisplayUnits::Inch => format!("{:.2}", units.of_mm(mm)),
+    }
+}
+
 /// Contact depth, from mm; "0" if it would round to 0.00 mm.
 fn depth(depth: f64, units: DisplayUnits) -> String {
     if depth < 0.005 { "0".to_owned() } else { units.number(depth, 2) }
@@ -308,7 +314,7 @@ pub fn cell(ui: &mut Ui, text: RichText) {
 }
 
 /// Mark of a state, by colour and shape: disc, square or small ring.
-fn mark(ui: &mut Ui, of: Condition) -> egui::Rect {
+fn mark(ui: &mut Ui, of: Condition) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());
     let painter = ui.painter();
     match of {
@@ -325,33 +331,6 @@ fn mark(ui: &mut Ui, of: Condition) -> egui::Rect {
         Condition::Sound => {
             painter.circle_stroke(rect.center(), 2.5, egui::Stroke::new(1.5, of.mark()));
         }
-    }
-    rect
-}
-
-/// What was done by hand, right of the mark of the state in `rect`: a padlock, or a bar for other edits.
-fn hand_mark(ui: &Ui, rect: egui::Rect, of: PlungeMark) {
-    let (painter, ink) = (ui.painter(), theme::accent(ui.visuals()));
-    let at = rect.right_center() + egui::vec2(5.0, 0.0);
-    match of {
-        PlungeMark::Planned => {}
-        PlungeMark::Edited => {
-            painter.rect_filled(egui::Rect::from_center_size(at, egui::vec2(3.0, 9.0)), 1.0, ink);
-        }
-        PlungeMark::Locked(_) => {
-            let body = egui::Rect::from_center_size(at + egui::vec2(0.0, 1.5), egui::vec2(7.0, 5.0));
-            painter.rect_filled(body, 1.0, ink);
-            painter.circle_stroke(at - egui::vec2(0.0, 1.5), 2.3, egui::Stroke::new(1.2, ink));
-        }
-    }
-}
-
-/// What was done by hand to a position, in words; `None` where nothing was.
-fn hand_words(of: PlungeMark) -> Option<&'static str> {
-    match of {
-        PlungeMark::Planned => None,
-        PlungeMark::Edited => Some("Edited by hand"),
-        PlungeMark::Locked(_) => Some("Locked: stays in every plan"),
     }
 }
 
@@ -396,7 +375,11 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         if contact.interferes() {
             fact(
                 "Core hits stock",
-                format!("{}, {:.0} % of its area", units.length(contact.depth, 2), 100.0 * contact.area_share),
+                format!(
+                    "{}, {:.0} % of its area",
+                    units.length(contact.depth, 2),
+                    100.0 * contact.area_share
+                ),
             );
         }
         let point = |numbers: [f64; 3]| {
@@ -422,7 +405,8 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             fact("Program line", line.to_string());
         }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
-        let [hub, blade] = [units.number(position.hub_clearance, 3), units.length(position.blade_clearance, 3)];
+        let [hub, blade] =
+            [units.number(position.hub_clearance, 3), units.length(position.blade_clearance, 3)];
         fact("Clearance", format!("hub {hub}, blade {blade}"));
         let arc = position.evaluation.engagement.max_arc_rad.to_degrees();
         let chip = plan.chip_thickness_of(k);

@@ -135,7 +135,13 @@ fn details(ui: &mut Ui, finding: &ProgramFinding) {
         let units = units::of(ui);
         let tip = [p.x, p.y, p.z].map(|mm| units.number(mm, 3)).join(" ");
         ui.label(format!("Tip {tip} {}", units.length_unit()));
-        ui.label(format!("Axis {:.4} {:.4} {:.4}, tool Ø{}", a.x, a.y, a.z, units.number(2.0 * place.radius, 2)));
+        ui.label(format!(
+            "Axis {:.4} {:.4} {:.4}, tool Ø{}",
+            a.x,
+            a.y,
+            a.z,
+            units.number(2.0 * place.radius, 2)
+        ));
     }
     if !finding.fault.help.is_empty() {
         ui.add(Label::new(format!("To do: {}", finding.fault.help)).wrap());

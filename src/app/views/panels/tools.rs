@@ -79,7 +79,7 @@ fn summary(ui: &mut Ui, setup: &Setup) {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
             let rest = section.kind.suffix();
             ui.label(format!("T{} {}{rest}", tool.number, units.diameter(tool.diameter)));
-            ui.label(format!("{} {}", units.short(tool.insert_width, 3), units.length_unit()));
+            ui.label(format!("{} {}", units.size(tool.insert_width), units.length_unit()));
             ui.label(format!("{:.2}", section.from));
             ui.label(format!("{:.2}", section.to));
             ui.end_row();
@@ -109,7 +109,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     let last_one = setup.tools.len() == 1;
     for (k, tool) in setup.tools.iter_mut().enumerate() {
         let units = units::of(ui);
-        let insert = format!("{} {}", units.short(tool.insert_width, 3), units.length_unit());
+        let insert = format!("{} {}", units.size(tool.insert_width), units.length_unit());
         let name = format!("T{}  {}, insert {insert}", tool.number, units.diameter(tool.diameter));
         let is_faulty = field_faults::is_any(ui, FieldScope::Tool(k));
         let heading = egui::CollapsingHeader::new(name).id_salt(("tool", k));

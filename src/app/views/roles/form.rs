@@ -76,7 +76,8 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
                         name.scroll_to_me(None);
                     }
                     ui.label(node.triangles.to_string());
-                    let [x, y, z] = <[f64; 3]>::from((node.high - node.low) * scale).map(|mm| size(mm, units));
+                    let [x, y, z] =
+                        <[f64; 3]>::from((node.high - node.low) * scale).map(|mm| size(mm, units));
                     ui.label(format!("{x} × {y} × {z}"));
                     let all = Role::ALL.into_iter().map(Some).chain([None]);
                     let name = format!("Role of {}", node.key);
