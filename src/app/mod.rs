@@ -56,6 +56,7 @@ use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
 use views::pictures::{Pictures, PreviewSource};
 use views::roles::RolesDialog;
+use views::study_window::StudyWindow;
 use views::timeline_tool::TimelineTool;
 use views::tour::{Tour, WindowRegion};
 use views::view3d::{View3d, ViewHit};
@@ -100,6 +101,8 @@ pub struct App {
     channels_dialog: ChannelsDialog,
     nc_dialog: NcDialog,
     library: LibraryDialog,
+    /// The results of a study.
+    study: StudyWindow,
     /// The question about a program with something against it, while it is open.
     release: Option<ReleaseQuestion>,
     roles: RolesDialog,
@@ -152,6 +155,7 @@ impl App {
             channels_dialog: ChannelsDialog::default(),
             nc_dialog: NcDialog::default(),
             library: LibraryDialog::default(),
+            study: StudyWindow::default(),
             release: None,
             roles: RolesDialog::default(),
             device,
@@ -233,7 +237,9 @@ impl App {
         let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
         match &paths[..] {
             [] => {}
-            [path] if files::is_setup(path) || files::is_program(path) => self.open_file(path.clone()),
+            [path] if files::is_setup(path) || files::is_program(path) || files::is_study(path) => {
+                self.open_file(path.clone());
+            }
             [path] => self.run_guarded(ctx, Pending::Open(path.clone())),
             // A part together with its setup.
             many => {
@@ -309,6 +315,14 @@ impl App {
                 self.state.report_done(format!("T{number} is in the setup"));
             }
             None => {}
+        }
+    }
+
+    /// The results of a study, while they are shown.
+    fn study_results(&mut self, ui: &Ui) {
+        if let Some((results, row)) = self.study.show(ui) {
+            // Unsaved edits are asked about as before any other part.
+            self.open_run(results, row);
         }
     }
 
@@ -407,6 +421,8 @@ impl eframe::App for App {
         if self.was_handed_over() {
             return;
         }
+        views::units::set(ui.ctx(), self.state.look.units);
+        views::field_faults::set(ui.ctx(), self.state.field_faults());
         let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;
         let (mut setup, mut verdict, mut positions) = (None, None, None);
         let open = self.state.document.part.is_some();
@@ -438,6 +454,7 @@ impl eframe::App for App {
             let right = Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0);
             positions = Some(right.show(ui, |ui| self.right_panel(ui)).response.rect);
         }
+        self.state.end_field_faults(&views::field_faults::edited(ui.ctx()));
         let picture = CentralPanel::no_frame().show(ui, |ui| self.middle(ui)).response.rect;
         self.state.look.is_fresh &= !open;
         if let Some((purpose, path)) = self.dialogs.show(ui) {
@@ -466,6 +483,7 @@ impl eframe::App for App {
         self.ask_channels(ui);
         self.ask_nc_target(ui);
         self.tool_library(ui);
+        self.study_results(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.
         if !self.is_dragging_border {

@@ -174,6 +174,8 @@ fn plan_json(
     let policies = outcome.policies().into_iter();
     let policies = policies.map(|result| (result.plan.policy.name().to_owned(), compared(result)));
     map.insert("policies".into(), Value::Object(policies.collect()));
+    map.insert("edits".into(), json!(outcome.setup.plunge.edits.len()));
+    map.insert("edits_unfitting".into(), json!(outcome.edits.unfitting.len()));
     map.insert("faults".into(), output::fault_list(&report.verdict.faults));
     map.insert("elapsed".into(), output::number(outcome.elapsed));
     map
@@ -230,7 +232,11 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     }
     text += &output::reasons_text(plan, &outcome.reasons);
     text += &output::added_text(plan);
-    if let Some(whole) = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy) {
+    let edits = outcome.setup.plunge.edits.len();
+    if edits > 0 {
+        let unfitting = outcome.edits.unfitting.len();
+        text += &format!("edited by hand: {edits} edits, {unfitting} without a plunge in this plan\n");
+    } else if let Some(whole) = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy) {
         let (found, kept) = (whole.positions.len(), plan.positions.len());
         text += &format!(
             "{} of {found} plunges found are left out: they are not worth their time\n",

@@ -11,7 +11,9 @@ use serde::{Deserialize, Serialize};
 use super::InputError;
 use super::hash::{FNV_START, fnv1a};
 use super::native::write_native;
-use super::setup_file::{TolerantSetup, beside, read_setup_tolerantly, relative, write_setup};
+use super::setup_file::{
+    SetupEntryFault, TolerantSetup, beside, read_setup_tolerantly, relative, write_setup,
+};
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, inside};
 use crate::error::ErrorCode;
@@ -23,6 +25,8 @@ use crate::setup::Setup;
 pub const VERSION: u32 = 3;
 /// Extension of project files.
 pub const EXTENSION: &str = "vanecut";
+/// What the current setup is called in messages.
+const CURRENT: &str = "setup";
 /// Maximum number of sets in a project.
 const MAX_SETS: usize = 1000;
 
@@ -129,8 +133,9 @@ pub struct Project {
     pub chosen: PlanSelection,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
-    /// Faults in its setups when it was read: each faulty entry has its default. They are not written.
-    pub setup_faults: Vec<InputError>,
+    /// Faults in its setups when it was read: each faulty entry has its default. They are not written. Those
+    /// of sets name no entry.
+    pub setup_faults: Vec<SetupEntryFault>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -232,10 +237,14 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         let TolerantSetup { setup, faults } = read_setup_tolerantly(&inside(&name, what), text)?;
         // Figures are those of a setup as it was.
         let is_whole = faults.is_empty();
-        setup_faults.extend(faults);
+        setup_faults.extend(
+            faults
+                .into_iter()
+                .map(|fault| SetupEntryFault { entry: fault.entry.filter(|_| what == CURRENT), ..fault }),
+        );
         Ok::<_, InputError>((setup, is_whole))
     };
-    let (setup, _) = read_setup("setup", &file.setup)?;
+    let (setup, _) = read_setup(CURRENT, &file.setup)?;
     let mut sets = Vec::with_capacity(file.sets.len());
     for set in file.sets {
         let (setup, is_whole) = read_setup(&set.name, &set.setup)?;
@@ -369,11 +378,13 @@ mod tests {
         let path = Path::new("p.vanecut");
         let text = write_project(&project(), path).replace("step = 7.5", "step = -7.5");
         let read = read_project_bytes(path, text.as_bytes()).expect("opens");
-        let named: Vec<String> = read.setup_faults.iter().map(InputError::place).collect();
+        let named: Vec<String> = read.setup_faults.iter().map(|fault| fault.error.place()).collect();
         assert_eq!((read.setup.plunge.step, read.sets[0].setup.plunge.step), (None, None));
         assert_eq!(read.sets[0].figures, None, "they are those of another setup");
         assert!(named.len() == 2 && named[0].starts_with("p.vanecut (setup):"), "{named:?}");
         assert!(named[1].starts_with("p.vanecut (Set 1):"), "{named:?}");
+        let key = |k: usize| read.setup_faults[k].entry.as_ref().and_then(|entry| entry.key.clone());
+        assert_eq!((key(0).as_deref(), key(1)), (Some("step"), None));
         let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("opens");
         assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
     }

@@ -24,8 +24,10 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
-use crate::plunge::{DropReason, PlanError, Planner, PlungePlan, SectionCache, cutting_order, sections};
-use crate::setup::{AxisPolicy, Setup, SetupFault};
+use crate::plunge::{
+    DropReason, EditReport, PlanError, Planner, PlungePlan, SectionCache, cutting_order, sections,
+};
+use crate::setup::{AxisPolicy, Setup, SetupFault, SetupPlace};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
@@ -76,11 +78,13 @@ pub struct PlanOutcome {
     pub before: PolicyResult,
     /// Plan by the requested policy and goal.
     pub after: PolicyResult,
-    /// The plan of `minimal` before plunges were left out for the goal; `None` where none were, or it was not
-    /// planned.
+    /// The plan of `minimal` before plunges were left out for the goal and before edits; `None` where neither
+    /// changed it, or it was not planned.
     pub whole: Option<PlungePlan>,
     /// Plans by the other policies, if requested.
     pub others: Vec<PolicyResult>,
+    /// What the edits of the setup did to the plan `after`; the other plans are as they were found.
+    pub edits: EditReport,
     /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
@@ -103,7 +107,8 @@ impl PlanOutcome {
 
     /// The result of every planned policy, in the order of [`AxisPolicy::ALL`].
     pub fn policies(&self) -> Vec<&PolicyResult> {
-        let all = || [&self.before, &self.after].into_iter().chain(&self.others);
+        // The requested plan first: with edits it differs from the one before even by the same policy.
+        let all = || [&self.after, &self.before].into_iter().chain(&self.others);
         AxisPolicy::ALL.iter().filter_map(|policy| all().find(|r| r.plan.policy == *policy)).collect()
     }
 }
@@ -176,7 +181,26 @@ type PolicyCache = HashMap<AxisPolicy, SectionCache>;
 /// Plunge planner with a cache of the last plan's sections, so that only stale sections are planned again.
 #[derive(Debug, Default)]
 pub struct PlanJob {
-    last: PartCache<PolicyCache>,
+    last: PartCache<PlanCache>,
+}
+
+/// What is known of the last plans of a part.
+#[derive(Debug, Default)]
+struct PlanCache {
+    policies: PolicyCache,
+    /// The last finished outcome before its edits, with its request: an edit changes nothing else.
+    unedited: Option<(PlanRequest, PlanOutcome)>,
+}
+
+impl PlanCache {
+    /// The outcome of `request`, which has no edits, if it is the last one.
+    fn unedited(&self, request: &PlanRequest) -> Option<PlanOutcome> {
+        let (known, outcome) = self.unedited.as_ref()?;
+        let is_same = known.setup.equals_except_flank(&request.setup)
+            && (known.policy, known.field_cells) == (request.policy, request.field_cells)
+            && known.compare == request.compare;
+        is_same.then(|| outcome.clone())
+    }
 }
 
 impl PlanJob {
@@ -201,7 +225,7 @@ impl PlanJob {
         monitor: &Monitor,
         listener: Listener,
     ) -> Result<PlanOutcome, JobError> {
-        self.last.with(&request.part, |known| plan(request, known, monitor, listener))
+        self.last.with(&request.part, |known| plan_with_edits(request, known, monitor, listener))
     }
 }
 
@@ -214,6 +238,56 @@ enum JudgedPlan {
 }
 
 /// Like [`PlanJob::run_with_listener`], with the cache `known`.
+fn plan_with_edits(
+    request: &PlanRequest,
+    known: &mut PlanCache,
+    monitor: &Monitor,
+    listener: Listener,
+) -> Result<PlanOutcome, JobError> {
+    let started = std::time::Instant::now();
+    let mut unedited = request.clone();
+    let edits = std::mem::take(&mut unedited.setup.plunge.edits);
+    let mut outcome = match known.unedited(&unedited) {
+        Some(outcome) => outcome,
+        None => {
+            let outcome = plan(&unedited, &mut known.policies, monitor, listener)?;
+            let is_finished = !outcome.after.plan.is_unfinished() && !monitor.is_stopped();
+            known.unedited = is_finished.then(|| (unedited, outcome.clone()));
+            outcome
+        }
+    };
+    outcome.setup.flank = request.setup.flank.clone();
+    if !edits.is_empty() {
+        outcome.setup.plunge.edits = edits;
+        outcome.apply_edits(monitor)?;
+    }
+    outcome.elapsed = started.elapsed().as_secs_f64();
+    monitor.report(1.0);
+    Ok(outcome)
+}
+
+impl PlanOutcome {
+    /// Applies the edits of the setup to the requested plan.
+    fn apply_edits(&mut self, monitor: &Monitor) -> Result<(), JobError> {
+        let edits = &self.setup.plunge.edits;
+        let planner = Planner::new(&self.workpiece, &self.setup);
+        let (plan, report) = planner.edit_plunges(&self.after.plan, edits, monitor)?;
+        if plan.positions.is_empty() {
+            let what = "the edits delete every plunge of the plan";
+            let fault = SetupFault::new(ErrorCode::NothingMoves, what, "remove some of the edits");
+            return Err(fault.at(SetupPlace::Plunge("edit")).into());
+        }
+        let edited = measure_residual(plan, &self.grid);
+        let found = std::mem::replace(&mut self.after, edited).plan;
+        if found.policy == AxisPolicy::Minimal && self.whole.is_none() {
+            self.whole = Some(found);
+        }
+        self.edits = report;
+        Ok(())
+    }
+}
+
+/// Like [`plan_with_edits`], for a request without edits.
 fn plan(
     request: &PlanRequest,
     known: &mut PolicyCache,
@@ -326,9 +400,9 @@ fn plan(
     if after.plan.positions.is_empty() {
         return Err(JobError::Setup(nothing_cut(&after.plan, &setup)));
     }
-    monitor.report(1.0);
     let elapsed = started.elapsed().as_secs_f64();
-    Ok(PlanOutcome { workpiece, grid, before, after, whole, others, elapsed, setup, reasons })
+    let edits = EditReport::default();
+    Ok(PlanOutcome { workpiece, grid, before, after, whole, others, edits, elapsed, setup, reasons })
 }
 
 /// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.

@@ -194,14 +194,12 @@ impl SectionCut {
     }
 }
 
-/// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
-/// violates the hub allowance by rounding.
-fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
-    let stock = &context.setup.allowances;
-    let mut cutter = tool.placed(station.tip, station.axis);
+/// `cutter`, raised along its axis where it violates the hub allowance by rounding, and its clearance from
+/// the finished hub, mm.
+pub(super) fn raise_to_allowance(context: &PlanContext, mut cutter: CutterSolid) -> (CutterSolid, f64) {
     let mut hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
     for doubling in 0..12 {
-        let deep = stock.hub_allowance - hub_clearance;
+        let deep = context.setup.allowances.hub_allowance - hub_clearance;
         if deep <= 0.0 {
             break;
         }
@@ -209,6 +207,14 @@ fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result
         cutter.tip += cutter.axis * (1.2 * deep * f64::from(1 << doubling) + 1e-9);
         hub_clearance = context.workpiece.finished.hub_clearance(&cutter);
     }
+    (cutter, hub_clearance)
+}
+
+/// The cutter of a station with its measured clearances to the finished part. Lifts the bottom where it
+/// violates the hub allowance by rounding.
+fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
+    let stock = &context.setup.allowances;
+    let (cutter, hub_clearance) = raise_to_allowance(context, tool.placed(station.tip, station.axis));
     let blade_clearance = context.workpiece.finished.blade_clearance(&cutter);
     if blade_clearance < stock.blade_allowance - 1e-6 {
         return Err(DropReason::Blades);

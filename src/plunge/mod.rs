@@ -26,6 +26,7 @@
 //! | largest distances between plunges | [`spacing`] |
 //! | how the plunges of a plan are moved | `motion` |
 //! | a plan with some plunges left out | `subset` |
+//! | a plan edited by hand | `edits`, `edit_pose` |
 //! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
 //! | sectional view through one position | [`inspect`] |
 
@@ -38,6 +39,8 @@ mod conventional;
 mod cut;
 pub mod cutting_order;
 pub mod cycle;
+mod edit_pose;
+mod edits;
 mod evaluation;
 mod fit_table;
 pub mod inspect;
@@ -63,6 +66,7 @@ pub mod survey;
 mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError};
+pub use edits::{EditReport, PlungeMark};
 pub use plan::{
     AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, Pecking, PlungeMotion, PlungePlan,
     Position, SectionPlan, StopReason, Unevaluated,

@@ -2,6 +2,7 @@
 
 use super::context::PlanContext;
 use super::cycle::{PlacedPlan, PlanError, place_plunges};
+use super::edits::{EditReport, edit_plan};
 use super::evaluation::evaluate;
 use super::opening::opening_for;
 use super::plan::PlungePlan;
@@ -12,7 +13,7 @@ use crate::cutting::contact::Columns;
 use crate::geometry::{Point, Vector};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
-use crate::setup::{AxisPolicy, Setup, Tool};
+use crate::setup::{AxisPolicy, PlungeEdit, Setup, Tool};
 
 /// Planner for one part and one setup.
 #[derive(Debug)]
@@ -109,6 +110,21 @@ impl<'a> Planner<'a> {
         monitor: &Monitor,
     ) -> Result<PlungePlan, PlanError> {
         keep_plunges(&self.context, plan, kept, columns, monitor)
+    }
+
+    /// `plan` with `edits` applied one after the other, evaluated anew, and what they did. A stopped monitor
+    /// is ignored, as by [`Self::evaluate`].
+    ///
+    /// # Errors
+    /// [`PlanError::Cancelled`] when the monitor is cancelled; [`PlanError::Setup`] when locks make too many
+    /// positions.
+    pub fn edit_plunges(
+        &self,
+        plan: &PlungePlan,
+        edits: &[PlungeEdit],
+        monitor: &Monitor,
+    ) -> Result<(PlungePlan, EditReport), PlanError> {
+        edit_plan(&self.context, plan, edits, monitor)
     }
 
     /// The plunges above the shroud that `tool` comes near at one of `poses`, tips with unit axes.

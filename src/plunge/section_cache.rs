@@ -36,6 +36,7 @@ impl SectionKey {
             plunge: PlungeSetup {
                 axis: AxisPolicy::Conventional,
                 sections: Vec::new(),
+                edits: Vec::new(),
                 rest: false,
                 goal: Goal::default(),
                 lift: None,

@@ -6,15 +6,18 @@
 //! | [`tool`] | cutters and their cutting data |
 //! | [`cutting_data`] | cutting data by material, feed rate by engagement |
 //! | [`assembly`](ToolAssembly) | shank and holder of a tool |
+//! | [`edits`](PlungeEdit) | edits of single plunges and rows |
 //! | [`fault`](SetupFault) | the error of a setup that a part cannot be planned with |
 
 mod assembly;
 pub mod cutting_data;
+pub mod edits;
 mod fault;
 mod settings;
 pub mod tool;
 
 pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
+pub use edits::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 pub use fault::{SetupFault, SetupPlace, round_down, round_up, tool_of};
 pub use settings::{
     AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy,

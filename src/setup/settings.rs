@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::cutting_data::CuttingData;
 use super::fault::{SetupFault, SetupPlace};
-use super::{AssemblyPart, Tool};
+use super::{AssemblyPart, PlungeEdit, Tool};
 use crate::error::ErrorCode;
 use crate::geometry::Vector;
 use crate::part::{Blank, BlankShape, Channel, Impeller, PassageWidth, Workpiece};
@@ -261,6 +261,8 @@ pub struct PlungeSetup {
     pub rest: bool,
     /// Sections, outlet → inlet; empty: chosen from the tools, for the least time.
     pub sections: Vec<SectionSetup>,
+    /// What the user changed in the plan by hand, in the order in which it applies.
+    pub edits: Vec<PlungeEdit>,
 }
 
 /// What a plan of `minimal` is for: key `goal` of `[plunge]`.
@@ -515,6 +517,7 @@ impl Default for Setup {
                 goal: Goal::default(),
                 rest: true,
                 sections: Vec::new(),
+                edits: Vec::new(),
             },
             flank: FlankSetup {
                 tool: None,

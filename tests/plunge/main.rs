@@ -7,6 +7,7 @@ mod blank;
 mod channel;
 mod disc;
 mod drop_cutter;
+mod edits;
 mod floor;
 mod free_of_contact;
 mod goals;

@@ -13,8 +13,12 @@ use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, S
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
-use vanecut::plunge::{AddedPlunges, Blocked, Evaluation, PlungePlan, Position, SectionPlan, StopReason};
-use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, Tool};
+use vanecut::plunge::{
+    AddedPlunges, Blocked, EditReport, Evaluation, PlungePlan, Position, SectionPlan, StopReason,
+};
+use vanecut::setup::{
+    AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool,
+};
 use vanecut::stock::{FloorGrid, field_cutters, residual_field};
 
 /// Number of interfering plunges of the conventional plan at the automatic step.
@@ -83,7 +87,8 @@ fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
 fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
     if request.setup.allowances.hub_allowance > 15.0 {
         let what = format!("`hub_allowance` is {}, too much", request.setup.allowances.hub_allowance);
-        return Err(SetupFault::new(ErrorCode::HubAllowance, what, "make hub_allowance smaller").into());
+        let fault = SetupFault::new(ErrorCode::HubAllowance, what, "make hub_allowance smaller");
+        return Err(fault.at(SetupPlace::Stock("hub_allowance")).into());
     }
     if request.setup.allowances.hub_allowance > 10.0 {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
@@ -138,6 +143,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         } else {
             Vec::new()
         },
+        edits: EditReport::default(),
         elapsed: 0.084,
     })
 }

@@ -4,6 +4,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
+use vanecut::app::model::units::DisplayUnits;
 use vanecut::setup::FlankStrategy;
 
 use crate::fake;
@@ -48,7 +49,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&vanecut::app::views::legend::format_signed(most, most));
+    window.get_by_label(&vanecut::app::views::legend::format_signed(most, most, DisplayUnits::Metric));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();

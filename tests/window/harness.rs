@@ -63,6 +63,11 @@ pub fn settle(window: &mut Window) {
             window.step();
         }
         window.run_steps(4);
+        if window.state().is_busy() {
+            continue;
+        }
+        // A fast task may have ended since the last frame: its result is handled in the next one.
+        window.step();
         if !window.state().is_busy() {
             return;
         }

@@ -4,10 +4,12 @@
 
 mod borders;
 mod compare;
+mod defects;
 mod device;
 mod dialogs;
 mod documents;
 mod drop;
+mod edits;
 mod fake;
 mod flank;
 mod harness;
@@ -27,10 +29,12 @@ mod roles;
 mod section;
 mod solid;
 mod stages;
+mod studies;
 mod timeline;
 mod tools;
 mod tradeoff;
 mod tuning;
+mod units;
 mod walk;
 
 use std::sync::atomic::Ordering;

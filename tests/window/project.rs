@@ -9,7 +9,9 @@ use vanecut::app::model::state::Tone;
 use vanecut::io::project_file::read_project;
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, sample_in, settle, snapshot_ui, window, with_sample};
+use crate::harness::{
+    Window, click_enabled, sample_in, settle, snapshot_ui, snapshot_view, window, with_sample, words,
+};
 
 fn save_as(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
@@ -93,10 +95,63 @@ fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     assert!(state.document.is_unsaved(), "the file says something else");
     let said: Vec<_> = state.problems.iter().filter(|p| p.message.contains("Hub allowance")).collect();
     assert!(said.len() == 1 && said[0].help.contains("the default is used"), "{:?}", state.problems);
+    let at_field = state.field_faults();
+    assert_eq!(at_field.len(), 1, "at its field, too");
+    let shown = words(&second, &at_field[0].text).expect("its text is shown");
+    assert!(shown.starts_with("`hub_allowance`") || shown.starts_with("\"Hub allowance\""), "{shown}");
+    let field = second.get_by_role_and_label(Role::SpinButton, "Hub allowance").rect();
+    let text = second.get_by_label(&shown).rect();
+    assert!(text.top() >= field.bottom() && text.top() < field.bottom() + 30.0, "{text} below {field}");
     second.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
     second.run_steps(2);
     settle(&mut second);
     assert!(read_project(&path).expect("reads").setup_faults.is_empty(), "saved, it is sound");
+    second.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
+    second.run_steps(3);
+    settle(&mut second);
+    assert!(second.state().state().field_faults().is_empty(), "the user has given another value");
+}
+
+#[test]
+fn a_setup_that_cannot_be_planned_says_so_at_its_field() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(12.0);
+    window.run_steps(3);
+    settle(&mut window);
+    let shown = window.state().state().field_faults();
+    assert_eq!(shown.len(), 0, "a fault without a place is in the banner alone");
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(16.0);
+    window.run_steps(3);
+    settle(&mut window);
+    let shown = window.state().state().field_faults();
+    assert_eq!(shown.len(), 1);
+    window.get_by_label(&shown[0].text);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    window.run_steps(3);
+    snapshot_view(&mut window, "fault_at_field");
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(1.0);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().field_faults().is_empty(), "planned");
+}
+
+#[test]
+fn rapid_approaches_are_switched_on_in_the_form() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1000.0));
+    window.run_steps(3);
+    let rapid = |window: &Window| window.state().state().document.edited.setup.plunge.rapid_approach;
+    assert!(!rapid(&window));
+    window.get_by_role_and_label(Role::CheckBox, "Rapid approach").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(rapid(&window));
+    window.get_by_label("Reset rapid approach").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!rapid(&window));
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::fake;
 use crate::harness::{Window, click_enabled, settle, snapshot_view, window};
 
 /// Writes a wheel with hub, shroud and six blades to a glTF file. `edit` changes its JSON document.
-fn wheel(folder: &Path, edit: impl FnOnce(&mut Value)) -> PathBuf {
+pub fn wheel(folder: &Path, edit: impl FnOnce(&mut Value)) -> PathBuf {
     let text = include_bytes!("../../assets/parts/pump6.toml");
     let part = Impeller::build(&read_part_bytes("pump6.toml", text, "toml").expect("reads")).expect("a part");
     let shape = Tessellation::new(&part, &Fineness { chord_error: 0.05, ..Fineness::default() });
@@ -50,6 +50,18 @@ fn nameless(document: &mut Value) {
     nodes.push(json!({ "mesh": nodes[0]["mesh"], "scale": [0.2, 0.2, 0.2] }));
     let root = nodes.iter_mut().find(|n| n.get("children").is_some()).expect("a root");
     root["children"].as_array_mut().expect("children").push(json!(nut));
+}
+
+/// Opens the file of a wheel, and the dialog that assigns its roles.
+pub fn open_with_roles(mut window: Window, path: PathBuf) -> Window {
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Assign surfaces…").click();
+    window.run_steps(2);
+    settle(&mut window);
+    window
 }
 
 fn is_asked(window: &Window) -> bool {

@@ -138,7 +138,7 @@ fn every_tool_and_section_has_a_colour_of_its_own() {
         }
         let state = window.state().state();
         let shown = state.shown().expect("planned");
-        let legend = state.look.layers.cutter_colours.legend(shown.planned, shown.policy);
+        let legend = state.look.layers.cutter_colours.legend(shown.planned, shown.policy, state.look.units);
         let Some(CutterLegend::Classes(classes)) = legend else { panic!("classes: {legend:?}") };
         let colours: BTreeSet<[u8; 3]> =
             classes.iter().map(|class| class.colour.map(|x| (255.0 * x) as u8)).collect();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::project::Pending;
 use crate::app::App;
 use crate::app::model::document::Edited;
+use crate::app::model::field_faults::FaultyField;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::part_source::PartSource;
@@ -23,6 +24,8 @@ use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::Outcome;
 use crate::part::BlankShape;
+use crate::setup::SetupFault;
+use crate::study::StudyResults;
 
 impl App {
     pub(in crate::app) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
@@ -36,16 +39,24 @@ impl App {
             OpenTask::Project(path, _) => Some(PartSource::File(path.clone())),
             OpenTask::Files { part, .. } => part.clone(),
             OpenTask::Nodes(source) => Some(source.clone()),
-            OpenTask::Blank(_) | OpenTask::Library(_) => None,
+            OpenTask::Blank(_) | OpenTask::Library(_) | OpenTask::Study(_) | OpenTask::Run { .. } => None,
         };
         self.state.notice = None;
         self.work.opener.submit(task);
     }
 
-    /// Opens a project, setup or part, depending on the file.
+    /// Plans the run of a row of a study's results.
+    pub(in crate::app) fn open_run(&mut self, results: Arc<StudyResults>, row: usize) {
+        let open = self.state.document.part.as_ref().map(|part| part.source.clone());
+        self.submit_open(OpenTask::Run { results, row, open });
+    }
+
+    /// Opens a project, setup, part or study, depending on the file.
     pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
         self.dialogs.note_folder(&path);
-        if files::is_program(&path) {
+        if files::is_study(&path) {
+            self.submit_open(OpenTask::Study(path));
+        } else if files::is_program(&path) {
             self.check_program(path);
         } else if files::is_project(&path) {
             self.submit_open(OpenTask::Project(path, None));
@@ -159,13 +170,19 @@ impl App {
                 self.state.report_done("Calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
-                let problem = Problem::of(Topic::Flank, &fault.message, &fault.help);
-                self.state.report_problem(problem.with_code(fault.code));
+                self.report_setup_fault(Topic::Flank, &fault);
             }
             Outcome::Panicked(what) => {
                 self.state.report_problem(panic_problem(Topic::Flank, "Flank calculation", &what));
             }
         }
+    }
+
+    /// Reports why a setup cannot be planned, at its field too.
+    fn report_setup_fault(&mut self, topic: Topic, fault: &SetupFault) {
+        let field = FaultyField::of_place(fault.place, &self.state.document.edited.setup);
+        let problem = Problem::of(topic, &fault.message, &fault.help);
+        self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
     }
 
     /// Handles the results of finished tasks.
@@ -193,8 +210,7 @@ impl App {
                 }
                 Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => self.state.plan_cancelled(),
                 Outcome::Failed(JobError::Setup(fault)) => {
-                    let problem = Problem::of(Topic::Plan, &fault.message, &fault.help);
-                    self.state.report_problem(problem.with_code(fault.code));
+                    self.report_setup_fault(Topic::Plan, &fault);
                 }
                 Outcome::Panicked(what) => {
                     self.state.report_problem(panic_problem(Topic::Plan, "Calculation", &what));
@@ -252,7 +268,13 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, blank, library, unassigned } = opened;
+        let Opened { part, setup, project, blank, library, study, is_run, unassigned } = opened;
+        if let Some(results) = study {
+            let name = results.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            self.state.report_done(format!("Opened {name}: {} runs", results.table.rows.len()));
+            self.study.take(results);
+            return;
+        }
         if let Some((path, content)) = library {
             let count = content.tools.len();
             self.state.report_done(format!("Opened {}: {count} tools", path.display()));
@@ -308,7 +330,7 @@ impl App {
             self.take_project(path, &project);
         }
         // The first plan of a part starts automatically.
-        if new_part || self.state.results.planned.is_none() {
+        if new_part || is_run || self.state.results.planned.is_none() {
             self.plan();
         }
     }
@@ -320,6 +342,7 @@ impl App {
             Purpose::SaveProject => self.write_project(path),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
             Purpose::CheckProgram => self.check_program(path),
+            Purpose::OpenStudy => self.submit_open(OpenTask::Study(path)),
             Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
             Purpose::OpenLibrary => self.submit_open(OpenTask::Library(path)),
             Purpose::SaveLibrary => {

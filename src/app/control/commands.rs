@@ -12,9 +12,12 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Arrangement, Operation, Tab};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::Side;
+use crate::app::model::plunge_edits::CuttingPlace;
 use crate::app::model::state::Boundary;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::help::HelpPage;
+use crate::app::views::panels::edit_plunge;
 
 impl App {
     /// Whether a command is available now.
@@ -26,6 +29,7 @@ impl App {
             C::AssignRoles => self.is_mesh(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
+            C::StudyResults => self.study.has_results(),
             C::PlanFlank | C::Assess | C::ShowTour => open,
             C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
@@ -82,6 +86,15 @@ impl App {
                 self.state.look.operation == Operation::Roughing && self.state.selected().is_some()
             }
             C::FlyToSelection | C::ShowInTable | C::OpenSection => self.state.selected().is_some(),
+            C::EditPlunge => self.state.selected().is_some(),
+            C::DeletePlunge
+            | C::DeleteRow
+            | C::LockPlunge
+            | C::LockRow
+            | C::CutEarlier
+            | C::CutLater
+            | C::CutRowEarlier
+            | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
             C::Undo => self.state.document.can_undo(),
@@ -108,6 +121,8 @@ impl App {
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
             C::ToolLibrary => self.library.open(),
+            C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
+            C::StudyResults => self.study.open(),
             C::OpenLibrary => self.dialogs.open_dialog(ctx, Purpose::OpenLibrary, String::new()),
             C::SaveLibrary => self.dialogs.open_dialog(ctx, Purpose::SaveLibrary, "tools.toml".to_owned()),
             C::SaveSetup => {
@@ -199,6 +214,15 @@ impl App {
             C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
             C::ShowInTable => self.state.show_in_table(),
             C::OpenSection => look.tab = Tab::Section,
+            C::EditPlunge => look.tab = Tab::Edit,
+            C::DeletePlunge => self.state.delete_selected(false),
+            C::DeleteRow => self.state.delete_selected(true),
+            C::LockPlunge => self.state.toggle_lock(false),
+            C::LockRow => self.state.toggle_lock(true),
+            C::CutEarlier => self.state.reorder_selected(false, CuttingPlace::Earlier),
+            C::CutLater => self.state.reorder_selected(false, CuttingPlace::Later),
+            C::CutRowEarlier => self.state.reorder_selected(true, CuttingPlace::Earlier),
+            C::CutRowLater => self.state.reorder_selected(true, CuttingPlace::Later),
             C::ScrubHere => {
                 let cut = look.selected.map(|k| k + 1);
                 self.state.set_timeline(cut);
@@ -219,6 +243,10 @@ impl App {
             C::Machine => look.layers.machine ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
                 look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
+                self.store_preferences();
+            }
+            C::UnitsMetric | C::UnitsInch => {
+                look.units = if command == C::UnitsInch { DisplayUnits::Inch } else { DisplayUnits::Metric };
                 self.store_preferences();
             }
             C::ShowTour => self.tour.begin(),

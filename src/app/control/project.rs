@@ -7,6 +7,7 @@ use egui::{Context, Rect, Ui};
 
 use crate::app::App;
 use crate::app::model::document::Edited;
+use crate::app::model::field_faults::FaultyField;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::REVEAL;
 use crate::app::model::part_source::PartSource;
@@ -19,8 +20,8 @@ use crate::app::tasks::project::project_of;
 use crate::app::views::tour::WindowRegion;
 use crate::app::views::unsaved::{self, UnsavedAnswer};
 use crate::gpu::camera::{Camera, Projection};
-use crate::io::InputError;
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
+use crate::io::setup_file::SetupEntryFault;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
@@ -75,7 +76,7 @@ impl App {
         self.state.recents = home.recents();
         self.state.recoverable = home.recovery_copies().into_iter().map(home::recovery_copy).collect();
         let preferences = home.preferences();
-        self.state.look.mouse = preferences.mouse;
+        (self.state.look.mouse, self.state.look.units) = (preferences.mouse, preferences.units);
         self.session.knows_tour = preferences.knows_tour;
         self.session.home = Some(home);
     }
@@ -99,8 +100,8 @@ impl App {
     /// Stores the preferences for the next start.
     pub(in crate::app) fn store_preferences(&self) {
         if let Some(home) = &self.session.home {
-            let (mouse, knows_tour) = (self.state.look.mouse, self.session.knows_tour);
-            home.store_preferences(&Preferences { mouse, knows_tour });
+            let (mouse, units) = (self.state.look.mouse, self.state.look.units);
+            home.store_preferences(&Preferences { mouse, units, knows_tour: self.session.knows_tour });
         }
     }
 
@@ -236,11 +237,12 @@ impl App {
 
     /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults stand
     /// in place of what is faulty.
-    fn report_setup_faults(&mut self, faults: &[InputError]) {
-        for fault in faults.iter().take(MAX_REPORTED_FAULTS) {
+    fn report_setup_faults(&mut self, faults: &[SetupEntryFault]) {
+        for SetupEntryFault { error: fault, entry } in faults.iter().take(MAX_REPORTED_FAULTS) {
             let help = format!("{}; until then the default is used", fault.help);
             let problem = Problem::of(Topic::Other, &format!("{}: {}", fault.place(), fault.message), &help);
-            self.state.report_problem(problem.with_code(fault.code));
+            let field = entry.as_ref().and_then(FaultyField::of_entry);
+            self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
         }
         if faults.len() > MAX_REPORTED_FAULTS {
             let message =

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::listing::ProgramListing;
 use super::preview::ShownCutters;
 use super::state::Boundary;
+use super::units::DisplayUnits;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
 use crate::part::Impeller;
@@ -66,7 +67,32 @@ pub struct ProgramFinding {
 }
 
 /// A figure of a checked program: name, value, meaning.
-pub type ProgramFigure = (&'static str, String, &'static str);
+pub type ProgramFigure = (&'static str, FigureValue, &'static str);
+
+/// Value of a figure of a program; lengths in mm.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FigureValue {
+    /// A number of things, or a share, as it is written.
+    Text(String),
+    /// A length.
+    Length(f64),
+    /// Mean and 95th percentile of residual stock.
+    Residual(f64, f64),
+}
+
+impl FigureValue {
+    /// The value as it is written with `units`.
+    pub fn text(&self, units: DisplayUnits) -> String {
+        match *self {
+            Self::Text(ref text) => text.clone(),
+            Self::Length(mm) => units.known_length(mm, 3),
+            Self::Residual(mean, p95) if mean.is_finite() => {
+                format!("{} {}", units.pair(mean, p95, 2), units.length_unit())
+            }
+            Self::Residual(..) => "-".to_owned(),
+        }
+    }
+}
 
 /// A program with its findings.
 #[derive(Clone, Debug)]

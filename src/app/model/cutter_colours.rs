@@ -1,6 +1,7 @@
 //! What the cutters in the 3D view are coloured by, and the classes of that which can be hidden.
 
 use super::planned::DisplayPlan;
+use super::units::DisplayUnits;
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN, category};
 use crate::plunge::PlungePlan;
 use crate::plunge::plan::Condition;
@@ -115,19 +116,24 @@ impl CutterColours {
     }
 
     /// What the colours mean; `None` where the plan has no positions.
-    pub fn legend(self, planned: &DisplayPlan, policy: AxisPolicy) -> Option<CutterLegend> {
+    pub fn legend(
+        self,
+        planned: &DisplayPlan,
+        policy: AxisPolicy,
+        units: DisplayUnits,
+    ) -> Option<CutterLegend> {
         let plan = planned.plan(policy);
         if plan.positions.is_empty() {
             return None;
         }
         let Some(values) = self.values(planned, policy) else {
-            return Some(CutterLegend::Classes(self.shares(planned, policy)));
+            return Some(CutterLegend::Classes(self.shares(planned, policy, units)));
         };
         let (low, high) = ends(&values);
         Some(match self {
             Self::LeadAngle => CutterLegend::Scale(format!("{low:.1}°"), format!("{high:.1}°")),
-            Self::FeedRate => CutterLegend::Scale(format!("{low:.0}"), format!("{high:.0} mm/min")),
-            Self::Residual => CutterLegend::Scale(format!("{low:.2}"), format!("{high:.2} mm")),
+            Self::FeedRate => CutterLegend::Scale(units.number(low, 0), units.feed(high)),
+            Self::Residual => CutterLegend::Scale(units.number(low, 2), units.length(high, 2)),
             _ => CutterLegend::Scale("0 min".to_owned(), format!("{:.0} min", high / 60.0)),
         })
     }
@@ -160,7 +166,7 @@ impl CutterColours {
         classes
     }
 
-    fn shares(self, planned: &DisplayPlan, policy: AxisPolicy) -> Vec<ClassShare> {
+    fn shares(self, planned: &DisplayPlan, policy: AxisPolicy, units: DisplayUnits) -> Vec<ClassShare> {
         let plan = planned.plan(policy);
         let classes = self.classes(plan);
         let mut times = vec![0.0; classes.len()];
@@ -181,19 +187,19 @@ impl CutterColours {
                 CutterClass::State(Condition::Interfering) => palette::INTERFERING,
                 CutterClass::Tool(_) | CutterClass::Section(_) => category(k),
             },
-            name: name_of(class, plan),
+            name: name_of(class, plan, units),
             share: times[k] / whole.max(1e-9),
         };
         classes.iter().enumerate().map(share).collect()
     }
 }
 
-fn name_of(class: CutterClass, plan: &PlungePlan) -> String {
+fn name_of(class: CutterClass, plan: &PlungePlan, units: DisplayUnits) -> String {
     match class {
         CutterClass::State(condition) => condition.label().to_owned(),
         CutterClass::Tool(number) => {
             let section = plan.sections.iter().find(|section| section.tool.number == number);
-            format!("T{number} Ø{}", section.map_or(0.0, |section| section.tool.diameter))
+            format!("T{number} {}", units.diameter(section.map_or(0.0, |section| section.tool.diameter)))
         }
         CutterClass::Section(index) => {
             let rest = plan.sections.get(index).map_or("", |section| section.kind.suffix());

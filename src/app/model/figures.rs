@@ -3,6 +3,8 @@
 use crate::job::Summary;
 use crate::plunge::plan::Condition;
 
+use crate::app::model::units::DisplayUnits;
+
 /// Largest share of the accessible floor that may stay uncut without a warning.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
 
@@ -17,10 +19,9 @@ impl Condition {
     }
 }
 
-/// Mean and 95th percentile of the residual stock, mm.
-pub fn format_residual(summary: &Summary) -> String {
-    let show = |v: f64| if v.is_finite() { format!("{v:.2}") } else { "-".to_owned() };
-    format!("{}/{}", show(summary.residual_mean), show(summary.residual_p95))
+/// Mean and 95th percentile of the residual stock, without their unit.
+pub fn format_residual(summary: &Summary, units: DisplayUnits) -> String {
+    units.pair(summary.residual_mean, summary.residual_p95, 2)
 }
 
 /// A share in per cent.

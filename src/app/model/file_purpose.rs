@@ -26,6 +26,8 @@ pub enum Purpose {
     OpenBlank,
     /// A tool library to open.
     OpenLibrary,
+    /// Results of a study to open.
+    OpenStudy,
     /// Target of a tool library.
     SaveLibrary,
     /// Target of a setup.
@@ -70,6 +72,7 @@ impl Purpose {
             Self::OpenSetup => "Open setup",
             Self::OpenBlank => "Open blank",
             Self::OpenLibrary => "Open library",
+            Self::OpenStudy => "Open study results",
             Self::SaveLibrary => "Save library",
             Self::SaveSetup => "Save setup",
             Self::ExportCl { channels: 1 } => "Export CL (APT)",
@@ -128,6 +131,7 @@ impl Purpose {
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::OpenLibrary => ("Tool libraries", &["toml", "json", "tools", "fctb", "fctl"]),
             Self::SaveLibrary => ("Tool libraries", &["toml", "json"]),
+            Self::OpenStudy => ("Study results", &["csv", "json"]),
             Self::OpenBlank => ("Blanks", &["stl", "txt"]),
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),

@@ -4,12 +4,15 @@
 use crate::drawing::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::plunge::inspect::CutPlane;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, PlungePose};
 
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::planned::{PerSide, Side};
+use crate::app::model::plunge_edits::EditFields;
 use crate::app::model::solid::SolidColours;
+use crate::app::model::table_scroll::TableScroll;
+use crate::app::model::units::DisplayUnits;
 
 /// Visibility of the layers of the 3D view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,12 +182,12 @@ impl TableColumn {
         match self {
             Self::Order => "Number in cutting order",
             Self::Row => "Row within its section, 1 at the suction wall",
-            Self::Diameter => "Diameter of the tool, mm",
+            Self::Diameter => "Diameter of the tool",
             Self::Alpha => "Lead angle: between hub normal and axis, positive towards the inlet",
-            Self::Contact => "Height above the tip at which the core meets stock, mm",
-            Self::Hub => "Mean residual stock on the hub under the cutter, mm",
+            Self::Contact => "Height above the tip at which the core meets stock",
+            Self::Hub => "Mean residual stock on the hub under the cutter",
             Self::Axes => {
-                "Machine: how far an axis would be beyond its limits, ° or mm; or, below 5.7°, the angle of \
+                "Machine: how far an axis would be beyond its limits; or, below 5.7°, the angle of \
                  the tool axis from the pole, the line of the rotary axis nearest to the workpiece. Near it \
                  that axis turns by more than ten times as much as the tool"
             }
@@ -303,44 +306,16 @@ pub struct Look {
     pub plots: bool,
     /// Tab of the selected position.
     pub tab: Tab,
+    /// Fields of the tab that edits it.
+    pub edit: EditFields,
+    /// The plunge to be selected when the plan that cuts it in another order arrives.
+    pub followed: Option<PlungePose>,
     /// Display of the sectional view.
     pub sectional: SectionalLook,
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
-}
-
-/// Scrolling of the table of positions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TableScroll {
-    /// Distance from the top of the first row to the top of the table, points.
-    pub offset: f32,
-    /// Height of its rows, points.
-    pub height: f32,
-    /// Whether the table was not drawn yet: it then starts at the top.
-    pub is_new: bool,
-}
-
-impl Default for TableScroll {
-    fn default() -> Self {
-        Self { offset: 0.0, height: 0.0, is_new: true }
-    }
-}
-
-impl TableScroll {
-    /// The offset nearest to the present one at which row `index` of `pitch` points is in view, in a table
-    /// with `height` points of rows.
-    pub fn showing(&self, index: usize, pitch: f32, height: f32) -> f32 {
-        let top = index as f32 * pitch;
-        self.offset.min(top).max(top + pitch - height.max(pitch))
-    }
-
-    /// Whether row `index` of `pitch` points was in view, but is not in a table of `height` points: the panel
-    /// below grew over it.
-    pub fn loses(&self, index: usize, pitch: f32, height: f32) -> bool {
-        let top = index as f32 * pitch;
-        let within = |height: f32| top >= self.offset && top + pitch <= self.offset + height + 0.5;
-        within(self.height) && !within(height)
-    }
+    /// Units of lengths and feed rates.
+    pub units: DisplayUnits,
 }
 
 /// Display of the sectional view.
@@ -370,6 +345,8 @@ pub enum Tab {
     Section,
     /// Figures.
     Facts,
+    /// What can be changed by hand.
+    Edit,
 }
 
 /// Orientation of a section plane.
@@ -450,20 +427,32 @@ impl Default for Look {
             tradeoff: false,
             plots: true,
             tab: Tab::Section,
+            edit: EditFields::default(),
+            followed: None,
             sectional: SectionalLook::default(),
             mouse: MousePreset::default(),
+            units: DisplayUnits::default(),
         }
     }
 }
 
 impl Look {
-    /// Resets the display for another part; layers, plots, tab and mouse preset are kept.
+    /// Resets the display for another part; layers, plots, tab, mouse preset and units are kept.
     pub fn begin(&mut self) {
         let check_machine = std::mem::take(&mut self.check_machine);
         let check_control = self.check_control.take();
-        let Self { layers, plots, tab, mouse, play_speed, .. } = *self;
-        *self =
-            Self { layers, plots, tab, mouse, play_speed, check_machine, check_control, ..Self::default() };
+        let Self { layers, plots, tab, mouse, units, play_speed, .. } = *self;
+        *self = Self {
+            layers,
+            plots,
+            tab,
+            mouse,
+            units,
+            play_speed,
+            check_machine,
+            check_control,
+            ..Self::default()
+        };
     }
 
     /// Selects a position and zooms to it.

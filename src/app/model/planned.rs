@@ -11,6 +11,8 @@ use crate::stock::{
 };
 use crate::toolpath::{ClProgram, Travel};
 
+use crate::app::model::units::DisplayUnits;
+
 /// One of the two plans that are compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Side {
@@ -185,8 +187,9 @@ impl DisplayPlan {
 
     /// What differs between the tools and sections of two plans, for a reader; `None` if nothing does. Only
     /// for plans of one part.
-    pub fn tool_change_since(&self, last: &Self) -> Option<String> {
-        let (then, now) = (tools_in_words(&last.outcome.setup), tools_in_words(&self.outcome.setup));
+    pub fn tool_change_since(&self, last: &Self, units: DisplayUnits) -> Option<String> {
+        let (then, now) =
+            (tools_in_words(&last.outcome.setup, units), tools_in_words(&self.outcome.setup, units));
         (then != now).then(|| format!("{then} became {now}"))
     }
 
@@ -197,11 +200,12 @@ impl DisplayPlan {
 }
 
 /// Tools of the sections of a complete setup, with their stretches.
-fn tools_in_words(setup: &Setup) -> String {
+fn tools_in_words(setup: &Setup, units: DisplayUnits) -> String {
     let section = |section: &SectionSetup| {
         let tool = setup.tools.iter().find(|tool| tool.number == section.tool)?;
         let rest = section.kind.suffix();
-        Some(format!("Ø{} ({:.2} to {:.2}{rest})", tool.diameter, section.from, section.to))
+        let diameter = units.diameter(tool.diameter);
+        Some(format!("{diameter} ({:.2} to {:.2}{rest})", section.from, section.to))
     };
     setup.plunge.sections.iter().filter_map(section).collect::<Vec<_>>().join(", ")
 }

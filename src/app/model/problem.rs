@@ -1,5 +1,6 @@
 //! Problems that are shown until they are dismissed or solved.
 
+use super::field_faults::{FaultyField, FieldFault};
 use crate::error::ErrorCode;
 use crate::io::InputError;
 
@@ -29,23 +30,33 @@ pub struct Problem {
     pub topic: Topic,
     /// Its kind, where it is an error of the input.
     pub code: Option<ErrorCode>,
+    /// What is shown at its field, too.
+    pub field: Option<FieldFault>,
 }
 
 impl Problem {
     /// A problem that stays until it is dismissed.
     pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { message: what.into(), help: help.into(), topic: Topic::Other, code: None }
+        Self { message: what.into(), help: help.into(), topic: Topic::Other, code: None, field: None }
     }
 
     /// A problem of a calculation. Keys of setup files are replaced by the labels of their fields.
     pub fn of(topic: Topic, what: &str, help: &str) -> Self {
-        Self { message: with_labels(what), help: with_labels(help), topic, code: None }
+        Self { message: with_labels(what), help: with_labels(help), topic, code: None, field: None }
     }
 
     /// The same problem with the code of its error.
     #[must_use]
     pub fn with_code(self, code: ErrorCode) -> Self {
         Self { code: Some(code), ..self }
+    }
+
+    /// The same problem, shown at its field, too: `what` is wrong there, without the place in a file.
+    #[must_use]
+    pub fn at_field(self, field: Option<FaultyField>, what: &str) -> Self {
+        let text = || format!("{}; {}", with_labels(what), self.help);
+        let field = field.map(|field| FieldFault { field, text: text() });
+        Self { field, ..self }
     }
 
     /// Message and help in one line.

@@ -20,12 +20,14 @@ pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
 fn plunge_concerns(state: &AppState) -> Vec<String> {
     let Some(shown) = state.last_whole_plan(state.look.side) else { return Vec::new() };
     let (plan, summary) = (shown.plan(), &shown.planned.result(shown.policy).summary);
-    let allowances = &shown.planned.outcome.setup.allowances;
+    let (allowances, units) = (&shown.planned.outcome.setup.allowances, state.look.units);
     let mut found = Vec::new();
     if summary.interfering > 0 {
         found.push(format!(
-            "The core meets stock in {} of {} plunges, up to {:.2} mm deep",
-            summary.interfering, summary.positions, summary.max_contact_depth
+            "The core meets stock in {} of {} plunges, up to {} deep",
+            summary.interfering,
+            summary.positions,
+            units.length(summary.max_contact_depth, 2)
         ));
     }
     for (name, kept, wanted) in [
@@ -34,7 +36,8 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
         ("blank at retracts", summary.min_retract_clearance, allowances.safety_distance),
     ] {
         if falls_short(kept, wanted) {
-            found.push(format!("Clearance to {name} is {kept:.3} mm, less than {wanted} mm"));
+            let (kept, unit) = (units.length(kept, 3), units.length_unit());
+            found.push(format!("Clearance to {name} is {kept}, less than {} {unit}", units.short(wanted, 6)));
         }
     }
     let part = &shown.planned.outcome.workpiece.part;

@@ -14,6 +14,7 @@ use crate::app::model::listing::ProgramListing;
 use crate::app::model::machine::ProgramOnMachine;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::PlanPreview;
+use crate::app::model::units::DisplayUnits;
 
 /// Figures of a plan.
 fn figures_of(summary: &Summary) -> SetFigures {
@@ -58,13 +59,13 @@ pub struct Results {
 }
 
 impl Results {
-    /// Stores a plan, and its figures if it is finished.
-    pub fn take(&mut self, planned: DisplayPlan) {
+    /// Stores a plan, and its figures if it is finished. A change of tools is told in `units`.
+    pub fn take(&mut self, planned: DisplayPlan, units: DisplayUnits) {
         // A full plan of the setup of a draft says what the draft said.
         if self.planned.as_ref().is_none_or(|last| last.setup != planned.setup) {
             let last = self.planned.as_ref().filter(|last| chooses_tools(&last.setup));
             let last = last.filter(|_| chooses_tools(&planned.setup));
-            self.tool_change = last.and_then(|last| planned.tool_change_since(last));
+            self.tool_change = last.and_then(|last| planned.tool_change_since(last, units));
         }
         // Figures of a cancelled plan would be misleading.
         if !planned.is_unfinished() {

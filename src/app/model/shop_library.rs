@@ -6,6 +6,8 @@ use crate::io::shop_tools::{LibraryTool, ToolLibrary};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
 use crate::setup::{Setup, Tool};
 
+use super::units::DisplayUnits;
+
 /// Form of a cutter's end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToolForm {
@@ -80,10 +82,10 @@ impl ShopLibrary {
     }
 
     /// Indices of the tools that search and filters leave.
-    pub fn shown(&self) -> Vec<usize> {
+    pub fn shown(&self, units: DisplayUnits) -> Vec<usize> {
         let words: Vec<String> = self.search.to_lowercase().split_whitespace().map(str::to_owned).collect();
         let fits = |tool: &Tool| {
-            let text = describe(tool).to_lowercase();
+            let text = describe(tool, units).to_lowercase();
             words.iter().all(|word| text.contains(word))
                 && (self.form == ToolForm::Any || self.form == ToolForm::of(tool))
                 && (self.diameters[0]..=self.diameters[1]).contains(&tool.diameter)
@@ -106,10 +108,15 @@ impl ShopLibrary {
 }
 
 /// A tool in one line: what search looks through.
-pub fn describe(tool: &Tool) -> String {
+pub fn describe(tool: &Tool, units: DisplayUnits) -> String {
     let name = tool.assembly.name.as_deref().map_or(String::new(), |name| format!(" {name}"));
-    let corner = if tool.corner_radius > 0.0 { format!(" R{}", tool.corner_radius) } else { String::new() };
-    format!("T{} Ø{}{corner} L{}{name}", tool.number, tool.diameter, tool.overhang)
+    let short = |mm: f64| units.short(mm, 3);
+    let corner = match tool.corner_radius > 0.0 {
+        true => format!(" R{}", short(tool.corner_radius)),
+        false => String::new(),
+    };
+    let diameter = units.diameter(tool.diameter);
+    format!("T{} {diameter}{corner} L{}{name}", tool.number, short(tool.overhang))
 }
 
 #[cfg(test)]
@@ -119,25 +126,25 @@ mod tests {
     #[test]
     fn search_and_filters_leave_what_fits_and_a_taken_tool_gets_a_free_number() {
         let mut library = ShopLibrary::default();
-        let all = library.shown().len();
+        let all = library.shown(DisplayUnits::Metric).len();
         assert!(all > 80, "the program's own tools");
         library.form = ToolForm::Ball;
-        assert!(library.shown().iter().all(|&k| {
+        assert!(library.shown(DisplayUnits::Metric).iter().all(|&k| {
             let tool = &library.content.tools[k].tool;
             tool.corner_radius == tool.radius()
         }));
         (library.form, library.diameters) = (ToolForm::Any, [20.0, 25.0]);
-        let between = library.shown();
+        let between = library.shown(DisplayUnits::Metric);
         assert!(!between.is_empty() && between.len() < all);
         library.search = "Ø25 l125".to_owned();
-        assert_eq!(library.shown().len(), 1);
-        library.selected = library.shown().first().copied();
+        assert_eq!(library.shown(DisplayUnits::Metric).len(), 1);
+        library.selected = library.shown(DisplayUnits::Metric).first().copied();
         let mut setup = Setup::default();
         let first = library.take_into(&mut setup).expect("a tool");
         let second = library.take_into(&mut setup).expect("a tool");
         assert_ne!(first, second);
         assert_eq!(setup.tools.len(), 2);
         library.search = "nothing like this".to_owned();
-        assert!(library.shown().is_empty());
+        assert!(library.shown(DisplayUnits::Metric).is_empty());
     }
 }

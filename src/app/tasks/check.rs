@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::app::model::checked::{CheckRequest, CheckedProgram, FaultPlace, ProgramFigure, ProgramFinding};
+use crate::app::model::checked::{
+    CheckRequest, CheckedProgram, FaultPlace, FigureValue, ProgramFigure, ProgramFinding,
+};
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::preview::ShownCutters;
@@ -113,18 +115,26 @@ impl Judged {
     fn of_plunges(report: PlungeReport) -> Self {
         let (summary, verdict) = (&report.summary, report.verdict);
         let figures = vec![
-            ("Plunges", summary.positions.to_string(), "Moves under feed"),
-            ("Channels", verdict.channels.to_string(), "Channels with cuts"),
-            ("Core contact", summary.interfering.to_string(), "Plunges whose core meets stock"),
-            ("Residual", residual(summary.residual_mean, summary.residual_p95), RESIDUAL_TIP),
-            ("Not machined", format_percent(summary.uncut_share), UNCUT_TIP),
+            ("Plunges", count(summary.positions), "Moves under feed"),
+            ("Channels", count(verdict.channels), "Channels with cuts"),
+            ("Core contact", count(summary.interfering), "Plunges whose core meets stock"),
+            ("Residual", FigureValue::Residual(summary.residual_mean, summary.residual_p95), RESIDUAL_TIP),
+            ("Not machined", FigureValue::Text(format_percent(summary.uncut_share)), UNCUT_TIP),
             (
                 "Hub clearance",
-                mm(summary.min_hub_clearance),
+                FigureValue::Length(summary.min_hub_clearance),
                 "Least distance of a cutter to the finished hub",
             ),
-            ("Blade clearance", mm(summary.min_blade_clearance), "Least distance to a finished blade"),
-            ("Rapid clearance", mm(summary.min_retract_clearance), "Least distance of rapids to the blank"),
+            (
+                "Blade clearance",
+                FigureValue::Length(summary.min_blade_clearance),
+                "Least distance to a finished blade",
+            ),
+            (
+                "Rapid clearance",
+                FigureValue::Length(summary.min_retract_clearance),
+                "Least distance of rapids to the blank",
+            ),
         ];
         Self {
             kind: "Plunge program",
@@ -139,18 +149,34 @@ impl Judged {
     fn of_flank(verdict: FlankVerdict) -> Self {
         let uncut = f64::from(verdict.layer.uncut_share);
         let figures = vec![
-            ("Cutting moves", verdict.positions.to_string(), "Moves under feed"),
-            ("Channels", verdict.channels.to_string(), "Channels with cuts"),
-            ("Gouge of walls", mm(verdict.max_overcut), "Cut below the allowance of the blades"),
-            ("Left on walls", mm(verdict.max_undercut), "Stock left above the allowance of the blades"),
-            ("Residual", residual(verdict.layer.mean.into(), verdict.layer.p95.into()), RESIDUAL_TIP),
-            ("Not machined", format_percent(uncut), UNCUT_TIP),
+            ("Cutting moves", count(verdict.positions), "Moves under feed"),
+            ("Channels", count(verdict.channels), "Channels with cuts"),
+            (
+                "Gouge of walls",
+                FigureValue::Length(verdict.max_overcut),
+                "Cut below the allowance of the blades",
+            ),
+            (
+                "Left on walls",
+                FigureValue::Length(verdict.max_undercut),
+                "Stock left above the allowance of the blades",
+            ),
+            (
+                "Residual",
+                FigureValue::Residual(verdict.layer.mean.into(), verdict.layer.p95.into()),
+                RESIDUAL_TIP,
+            ),
+            ("Not machined", FigureValue::Text(format_percent(uncut)), UNCUT_TIP),
             (
                 "Hub clearance",
-                mm(verdict.min_hub_clearance),
+                FigureValue::Length(verdict.min_hub_clearance),
                 "Least distance of a cutter to the finished hub",
             ),
-            ("Blade clearance", mm(verdict.min_blade_clearance), "Least distance to a finished blade"),
+            (
+                "Blade clearance",
+                FigureValue::Length(verdict.min_blade_clearance),
+                "Least distance to a finished blade",
+            ),
         ];
         Self {
             kind: "Flank program",
@@ -166,12 +192,8 @@ impl Judged {
 const RESIDUAL_TIP: &str = "Residual stock on the hub: mean and 95th percentile";
 const UNCUT_TIP: &str = "Share of the accessible floor that is not cut";
 
-fn mm(value: f64) -> String {
-    if value.is_finite() { format!("{value:.3} mm") } else { "-".to_owned() }
-}
-
-fn residual(mean: f64, p95: f64) -> String {
-    if mean.is_finite() { format!("{mean:.2}/{p95:.2} mm") } else { "-".to_owned() }
+fn count(number: usize) -> FigureValue {
+    FigureValue::Text(number.to_string())
 }
 
 /// The moves as lines: rapids grey, cuts in the colour of their tool, those with a fault in that of faults.

@@ -106,6 +106,12 @@ pub fn is_program(path: &Path) -> bool {
     extension.is_some_and(|extension| PROGRAM_ENDINGS.contains(&extension.as_str()))
 }
 
+/// Whether a path is that of a study's results: its table, its folder, or the list in that.
+pub fn is_study(path: &Path) -> bool {
+    let is_table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    is_table || path.file_name().is_some_and(|name| name == "study.json") || path.join("study.json").is_file()
+}
+
 /// Whether a file is a project.
 pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))

@@ -15,6 +15,7 @@ use crate::io::write::write_atomically;
 
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::state::RecoveryCopy;
+use crate::app::model::units::DisplayUnits;
 
 use super::lock::{HeldLock, LockTry, is_held, try_hold};
 
@@ -29,6 +30,8 @@ const MAX_RECENTS: usize = 10;
 pub struct Preferences {
     /// Mouse preset of the camera.
     pub mouse: MousePreset,
+    /// Units of lengths and feed rates.
+    pub units: DisplayUnits,
     /// Whether the tour was taken or skipped.
     pub knows_tour: bool,
 }

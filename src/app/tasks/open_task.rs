@@ -1,9 +1,11 @@
 //! What is to be opened.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::app::model::part_source::PartSource;
 use crate::setup::Setup;
+use crate::study::StudyResults;
 
 /// A task of the opening thread.
 #[derive(Clone)]
@@ -21,6 +23,10 @@ pub(in crate::app) enum OpenTask {
     Blank(PathBuf),
     /// A tool library.
     Library(PathBuf),
+    /// Results of a study: its folder, the list in it, or its table.
+    Study(PathBuf),
+    /// The run of a row of a study's results, to be planned. `open`: the part that is open.
+    Run { results: Arc<StudyResults>, row: usize, open: Option<PartSource> },
     /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),
 }
@@ -31,7 +37,7 @@ impl OpenTask {
         match self {
             Self::Project(path, _) => Self::Project(path, Some(source)),
             Self::Files { setup, defaults, .. } => Self::Files { part: Some(source), setup, defaults },
-            Self::Blank(_) | Self::Library(_) | Self::Nodes(_) => {
+            Self::Blank(_) | Self::Library(_) | Self::Study(_) | Self::Run { .. } | Self::Nodes(_) => {
                 Self::Files { part: Some(source), setup: None, defaults: Box::default() }
             }
         }

@@ -1,6 +1,6 @@
 //! Opening of projects, parts, setups and blanks, on the background thread.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::engine::Engine;
 use super::mesh_nodes::UnassignedRoles;
@@ -8,14 +8,17 @@ use super::open_task::OpenTask;
 use super::part_meshes::PartMeshes;
 use super::project::source_of;
 use crate::app::model::document::OpenPart;
+use crate::app::model::part_source::PartSource;
+use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
 use crate::io::project_file::{Project, read_project};
-use crate::io::setup_file::{locate_machine, read_setup};
+use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
 use crate::monitor::Monitor;
 use crate::part::BlankFile;
 use crate::setup::Setup;
+use crate::study::StudyResults;
 
 /// Result of an opening task.
 #[derive(Default)]
@@ -25,6 +28,9 @@ pub(in crate::app) struct Opened {
     pub project: Option<(PathBuf, Project)>,
     pub blank: Option<BlankFile>,
     pub library: Option<(PathBuf, ToolLibrary)>,
+    pub study: Option<StudyResults>,
+    /// Whether the setup is to be planned even where edits are not.
+    pub is_run: bool,
     /// A mesh file whose nodes need roles first.
     pub unassigned: Option<UnassignedRoles>,
 }
@@ -57,6 +63,12 @@ pub(in crate::app) fn open(
         OpenTask::Library(path) => {
             let library = read_library(path, LibraryFormat::of_path(path)?)?;
             return Ok(Opened { library: Some((path.clone(), library)), ..Opened::default() });
+        }
+        OpenTask::Study(path) => {
+            return Ok(Opened { study: Some(StudyResults::read(path)?), ..Opened::default() });
+        }
+        OpenTask::Run { results, row, open } => {
+            return open_run(engine, results, *row, open.as_ref(), monitor);
         }
         OpenTask::Nodes(source) => {
             let nodes =
@@ -92,4 +104,50 @@ pub(in crate::app) fn open(
             }
         }
     }
+}
+
+/// Opens the setup of a run, with its part unless that is `open` already.
+///
+/// # Errors
+/// [`InputError`] when the run or its part cannot be read.
+fn open_run(
+    engine: &Engine,
+    results: &StudyResults,
+    row: usize,
+    open: Option<&PartSource>,
+    monitor: &Monitor,
+) -> Result<Opened, InputError> {
+    let (path, run) = results.run(row)?;
+    let name = path.display().to_string();
+    let mut setup = read_setup_bytes(&format!("{name} (setup)"), run.setup.as_bytes())?;
+    locate_machine(&mut setup, &path);
+    let file = results.part_file(&run);
+    let of_run = Path::new(&run.part);
+    let is_open = match (open, &file) {
+        (Some(PartSource::File(open) | PartSource::Mesh(open, _)), Some(file)) => {
+            std::path::absolute(open).ok() == std::path::absolute(file).ok()
+        }
+        (Some(PartSource::File(open) | PartSource::Mesh(open, _)), None) => {
+            open.file_name() == of_run.file_name()
+        }
+        (Some(PartSource::Sample(sample)), _) => {
+            of_run.file_stem().is_some_and(|stem| stem.to_string_lossy() == *sample)
+        }
+        (None, _) => false,
+    };
+    let setup = Some((path, setup));
+    if is_open {
+        return Ok(Opened { setup, is_run: true, ..Opened::default() });
+    }
+    let Some(file) = file else {
+        let what = format!("the part of this run, {}, is not found", run.part);
+        let help = "open the part first, then the run";
+        return Err(InputError::new(ErrorCode::FileUnreadable, &name, 0, what, help));
+    };
+    let source = PartSource::File(file);
+    let (impeller, hash) = (engine.open)(&source, monitor)?;
+    let mesh = PartMeshes::new(&impeller);
+    let defaults = Setup::for_part(&impeller);
+    let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
+    Ok(Opened { part, setup, is_run: true, ..Opened::default() })
 }

@@ -4,7 +4,9 @@ use egui::{Grid, RichText, ScrollArea, Ui};
 
 use super::chart;
 use super::command::Command;
+use super::units;
 use crate::app::App;
+use crate::app::model::units::DisplayUnits;
 use crate::assess::reach::ReachSides;
 use crate::assess::{BLADE_NAMES, BladeMeasure};
 use crate::job::assess::AssessedPart;
@@ -65,15 +67,17 @@ fn show(ui: &mut Ui, assessed: Option<&AssessedPart>, is_busy: bool) -> Option<C
     command
 }
 
-/// A number of mm; a dash where it could not be measured.
-fn mm(value: f64) -> String {
-    if value.is_finite() { format!("{value:.2} mm") } else { "–".to_owned() }
+/// A length; a dash where it could not be measured.
+fn shown_length(value: f64, units: DisplayUnits) -> String {
+    if value.is_finite() { units.length(value, 2) } else { "–".to_owned() }
 }
 
 /// Passages, then blade by blade.
 fn figures(ui: &mut Ui, assessed: &AssessedPart) {
     let measured = &assessed.assessment;
     let (narrow, wide) = measured.width_range();
+    let units = units::of(ui);
+    let mm = |value: f64| shown_length(value, units);
     Grid::new("passages").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
         for (name, value, tip) in [
             ("Largest cutter", mm(measured.largest_cutter()), CUTTER_TIP),
@@ -113,8 +117,9 @@ fn blade_row(ui: &mut Ui, blade: &BladeMeasure, name: &str) {
     ui.label(name);
     ui.label(format!("{:.1}°", blade.twisting().to_degrees()));
     ui.label(format!("{:.1}°", blade.shape.normal_turn_rad.to_degrees()));
-    ui.label(format!("{:.3} mm", blade.shape.bow.offset));
-    ui.label(format!("{:.3} mm", blade.envelope_gap()));
+    let units = units::of(ui);
+    ui.label(units.length(blade.shape.bow.offset, 3));
+    ui.label(units.length(blade.envelope_gap(), 3));
     ui.end_row();
 }
 
@@ -135,7 +140,7 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         ui.end_row();
         for section in assessed.sections() {
             ui.label(format!("{:.2} to {:.2}", section.from, section.to));
-            ui.label(format!("D {}", section.tool.diameter));
+            ui.label(format!("D {}", units::of(ui).size(section.tool.diameter)));
             for class in classes {
                 ui.label(format!("{:.1} %", 100.0 * map.share_between(section.from, section.to, class)));
             }

@@ -2,6 +2,8 @@
 
 use egui::{Align2, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
+use super::units;
+use crate::app::model::units::DisplayUnits;
 use crate::palette::{CURVES, to_bytes};
 use crate::report::chart::{LineChart, Series};
 
@@ -16,6 +18,8 @@ const DASHES: [Option<(f32, f32)>; 3] = [None, Some((7.0, 3.0)), Some((2.0, 3.0)
 
 /// Draws `chart` in the whole width, its legend below. x runs from 0 to 1, as in the document.
 pub fn show(ui: &mut Ui, chart: &LineChart) {
+    let in_units = shown_in(units::of(ui), chart);
+    let chart = in_units.as_ref().unwrap_or(chart);
     let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), HEIGHT), Sense::hover());
     let title = chart.title.clone();
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &title));
@@ -83,6 +87,21 @@ pub fn show(ui: &mut Ui, chart: &LineChart) {
             ui.label(&series.name);
         }
     });
+}
+
+/// `chart` with lengths in `units`; `None` where that changes nothing.
+fn shown_in(units: DisplayUnits, chart: &LineChart) -> Option<LineChart> {
+    if units == DisplayUnits::Metric || chart.y_label != "mm" {
+        return None;
+    }
+    let mut shown = chart.clone();
+    units.length_unit().clone_into(&mut shown.y_label);
+    for series in &mut shown.series {
+        for (_, y) in series.points.iter_mut().chain(series.mark.as_mut()) {
+            *y = units.of_mm(*y);
+        }
+    }
+    Some(shown)
 }
 
 fn stroke(series: &Series) -> Stroke {

@@ -70,6 +70,9 @@ commands! {
     OpenLibrary "Open library…"
         "Opens a tool library of Fusion (.json, .tools), FreeCAD (.fctb, .fctl) or our own (.toml)" [];
     SaveLibrary "Save library…" "Writes the tool library: our own (.toml) or Fusion (.json)" [];
+    OpenStudy "Open study results…"
+        "Opens what `vanecut study` found: its merged table (.csv), or the study.json in its folder" [];
+    StudyResults "Study results" "Shows the results of the study that was opened last" [];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
         "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];
@@ -155,6 +158,16 @@ commands! {
     ScrubHere "Simulate to here" "Shows the stock after the selected position" [];
     MeasureHere "Measure from here"
         "Starts measuring at the point under the pointer, else at the tip of the selected position" [];
+    EditPlunge "Edit plunge" "Shows what can be changed in the selected plunge or row by hand" [NONE, E];
+    DeletePlunge "Delete plunge" "Leaves the selected plunge out of the plan" [NONE, Delete];
+    DeleteRow "Delete row" "Leaves the row of the selected plunge out of the plan" [SHIFT, Delete];
+    LockPlunge "Lock plunge" "Keeps the selected plunge in every plan as it is, or no longer" [NONE, L];
+    LockRow "Lock row"
+        "Keeps the plunges of the selected row in every plan as they are, or no longer" [SHIFT, L];
+    CutEarlier "Cut earlier" "Cuts the selected plunge before the one that is cut before it" [];
+    CutLater "Cut later" "Cuts the selected plunge after the one that is cut after it" [];
+    CutRowEarlier "Cut row earlier" "Cuts the row of the selected plunge before the row before it" [];
+    CutRowLater "Cut row later" "Cuts the row of the selected plunge after the row after it" [];
     Plots "Plots along the row"
         "Shows lead angle, contact, stock, step, engaged arc and chip along the row of the selected position" [];
     Hub "Hub" "Shows the hub with the residual stock on it" [];
@@ -175,6 +188,9 @@ commands! {
     MouseOnshape "Mouse: Onshape" "Right button orbits, middle or ctrl-right pans" [];
     MouseBlender "Mouse: Blender"
         "Middle button orbits, shift-middle pans, ctrl-middle zooms; left with alt does the same" [];
+    UnitsMetric "Units: mm" "Shows lengths in mm and feed rates in mm/min" [];
+    UnitsInch "Units: inch"
+        "Shows lengths in inches and feed rates in in/min, and takes numbers as such; files stay in mm" [];
     SwitchTheme "Switch light and dark" "Switches between the light and dark theme" [];
     ShowShortcuts "Keyboard shortcuts" "Lists all keys" [NONE, F1];
     ShowGlossary "Glossary" "Explains the words of the window" [];

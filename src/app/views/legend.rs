@@ -8,14 +8,17 @@ use crate::palette::{ColourMap, TABLE_LEN};
 
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
 use crate::app::model::look::Operation;
+use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
 use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
 use crate::app::views::swatch::swatch;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 
 /// Height of the legend, points.
 pub const HEIGHT: f32 = 26.0;
@@ -44,10 +47,11 @@ pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above
             return;
         };
         let refined = if solid.is_coarse { ", refining…" } else { "" };
-        let text = format!("Stock {:.1} cm³{refined}", 1e-3 * solid.volume);
+        let units = units::of(ui);
+        let text = format!("Stock {}{refined}", units.volume(solid.volume));
         ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
-            "Volume of the whole blank after the moves up to here; rays every {:.2} mm",
-            solid.spacing
+            "Volume of the whole blank after the moves up to here; rays every {}",
+            units.length(solid.spacing, 2)
         ));
         if solid.collisions > 0 {
             let word = if solid.collisions == 1 { "move meets" } else { "moves meet" };
@@ -131,7 +135,7 @@ fn cutter_legend(state: &AppState, width: f32) -> Option<CutterLegend> {
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
     let has_room = layers.cutter_colours != CutterColours::State || width > MIN_STATES_WIDTH;
     let shown = state.shown().filter(|_| in_view && has_room)?;
-    layers.cutter_colours.legend(shown.planned, shown.policy)
+    layers.cutter_colours.legend(shown.planned, shown.policy, state.look.units)
 }
 
 /// Width below which the scale of the floor is left out beside that of the cutters, points.
@@ -178,13 +182,14 @@ fn class_button(ui: &mut Ui, share: &ClassShare, hidden: &mut Vec<CutterClass>) 
 }
 
 fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
-    let width = ui.available_width();
+    let (width, units) = (ui.available_width(), state.look.units);
     let value = match (scale.walls, values.other) {
-        (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most))),
-        (None, Some((side, other))) => {
-            values.here.map(|stock| format!("{stock:.2}, {} {other:.2} mm", side.label().to_lowercase()))
-        }
-        (None, None) => values.here.map(|stock| format!("{stock:.2} mm here")),
+        (Some(most), _) => values.deviation.map(|d| format!("{} here", format_signed(d, most, units))),
+        (None, Some((side, other))) => values.here.map(|stock| {
+            let [number, other] = [units.number(stock.into(), 2), units.length(other.into(), 2)];
+            format!("{number}, {} {other}", side.label().to_lowercase())
+        }),
+        (None, None) => values.here.map(|stock| format!("{} here", units.length(stock.into(), 2))),
     };
     // In a narrow view the value under the cursor takes the place of the heading.
     if width > 350.0 || width > 260.0 && value.is_none() {
@@ -193,9 +198,9 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
     let bar = (width - 330.0).clamp(40.0, 180.0);
     match scale.walls {
         Some(most) => {
-            ui.label(format_signed(-most, most));
+            ui.label(format_signed(-most, most, units));
             colour_bar(ui, scale.map, bar);
-            let end = ui.label(format_signed(most, most));
+            let end = ui.label(format_signed(most, most, units));
             end.on_hover_text("Stock above the blade allowance; negative: overcut");
         }
         None => ends(ui, state, scale, bar),
@@ -221,19 +226,19 @@ fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32) {
 
 /// The bar with its ends, which are edited by dragging or typing.
 fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
-    let (mut low, mut high) = state.range();
+    let ((mut low, mut high), units) = (state.range(), state.look.units);
     let before = (low, high);
     let least = 0.05;
     ui.spacing_mut().interact_size.x = 40.0;
     if scale.difference {
-        ui.label(format!("−{high:.2} mm"));
+        ui.label(format!("−{}", units.length(high.into(), 2)));
     } else {
-        let field = ui.add(end_field(&mut low, -10.0, high - least));
+        let field = ui.add(end_field(&mut low, -10.0, high - least, units));
         named(&field, "Scale minimum", low);
         field.on_hover_text("Drag or type: stock at the lower end of the colour scale");
     }
     colour_bar(ui, scale.map, bar);
-    let field = ui.add(end_field(&mut high, low + least, 100.0));
+    let field = ui.add(end_field(&mut high, low + least, 100.0, units));
     named(&field, "Scale maximum", high);
     field.on_hover_text("Drag or type: stock at the upper end of the colour scale, and above");
     let fitting = state.fitting_range();
@@ -246,16 +251,18 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     }
 }
 
-fn end_field(value: &mut f32, from: f32, to: f32) -> DragValue<'_> {
-    let field = DragValue::new(value).speed(0.02).range(from..=to).max_decimals(2).suffix(" mm");
-    field.clamp_existing_to_range(false)
+fn end_field(value: &mut f32, from: f32, to: f32, units: DisplayUnits) -> DragValue<'_> {
+    let field = DragValue::new(value).speed(0.02).range(from..=to).clamp_existing_to_range(false);
+    field
+        .custom_formatter(move |value, _| units.length(value, 2))
+        .custom_parser(move |text| units.parse(text, Quantity::Length))
 }
 
 /// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
-pub fn format_signed(value: f32, most: f32) -> String {
+pub fn format_signed(value: f32, most: f32, units: DisplayUnits) -> String {
     let digits = if most < 0.1 { 4 } else { 3 };
     let sign = if value < 0.0 { '−' } else { '+' };
-    format!("{sign}{:.digits$} mm", value.abs())
+    format!("{sign}{}", units.length(value.abs().into(), digits))
 }
 
 fn named(response: &egui::Response, name: &str, value: f32) {

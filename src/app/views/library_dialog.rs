@@ -1,10 +1,14 @@
 //! The tool library of the shop: search, filter, look at, edit, take into the setup, save.
 
+use std::ops::RangeInclusive;
+
 use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui, Window};
 
 use super::command::Command;
-use super::tool_form;
+use super::{tool_form, units};
+use crate::app::model::number::Quantity;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
 use crate::setup::Setup;
 
@@ -120,17 +124,26 @@ fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
             })
             .response
             .labelled_by(label.id);
-        let label = ui.label("Ø").on_hover_text("Diameters shown, mm");
+        let units = units::of(ui);
+        let label = ui.label("Ø").on_hover_text(format!("Diameters shown, {}", units.length_unit()));
         let [least, most] = &mut library.diameters;
         let [lowest, highest] = ALL_DIAMETERS;
-        ui.add(DragValue::new(least).speed(0.2).range(lowest..=*most)).labelled_by(label.id);
+        ui.add(diameter_field(least, lowest..=*most, units)).labelled_by(label.id);
         ui.label("to");
-        ui.add(DragValue::new(most).speed(0.2).range(*least..=highest)).labelled_by(label.id);
+        ui.add(diameter_field(most, *least..=highest, units)).labelled_by(label.id);
     });
 }
 
+fn diameter_field(value: &mut f64, range: RangeInclusive<f64>, units: DisplayUnits) -> DragValue<'_> {
+    let field = DragValue::new(value).speed(0.2).range(range);
+    field
+        .custom_formatter(move |mm, _| units.short(mm, 1))
+        .custom_parser(move |text| units.parse(text, Quantity::Length))
+}
+
 fn list(ui: &mut Ui, library: &mut ShopLibrary) {
-    let shown = library.shown();
+    let units = units::of(ui);
+    let shown = library.shown(units);
     ui.label(RichText::new(format!("{} of {} tools", shown.len(), library.content.tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
     ScrollArea::vertical().max_height(LIST.1).auto_shrink([false, false]).show_rows(
@@ -140,7 +153,8 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary) {
         |ui, range| {
             for &index in &shown[range] {
                 let entry = &library.content.tools[index];
-                let button = egui::Button::selectable(library.selected == Some(index), describe(&entry.tool));
+                let button =
+                    egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
                 let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
                 if button.clicked() {
                     library.selected = Some(index);

@@ -19,6 +19,7 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
                 Command::AssignRoles,
                 Command::OpenSetup,
                 Command::OpenBlank,
+                Command::OpenStudy,
             ],
             &[Command::ToolLibrary],
             &[Command::CheckProgram, Command::CheckAgain, Command::CloseProgram],
@@ -38,11 +39,11 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
             &[Command::Quit],
         ],
     ),
-    ("Edit", &[&[Command::Undo, Command::Redo], &[Command::KeepSet], &[Command::Palette]]),
+    ("Edit", &[&[Command::Undo, Command::Redo], &[Command::KeepSet], EDITS, &[Command::Palette]]),
     (
         "Plan",
         &[
-            &[Command::Assess, Command::TimeAgainstStock],
+            &[Command::Assess, Command::TimeAgainstStock, Command::StudyResults],
             &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
             &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
             &[
@@ -62,6 +63,19 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
             ],
         ],
     ),
+];
+
+/// Edits of the selected plunge and its row.
+const EDITS: &[Command] = &[
+    Command::EditPlunge,
+    Command::DeletePlunge,
+    Command::LockPlunge,
+    Command::CutEarlier,
+    Command::CutLater,
+    Command::DeleteRow,
+    Command::LockRow,
+    Command::CutRowEarlier,
+    Command::CutRowLater,
 ];
 
 /// Groups of the View menu; the layers follow them.
@@ -115,6 +129,10 @@ impl App {
                 }
                 ui.menu_button("Mouse", |ui| {
                     let command = overlay::mouse_choice(ui, self.state.look.mouse);
+                    chosen = command.or(chosen);
+                });
+                ui.menu_button("Units", |ui| {
+                    let command = overlay::unit_choice(ui, self.state.look.units);
                     chosen = command.or(chosen);
                 });
                 ui.separator();

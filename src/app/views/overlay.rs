@@ -10,13 +10,16 @@ use crate::app::model::checked::ProgramFinding;
 use crate::app::model::cutter_colours::CutterColours;
 use crate::app::model::look::{Arrangement, Layers, Look, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
 use crate::app::model::preview::PreviewCutters;
 use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::panels::setup::policy_label;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 
 /// Draws `content` on a translucent backing at `at`.
 pub(in crate::app) fn floating<R>(ui: &mut Ui, at: Rect, content: impl FnOnce(&mut Ui) -> R) -> R {
@@ -209,6 +212,20 @@ pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
     chosen
 }
 
+/// Menu items of the units.
+pub fn unit_choice(ui: &mut Ui, units: DisplayUnits) -> Option<Command> {
+    let mut chosen = None;
+    for (choice, command) in
+        [(DisplayUnits::Metric, Command::UnitsMetric), (DisplayUnits::Inch, Command::UnitsInch)]
+    {
+        if ui.radio(choice == units, command.label()).on_hover_text(command.tip()).clicked() {
+            chosen = Some(command);
+            ui.close();
+        }
+    }
+    chosen
+}
+
 /// The layers with the commands that switch them.
 pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 9] {
     [
@@ -244,6 +261,7 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
 
 /// Controls of the section plane: orientation, offset, side.
 pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
+    let units = look.units;
     let Some(section) = &mut look.section else { return };
     let width = (rect.width() - 20.0).min(300.0);
     let at = Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 68.0), egui::vec2(width, 58.0));
@@ -271,12 +289,17 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
             })
             .inner;
         ui.spacing_mut().slider_width = width - 90.0;
-        let (reach, unit) = match section.across {
-            PlaneOrientation::Meridian => (180.0, "°"),
-            _ => (reach, " mm"),
+        let slider = match section.across {
+            PlaneOrientation::Meridian => {
+                egui::Slider::new(&mut section.offset, -180.0..=180.0).suffix("°").max_decimals(1)
+            }
+            _ => egui::Slider::new(&mut section.offset, -reach..=reach)
+                .custom_formatter(move |offset, _| {
+                    format!("{} {}", units.short(offset, 1), units.length_unit())
+                })
+                .custom_parser(move |text| units.parse(text, Quantity::Length)),
         };
-        ui.add(egui::Slider::new(&mut section.offset, -reach..=reach).suffix(unit).max_decimals(1))
-            .labelled_by(title.id);
+        ui.add(slider).labelled_by(title.id);
     });
     if close {
         look.section = None;
@@ -298,7 +321,7 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
             if let (Some(p), Some(q)) = (place(a), place(b)) {
                 painter.line_segment([p, q], Stroke::new(2.0, colour));
             }
-            format_distance(a, b)
+            format_distance(a, b, units::of(ui))
         }
         _ => "Click two points to measure (Esc ends)".to_owned(),
     };
@@ -309,10 +332,11 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
     painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
 }
 
-/// Distance of two points with its components, mm.
-pub fn format_distance(a: glam::Vec3, b: glam::Vec3) -> String {
+/// Distance of two points with its components.
+pub fn format_distance(a: glam::Vec3, b: glam::Vec3, units: DisplayUnits) -> String {
     let d = b - a;
-    format!("{:.2} mm  Δx {:.2}  Δy {:.2}  Δz {:.2}", d.length(), d.x, d.y, d.z)
+    let [x, y, z] = [d.x, d.y, d.z].map(|part| units.number(part.into(), 2));
+    format!("{}  Δx {x}  Δy {y}  Δz {z}", units.length(d.length().into(), 2))
 }
 
 /// A ring with the line number at the place of a fault.

@@ -7,7 +7,7 @@ use crate::gpu::camera::Camera;
 use crate::app::App;
 use crate::app::views::command::Command;
 use crate::app::views::overlay;
-use crate::app::views::panels::positions::{POSITION_COMMANDS, position_menu};
+use crate::app::views::panels::positions::{is_for_position, position_menu};
 use crate::app::views::view3d::view_point;
 use crate::app::views::viewport::Pane;
 
@@ -55,7 +55,7 @@ impl App {
             let ctx = pane.response.ctx.clone();
             let hit = self.context_hit;
             match hit.and_then(|(side, hit)| Some((side, hit.position?))) {
-                Some((side, k)) if POSITION_COMMANDS.contains(&command) => {
+                Some((side, k)) if is_for_position(command) => {
                     if self.state.look.side != side {
                         self.state.show(side);
                     }
@@ -78,8 +78,11 @@ impl App {
     }
 
     fn menu_here(&mut self, ui: &mut Ui) -> Option<Command> {
-        let position = self.context_hit.and_then(|(_, hit)| hit.position);
-        let of_position = position.and_then(|k| position_menu(ui, k));
+        let position = self.context_hit.and_then(|(side, hit)| Some((side, hit.position?)));
+        let of_position = position.and_then(|(side, k)| {
+            let can_edit = side == self.state.look.side && self.state.editable_plan().is_some();
+            position_menu(ui, k, can_edit)
+        });
         let mut chosen = None;
         let mut item = |ui: &mut Ui, command: Command, can: bool| {
             if command.menu_item(ui, can) {

@@ -168,12 +168,19 @@ impl App {
         let height = panels::section::height(ui.ctx().content_rect().height());
         panels::positions::headline(ui, &self.state, k);
         ui.horizontal(|ui| {
-            for (tab, name) in [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures")] {
+            for (tab, name) in
+                [(Tab::Section, "Sectional view"), (Tab::Facts, "Figures"), (Tab::Edit, "By hand")]
+            {
                 ui.selectable_value(&mut self.state.look.tab, tab, name);
             }
         });
         match self.state.look.tab {
             Tab::Facts => panels::positions::details(ui, &self.state, k),
+            Tab::Edit => {
+                if let Some(command) = panels::edit_plunge::show(ui, &mut self.state) {
+                    self.run_command(ui.ctx(), command);
+                }
+            }
             Tab::Section => {
                 let plane = self.state.cut_plane();
                 panels::section::controls(ui, &mut self.state.look.sectional, plane);

@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 use crate::setup::{OutlineKind, OutlinePiece, Tool};
 
 /// Height of the drawing, points.
@@ -52,7 +53,8 @@ pub fn show(ui: &mut Ui, tool: &Tool) {
         painter.rect_filled(Rect::from_two_pos(low, high), 0.0, Condition::Interfering.mark());
     }
     let dimensions = Dimensions { painter: &painter, ink, font: FontId::proportional(11.0) };
-    let number = |value: f64| format!("{:.2}", value).trim_end_matches('0').trim_end_matches('.').to_owned();
+    let units = units::of(ui);
+    let number = |value: f64| units.short(value, 2);
     // Stick-out on the right, flutes on the left, diameters below and above.
     let right = at(widest, 0.0).x + 8.0;
     dimensions.vertical(right, at(0.0, 0.0).y, at(0.0, tool.overhang).y, &number(tool.overhang), true);

@@ -3,7 +3,8 @@
 use egui::{DragValue, Response, TextEdit, Ui};
 
 use super::panels::fields::{self, FieldSpec};
-use super::tool_drawing;
+use super::{tool_drawing, units};
+use crate::app::model::number::Quantity;
 use crate::io::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TEETH};
 use crate::setup::Tool;
 
@@ -98,7 +99,7 @@ fn segments<const N: usize>(
     }
     let add = egui::Button::new(format!("Add {}", what.to_lowercase()));
     let add = ui.add_enabled(rows.len() < MAX_SEGMENTS, add);
-    let tip = format!("Adds a piece towards the spindle: {}, mm", heads.join(", "));
+    let tip = format!("Adds a piece towards the spindle: {}", heads.join(", "));
     if add.on_hover_text(tip).clicked() {
         let last = rows.last().copied();
         rows.push(last.unwrap_or(new));
@@ -107,8 +108,13 @@ fn segments<const N: usize>(
 
 fn length_box(ui: &mut Ui, value: &mut f64, what: &str) -> Response {
     ui.spacing_mut().interact_size.x = 50.0;
-    let field = DragValue::new(value).speed(0.1).range(0.1..=1000.0).max_decimals(3);
-    ui.add(field).on_hover_text(format!("{what}, mm"))
+    let units = units::of(ui);
+    let field = DragValue::new(value)
+        .speed(0.1)
+        .range(0.1..=1000.0)
+        .custom_formatter(move |length, _| units.short(length, 3))
+        .custom_parser(move |text| units.parse(text, Quantity::Length));
+    ui.add(field).on_hover_text(format!("{what}, {}", units.length_unit()))
 }
 
 /// Keeps what hangs on radius and stick-out of a tool within them, as a setup file must have it.

@@ -6,6 +6,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, W
 use super::panels::fields;
 use super::panels::setup::{goal_rows, policy_label};
 use super::theme::{self, Condition};
+use super::units;
 use crate::app::App;
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
@@ -136,8 +137,9 @@ fn words(curve: &[CurvePlace], handle: f64, state: &AppState) -> String {
     let wheel = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count) as f64;
     let saved = 60.0 * wheel * (slowest.0 - handle);
     format!(
-        "{handle:.1} min per channel: hub stock {stock:.2} mm (95 %) instead of {:.2} mm; saves {} per wheel",
-        slowest.1,
+        "{handle:.1} min per channel: hub stock {} (95 %) instead of {}; saves {} per wheel",
+        state.look.units.length(stock, 2),
+        state.look.units.length(slowest.1, 2),
         format_duration(saved),
     )
 }
@@ -164,7 +166,7 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
             inner.bottom() - inner.height() * (stock / top) as f32,
         )
     };
-    let painter = ui.painter_at(rect);
+    let (painter, units) = (ui.painter_at(rect), units::of(ui));
     let font = FontId::proportional(theme::MIN_TEXT_SIZE);
     let (ink, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
     painter.rect_filled(inner, 2.0, ui.visuals().extreme_bg_color);
@@ -179,11 +181,11 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
             font.clone(),
             weak,
         );
-        let text = format!("{stock:.1}");
+        let text = units.number(stock, 1);
         painter.text(left - Vec2::new(4.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), weak);
     }
     let below = Pos2::new(inner.center().x, rect.bottom());
-    let axes = "min per channel; hub stock, 95 %, mm";
+    let axes = format!("min per channel; hub stock, 95 %, {}", units.length_unit());
     painter.text(below, Align2::CENTER_BOTTOM, axes, font.clone(), weak);
     let accent = theme::accent(ui.visuals());
     painter.line(curve.iter().map(|&at| place(at)).collect(), Stroke::new(1.6, accent));

@@ -14,7 +14,8 @@
 //! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
 //! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest,
-//!                            # goal, max_stock, max_time, lift, peck, adapt_feed, rapid_approach
+//!                            # goal, max_stock, max_time, lift, peck, adapt_feed, rapid_approach;
+//!                            # edits of single plunges: [[plunge.edit]]
 //! axis = "monotone"
 //! [[plunge.section]]         # tool, from, to, cutting_direction, rest
 //! tool = 1
@@ -26,6 +27,7 @@
 //! max_axis_tilt = 95.0
 //! ```
 
+mod edits;
 mod plunge;
 mod read;
 mod tolerant;
@@ -34,7 +36,7 @@ mod write;
 pub use plunge::parse_axis_policy;
 pub(crate) use read::setup_of_table;
 pub use read::{line_of_place, parse_flank_strategy, read_setup, read_setup_bytes, read_setup_with_defaults};
-pub use tolerant::{TolerantSetup, read_setup_tolerantly};
+pub use tolerant::{SetupEntry, SetupEntryFault, TolerantSetup, read_setup_tolerantly};
 pub(super) use write::{beside, relative};
 pub use write::{locate_machine, write_setup, write_setup_beside};
 

@@ -1,5 +1,6 @@
 //! Reading the table `[plunge]` of a setup, with its sections.
 
+use super::edits::read_edits;
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
@@ -40,6 +41,7 @@ pub(super) fn plunge(
         "rapid_approach",
         "rest",
         "section",
+        "edit",
     ])?;
     if let Some(axis) = table.string("axis")? {
         plunge.axis = parse_axis_policy(axis.value).map_err(|error| table.locate(axis.at, error))?;
@@ -69,6 +71,7 @@ pub(super) fn plunge(
         table.tables("section")?.into_iter().map(|t| t.with_renamed_keys(RENAMED_IN_SECTION)).collect();
     check_count(&sections, MAX_SECTIONS, "sections")?;
     plunge.sections = sections.iter().map(|table| section(table, tools)).collect::<Result<_, _>>()?;
+    plunge.edits = read_edits(table)?;
     check_section_order(&plunge.sections, &sections)
 }
 

@@ -8,13 +8,33 @@ use crate::setup::Setup;
 /// Number of faults after which the rest of a setup is not looked at.
 const MAX_FAULTS: usize = 100;
 
+/// The entry of a setup that is faulty.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SetupEntry {
+    /// Name of its table, such as `stock`, `tool` or `plunge.section`.
+    pub table: String,
+    /// Number of the table among those of this name that are left in the setup, from 0.
+    pub index: usize,
+    /// The key; `None` where the whole table was left out.
+    pub key: Option<String>,
+}
+
+/// A fault of a setup, with the entry that has its default for that.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetupEntryFault {
+    /// What is wrong, and where in the file.
+    pub error: InputError,
+    /// The faulty entry; `None` where the fault is in none.
+    pub entry: Option<SetupEntry>,
+}
+
 /// A setup without its faulty entries, and what was wrong with each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TolerantSetup {
     /// The setup; what was faulty has its default.
     pub setup: Setup,
     /// The faults, in the order in which they were found; empty for a valid setup.
-    pub faults: Vec<InputError>,
+    pub faults: Vec<SetupEntryFault>,
 }
 
 /// Reads a setup as [`read_setup_bytes`] does, but leaves a faulty entry out and reads on: a key, or a whole
@@ -24,13 +44,20 @@ pub struct TolerantSetup {
 /// # Errors
 /// When the setup is that of a newer version.
 pub fn read_setup_tolerantly(name: &str, text: &str) -> Result<TolerantSetup, InputError> {
-    let mut lines: Vec<&str> = text.lines().collect();
+    let whole: Vec<&str> = text.lines().collect();
+    let mut lines = whole.clone();
     let mut faults = Vec::new();
     // Headers of tables that lost a faulty key. A later "missing key" fault there is not reported again.
     let mut incomplete: Vec<usize> = Vec::new();
     for _ in 0..MAX_FAULTS {
         let fault = match read_setup_bytes(name, lines.join("\n").as_bytes()) {
-            Ok(setup) => return Ok(TolerantSetup { setup, faults }),
+            Ok(setup) => {
+                let with_entry = |error: InputError| {
+                    let entry = entry_of(&whole, &lines, error.line);
+                    SetupEntryFault { error, entry }
+                };
+                return Ok(TolerantSetup { setup, faults: faults.into_iter().map(with_entry).collect() });
+            }
             Err(fault) if fault.code == ErrorCode::NewerFile => return Err(fault),
             Err(fault) => fault,
         };
@@ -42,7 +69,18 @@ pub fn read_setup_tolerantly(name: &str, text: &str) -> Result<TolerantSetup, In
         incomplete.extend(lines[..=entry.start].iter().rposition(|line| table_name(line).is_some()));
         lines[entry].fill("");
     }
+    let faults = faults.into_iter().map(|error| SetupEntryFault { error, entry: None }).collect();
     Ok(TolerantSetup { setup: Setup::default(), faults })
+}
+
+/// The entry in line `line` (from 1) of the `whole` text; `left` are its lines without faulty entries.
+fn entry_of(whole: &[&str], left: &[&str], line: usize) -> Option<SetupEntry> {
+    let at = line.checked_sub(1).filter(|&at| at < whole.len())?;
+    let header = whole[..=at].iter().rposition(|line| table_name(line).is_some())?;
+    let table = table_name(whole[header])?.trim().to_owned();
+    let index = left[..header].iter().filter(|line| table_name(line) == table_name(whole[header])).count();
+    let key = whole[at].split_once('=').map(|(key, _)| key.trim().to_owned()).filter(|_| at > header);
+    Some(SetupEntry { table, index, key })
 }
 
 /// The lines of the entry that has a fault in line `line` (from 1): of a table up to the next one that is not
@@ -95,7 +133,24 @@ to = 0.5
 
     fn faults_of(text: &str) -> (Setup, Vec<(usize, String)>) {
         let TolerantSetup { setup, faults } = read_setup_tolerantly("p (setup)", text).expect("reads");
-        (setup, faults.into_iter().map(|fault| (fault.line, fault.message)).collect())
+        (setup, faults.into_iter().map(|fault| (fault.error.line, fault.error.message)).collect())
+    }
+
+    #[test]
+    fn the_faulty_entry_is_named() {
+        let text = SETUP.replace("diameter = 30.0\n", "").replace("diameter = 16.0", "diameter = -16");
+        let text = format!("{text}[plunge]\nstep = 0\n").replace("insert_width = 20\n", "");
+        let TolerantSetup { faults, .. } = read_setup_tolerantly("p (setup)", &text).expect("reads");
+        let entries: Vec<_> = faults.into_iter().filter_map(|fault| fault.entry).collect();
+        let entry = |table: &str, index, key: Option<&str>| SetupEntry {
+            table: table.to_owned(),
+            index,
+            key: key.map(str::to_owned),
+        };
+        assert!(entries.contains(&entry("tool", 0, None)), "{entries:?}");
+        // Without a diameter the tool goes, too; the key that is wrong is that of the first that was left.
+        assert!(entries.contains(&entry("tool", 0, Some("diameter"))), "{entries:?}");
+        assert!(entries.contains(&entry("plunge", 0, Some("step"))), "{entries:?}");
     }
 
     #[test]

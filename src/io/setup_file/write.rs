@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::VERSION;
+use super::edits::write_edits;
 use crate::io::blank_file::blank_name;
 use crate::io::machine_file::built_in_names;
 use crate::io::table::{degrees_text, quoted};
@@ -141,6 +142,7 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
             SectionKind::Opening => writeln!(out, "opening = true")?,
         }
     }
+    write_edits(out, &plunge.edits)?;
     writeln!(out, "\n[flank]")?;
     if let Some(tool) = setup.flank.tool {
         writeln!(out, "tool = {tool}")?;

@@ -14,6 +14,7 @@ use crate::plunge::{PlungePlan, Position};
 use crate::setup::AxisPolicy;
 
 use crate::app::model::document::{Document, Edited, OpenPart};
+use crate::app::model::field_faults::{FaultyField, FieldFault};
 use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::look::{Arrangement, Look, Operation};
 use crate::app::model::machine::{AxisDemand, ProgramOnMachine};
@@ -158,8 +159,9 @@ impl AppState {
             self.plan_cancelled();
             return;
         }
-        self.results.take(planned);
+        self.results.take(planned, self.look.units);
         self.keep_within_plan();
+        self.follow_reordered();
         self.solve(Topic::Plan);
         self.solve(Topic::Stock);
         self.notice = None;
@@ -367,6 +369,21 @@ impl AppState {
     pub fn dismiss_problems(&mut self) {
         self.problems.clear();
         self.notice = self.notice.take().filter(|notice| notice.tone != Tone::Fault);
+    }
+
+    /// What is wrong with single fields.
+    pub fn field_faults(&self) -> Arc<[FieldFault]> {
+        self.problems.iter().filter_map(|problem| problem.field.clone()).collect()
+    }
+
+    /// Ends the problems of fields that were edited: the default no longer stands for what was faulty. One of
+    /// a calculation ends with the next.
+    pub fn end_field_faults(&mut self, edited: &[FaultyField]) {
+        let is_ended = |problem: &Problem| {
+            problem.topic == Topic::Other
+                && problem.field.as_ref().is_some_and(|fault| edited.contains(&fault.field))
+        };
+        self.problems.retain(|problem| !is_ended(problem));
     }
 
     fn solve(&mut self, topic: Topic) {

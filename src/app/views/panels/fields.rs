@@ -6,8 +6,9 @@ use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
 
-use crate::app::model::number::{self, Quantity};
-use crate::app::views::theme;
+use crate::app::model::number::Quantity;
+use crate::app::model::units::DisplayUnits;
+use crate::app::views::{field_faults, theme, units};
 
 /// Description of a number field.
 #[derive(Clone, Copy, Debug)]
@@ -76,18 +77,20 @@ impl FieldSpec {
 }
 
 /// Number with unit, without trailing zeros.
-fn show(value: f64, spec: &FieldSpec) -> String {
-    let mut text = format!("{value:.*}", spec.decimals);
-    if text.contains('.') {
-        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
+    match spec.quantity() {
+        Quantity::Length => format!("{} {}", units.short(value, spec.decimals), units.length_unit()),
+        Quantity::FeedRate => format!("{} {}", units.short(value, spec.decimals), units.feed_unit()),
+        Quantity::Angle | Quantity::SpindleSpeed | Quantity::Plain => {
+            DisplayUnits::Metric.short(value, spec.decimals) + spec.unit
+        }
     }
-    text + spec.unit
 }
 
 /// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
 pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Option<&str>) -> Response {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
-    let quantity = spec.quantity();
+    let (quantity, units) = (spec.quantity(), units::of(ui));
     let words = automatic.map(str::to_owned);
     let parser_words = words.clone();
     let spec_copy = *spec;
@@ -98,11 +101,11 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
         .clamp_existing_to_range(false)
         .custom_formatter(move |v, _| match &words {
             Some(words) if v <= 0.0 => words.clone(),
-            _ => show(v, &spec_copy),
+            _ => show(v, &spec_copy, units),
         })
         .custom_parser(move |text| match &parser_words {
             Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
-            _ => number::parse(text, quantity),
+            _ => units.parse(text, quantity),
         })
         .update_while_editing(false);
     if spec.decimals == 0 {
@@ -112,7 +115,8 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
     if spec.tip.is_empty() {
         return response;
     }
-    let limits = format!("{}\n{} to {}", spec.tip, show(least.max(spec.min), spec), show(spec.max, spec));
+    let limits = [least.max(spec.min), spec.max].map(|limit| show(limit, spec, units));
+    let limits = format!("{}\n{} to {}", spec.tip, limits[0], limits[1]);
     response.on_hover_text(limits)
 }
 
@@ -164,23 +168,55 @@ pub struct ChoiceSpec<T: 'static> {
 /// A form row with label, list and dot.
 pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &ChoiceSpec<T>) {
     let label = ui.label(choice.label).on_hover_text(choice.tip);
-    ui.horizontal(|ui| {
-        ComboBox::from_id_salt(choice.label)
-            .width(theme::FIELD_WIDTH)
-            .truncate()
-            .selected_text((choice.name)(*value))
-            .show_ui(ui, |ui| {
-                for &one in choice.all {
-                    ui.selectable_value(value, one, (choice.name)(one)).on_hover_text((choice.meaning)(one));
-                }
-            })
-            .response
-            .labelled_by(label.id);
-        if *value == default {
-            reserve_dot(ui);
-        } else if reset_dot(ui, choice.label) {
-            *value = default;
-        }
+    let before = *value;
+    ui.vertical(|ui| {
+        let mut at = egui::Rect::NOTHING;
+        ui.horizontal(|ui| {
+            let list = ComboBox::from_id_salt(choice.label)
+                .width(theme::FIELD_WIDTH)
+                .truncate()
+                .selected_text((choice.name)(*value))
+                .show_ui(ui, |ui| {
+                    for &one in choice.all {
+                        let entry = ui.selectable_value(value, one, (choice.name)(one));
+                        entry.on_hover_text((choice.meaning)(one));
+                    }
+                });
+            at = list.response.labelled_by(label.id).rect;
+            if *value == default {
+                reserve_dot(ui);
+            } else if reset_dot(ui, choice.label) {
+                *value = default;
+            }
+        });
+        field_faults::show(ui, choice.label, at, *value != before);
+    });
+    ui.end_row();
+}
+
+/// A form row with label, check box and dot. `words`: what is so while it is checked.
+pub fn switch_row(ui: &mut Ui, value: &mut bool, default: bool, name: &str, (words, tip): (&str, &str)) {
+    let before = *value;
+    ui.label(name).on_hover_text(tip);
+    ui.vertical(|ui| {
+        let mut at = egui::Rect::NOTHING;
+        ui.horizontal(|ui| {
+            let box_width = Vec2::new(theme::FIELD_WIDTH, 20.0);
+            let layout = egui::Layout::left_to_right(egui::Align::Center);
+            let field = ui.allocate_ui_with_layout(box_width, layout, |ui| {
+                ui.set_min_width(theme::FIELD_WIDTH);
+                ui.checkbox(value, words)
+            });
+            at = field.inner.rect;
+            field.inner.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, *value, name));
+            field.inner.on_hover_text(tip);
+            if *value == default {
+                reserve_dot(ui);
+            } else if reset_dot(ui, name) {
+                *value = default;
+            }
+        });
+        field_faults::show(ui, name, at, *value != before);
     });
     ui.end_row();
 }
@@ -216,7 +252,7 @@ pub fn name_row(
 }
 
 /// Rounds away the error of a conversion to radians and back: 5° becomes 5.000000000000001°.
-fn round_degrees(degrees: f64) -> f64 {
+pub fn round_degrees(degrees: f64) -> f64 {
     (degrees * 1e9).round() / 1e9
 }
 
@@ -232,8 +268,10 @@ fn labelled(
     let label = ui.label(spec.label).on_hover_text(spec.tip);
     ui.vertical(|ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
+        let mut at = egui::Rect::NOTHING;
         ui.horizontal(|ui| {
-            number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
+            let field = number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
+            at = field.rect;
             match default.filter(|default| default != value) {
                 Some(default) if reset_dot(ui, spec.label) => *value = default,
                 Some(_) => {}
@@ -248,6 +286,7 @@ fn labelled(
             response.labelled_by(label.id);
             *value = moved.unwrap_or(*value);
         }
+        field_faults::show(ui, spec.label, at, *value != before);
     });
     ui.end_row();
     *value != before

@@ -11,9 +11,12 @@ use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::setup::{FlankStrategy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
+use crate::app::model::field_faults::FieldScope;
 use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
+use crate::app::views::field_faults;
 use crate::app::views::swatch::swatch;
+use crate::app::views::units;
 
 const DEPTH: FieldSpec = FieldSpec::mm(
     "Layer depth",
@@ -82,7 +85,7 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 /// Draws the fields of the setup. `planned` is the latest flank plan.
 pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&FlankOutcome>) {
     let default = &defaults.flank;
-    fields::form(ui, "flank fields", |ui| {
+    let form = |ui: &mut Ui| {
         fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
         fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
         fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);
@@ -108,7 +111,8 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&F
             &RAMP_FEED,
             feeds.map(|f| f.ramp_mm_per_min),
         );
-    });
+    };
+    field_faults::within(ui, FieldScope::Flank, |ui| fields::form(ui, "flank fields", form));
 }
 
 /// Draws the fields of the display.
@@ -157,9 +161,9 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             }
         }
         FlankColours::Feed => {
-            let (slow, fast) = feed_range(&plan.moves);
-            patch(ui, end(0), &format!("{slow:.0} mm/min"));
-            patch(ui, end(TABLE_LEN - 1), &format!("{fast:.0} mm/min"));
+            let ((slow, fast), units) = (feed_range(&plan.moves), units::of(ui));
+            patch(ui, end(0), &units.feed(slow));
+            patch(ui, end(TABLE_LEN - 1), &units.feed(fast));
             patch(ui, RAPID_COLOUR, "rapid");
         }
         FlankColours::Walls => {

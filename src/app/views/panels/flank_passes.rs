@@ -16,7 +16,7 @@ const COLUMNS: [(&str, &str, f32); 5] = [
     ("#", "Number in cutting order", 34.0),
     ("Layer", "Layer, 1 at the hub", 42.0),
     ("Region", "Where in the channel; w: along a wall", 56.0),
-    ("mm", "Length, mm", 48.0),
+    ("Length", "Length of the pass", 48.0),
     ("Time", "Time from the first pass on when the pass ends, without what is cut before it", 58.0),
 ];
 
@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     if let Some(row) = selected.filter(|_| reveal) {
         builder = builder.scroll_to_row(row, None);
     }
-    let mut clicked = None;
+    let (mut clicked, units) = (None, state.look.units);
     builder
         .header(theme::ROW_HEIGHT, |mut header| {
             for (head, tip, _) in COLUMNS {
@@ -68,7 +68,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                     (k + 1).to_string(),
                     (pass.layer + 1).to_string(),
                     format!("{region}{wall}"),
-                    format!("{:.1}", pass.length),
+                    units.number(pass.length, 1),
                     format_clock(found.time_after(pass.end)),
                 ];
                 for text in cells {
@@ -100,8 +100,12 @@ pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
         state.results.passes.passes.iter().any(|p| p.region != Region::Inlet),
     ));
     let [low, high] = pass.feeds;
-    let feeds = if high - low < 0.5 { format!("{high:.0}") } else { format!("{low:.0} to {high:.0}") };
-    ui.label(format!("{:.1} mm at {feeds} mm/min, {:.1} s", pass.length, pass.time));
+    let units = state.look.units;
+    let feeds = match high - low < 0.5 {
+        true => units.feed(high),
+        false => format!("{} to {}", units.number(low, 0), units.feed(high)),
+    };
+    ui.label(format!("{} at {feeds}, {:.1} s", units.length(pass.length, 1), pass.time));
     ui.label(format!("The axis turns by {:.1}°", pass.turn.to_degrees()));
     ui.label(format!("Cut after {}", format_clock(state.results.passes.time_after(pass.end))));
 }

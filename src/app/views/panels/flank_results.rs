@@ -10,7 +10,9 @@ use super::flank::strategy_label;
 use super::verdict::figure;
 use crate::app::model::figures::{format_duration, format_times};
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 
 /// Maximum number of faults that are listed.
 const MAX_LISTED: usize = 200;
@@ -45,7 +47,9 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         );
     }
     ui.separator();
-    let walls = format!("−{:.4} / +{:.4} mm", outcome.max_overcut(), outcome.plan.max_undercut());
+    let units = state.look.units;
+    let [gouge, left] = [outcome.max_overcut(), outcome.plan.max_undercut()];
+    let walls = format!("−{} / +{}", units.number(gouge, 4), units.length(left, 4));
     figure(ui, "Wall error", walls, "Largest gouge below the blade allowance, and most stock left above it");
     ui.separator();
     figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
@@ -84,10 +88,15 @@ fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
 
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
+    let units = units::of(ui);
+    let length_head = match units {
+        DisplayUnits::Metric => "Length m",
+        DisplayUnits::Inch => "Length in",
+    };
     Grid::new("strategies").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for (name, tip) in [
             ("Strategy", "Layout of the passes in a layer"),
-            ("Length m", "Length of all passes of one channel"),
+            (length_head, "Length of all passes of one channel"),
             ("Ratio", "Ratio to the length of the isoparametric passes"),
             ("Gaps", "Over-wide gaps: share of the area in gaps wider than 1.02 times the stepover"),
         ] {
@@ -98,7 +107,10 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             let figures = &curves.totals[strategy as usize];
             let name = RichText::new(strategy_label(strategy));
             ui.label(if strategy == curves.strategy { name.strong() } else { name });
-            ui.label(format!("{:.2}", 1e-3 * figures.length));
+            ui.label(match units {
+                DisplayUnits::Metric => format!("{:.2}", 1e-3 * figures.length),
+                DisplayUnits::Inch => format!("{:.0}", units.of_mm(figures.length)),
+            });
             ui.label(format!("{:.3}", figures.length / curves.totals[0].length));
             let measured = strategy != FlankStrategy::Isoparametric || strategy == curves.strategy;
             ui.label(if measured {
@@ -113,16 +125,20 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         ui.label(note);
     }
     ui.label(format!(
-        "{} layers, cutter Ø{}, floor {:.2} m; wall error: −{:.4} mm gouge, +{:.4} mm left; {}",
+        "{} layers, cutter {}, floor {}; wall error: −{} gouge, +{} left; {}",
         curves.layers.len(),
-        plan.tool.diameter,
-        1e-3 * curves.floor_length,
-        outcome.max_overcut(),
-        plan.max_undercut(),
+        units.diameter(plan.tool.diameter),
+        match units {
+            DisplayUnits::Metric => format!("{:.2} m", 1e-3 * curves.floor_length),
+            DisplayUnits::Inch => format!("{:.0} in", units.of_mm(curves.floor_length)),
+        },
+        units.length(outcome.max_overcut(), 4),
+        units.length(plan.max_undercut(), 4),
         format_duration(plan.times.total()),
     ));
     let lost: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
     if lost > 0.0 {
-        ui.label(format!("{lost:.0} mm of passes are skipped: no axis reaches them, or they are too short"));
+        let lost = units.length(lost, 0);
+        ui.label(format!("{lost} of passes are skipped: no axis reaches them, or they are too short"));
     }
 }

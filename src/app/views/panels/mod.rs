@@ -1,10 +1,12 @@
 //! The panels around the 3D view, one file each. A panel draws and edits the state and returns the requested
 //! command or action; it does not execute it.
 
+pub mod edit_plunge;
 pub mod fields;
 pub mod flank;
 pub mod flank_passes;
 pub mod flank_results;
+mod hand_mark;
 pub mod operations;
 pub mod part;
 pub mod plots;

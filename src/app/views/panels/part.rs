@@ -39,6 +39,7 @@ pub fn show(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAct
     });
     let Some(part) = &state.document.part else { return action };
     let impeller = &part.impeller;
+    let units = state.look.units;
     Grid::new("part facts").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         let mut fact = |name: &str, value: String| {
             ui.label(RichText::new(name).weak());
@@ -47,10 +48,10 @@ pub fn show(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<PartAct
         };
         fact("Blades", blades(impeller.blade_count, impeller.splitters.len()));
         let (rim, eye) = (impeller.hub.point(1.0), impeller.shroud.point(0.0));
-        fact("Outlet diameter", format!("{:.1} mm", 2.0 * rim.r));
-        fact("Eye diameter", format!("{:.1} mm", 2.0 * eye.r));
+        fact("Outlet diameter", units.length(2.0 * rim.r, 1));
+        fact("Eye diameter", units.length(2.0 * eye.r, 1));
         let tip = impeller.shroud.point(1.0);
-        fact("Outlet height", format!("{:.1} mm", (tip.r - rim.r).hypot(tip.z - rim.z)));
+        fact("Outlet height", units.length((tip.r - rim.r).hypot(tip.z - rim.z), 1));
     });
     action
 }

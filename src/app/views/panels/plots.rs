@@ -7,6 +7,7 @@ use crate::plunge::inspect::{row_of, step_before};
 
 use super::positions::position_menu;
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
 
@@ -28,6 +29,8 @@ struct PlotCurve {
     /// Name in a narrow plot.
     short: &'static str,
     unit: &'static str,
+    /// Units whose decimals its numbers have.
+    decimals: DisplayUnits,
     from_zero: bool,
     /// Minimum length of the scale, so that noise is not magnified.
     min_range: f64,
@@ -50,19 +53,28 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         name,
         short,
         unit,
+        decimals: if unit == " in" { DisplayUnits::Inch } else { DisplayUnits::Metric },
         from_zero,
         min_range: least,
         first: row.start,
         values: row.clone().map(value).collect(),
     };
     let at = |k: usize| &plan.positions[k];
+    let units = state.look.units;
+    let unit = match units {
+        DisplayUnits::Metric => " mm",
+        DisplayUnits::Inch => " in",
+    };
+    let range = |mm: f64| (true, units.of_mm(mm));
     let curves = [
         curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
-        curve("Contact", "C", " mm", (true, 0.1), &|k| at(k).evaluation.contact.depth),
-        curve("Stock", "St", " mm", (true, 0.1), &|k| f64::from(shown.stock(k))),
-        curve("Step", "Sp", " mm", (true, 0.1), &|k| step_before(plan, k)),
+        curve("Contact", "C", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
+        curve("Stock", "St", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
+        curve("Step", "Sp", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
         curve("Arc", "Arc", "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
-        curve("Chip", "Ch", " mm", (true, 0.02), &|k| plan.chip_thickness_of(k).unwrap_or(f64::NAN)),
+        curve("Chip", "Ch", unit, range(0.02), &|k| {
+            units.of_mm(plan.chip_thickness_of(k).unwrap_or(f64::NAN))
+        }),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
     let (mut clicked, mut menu) = (None, None);
@@ -131,7 +143,7 @@ impl PositionScale {
             ui.data_mut(|data| data.insert_temp(id, self.near(at)));
         }
         let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-        let menu = Popup::context_menu(response).show(|ui| position_menu(ui, first + of_menu));
+        let menu = Popup::context_menu(response).show(|ui| position_menu(ui, first + of_menu, false));
         let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
         Picked { clicked: pointer.filter(|_| picks).map(|at| self.near(at)), menu }
     }
@@ -193,11 +205,12 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
     let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), ink).size().x;
     let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
+    let digits = |decimals: usize| curve.decimals.decimals(decimals);
     let text = match value {
-        Some(v) => format!("{v:.2}{}", curve.unit),
+        Some(v) => format!("{v:.*}{}", digits(2), curve.unit),
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
-        None => Some(format!("{low:.1} to {high:.1}{}", curve.unit))
+        None => Some(format!("{low:.0$} to {high:.0$}{1}", digits(1), curve.unit))
             .filter(|range| fits(curve.name, range))
             .unwrap_or_default(),
     };
@@ -207,7 +220,12 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
     let tip = response.hover_pos().map(|at| scale.near(at)).and_then(|k| Some((k, *curve.values.get(k)?)));
     if let Some((k, v)) = tip {
-        response.clone().on_hover_text_at_pointer(format!("{} of the row: {v:.3}{}", k + 1, curve.unit));
+        response.clone().on_hover_text_at_pointer(format!(
+            "{} of the row: {v:.*}{}",
+            k + 1,
+            digits(3),
+            curve.unit
+        ));
     }
     scale.picked(ui, &response, curve.first)
 }

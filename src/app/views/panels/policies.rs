@@ -9,6 +9,7 @@ use super::setup::policy_label;
 use crate::app::model::figures::{format_percent, format_residual, format_times};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 
 /// Draws the switch and the figures; a policy that the running task has finished, in its `preview`, goes first.
 pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, preview: Option<&DisplayPlan>) {
@@ -38,9 +39,10 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary, channels: usize) {
     });
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
+        let units = units::of(ui);
         for (figure, tip) in [
             (
-                format!("{} mm", format_residual(summary)),
+                format!("{} {}", format_residual(summary, units), units.length_unit()),
                 "Residual stock on the hub: mean and 95th percentile",
             ),
             (

@@ -5,16 +5,19 @@ use std::sync::Arc;
 use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
+use super::hand_mark::{hand_mark, hand_words};
 use crate::machine::LimitFault;
-use crate::plunge::{Blocked, Position};
+use crate::plunge::{Blocked, PlungeMark, Position};
 
 use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
 use crate::app::model::machine::AxisDemand;
 use crate::app::model::planned::Side;
 use crate::app::model::state::{AppState, ShownPlan};
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 
 /// Reason why a position is blocked.
 pub fn blocked_reason(blocked: Blocked) -> &'static str {
@@ -66,13 +69,33 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
 }
 
 /// Commands for a position, in the context menus of tables, plots and views.
-pub const POSITION_COMMANDS: [Command; 4] =
+const POSITION_COMMANDS: [Command; 4] =
     [Command::ShowInTable, Command::OpenSection, Command::ScrubHere, Command::FlyToSelection];
+/// Those that edit it, where the plan can be edited.
+const POSITION_EDITS: [Command; 5] =
+    [Command::EditPlunge, Command::DeletePlunge, Command::DeleteRow, Command::LockPlunge, Command::LockRow];
 
-/// Draws the context menu of position `k`; returns the chosen command.
-pub fn position_menu(ui: &mut Ui, k: usize) -> Option<Command> {
+/// Whether a command is for a position.
+pub fn is_for_position(command: Command) -> bool {
+    POSITION_COMMANDS.contains(&command) || POSITION_EDITS.contains(&command)
+}
+
+/// Draws the context menu of position `k`; returns the chosen command. `can_edit`: whether the plan can be
+/// edited.
+pub fn position_menu(ui: &mut Ui, k: usize, can_edit: bool) -> Option<Command> {
     ui.label(RichText::new(format!("At position {}", k + 1)).strong());
-    POSITION_COMMANDS.into_iter().find(|command| command.menu_item(ui, true))
+    let mut chosen = None;
+    for command in POSITION_COMMANDS {
+        chosen = command.menu_item(ui, true).then_some(command).or(chosen);
+    }
+    if can_edit {
+        ui.menu_button("Change by hand", |ui| {
+            for command in POSITION_EDITS {
+                chosen = command.menu_item(ui, true).then_some(command).or(chosen);
+            }
+        });
+    }
+    chosen
 }
 
 fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, usize)> {
@@ -86,6 +109,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     // Of this frame: the panel below may just have taken some of it.
     let height = ui.available_height() - pitch;
     let has_machine = state.document.edited.setup.machine.file.is_some();
+    let (can_edit, units) = (state.editable_plan().is_some(), state.look.units);
     let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
     let mut builder = TableBuilder::new(ui)
         .striped(true)
@@ -134,18 +158,25 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 row.set_selected(selected == Some(k));
                 let tool = plan.sections.get(position.section).map(|section| &section.tool);
                 let of = position.condition();
+                let by_hand = state.plunge_mark(k);
                 row.col(|ui| mark(ui, of));
                 let cells = [
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
-                    tool.map_or(String::new(), |t| format!("{}", t.diameter)),
+                    tool.map_or(String::new(), |t| table_diameter(t.diameter, units)),
                     format!("{:.1}", position.alpha_rad.to_degrees()),
                 ];
-                for text in cells {
-                    row.col(|ui| cell(ui, RichText::new(text)));
+                for (column, text) in cells.into_iter().enumerate() {
+                    row.col(|ui| {
+                        // Beside the number.
+                        if column == 0 {
+                            hand_mark(ui, ui.max_rect().left_center(), by_hand);
+                        }
+                        cell(ui, RichText::new(text));
+                    });
                 }
                 row.col(|ui| {
-                    let text = RichText::new(depth(position.evaluation.contact.depth));
+                    let text = RichText::new(depth(position.evaluation.contact.depth, units));
                     let colour = Condition::Interfering.text(ui.visuals());
                     cell(ui, if of == Condition::Interfering { text.color(colour).strong() } else { text });
                 });
@@ -153,12 +184,16 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                     let stock = shown.stock(k);
                     cell(
                         ui,
-                        RichText::new(if stock.is_finite() { format!("{stock:.2}") } else { "-".into() }),
+                        RichText::new(if stock.is_finite() {
+                            units.number(stock.into(), 2)
+                        } else {
+                            "-".into()
+                        }),
                     );
                 });
                 let demand = state.axis_demand(k);
                 if has_machine {
-                    row.col(|ui| axis_warning(ui, demand));
+                    row.col(|ui| axis_warning(ui, demand, units));
                 }
                 // Space for the scroll bar.
                 row.col(|_| ());
@@ -167,7 +202,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 response.widget_info(|| {
                     egui::WidgetInfo::selected(egui::Role::Row, true, selected == Some(k), &name)
                 });
-                if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k)) {
+                if let Some(menu) = Popup::context_menu(&response).show(|ui| position_menu(ui, k, can_edit)) {
                     chosen = chosen.or(menu.inner.map(|command| (command, k)));
                 }
                 if response.on_hover_ui(|ui| row_tooltip(ui, state, k, position)).clicked() {
@@ -197,12 +232,7 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
     let text = if sorted.is_some() { text.strong() } else { text.weak() };
     let response = ui.add(egui::Label::new(text).selectable(false).sense(Sense::click()));
     if let Some(descending) = sorted {
-        // A triangle under the label that points to the large values.
-        let (at, up) = (response.rect.center_bottom(), if descending { 1.0 } else { -1.0 });
-        let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);
-        let ink = ui.visuals().strong_text_color();
-        let triangle = vec![corner(-3.0, -1.5), corner(3.0, -1.5), corner(0.0, 1.5)];
-        ui.painter().add(egui::Shape::convex_polygon(triangle, ink, egui::Stroke::NONE));
+        theme::sort_mark(ui, response.rect.center_bottom(), descending);
     }
     let name = format!("Sort by {}", key.name());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
@@ -213,7 +243,7 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
 const AXES_WIDTH: f32 = 54.0;
 
 /// The worst that a position asks of the axes: an axis with its excess, or the angle from the pole.
-fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>) {
+fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>, units: DisplayUnits) {
     let Some(demand) = demand.filter(|demand| demand.is_warning()) else { return };
     let (text, condition) = match &demand.fault {
         Some(LimitFault::Unreachable { .. }) => ("none".to_owned(), Condition::Interfering),
@@ -228,13 +258,21 @@ fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>) {
                     format!("{letter} +{degrees:.0}°")
                 }
             } else {
-                format!("{letter} +{excess:.0}")
+                format!("{letter} +{}", units.number(excess, 0))
             };
             (text, Condition::Interfering)
         }
         None => (format!("P {:.1}°", demand.pole_rad.to_degrees()), Condition::Blocked),
     };
     cell(ui, RichText::new(text).color(condition.text(ui.visuals())).strong());
+}
+
+/// The position of an axis: its name, and its value with its unit: degrees, or mm without one.
+pub fn axis_text<N: std::fmt::Display>((name, value, unit): (N, f64, &str), units: DisplayUnits) -> String {
+    match unit {
+        "°" => format!("{name} {value:.3}{unit}"),
+        _ => format!("{name} {}", units.number(value, 3)),
+    }
 }
 
 /// What a position asks of the axes, in words.
@@ -256,9 +294,17 @@ fn degrees(angle_rad: f64) -> String {
     format!("{:.1}°", angle_rad.to_degrees())
 }
 
-/// Contact depth, mm; "0" if it would round to 0.00.
-fn depth(depth: f64) -> String {
-    if depth < 0.005 { "0".to_owned() } else { format!("{depth:.2}") }
+/// Diameter of a tool, in as few digits as the column has room for.
+fn table_diameter(mm: f64, units: DisplayUnits) -> String {
+    match units {
+        DisplayUnits::Metric => units.size(mm),
+        DisplayUnits::Inch => format!("{:.2}", units.of_mm(mm)),
+    }
+}
+
+/// Contact depth, from mm; "0" if it would round to 0.00 mm.
+fn depth(depth: f64, units: DisplayUnits) -> String {
+    if depth < 0.005 { "0".to_owned() } else { units.number(depth, 2) }
 }
 
 /// A cell of a table.
@@ -298,6 +344,11 @@ pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
         mark(ui, of);
         let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.label());
         ui.label(RichText::new(text).strong());
+        match state.plunge_mark(k) {
+            PlungeMark::Planned => {}
+            PlungeMark::Edited => drop(ui.label(RichText::new("edited").weak())),
+            PlungeMark::Locked(_) => drop(ui.label(RichText::new("locked").weak())),
+        }
     });
 }
 
@@ -306,6 +357,7 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
     let Some(shown) = state.shown() else { return };
     let plan = shown.plan();
     let Some(position) = plan.positions.get(k) else { return };
+    let units = state.look.units;
     remarks(ui, position);
     axis_remarks(ui, state, k);
     Grid::new("position facts").num_columns(2).spacing([10.0, 1.0]).show(ui, |ui| {
@@ -317,27 +369,34 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         let section = plan.sections.get(position.section);
         if let Some(tool) = section.map(|section| &section.tool) {
             let place = format!("section {}, row {}", position.section + 1, position.row + 1);
-            fact("Location", format!("{place}, T{} Ø{}", tool.number, tool.diameter));
+            fact("Location", format!("{place}, T{} {}", tool.number, units.diameter(tool.diameter)));
         }
         let contact = position.evaluation.contact;
         if contact.interferes() {
             fact(
                 "Core hits stock",
-                format!("{:.2} mm, {:.0} % of its area", contact.depth, 100.0 * contact.area_share),
+                format!(
+                    "{}, {:.0} % of its area",
+                    units.length(contact.depth, 2),
+                    100.0 * contact.area_share
+                ),
             );
         }
-        let [x, y, z] = [position.tip.x, position.tip.y, position.tip.z];
-        fact("Tool tip X Y Z", format!("{x:.3} {y:.3} {z:.3} mm"));
+        let point = |numbers: [f64; 3]| {
+            let numbers = numbers.map(|mm| units.number(mm, 3));
+            format!("{} {}", numbers.join(" "), units.length_unit())
+        };
+        fact("Tool tip X Y Z", point([position.tip.x, position.tip.y, position.tip.z]));
         let [i, j, l] = [position.axis.x, position.axis.y, position.axis.z];
         fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
         if let Some((plan, at)) = state.on_machine().and_then(|plan| Some((plan, plan.at(Some(k + 1))?))) {
             let [x, y, z, a, b] = plan.named(at);
-            fact("Machine X Y Z", [x, y, z].map(|(_, value, _)| format!("{value:.3}")).join(" ") + " mm");
+            fact("Machine X Y Z", point([x, y, z].map(|(_, value, _)| value)));
             let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
             fact("Rotary axes", angles.join(" "));
         }
         let spindle = section.map_or(0.0, |section| section.tool.spindle);
-        fact("Feed rate, speed", format!("{:.0} mm/min, {spindle:.0} rev/min", plan.feed_of(k)));
+        fact("Feed rate, speed", format!("{}, {spindle:.0} rev/min", units.feed(plan.feed_of(k))));
         if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
             fact("Cut after", format_clock(time));
         }
@@ -346,10 +405,12 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             fact("Program line", line.to_string());
         }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
-        let [hub, blade] = [position.hub_clearance, position.blade_clearance];
-        fact("Clearance", format!("hub {hub:.3}, blade {blade:.3} mm"));
+        let [hub, blade] =
+            [units.number(position.hub_clearance, 3), units.length(position.blade_clearance, 3)];
+        fact("Clearance", format!("hub {hub}, blade {blade}"));
         let arc = position.evaluation.engagement.max_arc_rad.to_degrees();
-        let chip = plan.chip_thickness_of(k).map_or_else(String::new, |chip| format!(", chip {chip:.3} mm"));
+        let chip = plan.chip_thickness_of(k);
+        let chip = chip.map_or_else(String::new, |chip| format!(", chip {}", units.length(chip, 3)));
         fact("Engaged arc", format!("{arc:.0}°{chip}"));
     });
     ui.add_space(4.0);
@@ -364,7 +425,7 @@ fn remarks(ui: &mut Ui, position: &Position) {
         ui.label(format!("Limited by: {}", held.words()));
     }
     if position.lift > 0.02 {
-        ui.label(format!("Ends {:.2} mm above full depth", position.lift));
+        ui.label(format!("Ends {} above full depth", units::of(ui).length(position.lift, 2)));
     }
 }
 
@@ -378,7 +439,8 @@ pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
     let Some(section) = plan.sections.get(position.section) else { return };
     let tool = &section.tool;
     let place = format!("section {}, row {}", position.section + 1, position.row + 1);
-    ui.label(format!("{}; T{} Ø{}, {place}", position.condition().label(), tool.number, tool.diameter));
+    let diameter = state.look.units.diameter(tool.diameter);
+    ui.label(format!("{}; T{} {diameter}, {place}", position.condition().label(), tool.number));
     motion(ui, state, shown, k);
 }
 
@@ -388,9 +450,9 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
     let Some(position) = plan.positions.get(k) else { return };
     let spindle = plan.sections.get(position.section).map_or(0.0, |section| section.tool.spindle);
     ui.label(format!(
-        "α {:.1}°, {:.0} mm/min, {spindle:.0} rev/min",
+        "α {:.1}°, {}, {spindle:.0} rev/min",
         position.alpha_rad.to_degrees(),
-        plan.feed_of(k),
+        state.look.units.feed(plan.feed_of(k)),
     ));
     if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
         ui.label(format!("Cut after {}", format_clock(time)));
@@ -402,29 +464,34 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
     if let Some(plan) = state.on_machine().filter(|_| is_active)
         && let Some(at) = plan.at(Some(k + 1))
     {
-        let axes = plan.named(at).map(|(name, value, unit)| format!("{name} {value:.3}{unit}"));
+        let axes = plan.named(at).map(|axis| axis_text(axis, state.look.units));
         ui.label(axes.join("  "));
     }
 }
 
 /// Tooltip of a row.
 fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
+    let units = state.look.units;
     ui.label(RichText::new(format!("Position {}: {}", k + 1, position.condition().label())).strong());
     if position.evaluation.contact.interferes() {
         let share = 100.0 * position.evaluation.contact.area_share;
         ui.label(format!(
-            "Core hits stock {:.2} mm above the tip, {share:.0} % of its area",
-            position.evaluation.contact.depth
+            "Core hits stock {} above the tip, {share:.0} % of its area",
+            units.length(position.evaluation.contact.depth, 2)
         ));
     }
     remarks(ui, position);
+    if let Some(words) = hand_words(state.plunge_mark(k)) {
+        ui.label(words);
+    }
     if let Some(shown) = state.shown() {
         motion(ui, state, shown, k);
     }
     axis_remarks(ui, state, k);
     ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
     ui.label(format!(
-        "Clearance: hub {:.3} mm, blade {:.3} mm",
-        position.hub_clearance, position.blade_clearance
+        "Clearance: hub {}, blade {}",
+        units.length(position.hub_clearance, 3),
+        units.length(position.blade_clearance, 3)
     ));
 }

@@ -8,6 +8,7 @@ use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
 
@@ -38,7 +39,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     ui.label(text).on_hover_text(&checked.summary);
     for (name, value, tip) in &checked.figures {
         ui.separator();
-        figure(ui, name, value.clone(), tip);
+        figure(ui, name, value.text(state.look.units), tip);
     }
     ui.separator();
     let tip = "Of the whole program, from feed rates and rapids; without tool changes";
@@ -70,7 +71,7 @@ pub fn form(ui: &mut Ui, state: &mut AppState) {
     Grid::new("program figures").num_columns(2).spacing([10.0, 2.0]).show(ui, |ui| {
         for (name, value, tip) in &checked.figures {
             ui.label(RichText::new(*name).weak()).on_hover_text(*tip);
-            ui.label(value);
+            ui.label(value.text(state.look.units));
             ui.end_row();
         }
     });
@@ -131,8 +132,16 @@ fn details(ui: &mut Ui, finding: &ProgramFinding) {
     }
     if let Some(place) = &finding.place {
         let (p, a) = (place.tip, place.axis);
-        ui.label(format!("Tip {:.3} {:.3} {:.3} mm", p.x, p.y, p.z));
-        ui.label(format!("Axis {:.4} {:.4} {:.4}, tool Ø{:.2}", a.x, a.y, a.z, 2.0 * place.radius));
+        let units = units::of(ui);
+        let tip = [p.x, p.y, p.z].map(|mm| units.number(mm, 3)).join(" ");
+        ui.label(format!("Tip {tip} {}", units.length_unit()));
+        ui.label(format!(
+            "Axis {:.4} {:.4} {:.4}, tool Ø{}",
+            a.x,
+            a.y,
+            a.z,
+            units.number(2.0 * place.radius, 2)
+        ));
     }
     if !finding.fault.help.is_empty() {
         ui.add(Label::new(format!("To do: {}", finding.fault.help)).wrap());

@@ -4,6 +4,7 @@ use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Sense, Shape
 
 use crate::app::model::look::SectionalLook;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 use crate::plunge::Position;
 use crate::plunge::inspect::{CutPlane, SectionPoint, SectionView};
 
@@ -230,12 +231,13 @@ fn dimensions(
     view: &SectionView,
     position: &Position,
 ) {
-    let ink = ui.visuals().strong_text_color();
+    let (ink, units) = (ui.visuals().strong_text_color(), units::of(ui));
+    let short = |mm: f64| units.short(mm, 2);
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
     let high = frame.top();
     let under = |points: f32| high - f64::from(points) / frame.scale;
     let mut lines =
-        vec![([-radius, under(16.0)], [radius, under(16.0)], format!("Ø{}", view.tool.diameter), ink)];
+        vec![([-radius, under(16.0)], [radius, under(16.0)], units.diameter(view.tool.diameter), ink)];
     if core > 0.0 {
         let text = format!("core Ø{}", short(2.0 * core));
         lines.push(([-core, under(32.0)], [core, under(32.0)], text, ink));
@@ -253,7 +255,7 @@ fn dimensions(
             // Beside the core, as text over the contact would be unreadable.
             (-core - 6.0 / frame.scale, depth)
         };
-        lines.push(([x, 0.0], [x, depth], format!("{} mm", short(depth)), ink));
+        lines.push(([x, 0.0], [x, depth], format!("{} {}", short(depth), units.length_unit()), ink));
     }
     // The step from the previous position lies behind the axis.
     if view.step > 0.0 && view.plane == CutPlane::Row {
@@ -336,33 +338,29 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
 
 /// The figures below the drawing.
 fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
+    let units = units::of(ui);
     let mut facts = vec![
         format!("α {:.2}°", position.alpha_rad.to_degrees()),
         format!("tilt in this cut {:.2}°", view.lead_rad.to_degrees()),
     ];
     if view.step > 0.0 {
-        facts.push(format!("step {:.2} mm", view.step));
+        facts.push(format!("step {}", units.length(view.step, 2)));
     }
-    facts.push(format!("max residual {:.2} mm", view.max_residual));
+    facts.push(format!("max residual {}", units.length(view.max_residual, 2)));
     if position.lift > 0.0 {
-        facts.push(format!("ends {:.2} mm above full depth", position.lift));
+        facts.push(format!("ends {} above full depth", units.length(position.lift, 2)));
     }
     ui.add(egui::Label::new(RichText::new(facts.join(", ")).small()).wrap());
     if position.evaluation.contact.interferes() {
         let share = 100.0 * position.evaluation.contact.area_share;
-        let depth = position.evaluation.contact.depth;
-        let text = format!("Core hits stock {depth:.2} mm above the tip, {share:.0} % of its area");
+        let depth = units.length(position.evaluation.contact.depth, 2);
+        let text = format!("Core hits stock {depth} above the tip, {share:.0} % of its area");
         let colour = Condition::Interfering.text(ui.visuals());
         ui.add(egui::Label::new(RichText::new(text).small().strong().color(colour)).wrap());
         let beside = view.deepest_beside().abs();
         if beside >= BESIDE {
-            let text = format!("The deepest contact lies {beside:.1} mm beside this cut");
+            let text = format!("The deepest contact lies {} beside this cut", units.length(beside, 1));
             ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
         }
     }
-}
-
-fn short(value: f64) -> String {
-    let text = format!("{value:.2}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

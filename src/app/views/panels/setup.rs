@@ -107,6 +107,11 @@ const PECK: FieldSpec = FieldSpec::mm(
     500.0,
 )
 .or_none();
+const RAPID_APPROACH: (&str, &str) = (
+    "to the stock",
+    "Plunges come down in rapid as far as earlier plunges have removed the stock, less the rapid clearance,\n\
+     and feed from there. Off: they feed from the retract point over the blank, which takes longer",
+);
 const HUB: FieldSpec = FieldSpec::mm(
     "Hub allowance",
     "Stock that must stay on the hub.\n\
@@ -373,6 +378,8 @@ pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&
         fields::number_row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
         fields::optional_row(ui, &mut setup.plunge.lift, &LEAD_OUT, None);
         fields::optional_row(ui, &mut setup.plunge.peck, &PECK, None);
+        let rapid = &mut setup.plunge.rapid_approach;
+        fields::switch_row(ui, rapid, default.rapid_approach, "Rapid approach", RAPID_APPROACH);
     });
 }
 

@@ -88,7 +88,10 @@ fn axes(ui: &mut Ui, state: &AppState) {
             }
             (None, Some(at)) => {
                 // Padded, so that nothing jumps while the axes move.
-                let values = plan.named(at).map(|(name, value, unit)| format!("{name} {value:>8.3}{unit}"));
+                let values = plan.named(at).map(|(name, value, unit)| match unit {
+                    "°" => format!("{name} {value:>8.3}{unit}"),
+                    _ => format!("{name} {:>8}", state.look.units.number(value, 3)),
+                });
                 let text = RichText::new(format!("{}  {}", values.join("  "), plan.machine.name));
                 ui.add(egui::Label::new(text.monospace().size(12.0)).truncate()).on_hover_text(AXES_TIP);
             }
@@ -97,7 +100,7 @@ fn axes(ui: &mut Ui, state: &AppState) {
 }
 
 const AXES_TIP: &str = "Where the axes of the machine stand at the position of the timeline: machine coordinates\n\
-     of the spindle nose in mm, rotary axes as NC code commands them, else as `vanecut post` chooses them\n\
+     of the spindle nose, rotary axes as NC code commands them, else as `vanecut post` chooses them\n\
      over the whole program";
 
 fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {

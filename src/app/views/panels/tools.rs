@@ -5,10 +5,13 @@ use egui::{ComboBox, Grid, RichText, Ui};
 use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
+use crate::app::model::field_faults::{FieldScope, SECTION};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::command::Command;
+use crate::app::views::field_faults;
 use crate::app::views::theme::Condition;
 use crate::app::views::tool_form;
+use crate::app::views::units;
 
 const S: FieldSpec = FieldSpec {
     label: "s",
@@ -66,6 +69,7 @@ fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change
 }
 
 fn summary(ui: &mut Ui, setup: &Setup) {
+    let units = units::of(ui);
     Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for head in ["Tool", "Insert", "From s", "To s"] {
             ui.label(RichText::new(head).weak());
@@ -74,8 +78,8 @@ fn summary(ui: &mut Ui, setup: &Setup) {
         for section in &setup.plunge.sections {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
             let rest = section.kind.suffix();
-            ui.label(format!("T{} Ø{}{rest}", tool.number, tool.diameter));
-            ui.label(format!("{} mm", tool.insert_width));
+            ui.label(format!("T{} {}{rest}", tool.number, units.diameter(tool.diameter)));
+            ui.label(format!("{} {}", units.size(tool.insert_width), units.length_unit()));
             ui.label(format!("{:.2}", section.from));
             ui.label(format!("{:.2}", section.to));
             ui.end_row();
@@ -87,7 +91,7 @@ fn summary(ui: &mut Ui, setup: &Setup) {
 fn uses(ui: &mut Ui, planned: &DisplayPlan) {
     let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
     for (k, section) in plan.sections.iter().enumerate() {
-        let tool = format!("T{} Ø{}", section.tool.number, section.tool.diameter);
+        let tool = format!("T{} {}", section.tool.number, units::of(ui).diameter(section.tool.diameter));
         let text = match plan.idle_words(k) {
             Some(why) => RichText::new(format!("{tool}: no plunges, {why}"))
                 .color(Condition::Blocked.text(ui.visuals())),
@@ -104,9 +108,14 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     let mut remove = None;
     let last_one = setup.tools.len() == 1;
     for (k, tool) in setup.tools.iter_mut().enumerate() {
-        let name = format!("T{}  Ø{}, insert {} mm", tool.number, tool.diameter, tool.insert_width);
-        egui::CollapsingHeader::new(name).id_salt(("tool", k)).show_unindented(ui, |ui| {
-            tool_form::show(ui, tool);
+        let units = units::of(ui);
+        let insert = format!("{} {}", units.size(tool.insert_width), units.length_unit());
+        let name = format!("T{}  {}, insert {insert}", tool.number, units.diameter(tool.diameter));
+        let is_faulty = field_faults::is_any(ui, FieldScope::Tool(k));
+        let heading = egui::CollapsingHeader::new(name).id_salt(("tool", k));
+        // A fault is not hidden under a closed heading.
+        heading.open(is_faulty.then_some(true)).show_unindented(ui, |ui| {
+            field_faults::within(ui, FieldScope::Tool(k), |ui| tool_form::show(ui, tool));
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
@@ -151,7 +160,8 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     for (k, section) in setup.plunge.sections.iter_mut().enumerate() {
         ui.push_id(("section", k), |ui| {
             let title = ui.label(format!("Section {}", k + 1));
-            ui.horizontal(|ui| {
+            let before = section.clone();
+            let line = ui.horizontal(|ui| {
                 ComboBox::from_id_salt("tool")
                     .width(46.0)
                     .selected_text(format!("T{}", section.tool))
@@ -166,6 +176,9 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                 ui.label("to");
                 s_box(ui, &mut section.to).labelled_by(title.id);
                 fit_ends(section);
+            });
+            field_faults::within(ui, FieldScope::Section(k), |ui| {
+                field_faults::show(ui, SECTION, line.response.rect, *section != before);
             });
             ui.horizontal(|ui| {
                 ComboBox::from_id_salt("feed")

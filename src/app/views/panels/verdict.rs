@@ -10,6 +10,7 @@ use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, format_re
 use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::units;
 
 /// Shares below this would show as 0.0 %.
 const MIN_SHOWN_SHARE: f64 = 0.0005;
@@ -33,7 +34,7 @@ pub fn show(ui: &mut Ui, state: &AppState) {
             "The calculation was cancelled: the best so far. Floor not cut yet counts as not machined",
         );
     }
-    let planned = after.planned;
+    let (planned, units) = (after.planned, state.look.units);
     let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
     interferential(ui, plan, before, after);
     if let Some(blocked) = after.blocked.filter(|count| *count > 0) {
@@ -54,7 +55,12 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     figure(
         ui,
         "Residual",
-        format!("{} to {} mm", format_residual(before), format_residual(after)),
+        format!(
+            "{} to {} {}",
+            format_residual(before, units),
+            format_residual(after, units),
+            units.length_unit()
+        ),
         "Residual stock on the hub: mean and 95th percentile, before and after",
     );
     let stock = &planned.setup.allowances;
@@ -102,13 +108,13 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
     let colour = overall(plan, after).text(ui.visuals());
     let text = format!("Interfering {} to {}", before.interfering, after.interfering);
     let depths = format!(
-        "Core meets stock: {} of {} plunges before (deepest {:.2} mm), {} of {} after (deepest {:.2} mm)",
+        "Core meets stock: {} of {} plunges before (deepest {}), {} of {} after (deepest {})",
         before.interfering,
         before.positions,
-        before.max_contact_depth,
+        units::of(ui).length(before.max_contact_depth, 2),
         after.interfering,
         after.positions,
-        after.max_contact_depth,
+        units::of(ui).length(after.max_contact_depth, 2),
     );
     ui.label(RichText::new(text).strong().color(colour)).on_hover_text(depths);
     if !plan.converged {
@@ -126,9 +132,11 @@ pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
 /// Draws a clearance, mm; one that misses the allowance by more than rounding is a gouge and is highlighted.
 fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
     let short = falls_short(value, allowance);
-    let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance} mm");
+    let units = units::of(ui);
+    let allowance = format!("{} {}", units.short(allowance, 6), units.length_unit());
+    let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance}");
     ui.label(RichText::new(name).weak()).on_hover_text(&tip);
-    let text = if value.is_finite() { format!("{value:.2} mm") } else { "-".to_owned() };
+    let text = units.known_length(value, 2);
     let colour = Condition::Interfering.text(ui.visuals());
     let text = if short {
         RichText::new(text + " (too little)").strong().color(colour)

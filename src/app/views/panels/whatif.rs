@@ -8,8 +8,10 @@ use crate::setup::Setup;
 
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 
 /// Draws the table; returns the command that was pressed.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
@@ -21,10 +23,15 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         return chosen;
     }
     let (mut used, mut removed) = (None, None);
+    let units = state.look.units;
+    let stock_head = match units {
+        DisplayUnits::Metric => "Stock mm",
+        DisplayUnits::Inch => "Stock in",
+    };
     let heads = [
         ("Pos.", "Number of plunges"),
         ("Interf.", "Plunges whose core meets stock"),
-        ("Stock mm", "Residual stock on the hub: mean and 95th percentile"),
+        (stock_head, "Residual stock on the hub: mean and 95th percentile"),
         ("Wheel", "Time of all channels, from plunge feed rates and rapids; without tool changes"),
     ];
     row(ui, |ui, k| {
@@ -94,7 +101,7 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
         let text = match k {
             0 => RichText::new(f.positions.to_string()),
             1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
-            2 => RichText::new(format!("{:.2}/{:.2}", f.residual_mean, f.residual_p95)),
+            2 => RichText::new(units::of(ui).pair(f.residual_mean, f.residual_p95, 2)),
             _ => RichText::new(format_duration(f.time * channels as f64)),
         };
         let label = ui.label(text);

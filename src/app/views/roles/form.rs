@@ -11,7 +11,9 @@ use crate::mesh::{LengthUnit, Role};
 use crate::part::Rotation;
 
 use crate::app::model::role_choices::RoleChoices;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
+use crate::app::views::units;
 
 /// Range of the number of main blades; 0: automatic.
 const BLADES: RangeInclusive<usize> = 0..=200;
@@ -45,12 +47,16 @@ fn list<T: PartialEq + Copy>(
 /// The table of nodes. A click on a name highlights the node; with `Choices::alike` a role applies to all
 /// nodes of its shape.
 pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height: f32) {
-    let scale = choices.unit.mm();
+    let (scale, units) = (choices.unit.mm(), units::of(ui));
+    let size_title = match units {
+        DisplayUnits::Metric => "Size, mm",
+        DisplayUnits::Inch => "Size, in",
+    };
     ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
         ui,
         |ui| {
             Grid::new("nodes").num_columns(4).striped(true).show(ui, |ui| {
-                for title in ["Node", "Triangles", "Size, mm", "Role"] {
+                for title in ["Node", "Triangles", size_title, "Role"] {
                     ui.label(RichText::new(title).weak());
                 }
                 ui.end_row();
@@ -70,7 +76,8 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
                         name.scroll_to_me(None);
                     }
                     ui.label(node.triangles.to_string());
-                    let [x, y, z] = <[f64; 3]>::from((node.high - node.low) * scale).map(size);
+                    let [x, y, z] =
+                        <[f64; 3]>::from((node.high - node.low) * scale).map(|mm| size(mm, units));
                     ui.label(format!("{x} × {y} × {z}"));
                     let all = Role::ALL.into_iter().map(Some).chain([None]);
                     let name = format!("Role of {}", node.key);
@@ -87,12 +94,13 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
     choices.scroll_to_selected = false;
 }
 
-fn size(mm: f64) -> String {
-    if mm.abs() < 10.0 { format!("{mm:.1}") } else { format!("{mm:.0}") }
+fn size(mm: f64, units: DisplayUnits) -> String {
+    units.number(mm, usize::from(mm.abs() < 10.0))
 }
 
 /// Settings of the file: unit, axis, number of blades, sense of rotation.
 pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
+    let units = units::of(ui);
     Grid::new("mesh file").num_columns(2).show(ui, |ui| {
         ui.label("Unit");
         ui.horizontal(|ui| {
@@ -100,7 +108,11 @@ pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
                 list(ui, "Unit of the file", choices.unit, LengthUnit::ALL, |unit| unit.name().to_owned());
             choices.unit = unit.unwrap_or(choices.unit);
             let across = choices.wheel_width(nodes);
-            let text = RichText::new(format!("{} mm across", size(across * choices.unit.mm())));
+            let text = RichText::new(format!(
+                "{} {} across",
+                size(across * choices.unit.mm(), units),
+                units.length_unit()
+            ));
             let possible = likely_unit(across, choices.unit) == Some(choices.unit);
             let doubt = Condition::Interfering.text(ui.visuals());
             let text = if possible { text.weak() } else { text.color(doubt) };

@@ -1,0 +1,208 @@
+//! Edits of the selected plunge or its row. They are part of the setup: the plan is edited by planning again,
+//! which finds the same plunges and applies them.
+
+use std::ops::Range;
+
+use crate::plunge::{PlungeMark, PlungePlan};
+use crate::setup::edits::add_edit;
+use crate::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
+
+use crate::app::model::look::Operation;
+use crate::app::model::state::AppState;
+
+/// What the fields of the edit tab say, until it is applied.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EditFields {
+    /// Whether the whole row is edited.
+    pub whole_row: bool,
+    /// By how much to stop short, mm.
+    pub lift: f64,
+    /// Where to move, and how to turn.
+    pub by: PlungeMove,
+}
+
+impl Default for EditFields {
+    fn default() -> Self {
+        Self { whole_row: false, lift: 0.5, by: PlungeMove::default() }
+    }
+}
+
+/// Where a plunge or row goes in the cutting order of its section.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CuttingPlace {
+    /// Before the one that is cut before it.
+    Earlier,
+    /// After the one that is cut after it.
+    Later,
+}
+
+/// Pose of plunge `k`.
+fn pose(plan: &PlungePlan, k: usize) -> Option<PlungePose> {
+    plan.positions.get(k).map(|position| PlungePose { tip: position.tip, axis: position.axis })
+}
+
+/// The plunges of the row of plunge `k`.
+fn row_of(plan: &PlungePlan, k: usize) -> Range<usize> {
+    let of = |k: usize| plan.positions.get(k).map(|position| (position.section, position.row));
+    let row = of(k);
+    let start = (0..k).rev().take_while(|&j| of(j) == row).last().unwrap_or(k);
+    let end = (k..plan.positions.len()).take_while(|&j| of(j) == row).last().map_or(k, |last| last + 1);
+    start..end
+}
+
+impl AppState {
+    /// The plan to which edits apply, if the active side shows it: that of the strategy of the setup.
+    pub fn editable_plan(&self) -> Option<&PlungePlan> {
+        if self.look.operation != Operation::Roughing {
+            return None;
+        }
+        let shown = self.shown()?;
+        let is_after = shown.policy == shown.planned.setup.plunge.axis;
+        // After an undo, until the plan follows, its plunges are not those that further edits find.
+        let (known, now) = (&shown.planned.setup.plunge.edits, &self.document.edited.setup.plunge.edits);
+        (is_after && now.starts_with(known)).then(|| shown.plan())
+    }
+
+    /// What was done by hand to plunge `k` of the shown plan.
+    pub fn plunge_mark(&self, k: usize) -> PlungeMark {
+        let shown = self.shown().filter(|shown| shown.policy == shown.planned.setup.plunge.axis);
+        shown.map_or(PlungeMark::Planned, |shown| shown.planned.outcome.edits.mark(k))
+    }
+
+    /// Number of edits of the setup, and of those whose plunge the last plan does not have.
+    pub fn edit_counts(&self) -> (usize, usize) {
+        let planned = self.results.planned.as_ref();
+        let unfitting = planned.map_or(0, |planned| planned.outcome.edits.unfitting.len());
+        (self.document.edited.setup.plunge.edits.len(), unfitting)
+    }
+
+    /// The plunges that an edit of the selected one is for.
+    fn edited_range(&self, whole_row: bool) -> Option<Range<usize>> {
+        let (plan, k) = (self.editable_plan()?, self.look.selected?);
+        (k < plan.positions.len()).then(|| if whole_row { row_of(plan, k) } else { k..k + 1 })
+    }
+
+    /// Changes the edits of the setup, as one undo step.
+    fn change_edits(&mut self, change: impl FnOnce(&mut Vec<PlungeEdit>)) {
+        self.document.step();
+        change(&mut self.document.edited.setup.plunge.edits);
+        self.document.step();
+    }
+
+    /// Edits the selected plunge or its row.
+    fn edit_selected(&mut self, whole_row: bool, change: PlungeChange) {
+        let plunge = self.editable_plan().zip(self.look.selected).and_then(|(plan, k)| pose(plan, k));
+        if let Some(plunge) = plunge {
+            self.change_edits(|edits| add_edit(edits, PlungeEdit { plunge, whole_row, change }));
+        }
+    }
+
+    /// Leaves the selected plunge or its row out.
+    pub fn delete_selected(&mut self, whole_row: bool) {
+        self.edit_selected(whole_row, PlungeChange::Delete);
+    }
+
+    /// Lets the selected plunge or its row stop short by `lift` mm more.
+    pub fn lift_selected(&mut self, whole_row: bool, lift: f64) {
+        self.edit_selected(whole_row, PlungeChange::Lift(lift));
+    }
+
+    /// Moves and turns the selected plunge or its row.
+    pub fn move_selected(&mut self, whole_row: bool, by: PlungeMove) {
+        self.edit_selected(whole_row, PlungeChange::Move(by));
+    }
+
+    /// Whether the selected plunge, or every plunge of its row, is locked.
+    pub fn is_selected_locked(&self, whole_row: bool) -> bool {
+        let range = self.edited_range(whole_row);
+        range.is_some_and(|mut range| range.all(|k| self.plunge_mark(k).is_locked()))
+    }
+
+    /// Locks the selected plunge or its row; unlocks it where it is locked.
+    pub fn toggle_lock(&mut self, whole_row: bool) {
+        let Some(range) = self.edited_range(whole_row) else { return };
+        let marks: Vec<PlungeMark> = range.clone().map(|k| self.plunge_mark(k)).collect();
+        let locks = |mark: &PlungeMark| match mark {
+            PlungeMark::Locked(index) => Some(*index),
+            PlungeMark::Planned | PlungeMark::Edited => None,
+        };
+        if marks.iter().all(|mark| mark.is_locked()) {
+            let locks: Vec<usize> = marks.iter().filter_map(locks).collect();
+            self.change_edits(|edits| {
+                let mut index = 0..;
+                edits.retain(|_| index.next().is_none_or(|index| !locks.contains(&index)));
+            });
+            return;
+        }
+        let Some(plan) = self.editable_plan() else { return };
+        let lock = |(k, mark): (usize, &PlungeMark)| {
+            let position = plan.positions.get(k).filter(|_| !mark.is_locked())?;
+            let tool = plan.sections.get(position.section)?.tool.number;
+            let change = PlungeChange::Lock { tool, lift: position.lift };
+            Some(PlungeEdit { plunge: pose(plan, k)?, whole_row: false, change })
+        };
+        let added: Vec<PlungeEdit> = range.zip(&marks).filter_map(lock).collect();
+        self.change_edits(|edits| edits.extend(added));
+    }
+
+    /// Before what the selected plunge or its row is cut when it goes earlier or later, and its own pose;
+    /// `None` where it is the first or the last of its section.
+    fn reordered(&self, whole_row: bool, to: CuttingPlace) -> Option<(Option<PlungePose>, PlungePose)> {
+        let range = self.edited_range(whole_row)?;
+        let plan = self.editable_plan()?;
+        let section = plan.positions.get(range.start)?.section;
+        let in_section = |k: usize| plan.positions.get(k).is_some_and(|p| p.section == section);
+        let unit = |k: usize| if whole_row { row_of(plan, k) } else { k..k + 1 };
+        let before = match to {
+            CuttingPlace::Earlier => {
+                let previous = range.start.checked_sub(1).filter(|&k| in_section(k))?;
+                pose(plan, unit(previous).start)
+            }
+            CuttingPlace::Later => {
+                let next = Some(range.end).filter(|&k| in_section(k))?;
+                let after = unit(next).end;
+                if in_section(after) { pose(plan, after) } else { None }
+            }
+        };
+        Some((before, pose(plan, self.look.selected?)?))
+    }
+
+    /// Whether the selected plunge or its row can be cut earlier or later.
+    pub fn can_reorder(&self, whole_row: bool, to: CuttingPlace) -> bool {
+        self.reordered(whole_row, to).is_some()
+    }
+
+    /// Cuts the selected plunge or its row earlier or later. The selection follows.
+    pub fn reorder_selected(&mut self, whole_row: bool, to: CuttingPlace) {
+        let Some((before, selected)) = self.reordered(whole_row, to) else { return };
+        self.edit_selected(whole_row, PlungeChange::Reorder(before));
+        self.look.followed = Some(selected);
+    }
+
+    /// Selects the plunge that was selected before it was cut in another order.
+    pub(in crate::app) fn follow_reordered(&mut self) {
+        let Some(followed) = self.look.followed.take() else { return };
+        let k = self.editable_plan().and_then(|plan| {
+            let is_it = |k: &usize| pose(plan, *k).is_some_and(|pose| pose.is(&followed));
+            (0..plan.positions.len()).find(is_it)
+        });
+        if k.is_some() {
+            self.look.select(k);
+        }
+    }
+
+    /// Removes the edits whose plunge the last plan does not have.
+    pub fn remove_unfitting_edits(&mut self) {
+        let planned = self.results.planned.as_ref();
+        let unfitting = planned.map(|planned| planned.outcome.edits.unfitting.clone()).unwrap_or_default();
+        self.change_edits(|edits| {
+            let mut index = 0..;
+            edits.retain(|_| index.next().is_none_or(|index| !unfitting.contains(&index)));
+        });
+    }
+
+    /// Removes all edits.
+    pub fn remove_edits(&mut self) {
+        self.change_edits(Vec::clear);
+    }
+}

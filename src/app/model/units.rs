@@ -1,0 +1,167 @@
+//! Units in which the window shows lengths and feed rates, and takes them. Files and everything inside stay
+//! in mm and mm/min. All texts with a length or a feed rate come from here.
+
+use super::number::{self, Quantity};
+
+/// Length of an inch, mm.
+const INCH_MM: f64 = 25.4;
+
+/// Units of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DisplayUnits {
+    /// Millimetres, mm/min.
+    #[default]
+    Metric,
+    /// Inches, in/min.
+    Inch,
+}
+
+impl DisplayUnits {
+    /// Unit of lengths.
+    pub fn length_unit(self) -> &'static str {
+        match self {
+            Self::Metric => "mm",
+            Self::Inch => "in",
+        }
+    }
+
+    /// Unit of feed rates.
+    pub fn feed_unit(self) -> &'static str {
+        match self {
+            Self::Metric => "mm/min",
+            Self::Inch => "in/min",
+        }
+    }
+
+    /// `mm` in the unit of lengths; feed rates likewise.
+    pub fn of_mm(self, mm: f64) -> f64 {
+        match self {
+            Self::Metric => mm,
+            Self::Inch => mm / INCH_MM,
+        }
+    }
+
+    /// A length in the unit of the window in mm; feed rates likewise.
+    pub fn to_mm(self, shown: f64) -> f64 {
+        match self {
+            Self::Metric => shown,
+            Self::Inch => shown * INCH_MM,
+        }
+    }
+
+    /// Decimals that resolve about as much as so many `decimals` of a number of mm.
+    pub fn decimals(self, decimals: usize) -> usize {
+        match (self, decimals) {
+            (Self::Metric, _) => decimals,
+            (Self::Inch, 1 | 2) => decimals + 2,
+            (Self::Inch, _) => decimals + 1,
+        }
+    }
+
+    /// A length without its unit; `decimals` are those of mm.
+    pub fn number(self, mm: f64, decimals: usize) -> String {
+        let decimals = self.decimals(decimals);
+        format!("{:.decimals$}", self.of_mm(mm))
+    }
+
+    /// As [`Self::number`], without zeros at its end.
+    pub fn short(self, mm: f64, decimals: usize) -> String {
+        let text = self.number(mm, decimals);
+        match text.contains('.') {
+            true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+            false => text,
+        }
+    }
+
+    /// A length with its unit; `decimals` are those of mm.
+    pub fn length(self, mm: f64, decimals: usize) -> String {
+        format!("{} {}", self.number(mm, decimals), self.length_unit())
+    }
+
+    /// A length with its unit; a dash where it is not known.
+    pub fn known_length(self, mm: f64, decimals: usize) -> String {
+        if mm.is_finite() { self.length(mm, decimals) } else { "-".to_owned() }
+    }
+
+    /// The size of a tool, without unit and zeros at its end.
+    pub fn size(self, mm: f64) -> String {
+        match self {
+            Self::Metric => self.short(mm, 3),
+            // Thousandths, as tools are named.
+            Self::Inch => self.short(mm, 1),
+        }
+    }
+
+    /// A diameter with its sign, without unit and zeros at its end.
+    pub fn diameter(self, mm: f64) -> String {
+        format!("Ø{}", self.size(mm))
+    }
+
+    /// A feed rate with its unit.
+    pub fn feed(self, mm_per_min: f64) -> String {
+        format!("{} {}", self.number(mm_per_min, 0), self.feed_unit())
+    }
+
+    /// A volume with its unit, from mm³.
+    pub fn volume(self, cubic_mm: f64) -> String {
+        match self {
+            Self::Metric => format!("{:.1} cm³", 1e-3 * cubic_mm),
+            Self::Inch => format!("{:.2} in³", cubic_mm / INCH_MM.powi(3)),
+        }
+    }
+
+    /// Two lengths with one unit, such as mean and percentile of the residual stock; a dash for what is not
+    /// known.
+    pub fn pair(self, a: f64, b: f64, decimals: usize) -> String {
+        let show = |mm: f64| if mm.is_finite() { self.number(mm, decimals) } else { "-".to_owned() };
+        format!("{}/{}", show(a), show(b))
+    }
+
+    /// The value of typed `text` in mm, mm/min, degrees or whatever the field holds: a number without unit is
+    /// in the unit of the window.
+    pub fn parse(self, text: &str, quantity: Quantity) -> Option<f64> {
+        let value = number::parse(text, quantity)?;
+        let is_length = matches!(quantity, Quantity::Length | Quantity::FeedRate);
+        // The unit "/min" cannot follow a length: what has a letter, or a sign of inches, has a unit.
+        let has_unit = text.chars().any(|c| c.is_alphabetic() || c == '"' || c == '″');
+        Some(if is_length && !has_unit { self.to_mm(value) } else { value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::DisplayUnits::{Inch, Metric};
+    use super::Quantity;
+
+    #[test]
+    fn lengths_and_feed_rates_have_the_unit_of_the_window() {
+        assert_eq!((Metric.length(12.7, 2), Inch.length(12.7, 2)), ("12.70 mm".into(), "0.5000 in".into()));
+        assert_eq!((Metric.diameter(30.0), Inch.diameter(25.4)), ("Ø30".into(), "Ø1".into()));
+        assert_eq!((Metric.size(12.125), Inch.size(30.0)), ("12.125".into(), "1.181".into()));
+        assert_eq!((Metric.feed(300.0), Inch.feed(300.0)), ("300 mm/min".into(), "11.8 in/min".into()));
+        assert_eq!((Metric.short(0.5, 3), Inch.short(0.5, 3)), ("0.5".into(), "0.0197".into()));
+        assert_eq!((Metric.short(300.0, 0), Inch.short(25.4, 0)), ("300".into(), "1".into()));
+        assert_eq!(Metric.pair(1.0, f64::NAN, 2), "1.00/-");
+    }
+
+    #[test]
+    fn numbers_without_unit_are_in_the_unit_of_the_window() {
+        for (units, text, quantity, value) in [
+            (Metric, "5", Quantity::Length, 5.0),
+            (Inch, "0.5", Quantity::Length, 12.7),
+            (Inch, "1/2", Quantity::Length, 12.7),
+            (Inch, "5 mm", Quantity::Length, 5.0),
+            (Metric, "1\"", Quantity::Length, 25.4),
+            (Inch, "1\"", Quantity::Length, 25.4),
+            (Inch, "10", Quantity::FeedRate, 254.0),
+            (Inch, "254 mm/min", Quantity::FeedRate, 254.0),
+            (Inch, "5", Quantity::Angle, 5.0),
+            (Inch, "1200", Quantity::SpindleSpeed, 1200.0),
+        ] {
+            let parsed = units.parse(text, quantity).unwrap_or_else(|| panic!("{text} is a number"));
+            assert!((parsed - value).abs() < 1e-12, "{text:?}: {parsed}");
+        }
+        assert_eq!(Inch.parse("5 °", Quantity::Length), None);
+    }
+}

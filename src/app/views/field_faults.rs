@@ -1,0 +1,78 @@
+//! Faults at their fields: a frame round the field, and what is wrong below it.
+
+use std::sync::Arc;
+
+use egui::{Context, Id, Label, Rect, RichText, Stroke, StrokeKind, Ui};
+
+use super::theme::{self, Condition};
+use crate::app::model::field_faults::{FaultyField, FieldFault, FieldScope};
+
+/// What is shown in this frame, and what was edited in it.
+#[derive(Clone, Default)]
+struct ShownFaults {
+    faults: Arc<[FieldFault]>,
+    scope: FieldScope,
+    edited: Vec<FaultyField>,
+}
+
+fn key() -> Id {
+    Id::unique("field faults")
+}
+
+/// Makes `faults` those that all fields show from now on.
+pub fn set(ctx: &Context, faults: Arc<[FieldFault]>) {
+    let shown = ShownFaults { faults, ..ShownFaults::default() };
+    ctx.data_mut(|data| data.insert_temp(key(), shown));
+}
+
+/// The faulty fields that were edited since.
+pub fn edited(ctx: &Context) -> Vec<FaultyField> {
+    ctx.data(|data| data.get_temp::<ShownFaults>(key())).unwrap_or_default().edited
+}
+
+/// Draws a form: its fields are those of `scope`.
+pub fn within<R>(ui: &mut Ui, scope: FieldScope, form: impl FnOnce(&mut Ui) -> R) -> R {
+    let enter = |ui: &Ui, scope: FieldScope| {
+        ui.data_mut(|data| {
+            let shown = data.get_temp_mut_or_default::<ShownFaults>(key());
+            std::mem::replace(&mut shown.scope, scope)
+        })
+    };
+    let outer = enter(ui, scope);
+    let drawn = form(ui);
+    enter(ui, outer);
+    drawn
+}
+
+/// Whether a field of `scope` has a fault.
+pub fn is_any(ui: &Ui, scope: FieldScope) -> bool {
+    let shown = ui.data(|data| data.get_temp::<ShownFaults>(key())).unwrap_or_default();
+    shown.faults.iter().any(|fault| fault.field.scope == scope)
+}
+
+/// What is wrong with the field of this label; `None` for nothing.
+fn fault_of(ui: &Ui, label: &str) -> Option<FieldFault> {
+    ui.data(|data| {
+        let shown = data.get_temp::<ShownFaults>(key())?;
+        let is_it = |fault: &&FieldFault| fault.field.scope == shown.scope && fault.field.label == label;
+        shown.faults.iter().find(is_it).cloned()
+    })
+}
+
+/// Draws what is wrong with the field of this label, whose box is `at`. `edited`: the user changed it, which
+/// ends the fault.
+pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) {
+    let Some(fault) = fault_of(ui, label) else { return };
+    let colour = Condition::Interfering.text(ui.visuals());
+    ui.painter().rect_stroke(at, 3.0, Stroke::new(1.5, colour), StrokeKind::Outside);
+    let text = RichText::new(fault.text).small().color(colour);
+    ui.scope(|ui| {
+        ui.set_max_width(theme::FIELD_WIDTH + 20.0);
+        ui.add(Label::new(text).wrap());
+    });
+    if edited {
+        ui.data_mut(|data| {
+            data.get_temp_mut_or_default::<ShownFaults>(key()).edited.push(fault.field);
+        });
+    }
+}

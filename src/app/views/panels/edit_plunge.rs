@@ -1,0 +1,145 @@
+//! Tab "By hand" of the selected position: what is changed in the plan by hand.
+
+use egui::{Button, Grid, RichText, Ui};
+
+use super::fields::{self, FieldSpec};
+use crate::app::model::state::AppState;
+use crate::app::views::command::Command;
+use crate::setup::PlungeMove;
+
+const LIFT: FieldSpec = FieldSpec::mm(
+    "Lift by",
+    "By how much the plunge stops short. Negative: it goes deeper, into the hub allowance",
+    -50.0,
+    200.0,
+);
+const ALONG: FieldSpec =
+    FieldSpec::mm("Move along", "Along the channel, positive towards the inlet", -100.0, 100.0);
+const ACROSS: FieldSpec =
+    FieldSpec::mm("Move across", "Across the channel, positive towards the pressure side", -100.0, 100.0);
+const LEAD: FieldSpec =
+    FieldSpec::degrees("Turn lead", "Change of the lead angle, positive towards the inlet", -45.0, 45.0);
+const TILT: FieldSpec = FieldSpec::degrees(
+    "Turn tilt",
+    "Change of the tilt angle, positive towards the pressure side",
+    -45.0,
+    45.0,
+);
+const MOVE_TIP: &str = "Moves and turns by the four fields, then lowers the cutter onto the hub allowance again.\n\
+     Contact and clearances are measured anew; blades do not stop it";
+
+/// Draws the tab for the selected position; returns the command that was asked for.
+pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
+    let mut chosen = None;
+    if state.editable_plan().is_none() {
+        let why = "Edits apply to the plan of the strategy of the setup: show the side \"After\" with it.";
+        ui.label(RichText::new(why).weak());
+        counts(ui, state);
+        return None;
+    }
+    let mut edit = state.look.edit;
+    ui.horizontal(|ui| {
+        ui.label("Edit");
+        ui.radio_value(&mut edit.whole_row, false, "Plunge");
+        ui.radio_value(&mut edit.whole_row, true, "Whole row");
+    });
+    let row = edit.whole_row;
+    ui.horizontal(|ui| {
+        let commands = match row {
+            false => [Command::DeletePlunge, Command::LockPlunge, Command::CutEarlier, Command::CutLater],
+            true => [Command::DeleteRow, Command::LockRow, Command::CutRowEarlier, Command::CutRowLater],
+        };
+        let is_locked = state.is_selected_locked(row);
+        for command in commands {
+            let text = match command {
+                Command::DeletePlunge | Command::DeleteRow => "Delete",
+                Command::LockPlunge | Command::LockRow if is_locked => "Unlock",
+                Command::LockPlunge | Command::LockRow => "Lock",
+                Command::CutEarlier | Command::CutRowEarlier => "Earlier",
+                _ => "Later",
+            };
+            let button = ui.add_enabled(is_possible(state, command), Button::new(text));
+            if button.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+                chosen = Some(command);
+            }
+        }
+    });
+    Grid::new("edit plunge").num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
+        number(ui, &mut edit.lift, &LIFT);
+        if ui.add_enabled(edit.lift != 0.0, Button::new("Lift")).on_hover_text(LIFT.tip).clicked() {
+            state.lift_selected(row, edit.lift);
+        }
+        ui.end_row();
+        number(ui, &mut edit.by.along, &ALONG);
+        ui.end_row();
+        number(ui, &mut edit.by.across, &ACROSS);
+        ui.end_row();
+        angle(ui, &mut edit.by.lead_rad, &LEAD);
+        ui.end_row();
+        angle(ui, &mut edit.by.tilt_rad, &TILT);
+        let moves = edit.by != PlungeMove::default();
+        if ui.add_enabled(moves, Button::new("Move")).on_hover_text(MOVE_TIP).clicked() {
+            state.move_selected(row, edit.by);
+            edit.by = PlungeMove::default();
+        }
+        ui.end_row();
+    });
+    state.look.edit = edit;
+    counts(ui, state);
+    chosen
+}
+
+/// Whether a command that edits the selected plunge is possible.
+pub fn is_possible(state: &AppState, command: Command) -> bool {
+    use crate::app::model::plunge_edits::CuttingPlace::{Earlier, Later};
+    let can_edit = state.editable_plan().is_some() && state.look.selected.is_some();
+    can_edit
+        && match command {
+            Command::CutEarlier => state.can_reorder(false, Earlier),
+            Command::CutLater => state.can_reorder(false, Later),
+            Command::CutRowEarlier => state.can_reorder(true, Earlier),
+            Command::CutRowLater => state.can_reorder(true, Later),
+            _ => true,
+        }
+}
+
+fn number(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) {
+    let label = ui.label(spec.label).on_hover_text(spec.tip);
+    fields::number_box(ui, value, spec, None).labelled_by(label.id);
+}
+
+fn angle(ui: &mut Ui, radians: &mut f64, spec: &FieldSpec) {
+    let before = fields::round_degrees(radians.to_degrees());
+    let mut degrees = before;
+    number(ui, &mut degrees, spec);
+    if degrees != before {
+        *radians = degrees.to_radians();
+    }
+}
+
+/// How many edits there are, and those that do nothing in this plan, with buttons that remove them.
+pub fn counts(ui: &mut Ui, state: &mut AppState) {
+    let (count, unfitting) = state.edit_counts();
+    if count == 0 {
+        return;
+    }
+    ui.vertical(|ui| {
+        let word = if count == 1 { "edit" } else { "edits" };
+        let text = match unfitting {
+            0 => format!("{count} {word}"),
+            n => format!("{count} {word}, {n} without a plunge in this plan"),
+        };
+        ui.label(RichText::new(text).weak()).on_hover_text(UNFITTING_TIP);
+    });
+    ui.horizontal(|ui| {
+        if unfitting > 0 && ui.small_button("Remove those").on_hover_text(UNFITTING_TIP).clicked() {
+            state.remove_unfitting_edits();
+        }
+        if ui.small_button("Remove all").on_hover_text("Removes all edits; undo brings them back").clicked() {
+            state.remove_edits();
+        }
+    });
+}
+
+const UNFITTING_TIP: &str = "An edit finds its plunge by where it is. When the setup changes and the planner places \
+     other plunges, it waits; locked plunges stay in every plan";

@@ -1,0 +1,223 @@
+//! Plans that were edited by hand: plunges left out, lifted, moved, locked, and cut in another order.
+
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+use vanecut::geometry::Vector;
+use vanecut::io::setup_file::{read_setup_bytes, write_setup};
+use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest};
+use vanecut::monitor::Monitor;
+use vanecut::part::Impeller;
+use vanecut::plunge::{PlungeMark, Position};
+use vanecut::setup::edits::add_edit;
+use vanecut::setup::{AxisPolicy, PlungeChange, PlungeEdit, PlungeMove, PlungePose, Setup};
+
+use super::samples::sample;
+
+/// Rough settings, so that the plan is small.
+const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n\
+                     [plunge]\naxis = \"staircase\"\nrest = false\n\
+                     [[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.55\n";
+
+static PART: LazyLock<std::sync::Arc<Impeller>> = LazyLock::new(|| sample("pump6").into());
+/// One job for all, so that edits are planned as in the window.
+static JOB: LazyLock<PlanJob> = LazyLock::new(PlanJob::default);
+/// The plan without edits.
+static FOUND: LazyLock<PlanOutcome> = LazyLock::new(|| planned(&setup(SETUP), &[]).expect("a plan"));
+
+fn setup(text: &str) -> Setup {
+    read_setup_bytes("s.toml", text.as_bytes()).expect("a setup")
+}
+
+fn planned(setup: &Setup, edits: &[PlungeEdit]) -> Result<PlanOutcome, JobError> {
+    let mut setup = setup.clone();
+    setup.plunge.edits = edits.to_vec();
+    let policy = setup.plunge.axis;
+    let request = PlanRequest { part: PART.clone(), setup, policy, compare: false, field_cells: 96 };
+    JOB.run(&request, &Monitor::default())
+}
+
+fn pose(position: &Position) -> PlungePose {
+    PlungePose { tip: position.tip, axis: position.axis }
+}
+
+/// The edit of plunge `k` of the plan without edits.
+fn edit(k: usize, change: PlungeChange) -> PlungeEdit {
+    PlungeEdit { plunge: pose(&FOUND.after.plan.positions[k]), whole_row: false, change }
+}
+
+/// The plan with these edits.
+fn edited(edits: &[PlungeEdit]) -> PlanOutcome {
+    planned(&setup(SETUP), edits).expect("a plan")
+}
+
+/// Number of the first plunge of row `row` of the plan without edits, and of its plunges.
+fn row(row: usize) -> (usize, usize) {
+    let of_row = |position: &&Position| position.row == row;
+    let positions = &FOUND.after.plan.positions;
+    let first = positions.iter().position(|position| of_row(&position)).expect("a row");
+    (first, positions.iter().filter(of_row).count())
+}
+
+#[test]
+fn a_deleted_plunge_is_gone_and_what_stays_is_measured_again() {
+    let found = &FOUND.after;
+    // In the middle of the first row: the core of the next one needs its cut.
+    let (first, count) = row(0);
+    let k = first + count / 2;
+    let outcome = edited(&[edit(k, PlungeChange::Delete)]);
+    let plan = &outcome.after.plan;
+    assert_eq!(plan.positions.len(), found.plan.positions.len() - 1);
+    assert!(!plan.positions.iter().any(|p| pose(p).is(&pose(&found.plan.positions[k]))));
+    assert!(
+        plan.positions[k].evaluation.contact.depth > found.plan.positions[k + 1].evaluation.contact.depth,
+        "the next plunge meets what the deleted one would have cut"
+    );
+    assert!(outcome.after.summary.time_estimate < found.summary.time_estimate);
+    assert!(outcome.edits.unfitting.is_empty());
+}
+
+#[test]
+fn a_row_goes_as_a_whole() {
+    let (first, count) = row(1);
+    let rows = FOUND.after.plan.sections[0].rows;
+    let delete = PlungeEdit { whole_row: true, ..edit(first + 1, PlungeChange::Delete) };
+    let plan = edited(&[delete]).after.plan;
+    assert_eq!(plan.positions.len(), FOUND.after.plan.positions.len() - count);
+    assert_eq!(plan.sections[0].rows, rows - 1);
+    assert_eq!(plan.positions.last().expect("some").row, rows - 2, "rows are counted anew");
+}
+
+#[test]
+fn a_lifted_plunge_stops_short_by_so_much() {
+    let outcome = edited(&[edit(3, PlungeChange::Lift(1.5))]);
+    let (before, after) = (&FOUND.after.plan.positions[3], &outcome.after.plan.positions[3]);
+    assert!((after.tip - before.tip - before.axis * 1.5).norm() < 1e-9);
+    assert!((after.lift - before.lift - 1.5).abs() < 1e-9);
+    assert!(after.hub_clearance > before.hub_clearance + 0.5);
+    assert!((after.alpha_rad - before.alpha_rad).abs() < 1e-3, "its axis is the same");
+    assert!((after.s - before.s).abs() < 0.02 && (after.lambda - before.lambda).abs() < 0.1);
+    assert_eq!(outcome.edits.mark(3), PlungeMark::Edited);
+    assert_eq!(outcome.edits.mark(4), PlungeMark::Planned);
+    assert!(outcome.after.summary.residual_mean > FOUND.after.summary.residual_mean);
+}
+
+#[test]
+fn a_moved_plunge_ends_on_the_allowance_where_it_was_moved_to() {
+    // Conventional plunges are not lifted.
+    let setup = setup(&SETUP.replace("staircase", "conventional"));
+    let found = planned(&setup, &[]).expect("a plan");
+    let allowance = found.setup.allowances.hub_allowance;
+    let positions = &found.after.plan.positions;
+    let first = positions.iter().position(|position| position.row == 1).expect("a second row");
+    let k = first + 8;
+    let before = &positions[k];
+    assert_eq!(before.row, 1);
+    let moved = |by: PlungeMove| {
+        let edit = PlungeEdit { plunge: pose(before), whole_row: false, change: PlungeChange::Move(by) };
+        planned(&setup, &[edit]).expect("a plan").after.plan.positions[k].clone()
+    };
+    let along = moved(PlungeMove { along: 3.0, ..PlungeMove::default() });
+    assert!((along.axis - before.axis).norm() < 1e-9, "it is not turned");
+    let (shift, inwards) = ((along.contact_point - before.contact_point).norm(), before.s - along.s);
+    assert!((1.5..4.5).contains(&shift) && inwards > 0.0, "{shift} mm, {inwards} of s towards the inlet");
+    assert!((along.lambda - before.lambda).abs() < 0.05, "along the channel");
+    let across = moved(PlungeMove { across: 1.0, ..PlungeMove::default() });
+    assert!(across.lambda > before.lambda, "{} after {}", across.lambda, before.lambda);
+    for position in [&along, &across] {
+        let stands = position.hub_clearance;
+        assert!((allowance - 1e-6..allowance + 0.05).contains(&stands), "{stands} mm above the hub");
+    }
+    let turn = 2f64.to_radians();
+    let led = moved(PlungeMove { lead_rad: turn, ..PlungeMove::default() });
+    assert!((led.axis.angle(&before.axis) - turn).abs() < 1e-3);
+    assert!((led.alpha_rad - before.alpha_rad - turn).abs() < 0.005, "towards the inlet");
+    let tilted = moved(PlungeMove { tilt_rad: turn, ..PlungeMove::default() });
+    assert!((tilted.axis.angle(&before.axis) - turn).abs() < 1e-3);
+    let turned_plane: Vector = led.axis - before.axis;
+    let other: Vector = tilted.axis - before.axis;
+    assert!((turned_plane.angle(&other) - 0.5 * PI).abs() < 0.1, "across the channel");
+}
+
+#[test]
+fn a_plunge_cuts_before_another_and_a_row_last() {
+    let found = &FOUND.after.plan;
+    let later = edit(5, PlungeChange::Reorder(Some(pose(&found.positions[2]))));
+    let plan = edited(&[later]).after.plan;
+    let order: Vec<usize> = plan.positions[..7]
+        .iter()
+        .map(|p| found.positions.iter().position(|q| pose(q).is(&pose(p))).expect("the same plunges"))
+        .collect();
+    assert_eq!(order, [0, 1, 5, 2, 3, 4, 6]);
+    let (_, count) = row(0);
+    let last = PlungeEdit { whole_row: true, ..edit(0, PlungeChange::Reorder(None)) };
+    let plan = edited(&[last]).after.plan;
+    assert!(pose(&plan.positions[0]).is(&pose(&found.positions[count])), "the second row is first");
+    let end = plan.positions.len();
+    assert!(pose(&plan.positions[end - count]).is(&pose(&found.positions[0])));
+    assert_eq!(plan.positions[end - 1].row, plan.sections[0].rows - 1);
+}
+
+#[test]
+fn a_locked_plunge_survives_another_setup_and_other_edits_wait_for_theirs() {
+    let lifted = edit(3, PlungeChange::Lift(0.8));
+    let at = lifted.plunge.lifted(0.8);
+    let lock = PlungeChange::Lock { tool: 1, lift: FOUND.after.plan.positions[3].lift + 0.8 };
+    let edits =
+        [lifted, PlungeEdit { plunge: at, whole_row: false, change: lock }, edit(6, PlungeChange::Delete)];
+    let outcome = edited(&edits);
+    assert_eq!(outcome.edits.mark(3), PlungeMark::Locked(1));
+    assert!(outcome.edits.unfitting.is_empty());
+    let mut other = setup(SETUP);
+    other.plunge.step = Some(3.1);
+    let found = planned(&other, &[]).expect("a plan").after.plan;
+    assert!(!found.positions.iter().any(|p| pose(p).is(&at)), "the planner does not find it");
+    let outcome = planned(&other, &edits).expect("a plan");
+    let plan = &outcome.after.plan;
+    let k = plan.positions.iter().position(|p| pose(p).is(&at)).expect("it is kept");
+    assert_eq!(outcome.edits.mark(k), PlungeMark::Locked(1));
+    assert_eq!(plan.positions.len(), found.positions.len(), "in place of the plunge that was there");
+    assert_eq!(plan.positions[k].row, plan.positions[k + 1].row);
+    assert_eq!(outcome.edits.unfitting, [0, 2], "their plunges are not in this plan");
+    let back = edited(&edits);
+    assert!(back.edits.unfitting.is_empty(), "they fit again");
+}
+
+#[test]
+fn what_is_far_from_every_plunge_is_locked_in_addition() {
+    let far = edit(0, PlungeChange::Lock { tool: 1, lift: 0.0 }).plunge.lifted(40.0);
+    let lock =
+        |tool| PlungeEdit { plunge: far, whole_row: false, change: PlungeChange::Lock { tool, lift: 40.0 } };
+    let outcome = edited(&[lock(1)]);
+    assert_eq!(outcome.after.plan.positions.len(), FOUND.after.plan.positions.len() + 1);
+    let outcome = edited(&[lock(7)]);
+    assert_eq!(outcome.after.plan.positions.len(), FOUND.after.plan.positions.len());
+    assert_eq!(outcome.edits.unfitting, [0], "no section has tool 7");
+}
+
+#[test]
+fn edits_go_through_a_setup_file_and_a_fresh_planner() {
+    let mut edits = Vec::new();
+    add_edit(&mut edits, edit(3, PlungeChange::Lift(0.4)));
+    let by = PlungeMove { along: 0.7, lead_rad: 0.02, ..PlungeMove::default() };
+    add_edit(&mut edits, edit(5, PlungeChange::Move(by)));
+    add_edit(&mut edits, edit(8, PlungeChange::Delete));
+    let here = edited(&edits);
+    let mut setup = setup(SETUP);
+    setup.plunge.edits = edits;
+    let read = read_setup_bytes("s.toml", write_setup(&setup).as_bytes()).expect("a setup");
+    let policy = AxisPolicy::Staircase;
+    let request = PlanRequest { part: PART.clone(), setup: read, policy, compare: false, field_cells: 96 };
+    let fresh = vanecut::job::run(&request, &Monitor::default()).expect("a plan");
+    assert_eq!(fresh.after.plan, here.after.plan);
+    assert_eq!(fresh.before.plan, FOUND.before.plan, "the conventional plan has no edits");
+}
+
+#[test]
+fn a_plan_without_plunges_is_refused() {
+    let delete = |k| PlungeEdit { whole_row: true, ..edit(k, PlungeChange::Delete) };
+    let rows = FOUND.after.plan.sections[0].rows;
+    let edits: Vec<PlungeEdit> = (0..rows).map(|r| delete(row(r).0)).collect();
+    let Err(JobError::Setup(fault)) = planned(&setup(SETUP), &edits) else { panic!("a plan of nothing") };
+    assert!(fault.message.contains("every plunge"), "{fault}");
+}

@@ -1,0 +1,94 @@
+//! Defects that a programmer found in the window, each as it was found: they stay repaired.
+
+use std::sync::Arc;
+
+use egui_kittest::kittest::Queryable;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::app::views::theme::Condition;
+use vanecut::job::{Listener, PlanRequest};
+use vanecut::monitor::Monitor;
+
+use crate::fake;
+use crate::harness::{Window, settle, window, with_sample};
+use crate::roles::{open_with_roles, wheel};
+
+/// The pixels of a part of the window, RGBA.
+fn pixels_in(window: &mut Window, rect: egui::Rect) -> Vec<[u8; 4]> {
+    let picture = window.render().expect("the window can be drawn");
+    let (width, bytes) = (picture.width() as usize, picture.as_raw());
+    let (rows, columns) =
+        (rect.top() as usize..rect.bottom() as usize, rect.left() as usize..rect.right() as usize);
+    let pixel = |i: usize, j: usize| std::array::from_fn(|k| bytes[4 * (i * width + j) + k]);
+    rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| pixel(i, j)).collect()
+}
+
+/// Number of pixels of a label that have the ink of a condition.
+fn inked(window: &mut Window, label: &str, condition: Condition) -> usize {
+    let rect = window.get_by_label(label).rect();
+    let ink = condition.text(&window.ctx.global_style().visuals).to_array();
+    let near = |pixel: &&[u8; 4]| pixel.iter().zip(ink).all(|(a, b)| a.abs_diff(b) < 24);
+    pixels_in(window, rect).iter().filter(near).count()
+}
+
+#[test]
+fn a_plan_that_misses_most_of_the_floor_has_no_green_headline() {
+    let (engine, _) = fake::engine();
+    let plan = Arc::clone(&engine.plan);
+    let missing = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        outcome.after.summary.uncut_share = 0.75;
+        Ok(outcome)
+    };
+    let mut sound = with_sample(engine.clone());
+    let mut poor = with_sample(Engine { plan: Arc::new(missing), ..engine });
+    let headline = "Interfering 5 to 0";
+    assert!(inked(&mut sound, headline, Condition::Sound) > 20);
+    assert_eq!(inked(&mut sound, "1.2 %", Condition::Blocked), 0);
+    assert_eq!(inked(&mut poor, headline, Condition::Sound), 0, "green over a plan that is not");
+    assert!(inked(&mut poor, headline, Condition::Blocked) > 20, "as bad as its worst figure");
+    assert!(inked(&mut poor, "75.0 %", Condition::Blocked) > 10, "and that one says so");
+}
+
+#[test]
+fn the_picture_of_the_roles_shows_the_blades_whichever_way_the_wheel_lies() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut seen = Vec::new();
+    for turn in [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0]] {
+        // The root turns the wheel about X: by nothing, or by half a turn.
+        let path = wheel(folder.path(), |document| {
+            let nodes = document["nodes"].as_array_mut().expect("nodes");
+            let root = nodes.iter_mut().find(|node| node.get("children").is_some()).expect("a root");
+            root.as_object_mut().expect("an object").remove("matrix");
+            root["rotation"] = serde_json::json!(turn);
+        });
+        let (engine, _) = fake::engine();
+        let mut window = open_with_roles(window(engine), path);
+        let rect = window.get_by_label("Picture of the nodes").rect();
+        let plain = pixels_in(&mut window, rect);
+        window.get_by_label("blade_1").click();
+        window.run_steps(4);
+        settle(&mut window);
+        let lit = pixels_in(&mut window, rect);
+        let differs = |(a, b): &(&[u8; 4], &[u8; 4])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 24);
+        seen.push(plain.iter().zip(&lit).filter(differs).count());
+    }
+    assert!(seen.iter().all(|&pixels| pixels > 300), "pixels of one blade: {seen:?}");
+}
+
+#[test]
+fn a_word_where_a_number_belongs_is_named_as_such() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("part.toml");
+    let text = include_str!("../../assets/parts/pump6.toml").replace("blades = 6", "blades = nine");
+    assert!(text.contains("blades = nine"));
+    std::fs::write(&path, text).expect("writes");
+    let (engine, _) = fake::engine();
+    let engine = Engine { open: Engine::default().open, ..engine };
+    let mut window = window(engine);
+    window.state_mut().open_path(path);
+    settle(&mut window);
+    let said = &window.state().state().problems;
+    assert!(said.iter().any(|p| p.message.contains("nine is not a value")), "{said:?}");
+    assert!(!said.iter().any(|p| p.text().contains("nan")), "{said:?}");
+    window.get_by_label_contains("nine is not a value");
+}

@@ -1,0 +1,168 @@
+//! Plunges edited by hand, with the real planner.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::part_source::PartSource;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::io::project_file::read_project;
+use vanecut::plunge::{PlungeMark, Position};
+
+use crate::harness::{Window, settle, snapshot_view, window};
+
+/// A setup with a small plan.
+const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n\
+                     [plunge]\naxis = \"staircase\"\nrest = false\n\
+                     [[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.55\n";
+
+/// A window with the small plan.
+fn planned(folder: &std::path::Path) -> Window {
+    let path = folder.join("setup.toml");
+    std::fs::write(&path, SETUP).expect("writes");
+    let mut window = window(Engine::default());
+    window.set_size(egui::vec2(1280.0, 800.0));
+    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
+    settle(&mut window);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::OpenSetup, path);
+    settle(&mut window);
+    window
+}
+
+fn positions(window: &Window) -> Vec<Position> {
+    window.state().state().shown().expect("planned").plan().positions.clone()
+}
+
+fn count_edits(window: &Window) -> usize {
+    window.state().state().document.edited.setup.plunge.edits.len()
+}
+
+/// Selects a position in the table, and shows what can be done with it by hand.
+fn select(window: &mut Window, number: usize) {
+    window.get_by_role_and_label(Role::Row, &format!("Position {number}")).click();
+    window.run_steps(3);
+    window.key_press(egui::Key::E);
+    window.run_steps(3);
+}
+
+/// Clicks a button of the tab and waits for the plan that follows.
+fn click(window: &mut Window, button: &str) {
+    window.get_by_role_and_label(Role::Button, button).click();
+    window.run_steps(3);
+    settle(window);
+}
+
+fn set(window: &mut Window, field: &str, value: f64) {
+    window.get_by_role_and_label(Role::SpinButton, field).set_value_accesskit(value);
+    window.run_steps(3);
+}
+
+#[test]
+fn a_plunge_is_lifted_deleted_and_brought_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    let found = positions(&window);
+    select(&mut window, 3);
+    set(&mut window, "Lift by", 1.5);
+    click(&mut window, "Lift");
+    let lifted = &positions(&window)[2];
+    assert!((lifted.lift - found[2].lift - 1.5).abs() < 1e-9, "{} mm", lifted.lift);
+    assert_eq!(window.state().state().plunge_mark(2), PlungeMark::Edited);
+    window.get_by_label("edited");
+    window.get_by_label("1 edit");
+    assert!(!window.state().state().out_of_date(), "the plan follows");
+
+    window.key_press(egui::Key::Delete);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(positions(&window).len(), found.len() - 1);
+    assert_eq!(positions(&window)[2].tip, found[3].tip, "the next one is selected in its place");
+    assert_eq!(window.state().state().look.selected, Some(2));
+
+    for left in [1, 0] {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+        window.run_steps(3);
+        settle(&mut window);
+        assert_eq!(count_edits(&window), left, "each edit is undone by itself");
+    }
+    assert_eq!(positions(&window), found);
+}
+
+#[test]
+fn a_row_is_deleted_and_cut_in_another_order_from_the_context_menu_and_the_tab() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    let found = positions(&window);
+    let first_row = found.iter().filter(|position| position.row == 0).count();
+    window.get_by_role_and_label(Role::Row, "Position 2").click_secondary();
+    window.run_steps(3);
+    window.get_by_label_contains("Change by hand").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Delete row Shift+Delete").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(positions(&window).len(), found.len() - first_row);
+
+    select(&mut window, 1);
+    click(&mut window, "Later");
+    let now = positions(&window);
+    assert_eq!((now[0].tip, now[1].tip), (found[first_row + 1].tip, found[first_row].tip));
+    assert_eq!(window.state().state().look.selected, Some(1), "the selection goes with it");
+    window.get_by_label("Whole row").click();
+    window.run_steps(2);
+    let earlier = window.get_by_role_and_label(Role::Button, "Earlier");
+    assert!(earlier.accesskit_node().is_disabled(), "it is the first row");
+    click(&mut window, "Later");
+    assert!(window.state().state().look.selected.is_some_and(|k| k > 1), "the whole row is cut later");
+    click(&mut window, "Remove all");
+    assert_eq!(positions(&window), found);
+}
+
+#[test]
+fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    select(&mut window, 4);
+    set(&mut window, "Move along", 1.0);
+    set(&mut window, "Turn lead", 1.5);
+    click(&mut window, "Move");
+    let moved = positions(&window)[3].clone();
+    click(&mut window, "Lock");
+    assert!(window.state().state().plunge_mark(3).is_locked());
+    window.get_by_label("locked");
+    set(&mut window, "Step", 3.1);
+    settle(&mut window);
+    let now = positions(&window);
+    let k = now.iter().position(|position| position.tip == moved.tip).expect("it is kept");
+    assert!(window.state().state().plunge_mark(k).is_locked());
+    assert!((now[k].axis - moved.axis).norm() < 1e-12);
+    window.get_by_label("2 edits, 1 without a plunge in this plan");
+    snapshot_view(&mut window, "edited_by_hand");
+
+    let path = folder.path().join("p.vanecut");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.clone());
+    settle(&mut window);
+    let edited = window.state().state().document.edited.setup.plunge.edits.clone();
+    assert_eq!(read_project(&path).expect("reads").setup.plunge.edits, edited);
+
+    select(&mut window, k + 1);
+    click(&mut window, "Remove those");
+    window.get_by_label("1 edit");
+    click(&mut window, "Unlock");
+    assert_eq!(count_edits(&window), 0);
+    assert!(!positions(&window).iter().any(|position| position.tip == moved.tip));
+}
+
+#[test]
+fn the_conventional_side_cannot_be_edited() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    window.get_by_label("Before").click();
+    window.run_steps(3);
+    select(&mut window, 2);
+    window.get_by_label_contains("show the side \"After\"");
+    window.key_press(egui::Key::Delete);
+    window.run_steps(3);
+    assert_eq!(count_edits(&window), 0);
+}

@@ -1,0 +1,159 @@
+//! Results of a study in the window.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::io::write_setup;
+use vanecut::setup::Setup;
+use vanecut::study::{RESULT_VERSION, RunResult, RunStatus, merge::merge};
+
+use crate::fake;
+use crate::harness::{Window, press, settle, snapshot_view, window, with_sample};
+
+/// A run: its name, its step, and time in min and 95th percentile of the stock where it has a plan.
+type StudyRun = (&'static str, f64, Option<(f64, f64)>);
+
+const RUNS: [StudyRun; 4] = [
+    ("00000000000000a1", 10.0, Some((20.0, 2.0))),
+    ("00000000000000a2", 8.0, Some((30.0, 1.0))),
+    ("00000000000000a3", 6.0, Some((40.0, 1.5))),
+    ("00000000000000a4", 4.0, None),
+];
+
+/// Writes the results of a study of the sample part; returns its folder.
+pub fn study(folder: &Path) -> PathBuf {
+    let folder = folder.join("study");
+    std::fs::create_dir_all(folder.join("runs")).expect("a folder");
+    for (id, step, figures) in RUNS {
+        let mut setup = Setup::default();
+        setup.plunge.step = Some(step);
+        let mut known: BTreeMap<String, Option<f64>> = BTreeMap::new();
+        if let Some((minutes, stock)) = figures {
+            known.insert("time_estimate".to_owned(), Some(60.0 * minutes));
+            known.insert("residual_p95".to_owned(), Some(stock));
+        }
+        let step = format!("{{\"plunge.step\": {step:?}}}");
+        let result = RunResult {
+            vanecut_study_run: RESULT_VERSION,
+            program: env!("CARGO_PKG_VERSION").to_owned(),
+            id: id.to_owned(),
+            part: "parts/impeller532.toml".to_owned(),
+            part_hash: "0".repeat(64),
+            varied: serde_json::from_str(&step).expect("a value"),
+            setup: write_setup(&setup),
+            status: if figures.is_some() { RunStatus::Done } else { RunStatus::Error },
+            error: figures.is_none().then(|| "the step is too small".to_owned()),
+            policy: Some("minimal".to_owned()),
+            tools: vec![30.0],
+            figures: known,
+            elapsed: 1.0,
+        };
+        result.write(&folder).expect("writes");
+    }
+    let ids: Vec<String> = RUNS.iter().map(|(id, ..)| format!("\"{id}\"")).collect();
+    let list = format!(
+        "{{\"vanecut_study\": {RESULT_VERSION}, \"keys\": [\"plunge.step\"], \"runs\": [{}]}}",
+        ids.join(", ")
+    );
+    std::fs::write(folder.join("study.json"), list).expect("writes");
+    folder
+}
+
+/// Numbers of the runs as the table lists them.
+fn listed(window: &Window) -> Vec<String> {
+    let mut rows: Vec<(f32, String)> = window
+        .query_all_by(|node| {
+            node.role() == Role::Row && node.label().is_some_and(|name| name.starts_with("Run "))
+        })
+        .filter_map(|node| Some((node.rect().top(), node.accesskit_node().label()?)))
+        .collect();
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rows.into_iter().map(|(_, name)| name).collect()
+}
+
+/// Whether some label begins with `text`.
+fn says(window: &Window, text: &str) -> bool {
+    window.query_all_by(|node| node.value().is_some_and(|value| value.starts_with(text))).next().is_some()
+}
+
+fn open(window: &mut Window, path: PathBuf) {
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::OpenStudy, path);
+    settle(window);
+}
+
+#[test]
+fn runs_are_sorted_plotted_and_opened_as_plans() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = study(folder.path()).join("study.json");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    open(&mut window, path);
+    window.get_by_label("4 runs, 1 without a plan");
+    assert_eq!(listed(&window), ["Run 1", "Run 2", "Run 3", "Run 4"]);
+    window.get_by_label("Sort runs by plunge.step").click();
+    window.run_steps(3);
+    assert_eq!(listed(&window), ["Run 4", "Run 3", "Run 2", "Run 1"], "4 is less than 10");
+    window.get_by_label("Sort runs by Stock 95 %, mm").click();
+    window.run_steps(3);
+    assert_eq!(listed(&window), ["Run 2", "Run 3", "Run 1", "Run 4"]);
+    snapshot_view(&mut window, "study");
+
+    // The slowest run with a plan is at the right.
+    let plot = window.get_by_label("Stock 95 % over Time").rect();
+    let selected = |window: &Window| {
+        let steps = ["10", "8", "6", "4"];
+        steps.into_iter().find(|step| says(window, &format!("plunge.step = {step}")))
+    };
+    assert_eq!(selected(&window), None);
+    let right = plot.right() - 14.0;
+    let mut y = plot.top();
+    while selected(&window).is_none() && y < plot.bottom() {
+        let width = right - plot.left() - 48.0;
+        press(&mut window, egui::pos2(right - 0.06 / 1.12 * width, y));
+        window.run_steps(2);
+        y += 8.0;
+    }
+    assert_eq!(selected(&window), Some("6"));
+    window.get_by_role_and_label(Role::Row, "Run 4").click();
+    window.run_steps(3);
+    let button = window.get_by_role_and_label(Role::Button, "Open as plan");
+    assert!(button.accesskit_node().is_disabled(), "it has no plan");
+    window.get_by_label("the step is too small");
+    window.get_by_role_and_label(Role::Row, "Run 2").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Open as plan").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let state = window.state().state();
+    assert_eq!(state.document.edited.setup.plunge.step, Some(8.0));
+    assert!(!state.out_of_date() && state.results.planned.is_some(), "it is calculated");
+}
+
+#[test]
+fn a_merged_table_leads_to_its_runs_and_a_damaged_one_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let merged = merge(&study(folder.path())).expect("merges");
+    let table = folder.path().join("results.csv");
+    std::fs::write(&table, &merged.text).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    open(&mut window, table);
+    window.get_by_role_and_label(Role::Row, "Run 1").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Open as plan").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let said = &window.state().state().problems;
+    assert!(said.iter().any(|p| p.message.contains("parts/impeller532.toml, is not found")), "{said:?}");
+
+    let damaged = folder.path().join("damaged.csv");
+    std::fs::write(&damaged, "a,b\n1\n").expect("writes");
+    open(&mut window, damaged);
+    let said = &window.state().state().problems;
+    assert!(said.iter().any(|p| p.message.contains("damaged.csv:2")), "{said:?}");
+}

@@ -1,0 +1,96 @@
+//! Lengths and feed rates in inches: shown and typed, while files stay in mm.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::units::DisplayUnits;
+use vanecut::io::project_file::read_project;
+
+use crate::fake;
+use crate::harness::{Window, labels, settle, snapshot_view, window, with_sample};
+
+/// Chooses a unit in the menu.
+fn choose(window: &mut Window, unit: &str) {
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    window.get_by_label_contains("Units").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::RadioButton, unit).click();
+    window.run_steps(3);
+}
+
+/// Types `text` into the field of the hub allowance.
+fn type_allowance(window: &mut Window, text: &str) {
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").click();
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text(text.to_owned()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    settle(window);
+}
+
+fn allowance(window: &Window) -> f64 {
+    window.state().state().document.edited.setup.allowances.hub_allowance
+}
+
+/// Whether some label says `text`.
+fn says(window: &Window, text: &str) -> bool {
+    window.query_all_by(|node| node.value().is_some_and(|value| value.contains(text))).next().is_some()
+}
+
+#[test]
+fn every_length_is_shown_in_inches_when_asked_for() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    window.run_steps(3);
+    window.get_by_label("Position 3").click();
+    window.run_steps(3);
+    window.get_by_label("Figures").click_accesskit();
+    window.run_steps(3);
+    let said = labels(&window, "");
+    assert!(says(&window, "532.0 mm") && says(&window, "300 mm/min"), "the part, and a feed rate: {said:?}");
+    choose(&mut window, "Units: inch");
+    // Names and tips of the machine's files and the words of the planner stay.
+    for unit in [" mm", "mm/min"] {
+        let left: Vec<String> = labels(&window, "").into_iter().filter(|text| text.contains(unit)).collect();
+        assert!(left.is_empty(), "still in mm: {left:?}");
+    }
+    assert!(says(&window, "20.945 in") && says(&window, "11.8 in/min"), "{:?}", labels(&window, ""));
+    window.get_by_label("Sectional view").click_accesskit();
+    window.run_steps(3);
+    settle(&mut window);
+    snapshot_view(&mut window, "inches");
+    choose(&mut window, "Units: mm");
+    assert!(says(&window, "532.0 mm"));
+}
+
+#[test]
+fn typed_numbers_are_inches_then_and_files_stay_in_mm() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    first.state_mut().set_home(folder.path().join("home"));
+    first.set_size(egui::vec2(1100.0, 1000.0));
+    first.run_steps(3);
+    choose(&mut first, "Units: inch");
+    type_allowance(&mut first, "0.03");
+    assert!((allowance(&first) - 0.762).abs() < 1e-12, "{}", allowance(&first));
+    type_allowance(&mut first, "0.9 mm");
+    assert!((allowance(&first) - 0.9).abs() < 1e-12, "a unit that is typed counts");
+    type_allowance(&mut first, "1/20");
+    assert!((allowance(&first) - 1.27).abs() < 1e-12, "{}", allowance(&first));
+    let path = folder.path().join("p.vanecut");
+    let ctx = first.ctx.clone();
+    first.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.clone());
+    settle(&mut first);
+    let written = read_project(&path).expect("reads").setup.allowances.hub_allowance;
+    assert_eq!(written, allowance(&first));
+    drop(first);
+    let mut second = window(engine);
+    second.state_mut().set_home(folder.path().join("home"));
+    second.run_steps(2);
+    assert_eq!(second.state().state().look.units, DisplayUnits::Inch, "it is a preference");
+}
