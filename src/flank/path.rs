@@ -7,9 +7,9 @@
 //! blank, and comes down again. Each pass has one feed rate, by its engagement: full stock on both sides,
 //! beside a cut pass, or along a wall.
 
-use super::chart::Region;
 use super::engagement::CutPasses;
 use super::layer::{LayerPoint, LayerSurface};
+use super::region::Region;
 use super::strategies::PassRole;
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface, bottom_clearance, retract_clear};
@@ -166,7 +166,7 @@ impl PathMaker<'_> {
             let mut rest: Vec<(usize, &Pass)> = layer.passes.iter().enumerate().collect();
             // Regions from the inlet on; in each the inner passes by axis, then the walls, side by side.
             rest.sort_by(|(_, a), (_, b)| {
-                let key = |p: &Pass| (p.region as usize, matches!(p.role, PassRole::Wall(_)), p.group);
+                let key = |p: &Pass| (p.region, matches!(p.role, PassRole::Wall(_)), p.group);
                 let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
                 key(a).cmp(&key(b)).then(side(a).total_cmp(&side(b)))
             });
