@@ -28,6 +28,11 @@ impl LayerPassMaker<'_> {
         points: &[LayerPoint],
         made: &mut PlannedLayer,
     ) {
+        // A curve along the first side alone may begin at the nose as well.
+        let reversed: Vec<LayerPoint> = points.iter().rev().copied().collect();
+        let begins_at_nose = points[0].x < points[points.len() - 1].x;
+        let ends_on_first_side = self.chart.borders.nearest_region(points[points.len() - 1]).high == wall;
+        let points = if begins_at_nose && ends_on_first_side { &reversed } else { points };
         let foremost = (0..points.len()).min_by(|&a, &b| points[a].x.total_cmp(&points[b].x)).unwrap_or(0);
         // Use the fitted axes beside the flanks; the arc round the nose joins them.
         let begins = |region: Region| {

@@ -22,7 +22,9 @@ pub(super) fn split_by_region(chart: &LayerChart, curve: &PassCurve) -> Vec<Curv
             // The curve round the nose of a splitter is kept whole; isoparametric curves continue upstream of
             // it and are split.
             let is_beside = |p: &LayerPoint| borders.nearest_region(*p).facing(wall).is_some();
-            if curve.points.first().is_some_and(is_beside) && curve.points.last().is_some_and(is_beside) {
+            let ends_beside =
+                curve.points.first().is_some_and(is_beside) && curve.points.last().is_some_and(is_beside);
+            if ends_beside && reaches_nose(borders, wall, &curve.points) {
                 return vec![whole(region_divided_by(borders, wall))];
             }
         }
@@ -51,6 +53,14 @@ pub(super) fn split_by_region(chart: &LayerChart, curve: &PassCurve) -> Vec<Curv
     }
     stretches.retain(|stretch| stretch.points.len() >= 2 && chart.layer.length(&stretch.points) > 1e-6);
     stretches
+}
+
+/// Whether a curve along a splitter begins at its nose, not at that of another one further downstream.
+fn reaches_nose(borders: &LayerWalls, wall: WallName, points: &[LayerPoint]) -> bool {
+    let Some(foremost) = points.iter().min_by(|a, b| a.x.total_cmp(&b.x)) else { return false };
+    let begins = |wall: WallName| borders.splitter(wall).map_or(f64::NEG_INFINITY, |s| s.nose.x);
+    let facing = borders.nearest_region(*foremost).facing(wall);
+    facing.is_none_or(|facing| begins(facing) <= begins(wall))
 }
 
 /// The region that a splitter stands in and divides.
