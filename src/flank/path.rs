@@ -305,8 +305,7 @@ impl ProgramWriter<'_> {
         (to, target): (LayerPoint, (Point, Vector)),
         long: f64,
     ) -> Option<Vec<(Point, Vector)>> {
-        let turn = from.axis.angle(&target.1);
-        if (target.0 - from.tip).norm() < SAME_POSITION && turn < SAME_AXIS {
+        if is_same((from.tip, from.axis), target) {
             return Some(Vec::new());
         }
         let tool = self.maker.tool;
@@ -316,6 +315,7 @@ impl ProgramWriter<'_> {
         };
         // Interpolate the offset of both ends from the layer.
         let offset = [from.tip - plain(at, &from.axis), target.0 - plain(to, &target.1)];
+        let turn = from.axis.angle(&target.1);
         let count = (long / LINK_STEP).max(turn / LINK_TURN).ceil().max(1.0) as usize;
         (1..=count)
             .map(|k| {
@@ -381,15 +381,25 @@ impl ProgramWriter<'_> {
                 break;
             }
         }
-        // A rapid that was not raised ends where the approach begins.
-        let repeats = |k: usize| {
-            let [a, b] = [&self.moves[k - 1], &self.moves[k]];
-            b.kind == MoveKind::Rapid && a.tip == b.tip && a.axis == b.axis
-        };
-        let kept: Vec<usize> = (0..self.moves.len()).filter(|&k| k == 0 || !repeats(k)).collect();
-        self.moves = kept.iter().map(|&k| self.moves[k]).collect();
-        self.origins = kept.iter().map(|&k| self.origins[k]).collect();
+        self.drop_repeated_positions();
         Ok(())
+    }
+
+    /// Removes the moves of no length: a rapid that was not raised ends where the approach begins, and a curve
+    /// may be split at one of its points.
+    fn drop_repeated_positions(&mut self) {
+        let mut last: Option<FlankMove> = None;
+        let is_kept = |step: &FlankMove| {
+            let moves = last.is_none_or(|last| !is_same((last.tip, last.axis), (step.tip, step.axis)));
+            if moves {
+                last = Some(*step);
+            }
+            moves
+        };
+        let kept: Vec<bool> = self.moves.iter().map(is_kept).collect();
+        let (mut of_moves, mut of_origins) = (kept.iter().copied(), kept.iter().copied());
+        self.moves.retain(|_| of_moves.next().unwrap_or(true));
+        self.origins.retain(|_| of_origins.next().unwrap_or(true));
     }
 
     /// Missing clearance of the tool bottom above the blank on the rapid to move `k`, mm; not positive where
@@ -402,6 +412,11 @@ impl ProgramWriter<'_> {
         let between = LinkMove { tool, blank, from, to }.clearance([&start, &end], wanted);
         wanted - between.min(start.clearance).min(end.clearance)
     }
+}
+
+/// Whether two positions of tip and axis are the same in a program.
+fn is_same((tip, axis): (Point, Vector), (other_tip, other_axis): (Point, Vector)) -> bool {
+    (other_tip - tip).norm() < SAME_POSITION && other_axis.angle(&axis) < SAME_AXIS
 }
 
 /// Path length of the tip, mm.
