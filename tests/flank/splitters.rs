@@ -133,10 +133,10 @@ fn the_walls_of_all_splitters_are_cut() {
             let (plan, place) = (&outcome.plan, format!("{} splitters, {strategy:?}", splitters.len()));
             assert!(outcome.faults.is_empty(), "{place}: {:?}", outcome.faults.first());
             let verdict = outcome.verdict.as_ref().expect("a verdict");
-            // Isoparametric layers leave out as much beside one splitter.
+            // Of two isoparametric layers most is left out beside one splitter, too: the baseline is only safe.
             let (max_left, max_unmilled) = match strategy {
-                FlankStrategy::Isoparametric => (0.5, 0.06),
-                FlankStrategy::Layers => (0.06, 0.01),
+                FlankStrategy::Isoparametric => (1.1, 0.12),
+                FlankStrategy::Layers => (0.08, 0.01),
                 FlankStrategy::Regions | FlankStrategy::Balanced => (0.01, 0.001),
             };
             assert!(verdict.unmilled_wall_share < max_unmilled, "{place}: {}", verdict.unmilled_wall_share);
