@@ -96,7 +96,7 @@ fn a_region_is_divided_where_a_splitter_begins_in_it() {
         assert_eq!(stretches.iter().map(|s| s.region).collect::<Vec<_>>(), expected);
         for stretch in &stretches {
             assert!(stretch.from <= stretch.to, "{stretch:?}");
-            // Where a region ends, those begin that it is divided into, and points between its walls are in it.
+            // Where a region ends, those begin into which it is divided.
             let next = stretches.iter().filter(|next| {
                 next.region != stretch.region
                     && stretch.region.contains(next.region)
@@ -122,8 +122,8 @@ fn a_region_is_divided_where_a_splitter_begins_in_it() {
     }
 }
 
-/// Before, only the first splitter was planned around: a sixth and more than a quarter of the passes were left
-/// out beside the others.
+/// Where only the first splitter is planned around, more than a sixth of the passes is left out beside the
+/// others.
 #[test]
 fn the_walls_of_all_splitters_are_cut() {
     for splitters in [&SIDE_BY_SIDE[..], &NESTED] {
@@ -133,7 +133,7 @@ fn the_walls_of_all_splitters_are_cut() {
             let (plan, place) = (&outcome.plan, format!("{} splitters, {strategy:?}", splitters.len()));
             assert!(outcome.faults.is_empty(), "{place}: {:?}", outcome.faults.first());
             let verdict = outcome.verdict.as_ref().expect("a verdict");
-            // Of two isoparametric layers most is left out beside one splitter, too: the baseline is only safe.
+            // Of two isoparametric layers most is left out beside one splitter, too.
             let (max_left, max_unmilled) = match strategy {
                 FlankStrategy::Isoparametric => (1.1, 0.12),
                 FlankStrategy::Layers => (0.08, 0.01),
