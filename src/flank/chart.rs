@@ -123,8 +123,8 @@ impl<'a> LayerChart<'a> {
         chart
     }
 
-    /// Sets the distance to 0 inside each splitter and at the nodes next to its outline that no ray's triangle
-    /// holds.
+    /// Sets the distance to 0 inside each splitter and at the nodes next to its outline that no triangle of
+    /// rays holds.
     fn close_splitters(&mut self) {
         let fields = self.distances.iter_mut().skip(MAIN_BLADES);
         for (splitter, field) in self.borders.splitters.iter().zip(fields) {

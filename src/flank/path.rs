@@ -385,8 +385,8 @@ impl ProgramWriter<'_> {
         Ok(())
     }
 
-    /// Removes the moves of no length: a rapid that was not raised ends where the approach begins, and a curve
-    /// may be split at one of its points.
+    /// Removes the moves of no length: a rapid that was not raised ends where the approach begins, and a
+    /// curve may be split at one of its points.
     fn drop_repeated_positions(&mut self) {
         let mut last: Option<FlankMove> = None;
         let is_kept = |step: &FlankMove| {

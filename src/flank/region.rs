@@ -20,8 +20,8 @@ pub enum WallName {
     High,
 }
 
-/// A region of the channel [flank paper, fig. 6]: the passage between two walls. In order, regions come before
-/// those into which they are divided, and these from `Low` to `High`.
+/// A region of the channel [flank paper, fig. 6]: the passage between two walls. In order, regions come
+/// before those into which they are divided, and these from `Low` to `High`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Region {
     /// The wall on the side of [`WallName::Low`], or that itself.

@@ -31,7 +31,8 @@ pub(super) struct ApproachStep {
     pub(super) on_ramp: bool,
 }
 
-/// The moves to the start of a pass: down to it beyond the part, `open`, else by a ramp from `depth` mm above.
+/// The moves to the start of a pass: down to it beyond the part (`open`), else by a ramp from `depth` mm
+/// above.
 pub(super) fn approach(positions: &[(Point, Vector)], open: bool, depth: f64) -> Vec<ApproachStep> {
     let ramp = if open { Vec::new() } else { ramp(positions, depth) };
     let step = |(position, over)| ApproachStep { position, over, on_ramp: true };

@@ -25,8 +25,8 @@ struct FanShares {
     region: Region,
     /// The wall whose fan fills the region.
     main: WallName,
-    /// Number of its last offset that passes the nose on its own side of the splitter that divides the region;
-    /// `None` where none does.
+    /// Number of its last offset that passes the nose of the splitter that divides the region on its own
+    /// side; `None` where none does.
     last: Option<usize>,
 }
 
