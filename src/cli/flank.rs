@@ -73,7 +73,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
 
 /// Number of regions of a channel.
 fn region_count(part: &Impeller) -> usize {
-    if part.splitters.is_empty() { 1 } else { 3 }
+    1 + 2 * part.splitters.len()
 }
 
 /// Stepover on the lowest layer, mm.

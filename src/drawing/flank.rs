@@ -4,14 +4,14 @@ use std::str::FromStr;
 
 use super::walls::wall_mesh;
 use crate::error::UserError;
-use crate::flank::chart::{Region, WallName};
+use crate::flank::region::{Region, WallName};
 use crate::flank::{FlankMove, MoveKind};
 use crate::geometry::Point;
 use crate::gpu::mesh::{Mesh, Segment};
 use crate::gpu::unknown_colours;
 use crate::io::flank_file::{ShownPass, ShownWall};
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
-use crate::part::Impeller;
+use crate::part::{BladeSide, Channel, Impeller};
 
 /// What the colours of the lines show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,12 +49,19 @@ const WIDTHS: [f32; 2] = [2.4, 1.4];
 /// Width of the lines of the selected pass, pixels.
 const SELECTED_WIDTH: f32 = 4.5;
 
-/// Colours of the regions.
-pub const REGION_COLOURS: [(Region, Rgb); 3] = [
-    (Region::Inlet, palette::SELECTED),
-    (Region::LowSide, palette::SOUND),
-    (Region::HighSide, palette::BLOCKED),
-];
+/// Colour of a region. Those of a channel with up to three splitters are distinct.
+pub fn region_colour(region: Region) -> Rgb {
+    use WallName::{High, Low, Splitter};
+    match (region.low, region.high) {
+        (Low, High) => palette::SELECTED,
+        (Low, Splitter(0)) => palette::SOUND,
+        (Splitter(0), High) => palette::BLOCKED,
+        (Splitter(low), Splitter(high)) => palette::category(4 + high * high.saturating_sub(1) / 2 + low),
+        (Splitter(low), _) => palette::category(7 + low),
+        (_, Splitter(high)) => palette::category(high.saturating_sub(1)),
+        _ => palette::UNEVALUATED,
+    }
+}
 /// Colour of rapids when moves are coloured by feed rate.
 pub const RAPID_COLOUR: Rgb = [0.62, 0.62, 0.62];
 
@@ -81,7 +88,7 @@ pub fn toolpath_lines(
     }
     for curve in curves {
         let colour = match colours {
-            FlankColours::Region => colour_in_table(&REGION_COLOURS, curve.region),
+            FlankColours::Region => region_colour(curve.region),
             _ => layer_colour(&table, curve.layer, layers),
         };
         lines.extend(curve.points.windows(2).map(|p| segment(&p[0], &p[1], curve.wall, colour)));
@@ -107,7 +114,7 @@ pub fn move_lines(
                 let share = (step.feed_mm_per_min - slow) / (fast - slow).max(1e-6);
                 colour_at(&table, share as f32)
             }
-            (_, FlankColours::Region) => colour_in_table(&REGION_COLOURS, step.region),
+            (_, FlankColours::Region) => region_colour(step.region),
             (_, FlankColours::Layer | FlankColours::Walls) => layer_colour(&table, step.layer, layers),
         };
         segment(&pair[0].tip, &step.tip, step.along_wall, colour)
@@ -138,26 +145,25 @@ fn layer_colour(table: &[[u8; 3]; TABLE_LEN], layer: usize, layers: usize) -> Rg
 /// largest absolute value.
 pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
     let turned = part.main.rotated(part.pitch());
+    let splitters = if walls.is_empty() { Vec::new() } else { Channel::of(part).splitters };
+    let sides = |shown: &ShownWall| match shown.wall {
+        WallName::Low => Some([&part.main.suction, &part.main.pressure]),
+        WallName::High => Some([&turned.pressure, &turned.suction]),
+        WallName::Splitter(number) => {
+            let splitter = splitters.get(number)?;
+            let [near, far] = [&splitter.near, &splitter.far].map(|wall| wall.whole_side());
+            Some(if shown.region.low == shown.wall { [far, near] } else { [near, far] })
+        }
+    };
     let mut mesh = Mesh::default();
     let mut most = 0.0f64;
     for shown in walls {
-        let splitter = part.splitters.first();
-        let sides = match (shown.wall, shown.region) {
-            (WallName::Low, _) => Some((&part.main.suction, &part.main.pressure)),
-            (WallName::High, _) => Some((&turned.pressure, &turned.suction)),
-            (WallName::Splitter, Region::HighSide) => splitter.map(|s| (&s.suction, &s.pressure)),
-            (WallName::Splitter, _) => splitter.map(|s| (&s.pressure, &s.suction)),
-        };
         let map = &shown.map;
-        let Some((wall, back)) = sides else { continue };
+        let Some([wall, back]): Option<[&BladeSide; 2]> = sides(shown) else { continue };
         mesh.append(&wall_mesh(wall, back, &map.u, &map.v, &map.deviation).unwrap_or_default());
         most = most.max(map.max_overcut()).max(map.max_undercut());
     }
     (mesh, most as f32)
-}
-
-fn colour_in_table<K: PartialEq + Copy>(table: &[(K, Rgb)], key: K) -> Rgb {
-    table.iter().find(|(k, _)| *k == key).map_or([0.0; 3], |(_, colour)| *colour)
 }
 
 fn segment(a: &Point, b: &Point, wall: bool, colour: Rgb) -> Segment {

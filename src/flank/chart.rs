@@ -6,39 +6,7 @@
 
 use super::layer::{LayerPoint, LayerSurface};
 use super::layer_walls::{LayerWall, LayerWalls, y_at};
-
-/// A wall of the channel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum WallName {
-    /// At λ = 0: the suction side of a main blade.
-    Low,
-    /// At λ = 1: the pressure side of a main blade.
-    High,
-    /// The splitter between them.
-    Splitter,
-}
-
-impl WallName {
-    /// All walls.
-    pub const ALL: [Self; 3] = [Self::Low, Self::High, Self::Splitter];
-
-    fn index(self) -> usize {
-        self as usize
-    }
-}
-
-/// A region of the channel [flank paper, fig. 6].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Region {
-    /// From the inlet to the splitter's leading edge; without a splitter the whole channel.
-    Inlet,
-    /// Beside the splitter, at the suction side of the main blade.
-    LowSide,
-    /// Beside the splitter, at the pressure side of the main blade.
-    HighSide,
-}
+use super::region::WallName;
 
 /// A grid over a layer with a distance field per wall.
 #[derive(Debug)]
@@ -52,11 +20,13 @@ pub struct LayerChart<'a> {
     rows: Vec<ChartRow>,
     columns: usize,
     step: f64,
+    /// The walls: both main blades, then the splitters.
+    walls: Vec<WallName>,
     /// Distance fields by wall, row by row, mm; infinite where no ray arrives.
-    distances: [Vec<f64>; 3],
+    distances: Vec<Vec<f64>>,
     /// Offsets by wall: end points of its rays after `clear`, `clear` + `stepover`, `clear` + 2 `stepover`, …
     /// mm.
-    offsets: [Vec<Vec<LayerPoint>>; 3],
+    offsets: Vec<Vec<Vec<LayerPoint>>>,
     /// Stepover: distance between neighbouring offsets, mm.
     pub stepover: f64,
 }
@@ -90,6 +60,8 @@ pub struct ChartNode {
     pub index: usize,
 }
 
+/// Number of walls of main blades; those of splitters come after them.
+const MAIN_BLADES: usize = 2;
 /// Maximum number of nodes along and across; finer charts gain nothing.
 const MAX_NODES: usize = 1200;
 
@@ -119,15 +91,17 @@ impl<'a> LayerChart<'a> {
             .collect();
         let widest = rows.iter().map(|r| r.radius * (r.high - r.low)).fold(0.0, f64::max);
         let columns = ((widest / spacing).ceil() as usize).clamp(3, MAX_NODES);
+        let walls: Vec<WallName> = borders.all().map(|(name, _)| name).collect();
         let mut chart = Self {
             layer,
             borders,
             min_wall_distance: clear,
             columns,
             step,
-            distances: std::array::from_fn(|_| vec![f64::INFINITY; rows.len() * columns]),
+            distances: vec![vec![f64::INFINITY; rows.len() * columns]; walls.len()],
+            offsets: vec![Vec::new(); walls.len()],
+            walls,
             rows,
-            offsets: Default::default(),
             stepover,
         };
         let lengths: Vec<f64> = std::iter::once(0.0)
@@ -142,30 +116,29 @@ impl<'a> LayerChart<'a> {
                 chart.distances[1][(i + 1) * columns - 1] = 0.0;
             }
         }
-        let walls = [Some(&borders.low), Some(&borders.high), borders.splitter.as_ref().map(|s| &s.border)];
-        for (index, wall) in walls.into_iter().enumerate() {
-            if let Some(wall) = wall {
-                chart.spread(index, wall, &lengths);
-            }
+        for (index, (_, wall)) in borders.all().enumerate() {
+            chart.spread(index, wall, &lengths);
         }
-        chart.close_splitter();
+        chart.close_splitters();
         chart
     }
 
-    /// Sets the distance to 0 inside the splitter and at the nodes next to its outline that no ray's triangle
-    /// holds.
-    fn close_splitter(&mut self) {
-        let Some(splitter) = &self.borders.splitter else { return };
-        let field = &mut self.distances[WallName::Splitter.index()];
-        for (i, row) in self.rows.iter().enumerate().filter(|(_, row)| row.x > splitter.nose.x - self.step) {
-            let margin = 2.0 * self.step / row.radius;
-            let [low, high] = [0, 1].map(|side: usize| y_at(&splitter.sides[side], row.x));
-            for j in 0..self.columns {
-                let y = row.y(j as f64, self.columns);
-                let here = &mut field[i * self.columns + j];
-                let inside = (low..=high).contains(&y);
-                if inside || here.is_infinite() && (low - margin..=high + margin).contains(&y) {
-                    *here = 0.0;
+    /// Sets the distance to 0 inside each splitter and at the nodes next to its outline that no triangle of
+    /// rays holds.
+    fn close_splitters(&mut self) {
+        let fields = self.distances.iter_mut().skip(MAIN_BLADES);
+        for (splitter, field) in self.borders.splitters.iter().zip(fields) {
+            let begins = splitter.nose.x - self.step;
+            for (i, row) in self.rows.iter().enumerate().filter(|(_, row)| row.x > begins) {
+                let margin = 2.0 * self.step / row.radius;
+                let [low, high] = [0, 1].map(|side: usize| y_at(&splitter.sides[side], row.x));
+                for j in 0..self.columns {
+                    let y = row.y(j as f64, self.columns);
+                    let here = &mut field[i * self.columns + j];
+                    let inside = (low..=high).contains(&y);
+                    if inside || here.is_infinite() && (low - margin..=high + margin).contains(&y) {
+                        *here = 0.0;
+                    }
                 }
             }
         }
@@ -190,9 +163,19 @@ impl<'a> LayerChart<'a> {
         self.offsets[index] = fan.into_iter().skip(1).collect();
     }
 
-    /// True offsets of a wall: the first `clear` from it, the others at steps of the stepover.
+    /// The walls on the layer: of both main blades, then of the splitters.
+    pub fn walls(&self) -> impl Iterator<Item = WallName> {
+        self.walls.iter().copied()
+    }
+
+    fn index(&self, wall: WallName) -> Option<usize> {
+        self.walls.iter().position(|known| *known == wall)
+    }
+
+    /// True offsets of a wall: the first `clear` from it, the others at steps of the stepover. None of a wall
+    /// that is not on the layer.
     pub fn offsets(&self, wall: WallName) -> &[Vec<LayerPoint>] {
-        &self.offsets[wall.index()]
+        self.index(wall).map_or(&[], |index| &self.offsets[index])
     }
 
     /// Fractional row and column of a point.
@@ -239,10 +222,11 @@ impl<'a> LayerChart<'a> {
         }
     }
 
-    /// Distance of a point from a wall, mm; infinite where no ray of it arrives or the wall does not exist.
+    /// Distance of a point from a wall, mm; infinite where no ray of it arrives or the wall is not on the
+    /// layer.
     pub fn distance(&self, wall: WallName, p: LayerPoint) -> f64 {
+        let Some(field) = self.index(wall).map(|index| &self.distances[index]) else { return f64::INFINITY };
         let (row, column) = self.locate(p);
-        let field = &self.distances[wall.index()];
         let (last_row, last_column) = (self.rows.len() - 2, self.columns - 2);
         let i = (row.max(0.0) as usize).min(last_row);
         let j = (column.max(0.0) as usize).min(last_column);
@@ -254,29 +238,6 @@ impl<'a> LayerChart<'a> {
         if value.is_finite() { value } else { a.min(b).min(c).min(d) }
     }
 
-    /// Region of a point; `None` inside the splitter.
-    pub fn region(&self, p: LayerPoint) -> Option<Region> {
-        let Some(splitter) = &self.borders.splitter else { return Some(Region::Inlet) };
-        if p.x < splitter.nose.x {
-            return Some(Region::Inlet);
-        }
-        if p.y < y_at(&splitter.sides[0], p.x) {
-            Some(Region::LowSide)
-        } else if p.y > y_at(&splitter.sides[1], p.x) {
-            Some(Region::HighSide)
-        } else {
-            None
-        }
-    }
-
-    /// Region of a point; inside the splitter the region beside its nearer side.
-    pub fn nearest_region(&self, p: LayerPoint) -> Region {
-        self.region(p).unwrap_or_else(|| {
-            let y = |side: usize| self.borders.splitter.as_ref().map_or(p.y, |s| y_at(&s.sides[side], p.x));
-            if 2.0 * p.y < y(0) + y(1) { Region::LowSide } else { Region::HighSide }
-        })
-    }
-
     /// Whether a point is between the walls of the channel or their extensions.
     pub fn is_between(&self, p: LayerPoint) -> bool {
         let (_, column) = self.locate(p);
@@ -284,16 +245,12 @@ impl<'a> LayerChart<'a> {
     }
 
     /// Distance of a point from the nearest wall beyond the least allowed one, mm. Negative where the tool
-    /// axis would be too near to a wall, inside the splitter and beyond the walls.
+    /// axis would be too near to a wall, inside a splitter and beyond the walls.
     pub fn wall_margin(&self, p: LayerPoint) -> f64 {
-        if self.region(p).is_none() {
+        if self.borders.region(p).is_none() || !self.is_between(p) {
             return -self.min_wall_distance;
         }
-        if !self.is_between(p) {
-            return -self.min_wall_distance;
-        }
-        WallName::ALL.iter().map(|&w| self.distance(w, p)).fold(f64::INFINITY, f64::min)
-            - self.min_wall_distance
+        self.walls().map(|wall| self.distance(wall, p)).fold(f64::INFINITY, f64::min) - self.min_wall_distance
     }
 
     /// All nodes within the layer that the tool axis may reach.
@@ -314,7 +271,7 @@ impl<'a> LayerChart<'a> {
                     continue;
                 }
                 let point = LayerPoint { x: row.x, y: row.y(j as f64, self.columns) };
-                if self.region(point).is_some() {
+                if self.borders.region(point).is_some() {
                     nodes.push(ChartNode { point, free_area: share * self.step * across, index });
                 }
             }
@@ -375,7 +332,9 @@ impl<'a> LayerChart<'a> {
             }
             let at = |w: usize, j: usize| self.distances[w][i * self.columns + j];
             let nearest = |j: usize| {
-                (0..3).filter(|&w| at(w, j).is_finite()).min_by(|&a, &b| at(a, j).total_cmp(&at(b, j)))
+                (0..self.walls.len())
+                    .filter(|&w| at(w, j).is_finite())
+                    .min_by(|&a, &b| at(a, j).total_cmp(&at(b, j)))
             };
             let mut here = Vec::new();
             for j in 1..self.columns {

@@ -2,7 +2,7 @@
 //! enough space for passes side by side, or a thicker one where that is too short.
 
 use crate::error::ErrorCode;
-use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
+use crate::part::{Channel, Division, Impeller, Passage, PassageWidth, Workpiece};
 use crate::setup::{Setup, SetupFault, SetupPlace, Tool, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
@@ -115,7 +115,7 @@ fn no_room([narrowest, widest]: [f64; 2], thinnest: f64, allowance: f64) -> Setu
     )
 }
 
-/// Minimum and maximum distance between the walls of the channel, beside the splitter where there is one, mm.
+/// Minimum and maximum distance between the walls of the channel, beside splitters where there are some, mm.
 fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
     let along = |passage: &Passage, from: f64, to: f64| {
         let width = PassageWidth::new(part, passage);
@@ -124,14 +124,19 @@ fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
             .filter(|width| width.is_finite())
             .fold([f64::INFINITY, 0.0], |[least, most], width| [least.min(width), f64::max(most, width)])
     };
-    let [hub, shroud] = channel.splitter_s.unwrap_or([1.0, 1.0]);
-    let nose = hub.min(shroud).clamp(0.0, 1.0);
-    let beside = hub.max(shroud).clamp(0.0, 1.0);
-    channel
-        .beside_splitter
-        .iter()
-        .map(|passage| along(passage, beside, 1.0))
-        .fold(along(&channel.full, 0.0, nose), |a, b| [a[0].min(b[0]), f64::max(a[1], b[1])])
+    let mut open = vec![(&channel.full, 0.0, channel.division.as_deref())];
+    let mut found = [f64::INFINITY, 0.0];
+    while let Some((passage, from, division)) = open.pop() {
+        let [hub, shroud] = division.map_or([1.0; 2], |division| division.s);
+        let [nose, beside] = [hub.min(shroud), hub.max(shroud)].map(|s| s.clamp(from, 1.0));
+        let here = along(passage, from, nose);
+        found = [found[0].min(here[0]), found[1].max(here[1])];
+        if let Some(Division { passages, inner, .. }) = division {
+            let both = passages.iter().zip(inner);
+            open.extend(both.map(|(&index, inner)| (&channel.passages[index], beside, inner.as_deref())));
+        }
+    }
+    found
 }
 
 /// Maximum height of the channel above the hub, mm.

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::layer::{LayerPoint, LayerSurface};
 use crate::geometry::wrap_angle;
-use crate::part::{BladeSide, Channel, Impeller};
+use crate::part::{BladeSide, Channel, Impeller, SplitterWalls};
 
 /// A wall as a line on the layer.
 #[derive(Clone, Debug)]
@@ -27,15 +27,16 @@ pub struct LayerWalls {
     pub low: LayerWall,
     /// At λ = 1.
     pub high: LayerWall,
-    /// The outline of the splitter, from its trailing edge along the side that faces `low`, round the nose
-    /// and back.
-    pub splitter: Option<Splitter>,
+    /// The splitters whose noses are on the layer, from `low` to `high`.
+    pub splitters: Vec<LayerSplitter>,
 }
 
-/// The splitter on a layer.
+/// A splitter on a layer.
 #[derive(Clone, Debug)]
-pub struct Splitter {
-    /// The whole outline.
+pub struct LayerSplitter {
+    /// Its number across the channel, among all splitters of a pitch.
+    pub number: usize,
+    /// The whole outline, from its trailing edge along the side that faces `low`, round the nose and back.
     pub border: LayerWall,
     /// x of the foremost point of its nose, mm.
     pub nose: LayerPoint,
@@ -178,10 +179,11 @@ impl LayerWalls {
         if [layer.from, middle, layer.to].iter().any(|&x| y_at(&high, x) <= y_at(&low, x)) {
             return None;
         }
-        let splitter = channel.beside_splitter.len() == 2 && !part.splitters.is_empty();
-        let nosed = splitter
-            .then(|| trace_splitter(layer, &part.splitters[0], (&low, &high), beyond, raised))
-            .flatten();
+        let numbered = channel.splitters.iter().enumerate();
+        let splitters = numbered.filter_map(|(number, walls)| {
+            trace_splitter(layer, (number, walls), (&low, &high), beyond, raised)
+        });
+        let splitters = splitters.collect();
         let reach = |line: &[LayerPoint], end: usize, x: f64| {
             let next = if end == 0 { 1 } else { end - 1 };
             let slope = layer.heading(line[end.min(next)], line[end.max(next)]).tan().abs().min(3.0);
@@ -204,7 +206,7 @@ impl LayerWalls {
         Some(Self {
             low: wall(&low, &part.main.suction, a.side(), 1.0),
             high: wall(&high, &part.main.rotated(part.pitch()).pressure, b.side(), -1.0),
-            splitter: nosed,
+            splitters,
         })
     }
 }
@@ -332,14 +334,14 @@ fn end_heading(layer: &LayerSurface, [end, next, third]: [LayerPoint; 3]) -> f64
     outer + wrap_angle(outer - inner) * a / (a + b).max(1e-12)
 }
 
-/// The outline of the splitter on the layer; `None` where the layer ends before its nose.
+/// The outline of a splitter on the layer; `None` where the layer ends before its nose.
 fn trace_splitter(
     layer: &LayerSurface,
-    blade: &crate::part::Blade,
+    (number, walls): (usize, &SplitterWalls),
     (low, high): (&[LayerPoint], &[LayerPoint]),
     beyond: f64,
     raised: f64,
-) -> Option<Splitter> {
+) -> Option<LayerSplitter> {
     let lines = || (0..=NOSED_LINES).map(|i| (i as f64 / NOSED_LINES as f64).powi(2));
     let near = |p: &LayerPoint| 0.5 * (y_at(low, p.x) + y_at(high, p.x));
     let side = |side: &BladeSide| {
@@ -347,8 +349,7 @@ fn trace_splitter(
         let shift = traced.last().map_or(0.0, |p| near(p) + wrap_angle(p.y - near(p)) - p.y);
         traced.into_iter().map(|p| LayerPoint { x: p.x, y: p.y + shift }).collect::<Vec<_>>()
     };
-    // The side that faces `low` is the pressure side, as a channel begins at a suction side.
-    let (facing_low, facing_high) = (side(&blade.pressure), side(&blade.suction));
+    let (facing_low, facing_high) = (side(walls.near.whole_side()), side(walls.far.whole_side()));
     if facing_low.len() < 4 || facing_high.len() < 4 {
         return None;
     }
@@ -373,7 +374,8 @@ fn trace_splitter(
     let (facing_low, facing_high) = (ahead(&facing_low), ahead(&facing_high));
     let mut points: Vec<LayerPoint> = facing_low.iter().rev().copied().collect();
     points.extend(facing_high.iter().skip_while(|p| layer.segment_length(**p, facing_low[0]) < 1e-9));
-    Some(Splitter {
+    Some(LayerSplitter {
+        number,
         border: LayerWall::new(layer, points, 1.0),
         nose,
         sides: [growing(facing_low), growing(facing_high)],

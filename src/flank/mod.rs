@@ -6,7 +6,9 @@
 //! | [`choice`] | choice of the tool |
 //! | [`stepover`] | stepover from scallop height, tool and curvature |
 //! | [`layer`] | layer surfaces and geodesics on them |
+//! | [`region`] | names of the walls and of the regions between them |
 //! | [`layer_walls`] | the walls on a layer and the fans of geodesics that leave them |
+//! | [`layer_regions`] | the regions between these walls |
 //! | [`chart`] | distance fields of the walls over a layer |
 //! | [`strategies`] | strategies: isoparametric, by layers, by regions, balanced |
 //! | [`curves`] | passes on all layers of a channel, and figures to compare the strategies |
@@ -26,11 +28,13 @@ mod engagement;
 pub mod fault_removal;
 pub mod fixed_axis;
 pub mod layer;
+pub mod layer_regions;
 pub mod layer_walls;
 mod passes;
 pub mod path;
 pub mod plan;
 mod program;
+pub mod region;
 pub mod stepover;
 pub mod strategies;
 pub mod wall;

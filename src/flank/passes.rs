@@ -12,16 +12,18 @@ mod inner;
 mod nose;
 mod stretches;
 
-use super::chart::{LayerChart, Region};
+use super::chart::LayerChart;
 use super::curves::LayerLayout;
 use super::fixed_axis::{AxisObstacle, FixedAxisLimits, FixedAxisSearch, LayerContact, MAX_TILT};
 use super::layer::{LayerPoint, LayerSurface};
+use super::layer_regions::RegionStretch;
 use super::path::Pass;
+use super::region::Region;
 use super::strategies::PassRole;
 use super::wall::MilledWall;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};
-use crate::part::{FinishedPart, Impeller, Workpiece};
+use crate::part::{Channel, FinishedPart, Workpiece};
 use crate::setup::{Setup, Tool};
 use along_wall::{LayerPose, WallPositions};
 use stretches::{CurvePiece, split_by_region};
@@ -87,7 +89,7 @@ pub struct PlannedLayer {
 
 /// Inputs to make the passes of one plan.
 pub struct PassMaker<'a> {
-    part: &'a Impeller,
+    channel: &'a Channel,
     tool: &'a Tool,
     setup: &'a Setup,
     walls: &'a [MilledWall],
@@ -107,7 +109,7 @@ impl<'a> PassMaker<'a> {
             clearances: setup.clearances,
         };
         Self {
-            part: &workpiece.part,
+            channel: &workpiece.channel,
             tool,
             setup,
             walls,
@@ -155,7 +157,7 @@ impl<'a> PassMaker<'a> {
                 }
             }
         }
-        for region in [Region::Inlet, Region::LowSide, Region::HighSide] {
+        for RegionStretch { region, .. } in found.borders.regions(layer.from, layer.to) {
             let lines = inner.iter().filter(|(r, _)| *r == region).map(|(_, points)| points.clone());
             on.make_inner_passes(region, lines.collect(), &mut made);
         }

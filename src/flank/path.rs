@@ -7,9 +7,11 @@
 //! blank, and comes down again. Each pass has one feed rate, by its engagement: full stock on both sides,
 //! beside a cut pass, or along a wall.
 
-use super::chart::Region;
+mod approach;
+
 use super::engagement::CutPasses;
 use super::layer::{LayerPoint, LayerSurface};
+use super::region::Region;
 use super::strategies::PassRole;
 use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{NearBottom, RetractSurface, bottom_clearance, retract_clear};
@@ -18,6 +20,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::setup::{FlankFeedRates, Tool};
 use crate::toolpath::RAPID_MM_PER_MIN;
+use approach::{ApproachStep, approach, ramp_length_on};
 
 /// Kind of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -93,20 +96,15 @@ pub struct Program {
     pub origins: Vec<MoveOrigin>,
 }
 
-/// Angle of ramps along a pass, rad; at most [`MAX_RAMP`] on a short one.
-const RAMP: f64 = 3.0 * std::f64::consts::PI / 180.0;
-/// Maximum length of the piece of a pass over which a ramp goes to and fro, mm.
-const RAMP_LENGTH: f64 = 25.0;
-/// Number of times that a ramp goes along it at that angle; on a shorter piece it is steeper.
-const RAMP_TURNS: f64 = 12.0;
-/// Maximum angle of a ramp, rad.
-const MAX_RAMP: f64 = 2.0 * RAMP;
 /// Maximum turn of the axis on a link, rad.
 const MAX_LINK_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Spacing of positions along a link, mm.
 const LINK_STEP: f64 = 0.5;
 /// Maximum turn of the axis between them, rad: the far end of a long tool then swings by half a millimetre.
 const LINK_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+/// Distance (mm) and turn (rad) below which two positions are the same in a program: it has six decimals.
+const SAME_POSITION: f64 = 5e-6;
+const SAME_AXIS: f64 = 1e-6;
 /// Maximum number of iterations that raise the ends of a rapid until it is clear.
 const MAX_RAISE_ITERATIONS: usize = 30;
 
@@ -166,7 +164,7 @@ impl PathMaker<'_> {
             let mut rest: Vec<(usize, &Pass)> = layer.passes.iter().enumerate().collect();
             // Regions from the inlet on; in each the inner passes by axis, then the walls, side by side.
             rest.sort_by(|(_, a), (_, b)| {
-                let key = |p: &Pass| (p.region as usize, matches!(p.role, PassRole::Wall(_)), p.group);
+                let key = |p: &Pass| (p.region, matches!(p.role, PassRole::Wall(_)), p.group);
                 let side = |p: &Pass| p.ends[0].y + p.ends[1].y;
                 key(a).cmp(&key(b)).then(side(a).total_cmp(&side(b)))
             });
@@ -240,24 +238,21 @@ impl ProgramWriter<'_> {
             }
             None => {
                 self.retract();
-                let (tip, axis) = positions[0];
-                let open = pass.open[first];
-                let ramp = if open { Vec::new() } else { ramp(&positions, self.maker.layer_depth) };
-                let lowest = ramp.first().map_or((tip, axis), |(p, _)| *p);
-                let above = about(MoveKind::Rapid, (self.above(lowest), axis));
+                let approach = approach(&positions, pass.open[first], self.maker.layer_depth);
+                let highest = approach.first().map_or(positions[0], |step| step.position);
+                let above = about(MoveKind::Rapid, (self.above(highest), positions[0].1));
                 if !self.moves.is_empty() {
                     self.rapids.push(self.moves.len());
                     self.push(above, origin(0));
                 }
                 self.push(above, origin(0));
-                let ramp_feed = self.maker.feeds.ramp_mm_per_min;
-                for (p, k) in ramp {
-                    self.push(
-                        FlankMove { feed_mm_per_min: ramp_feed, ..about(MoveKind::Approach, p) },
-                        origin(k),
-                    );
+                for ApproachStep { position, over, on_ramp } in approach {
+                    let mut step = about(MoveKind::Approach, position);
+                    if on_ramp {
+                        step.feed_mm_per_min = self.maker.feeds.ramp_mm_per_min;
+                    }
+                    self.push(step, origin(over));
                 }
-                self.push(about(MoveKind::Approach, positions[0]), origin(0));
             }
         }
         for (k, &p) in positions.iter().enumerate().skip(1) {
@@ -287,8 +282,8 @@ impl ProgramWriter<'_> {
         let ramp = if pass.open[flown_to] {
             0.0
         } else {
-            let reach = path_length(&pass.positions).min(RAMP_LENGTH);
-            ramp_length(reach, self.maker.layer_depth) / self.maker.feeds.ramp_mm_per_min
+            ramp_length_on(path_length(&pass.positions), self.maker.layer_depth)
+                / self.maker.feeds.ramp_mm_per_min
         };
         let rapid_time = self.estimate_rapid_time((from.tip, from.axis), position(flown_to), feed) + ramp;
         let mut ends = [0, 1].map(|end| (layer.layer.segment_length(at, pass.ends[end]), end));
@@ -310,6 +305,9 @@ impl ProgramWriter<'_> {
         (to, target): (LayerPoint, (Point, Vector)),
         long: f64,
     ) -> Option<Vec<(Point, Vector)>> {
+        if is_same((from.tip, from.axis), target) {
+            return Some(Vec::new());
+        }
         let tool = self.maker.tool;
         let plain = |p: LayerPoint, axis: &Vector| {
             let (contact, normal) = layer.layer.point_and_normal(p);
@@ -383,15 +381,25 @@ impl ProgramWriter<'_> {
                 break;
             }
         }
-        // A rapid that was not raised ends where the approach begins.
-        let repeats = |k: usize| {
-            let [a, b] = [&self.moves[k - 1], &self.moves[k]];
-            b.kind == MoveKind::Rapid && a.tip == b.tip && a.axis == b.axis
-        };
-        let kept: Vec<usize> = (0..self.moves.len()).filter(|&k| k == 0 || !repeats(k)).collect();
-        self.moves = kept.iter().map(|&k| self.moves[k]).collect();
-        self.origins = kept.iter().map(|&k| self.origins[k]).collect();
+        self.drop_repeated_positions();
         Ok(())
+    }
+
+    /// Removes the moves of no length: a rapid that was not raised ends where the approach begins, and a
+    /// curve may be split at one of its points.
+    fn drop_repeated_positions(&mut self) {
+        let mut last: Option<FlankMove> = None;
+        let is_kept = |step: &FlankMove| {
+            let moves = last.is_none_or(|last| !is_same((last.tip, last.axis), (step.tip, step.axis)));
+            if moves {
+                last = Some(*step);
+            }
+            moves
+        };
+        let kept: Vec<bool> = self.moves.iter().map(is_kept).collect();
+        let (mut of_moves, mut of_origins) = (kept.iter().copied(), kept.iter().copied());
+        self.moves.retain(|_| of_moves.next().unwrap_or(true));
+        self.origins.retain(|_| of_origins.next().unwrap_or(true));
     }
 
     /// Missing clearance of the tool bottom above the blank on the rapid to move `k`, mm; not positive where
@@ -406,50 +414,14 @@ impl ProgramWriter<'_> {
     }
 }
 
+/// Whether two positions of tip and axis are the same in a program.
+fn is_same((tip, axis): (Point, Vector), (other_tip, other_axis): (Point, Vector)) -> bool {
+    (other_tip - tip).norm() < SAME_POSITION && other_axis.angle(&axis) < SAME_AXIS
+}
+
 /// Path length of the tip, mm.
 pub(super) fn path_length(positions: &[(Point, Vector)]) -> f64 {
     positions.windows(2).map(|pair| (pair[1].0 - pair[0].0).norm()).sum()
-}
-
-/// Length of a ramp from `depth` mm above to and fro along `reach` mm of a pass, mm.
-fn ramp_length(reach: f64, depth: f64) -> f64 {
-    (depth / RAMP.tan()).min((RAMP_TURNS * reach).max(depth / MAX_RAMP.tan()))
-}
-
-/// Ramp down to and fro along the first piece of a pass, from `depth` mm above it: positions, each with the
-/// index of the pass position below it.
-fn ramp(positions: &[(Point, Vector)], depth: f64) -> Vec<((Point, Vector), usize)> {
-    let mut along = vec![0.0];
-    for pair in positions.windows(2) {
-        let next = along[along.len() - 1] + (pair[1].0 - pair[0].0).norm();
-        along.push(next);
-        if next >= RAMP_LENGTH {
-            break;
-        }
-    }
-    let reach = along[along.len() - 1];
-    if reach < 1e-6 {
-        let (tip, axis) = positions[0];
-        return vec![((tip + axis * depth, axis), 0)];
-    }
-    let total = ramp_length(reach, depth);
-    let mut poses = vec![((positions[0].0 + positions[0].1 * depth, positions[0].1), 0)];
-    let (mut at, mut gone, mut step) = (0usize, 0.0, 1isize);
-    while gone < total {
-        if at + 1 == along.len() {
-            step = -1;
-        } else if at == 0 {
-            step = 1;
-        }
-        let next = (at as isize + step) as usize;
-        gone += (along[next] - along[at]).abs();
-        at = next;
-        let (tip, axis) = positions[at];
-        poses.push(((tip + axis * (depth * (1.0 - gone / total).max(0.0)), axis), at));
-    }
-    // Back to the start at full depth.
-    poses.extend((1..at).rev().map(|k| (positions[k], k)));
-    poses
 }
 
 /// Lengths and times of a program.
@@ -489,36 +461,5 @@ impl Times {
     /// Total time of the program, s.
     pub fn total(&self) -> f64 {
         self.cut_time + self.link_time + self.rapid_time
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Positions along x, 0.1 mm apart, over `length` mm.
-    fn straight(length: f64) -> Vec<(Point, Vector)> {
-        let count = (10.0 * length).ceil().max(1.0);
-        (0..=count as usize).map(|k| (Point::new(length * k as f64 / count, 0.0, 0.0), Vector::z())).collect()
-    }
-
-    #[test]
-    fn a_ramp_descends_at_its_angle_along_a_pass_and_in_few_turns_on_a_short_one() {
-        let rate = |poses: &[((Point, Vector), usize)]| {
-            let steps = poses.windows(2).map(|pair| pair[1].0.0 - pair[0].0.0);
-            let falls = steps.filter(|step| step.z < -1e-6).map(|step| -step.z / step.x.abs());
-            falls.fold(0.0, f64::max)
-        };
-        let long = ramp(&straight(40.0), 3.0);
-        assert!((rate(&long) - RAMP.tan()).abs() < 1e-9, "{}", rate(&long));
-        for length in [0.3, 1.0, 3.0] {
-            let positions = straight(length);
-            let poses = ramp(&positions, 3.0);
-            let rate = rate(&poses);
-            assert!(rate > 1.01 * RAMP.tan() && rate < MAX_RAMP.tan() + 1e-9, "{rate} on {length}");
-            // It ends at the full depth, ready for the pass.
-            let deepest = poses.iter().map(|((tip, _), _)| tip.z).fold(f64::INFINITY, f64::min);
-            assert!(deepest.abs() < 1e-9 && poses[0].0.0.z == 3.0);
-        }
     }
 }

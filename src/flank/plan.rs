@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::chart::{LayerChart, Region, WallName};
+use super::chart::LayerChart;
 use super::choice::ChosenTool;
 use super::curves::{FlankError, FlankLayout, LayoutInputs};
 use super::fault_removal::{CheckedMoves, MoveCheck, MoveFault, remove_faults};
 use super::passes::{PassMaker, PlannedLayer, RegionAxis, UncutLength};
 use super::path::{FlankMove, LayerPasses, PathMaker, Times};
+use super::region::{Region, WallName};
 use super::wall::{MIN_WALL_TOLERANCE, MilledWall, SweptWall, WallFit, WallMilling};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{MeridionalCurve, Point, Vector};
@@ -270,13 +271,18 @@ fn fit_walls(
         chord_error: WALL_CHORD,
     };
     let Workpiece { channel, finished, .. } = workpiece;
+    let passages = channel.passages_at_outlet();
     let mut walls = vec![
-        (WallName::Low, Region::Inlet, &channel.full, 0),
-        (WallName::High, Region::Inlet, &channel.full, 1),
+        (WallName::Low, Region::INLET, &channel.full, 0),
+        (WallName::High, Region::INLET, &channel.full, 1),
     ];
-    if let [low, high] = channel.beside_splitter.as_slice() {
-        walls.push((WallName::Splitter, Region::LowSide, low, 1));
-        walls.push((WallName::Splitter, Region::HighSide, high, 0));
+    for (number, beside) in passages.windows(2).enumerate() {
+        let splitter = WallName::Splitter(number);
+        let before = number.checked_sub(1).map_or(WallName::Low, WallName::Splitter);
+        let is_last = number + 2 == passages.len();
+        let after = if is_last { WallName::High } else { WallName::Splitter(number + 1) };
+        walls.push((splitter, Region { low: before, high: splitter }, &beside[0], 1));
+        walls.push((splitter, Region { low: splitter, high: after }, &beside[1], 0));
     }
     walls
         .into_par_iter()

@@ -14,7 +14,7 @@ mod swept;
 use rayon::prelude::*;
 
 use crate::cutting::drop_cutter::DepthSurface;
-use crate::flank::chart::{Region, WallName};
+use crate::flank::region::{Region, WallName};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{FinishedPart, Passage, SideProbe};
 use crate::setup::Tool;

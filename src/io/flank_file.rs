@@ -8,7 +8,7 @@ use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::error::ErrorCode;
-use crate::flank::chart::{Region, WallName};
+use crate::flank::region::{Region, WallName};
 use crate::flank::strategies::PassRole;
 use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankOpening, FlankPlan, MilledWall, MoveKind};
@@ -154,10 +154,7 @@ pub fn shown_passes(plan: &FlankPlan) -> Vec<ShownPass> {
             layer.pass_curves.iter().map(move |curve| ShownPass {
                 layer: number,
                 region: curve.region,
-                wall: matches!(
-                    curve.role,
-                    PassRole::Wall(WallName::Low | WallName::High | WallName::Splitter)
-                ),
+                wall: matches!(curve.role, PassRole::Wall(_)),
                 points: curve.points.iter().map(|p| layer.layer.point(*p)).collect(),
             })
         })

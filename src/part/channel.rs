@@ -343,7 +343,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Channel 1 of `part`. Flank plans know only the first splitter of a pitch.
+    /// Channel 1 of `part`.
     ///
     /// ```
     /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
@@ -379,6 +379,14 @@ impl Channel {
         let mut found = Vec::new();
         Division::passages_at(self.division.as_deref(), 0, s, &mut found);
         found
+    }
+
+    /// The passages beyond all noses, from the first wall to the second.
+    pub fn passages_at_outlet(&self) -> Vec<Passage> {
+        let [low, high] = &self.full.walls;
+        let lows = std::iter::once(low).chain(self.splitters.iter().map(|splitter| &splitter.far));
+        let highs = self.splitters.iter().map(|splitter| &splitter.near).chain([high]);
+        lows.zip(highs).map(|(low, high)| Passage { walls: [low.clone(), high.clone()] }).collect()
     }
 
     /// s on hub and shroud at which splitters begin, the longest first.

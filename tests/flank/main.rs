@@ -7,6 +7,7 @@ mod mixed;
 mod parts;
 mod plan;
 mod program;
+mod splitters;
 mod verify;
 mod wall;
 mod wheels;

@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use vanecut::error::ErrorCode;
-use vanecut::flank::chart::{LayerChart, WallName};
+use vanecut::flank::chart::LayerChart;
 use vanecut::flank::choice::choose_tool;
 use vanecut::flank::curves::{FlankError, FlankLayout, LayoutInputs};
 use vanecut::flank::layer::{LayerPoint, LayerSurface};
 use vanecut::flank::layer_walls::LayerWalls;
+use vanecut::flank::region::WallName;
 use vanecut::io::read_part;
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::monitor::Monitor;

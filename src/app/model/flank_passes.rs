@@ -1,6 +1,6 @@
 //! The passes of a flank plan, in cutting order, with their times.
 
-use crate::flank::chart::Region;
+use crate::flank::region::Region;
 use crate::flank::{FlankMove, FlankPlan, MoveKind};
 use crate::geometry::{Point, Vector};
 
@@ -124,7 +124,7 @@ mod tests {
             axis: Vector::z(),
             feed_mm_per_min: 600.0,
             layer,
-            region: Region::Inlet,
+            region: Region::INLET,
             along_wall,
         }
     }

@@ -2,9 +2,9 @@
 
 use super::stretches::pieces_between;
 use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
-use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::AxisObstacle;
 use crate::flank::layer::{LayerPoint, LayerSurface};
+use crate::flank::region::{Region, WallName};
 use crate::flank::strategies::PassRole;
 use crate::flank::wall::MilledWall;
 use crate::geometry::{Point, Vector};
@@ -149,8 +149,8 @@ impl LayerPassMaker<'_> {
         points: &[LayerPoint],
         made: &mut PlannedLayer,
     ) {
-        if wall == WallName::Splitter && region == Region::Inlet {
-            self.round_nose(points, made);
+        if region.facing(wall).is_none() {
+            self.round_nose(wall, region, points, made);
             return;
         }
         let from = points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
@@ -246,7 +246,7 @@ impl LayerPassMaker<'_> {
 
     /// The steps along a wall between two x: positions at both ends and at the stations between them.
     pub(super) fn wall_steps(&self, wall: WallName, region: Region, (from, to): (f64, f64)) -> Vec<WallStep> {
-        let ours = |m: &&WallPositions| m.wall == wall && (wall != WallName::Splitter || m.region == region);
+        let ours = |m: &&WallPositions| m.wall == wall && m.region.shares_side(region, wall);
         let Some(milled) = self.milled.iter().find(ours) else { return Vec::new() };
         let mut result = Vec::new();
         // Station at which the last step ended; from any other station the tool approaches anew.

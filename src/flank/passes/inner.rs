@@ -3,9 +3,9 @@
 use super::along_wall::LayerPose;
 use super::stretches::pieces_between;
 use super::{CHORD, LayerPassMaker, PlannedLayer, RegionAxis};
-use crate::flank::chart::{Region, WallName};
 use crate::flank::fixed_axis::{AxisObstacle, LayerContact};
 use crate::flank::layer::LayerPoint;
+use crate::flank::region::Region;
 use crate::flank::strategies::PassRole;
 use crate::geometry::{Point, Vector};
 
@@ -255,16 +255,15 @@ impl LayerPassMaker<'_> {
 
     /// Axis of the pass along the wall that is nearest to `p`, beside `p`.
     fn wall_axis(&self, p: LayerPoint) -> Option<Vector> {
-        let wall = WallName::ALL
-            .into_iter()
+        let wall = self
+            .chart
+            .walls()
             .min_by(|a, b| self.chart.distance(*a, p).total_cmp(&self.chart.distance(*b, p)))?;
+        // Ahead of the nose of a splitter both of its sides count.
+        let beside = self.chart.borders.region(p).filter(|region| region.facing(wall).is_some());
         let ours = self.milled.iter().filter(|m| m.wall == wall);
-        let axes: Vec<Vector> = match (wall, self.chart.region(p)) {
-            (WallName::Splitter, Some(Region::LowSide | Region::HighSide)) => {
-                ours.filter(|m| Some(m.region) == self.chart.region(p)).filter_map(|m| m.axis(p.x)).collect()
-            }
-            _ => ours.filter_map(|m| m.axis(p.x)).collect(),
-        };
+        let ours = ours.filter(|m| beside.is_none_or(|region| m.region.shares_side(region, wall)));
+        let axes: Vec<Vector> = ours.filter_map(|m| m.axis(p.x)).collect();
         axes.iter().sum::<Vector>().try_normalize(1e-9)
     }
 }

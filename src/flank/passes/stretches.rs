@@ -1,7 +1,9 @@
 //! Curves split by regions.
 
-use crate::flank::chart::{LayerChart, Region, WallName};
+use crate::flank::chart::LayerChart;
 use crate::flank::layer::LayerPoint;
+use crate::flank::layer_walls::LayerWalls;
+use crate::flank::region::{Region, WallName};
 use crate::flank::strategies::{PassCurve, PassRole};
 
 /// A piece of a curve within one region.
@@ -11,31 +13,35 @@ pub(super) struct CurvePiece {
     pub(super) points: Vec<LayerPoint>,
 }
 
-/// A curve split by regions. A curve along the splitter counts as inner upstream of its nose.
+/// A curve split by regions. A curve along a splitter counts as inner upstream of its nose.
 pub(super) fn split_by_region(chart: &LayerChart, curve: &PassCurve) -> Vec<CurvePiece> {
-    if let PassRole::Wall(wall @ (WallName::Low | WallName::High)) = curve.role {
-        let region = if wall == WallName::Low { Region::LowSide } else { Region::HighSide };
-        return vec![CurvePiece { role: curve.role, region, points: curve.points.clone() }];
+    let borders = chart.borders;
+    let whole = |region: Region| CurvePiece { role: curve.role, region, points: curve.points.clone() };
+    match curve.role {
+        PassRole::Wall(wall @ WallName::Splitter(_)) => {
+            // The curve round the nose of a splitter is kept whole; isoparametric curves continue upstream of
+            // it and are split.
+            let is_beside = |p: &LayerPoint| borders.nearest_region(*p).facing(wall).is_some();
+            let ends_beside =
+                curve.points.first().is_some_and(is_beside) && curve.points.last().is_some_and(is_beside);
+            if ends_beside && reaches_nose(borders, wall, &curve.points) {
+                return vec![whole(region_divided_by(borders, wall))];
+            }
+        }
+        PassRole::Wall(wall) => return vec![whole(borders.region_at_outlet(wall))],
+        PassRole::Inner => {}
     }
-    // The curve round the splitter's nose is kept whole; isoparametric curves continue upstream of it and are
-    // split.
-    let round = curve.role == PassRole::Wall(WallName::Splitter)
-        && curve.points.first().is_some_and(|a| chart.nearest_region(*a) != Region::Inlet)
-        && curve.points.last().is_some_and(|b| chart.nearest_region(*b) != Region::Inlet);
-    if round {
-        return vec![CurvePiece { role: curve.role, region: Region::Inlet, points: curve.points.clone() }];
-    }
-    let nose = chart.borders.splitter.as_ref().map(|splitter| splitter.nose.x);
     let beginning = |region: Region, points: Vec<LayerPoint>| {
-        let role = if region == Region::Inlet { PassRole::Inner } else { curve.role };
-        CurvePiece { role, region, points }
+        let along = matches!(curve.role, PassRole::Wall(wall) if region.facing(wall).is_some());
+        CurvePiece { role: if along { curve.role } else { PassRole::Inner }, region, points }
     };
     let mut stretches: Vec<CurvePiece> = Vec::new();
     let mut last: Option<LayerPoint> = None;
     for &p in &curve.points {
-        let region = chart.nearest_region(p);
+        let region = borders.nearest_region(p);
         match (stretches.last_mut(), last) {
             (Some(stretch), Some(q)) if stretch.region != region => {
+                let nose = nose_between(borders, stretch.region, region);
                 let at = nose.map_or(p, |x| q.lerp(p, ((x - q.x) / (p.x - q.x)).clamp(0.0, 1.0)));
                 stretch.points.push(at);
                 stretches.push(beginning(region, vec![at, p]));
@@ -47,6 +53,34 @@ pub(super) fn split_by_region(chart: &LayerChart, curve: &PassCurve) -> Vec<Curv
     }
     stretches.retain(|stretch| stretch.points.len() >= 2 && chart.layer.length(&stretch.points) > 1e-6);
     stretches
+}
+
+/// Whether a curve along a splitter begins at its nose, not at that of another one further downstream.
+fn reaches_nose(borders: &LayerWalls, wall: WallName, points: &[LayerPoint]) -> bool {
+    let Some(foremost) = points.iter().min_by(|a, b| a.x.total_cmp(&b.x)) else { return false };
+    let begins = |wall: WallName| borders.splitter(wall).map_or(f64::NEG_INFINITY, |s| s.nose.x);
+    let facing = borders.nearest_region(*foremost).facing(wall);
+    facing.is_none_or(|facing| begins(facing) <= begins(wall))
+}
+
+/// The region that a splitter stands in and divides.
+fn region_divided_by(borders: &LayerWalls, wall: WallName) -> Region {
+    let mut region = Region::INLET;
+    while let Some(splitter) = borders.divider(region).filter(|splitter| splitter.name() != wall) {
+        let between = splitter.name();
+        region = if wall < between {
+            Region { high: between, ..region }
+        } else {
+            Region { low: between, ..region }
+        };
+    }
+    region
+}
+
+/// x of the last nose of the walls of two neighbouring regions, mm: there the one becomes the other.
+fn nose_between(borders: &LayerWalls, a: Region, b: Region) -> Option<f64> {
+    let splitters = [a.low, a.high, b.low, b.high].into_iter().filter_map(|wall| borders.splitter(wall));
+    splitters.map(|splitter| splitter.nose.x).reduce(f64::max)
 }
 
 /// The pieces of a line between two x.

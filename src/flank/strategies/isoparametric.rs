@@ -2,15 +2,16 @@
 //! their number.
 
 use super::{PassCurve, PassRole};
-use crate::flank::chart::{Region, WallName};
 use crate::flank::layer::{LayerPoint, LayerSurface};
+use crate::flank::layer_regions::RegionStretch;
 use crate::flank::layer_walls::{LayerWalls, y_at};
+use crate::flank::region::Region;
 
 /// Spacing of the points of a curve, mm.
 const STEP: f64 = 2.0;
 
-/// The baseline [flank paper, fig. 4]: the widest station of each passage beside the splitter sets the number
-/// of curves, and each runs through the whole channel. First and last curve keep `clear` mm from the walls.
+/// The baseline [flank paper, fig. 4]: the widest station of each passage at the outlet sets the number of
+/// curves, and each runs through the whole channel. First and last curve keep `clear` mm from the walls.
 /// Lead-in and lead-out are `beyond` mm long.
 pub fn isoparametric(
     layer: &LayerSurface,
@@ -20,25 +21,25 @@ pub fn isoparametric(
     beyond: f64,
 ) -> Vec<PassCurve> {
     let passages = LayerPassage::all(layer, borders, clear);
-    let whole = &passages[0];
+    let begin = |passage: &LayerPassage| match passage.region {
+        Region::INLET => layer.from - beyond,
+        _ => passage.from,
+    };
     let mut curves = Vec::new();
-    if passages.len() == 1 {
-        for share in whole.shares(stepover) {
-            curves.push(whole.curve(share, layer.from - beyond, layer.to + beyond));
-        }
-        return curves;
-    }
-    for passage in &passages[1..] {
+    for passage in passages.iter().filter(|passage| borders.divider(passage.region).is_none()) {
         for share in passage.shares(stepover) {
-            // Upstream of the splitter the curve keeps the fraction of the whole channel at which it passes
+            let mut curve = passage.curve(share, begin(passage), layer.to + beyond);
+            // Upstream of a splitter the curve keeps the fraction of the undivided passage at which it passes
             // the nose.
-            let nose = passage.from;
-            let fraction = whole.fraction(nose, passage.y(share, nose));
-            let mut curve = passage.curve(share, nose, layer.to + beyond);
-            if nose > layer.from {
-                let mut before = whole.curve(fraction, layer.from - beyond, nose).points;
-                before.pop();
-                curve.points.splice(0..0, before);
+            let (mut at, mut fraction) = (passage, share);
+            while let Some(before) = passages.iter().rfind(|before| before.divides_into(at)) {
+                let nose = at.from;
+                (fraction, at) = (before.fraction(nose, at.y(fraction, nose)), before);
+                if at.from < nose {
+                    let mut upstream = at.curve(fraction, begin(at), nose).points;
+                    upstream.pop();
+                    curve.points.splice(0..0, upstream);
+                }
             }
             curves.push(curve);
         }
@@ -68,7 +69,7 @@ pub fn isoparametric_by_region(
     curves
 }
 
-/// A stretch of the channel between two walls.
+/// A region with the lines of its walls.
 struct LayerPassage<'a> {
     layer: &'a LayerSurface,
     low: &'a [LayerPoint],
@@ -78,26 +79,22 @@ struct LayerPassage<'a> {
     from: f64,
     to: f64,
     region: Region,
-    walls: [WallName; 2],
 }
 
 impl<'a> LayerPassage<'a> {
-    /// The channel up to the splitter's nose, and the two passages beside it.
+    /// The channel up to the first nose, and the passages into which splitters divide it.
     fn all(layer: &'a LayerSurface, borders: &'a LayerWalls, clear: f64) -> Vec<Self> {
-        use WallName::{High, Low, Splitter};
-        let nose = borders.splitter.as_ref().map(|s| s.nose.x.max(layer.from));
-        let passage =
-            |low, high, (from, to), region, walls| Self { layer, low, high, clear, from, to, region, walls };
-        let (low, high): (&[LayerPoint], &[LayerPoint]) = (&borders.low.points, &borders.high.points);
-        let ahead = (layer.from, nose.unwrap_or(layer.to));
-        let mut all = vec![passage(low, high, ahead, Region::Inlet, [Low, High])];
-        if let (Some(splitter), Some(nose)) = (&borders.splitter, nose) {
-            let [facing_low, facing_high] = &splitter.sides;
-            let beside = (nose, layer.to);
-            all.push(passage(low, facing_low, beside, Region::LowSide, [Low, Splitter]));
-            all.push(passage(facing_high, high, beside, Region::HighSide, [Splitter, High]));
-        }
-        all
+        let passage = |RegionStretch { region, from, to }| {
+            let [low, high] = borders.lines_beside(region);
+            Self { layer, low, high, clear, from, to, region }
+        };
+        borders.regions(layer.from, layer.to).into_iter().map(passage).collect()
+    }
+
+    /// Whether `other` is beside the splitter that divides this passage, or in such a one that is divided at
+    /// the same place.
+    fn divides_into(&self, other: &Self) -> bool {
+        self.to == other.from && self.region.contains(other.region) && self.region != other.region
     }
 
     /// y of the first and the last curve at `x`, and the cosine of their mean slope.
@@ -139,8 +136,8 @@ impl<'a> LayerPassage<'a> {
     fn curve(&self, share: f64, from: f64, to: f64) -> PassCurve {
         let points = stations(from, to).map(|x| LayerPoint { x, y: self.y(share, x) }).collect();
         let role = match share {
-            0.0 => PassRole::Wall(self.walls[0]),
-            1.0 => PassRole::Wall(self.walls[1]),
+            0.0 => PassRole::Wall(self.region.low),
+            1.0 => PassRole::Wall(self.region.high),
             _ => PassRole::Inner,
         };
         PassCurve { role, region: self.region, points }

@@ -8,8 +8,9 @@ pub use balanced::balanced;
 pub use isoparametric::{isoparametric, isoparametric_by_region};
 pub use regions::regions;
 
-use super::chart::{LayerChart, Region, WallName};
+use super::chart::LayerChart;
 use super::layer::{LayerPoint, LayerSurface};
+use super::region::{Region, WallName};
 
 /// Purpose of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +35,7 @@ pub struct PassCurve {
 impl PassCurve {
     fn new(chart: &LayerChart, wall: WallName, number: usize, points: Vec<LayerPoint>) -> Self {
         let role = if number == 0 { PassRole::Wall(wall) } else { PassRole::Inner };
-        let region = chart.region(points[points.len() / 2]).unwrap_or(Region::Inlet);
+        let region = chart.borders.region(points[points.len() / 2]).unwrap_or(Region::INLET);
         Self { role, region, points }
     }
 

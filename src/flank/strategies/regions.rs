@@ -3,37 +3,24 @@
 //! gaps of up to two stepovers may remain.
 
 use super::{PassCurve, layer_margin, own_wall_margin};
-use crate::flank::chart::{LayerChart, Region, WallName};
+use crate::flank::chart::LayerChart;
 
 /// The curves of a layer, with lead-in and lead-out of `beyond` mm.
 pub fn regions(chart: &LayerChart, beyond: f64) -> Vec<PassCurve> {
     let mut curves = Vec::new();
-    for wall in WallName::ALL {
+    for wall in chart.walls() {
         for (k, line) in chart.offsets(wall).iter().enumerate() {
             let own = chart.min_wall_distance + chart.stepover * k as f64;
             let pieces = chart.clip(line, |p| {
-                let Some(region) = chart.region(p) else { return -1.0 };
-                let Some(other) = facing(wall, region) else { return -1.0 };
-                let mut keep = (chart.distance(other, p) - own).min(layer_margin(chart, p, beyond));
-                if region == Region::Inlet {
-                    keep = keep.min(chart.distance(WallName::Splitter, p) - chart.min_wall_distance);
-                }
-                keep.min(own_wall_margin(chart, wall, own, p))
+                let region = chart.borders.region(p);
+                let Some(other) = region.and_then(|region| region.facing(wall)) else { return -1.0 };
+                let ahead = chart.borders.ahead_of(p.x).map(|splitter| chart.distance(splitter.name(), p));
+                let free = ahead.fold(f64::INFINITY, f64::min) - chart.min_wall_distance;
+                let facing = chart.distance(other, p) - own;
+                facing.min(layer_margin(chart, p, beyond)).min(free).min(own_wall_margin(chart, wall, own, p))
             });
             curves.extend(pieces.into_iter().map(|points| PassCurve::new(chart, wall, k, points)));
         }
     }
     curves
-}
-
-/// The wall opposite `wall` in a region; `None` where `wall` does not bound it.
-fn facing(wall: WallName, region: Region) -> Option<WallName> {
-    use Region::{HighSide, Inlet, LowSide};
-    use WallName::{High, Low, Splitter};
-    match (wall, region) {
-        (High, Inlet) | (Splitter, LowSide) => Some(Low),
-        (Low, Inlet) | (Splitter, HighSide) => Some(High),
-        (Low, LowSide) | (High, HighSide) => Some(Splitter),
-        (Splitter, Inlet) | (Low, HighSide) | (High, LowSide) => None,
-    }
 }

@@ -52,8 +52,8 @@ pub(super) fn wall_deviation(
     let chunks: Vec<Chunk> = steps.chunks(CHUNK).map(|steps| build_chunk(steps, tools)).collect();
     let hub = part.hub.curve();
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
-    let beside = |passage: usize, wall: usize| channel.beside_splitter.get(passage).map(|p| &p.walls[wall]);
-    let walls = channel.full.walls.iter().chain(beside(0, 1)).chain(beside(1, 0));
+    let splitters = channel.splitters.iter().flat_map(|splitter| [&splitter.near, &splitter.far]);
+    let walls = channel.full.walls.iter().chain(splitters);
     let samples: Vec<Point> = walls
         .flat_map(|wall| {
             let flank = wall.side();

@@ -1,11 +1,13 @@
 //! Form of flank milling: strategy, layer depth, scallop height and feed rates; display and colour key of the
 //! passes.
 
+use std::collections::BTreeSet;
+
 use egui::Ui;
 
-use crate::drawing::flank::{FlankColours, RAPID_COLOUR, REGION_COLOURS, feed_range};
+use crate::drawing::flank::{FlankColours, RAPID_COLOUR, feed_range, region_colour};
 use crate::flank::FlankPlan;
-use crate::flank::chart::Region;
+use crate::flank::region::{Region, WallName};
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
 use crate::setup::{FlankStrategy, Setup};
@@ -125,13 +127,29 @@ pub fn display(ui: &mut Ui, look: &mut FlankLook) {
     });
 }
 
-/// Name of a region; `divided`: by a splitter.
-pub fn region_words(region: Region, divided: bool) -> &'static str {
-    match region {
-        Region::Inlet if !divided => "the whole channel",
-        Region::Inlet => "before the splitter",
-        Region::LowSide => "splitter to suction side",
-        Region::HighSide => "splitter to pressure side",
+/// Number of splitters that bound some of the `regions`.
+pub fn splitters_among(regions: impl Iterator<Item = Region>) -> usize {
+    let numbers = regions.flat_map(|region| [region.low, region.high]).map(|wall| match wall {
+        WallName::Splitter(number) => number + 1,
+        WallName::Low | WallName::High => 0,
+    });
+    numbers.max().unwrap_or(0)
+}
+
+/// Name of a region of a channel with some number of `splitters`.
+pub fn region_words(region: Region, splitters: usize) -> String {
+    let name = |wall: WallName| match wall {
+        WallName::Low => "suction side".to_owned(),
+        WallName::High => "pressure side".to_owned(),
+        WallName::Splitter(_) if splitters == 1 => "splitter".to_owned(),
+        WallName::Splitter(number) => format!("splitter {}", number + 1),
+    };
+    match (region, splitters) {
+        (Region::INLET, 0) => "the whole channel".to_owned(),
+        (Region::INLET, 1) => "before the splitter".to_owned(),
+        (Region::INLET, _) => "before the splitters".to_owned(),
+        (Region { low: WallName::Low, high }, _) => format!("{} to {}", name(high), name(WallName::Low)),
+        (Region { low, high }, _) => format!("{} to {}", name(low), name(high)),
     }
 }
 
@@ -153,11 +171,10 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
         }
         FlankColours::Region => {
             let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
-            let divided = curves().any(|curve| curve.region != Region::Inlet);
-            for (region, rgb) in REGION_COLOURS {
-                if divided || region == Region::Inlet {
-                    patch(ui, rgb, region_words(region, divided));
-                }
+            let regions: BTreeSet<Region> = curves().map(|curve| curve.region).collect();
+            let splitters = splitters_among(regions.iter().copied());
+            for region in regions {
+                patch(ui, region_colour(region), &region_words(region, splitters));
             }
         }
         FlankColours::Feed => {

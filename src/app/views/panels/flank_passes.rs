@@ -3,13 +3,13 @@
 use egui::{RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
-use super::flank::region_words;
+use super::flank::{region_words, splitters_among};
 use super::positions::cell;
 use crate::app::model::figures::format_clock;
 use crate::app::model::flank_passes::FlankPass;
 use crate::app::model::state::AppState;
 use crate::app::views::theme;
-use crate::flank::chart::Region;
+use crate::flank::region::{Region, WallName};
 
 /// Heads of the columns with their meaning, and their widths, points.
 const COLUMNS: [(&str, &str, f32); 5] = [
@@ -59,9 +59,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 let Some(pass) = found.passes.get(k) else { return };
                 row.set_selected(selected == Some(k));
                 let region = match pass.region {
-                    Region::Inlet => "inlet",
-                    Region::LowSide => "suct.",
-                    Region::HighSide => "press.",
+                    Region::INLET => "inlet",
+                    Region { low: WallName::Low, .. } => "suct.",
+                    Region { high: WallName::High, .. } => "press.",
+                    _ => "split.",
                 };
                 let wall = if pass.along_wall { " w" } else { "" };
                 let cells = [
@@ -95,10 +96,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
 pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
     let wall = if pass.along_wall { ", along a wall" } else { "" };
     ui.label(RichText::new(format!("Pass {}: layer {}{wall}", k + 1, pass.layer + 1)).strong());
-    ui.label(region_words(
-        pass.region,
-        state.results.passes.passes.iter().any(|p| p.region != Region::Inlet),
-    ));
+    let splitters = splitters_among(state.results.passes.passes.iter().map(|pass| pass.region));
+    ui.label(region_words(pass.region, splitters));
     let [low, high] = pass.feeds;
     let units = state.look.units;
     let feeds = match high - low < 0.5 {
