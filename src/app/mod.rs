@@ -321,8 +321,7 @@ impl App {
     /// The results of a study, while they are shown.
     fn study_results(&mut self, ui: &Ui) {
         if let Some((results, row)) = self.study.show(ui) {
-            // Unsaved edits are asked about as before any other part.
-            self.open_run(results, row);
+            self.run_guarded(ui.ctx(), Pending::OpenRun(results, row));
         }
     }
 

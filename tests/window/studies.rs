@@ -11,7 +11,7 @@ use vanecut::setup::Setup;
 use vanecut::study::{RESULT_VERSION, RunResult, RunStatus, merge::merge};
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, window, with_sample};
+use crate::harness::{Window, click_enabled, press, settle, snapshot_view, window, with_sample};
 
 /// A run: its name, its step, and time in min and 95th percentile of the stock where it has a plan.
 type StudyRun = (&'static str, f64, Option<(f64, f64)>);
@@ -132,6 +132,37 @@ fn runs_are_sorted_plotted_and_opened_as_plans() {
     let state = window.state().state();
     assert_eq!(state.document.edited.setup.plunge.step, Some(8.0));
     assert!(!state.out_of_date() && state.results.planned.is_some(), "it is calculated");
+}
+
+#[test]
+fn a_run_does_not_replace_unsaved_work_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = study(folder.path()).join("study.json");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    settle(&mut window);
+    open(&mut window, path);
+    let open_run = |window: &mut Window| {
+        window.get_by_role_and_label(Role::Row, "Run 2").click();
+        window.run_steps(3);
+        window.get_by_role_and_label(Role::Button, "Open as plan").click();
+        window.run_steps(3);
+        settle(window);
+    };
+    let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
+    open_run(&mut window);
+    window.get_by_label("Save the changes of this project?");
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(step(&window), Some(3.0), "nothing was opened");
+    open_run(&mut window);
+    window.get_by_label("Don't save").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(step(&window), Some(8.0));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The project: saving, recovery copies, and what waits until unsaved changes are saved or discarded.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{Context, Rect, Ui};
@@ -22,6 +23,7 @@ use crate::app::views::unsaved::{self, UnsavedAnswer};
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
 use crate::io::setup_file::SetupEntryFault;
+use crate::study::StudyResults;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
@@ -29,7 +31,7 @@ const MAX_REPORTED_FAULTS: usize = 4;
 const COPY_AFTER: Duration = Duration::from_secs(2);
 
 /// Action that waits until unsaved changes are saved or discarded.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(in crate::app) enum Pending {
     /// Start a new project.
     New,
@@ -37,6 +39,8 @@ pub(in crate::app) enum Pending {
     Open(PathBuf),
     /// Open a part.
     OpenPart(PartSource),
+    /// Open the run of a row of a study's results.
+    OpenRun(Arc<StudyResults>, usize),
     /// Close the window.
     Quit,
 }
@@ -123,6 +127,7 @@ impl App {
             }
             Pending::Open(path) => self.open_file(path),
             Pending::OpenPart(source) => self.open_files(Some(source), None),
+            Pending::OpenRun(results, row) => self.open_run(results, row),
             Pending::Quit => {
                 self.session.closing = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
