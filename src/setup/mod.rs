@@ -3,6 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | [`settings`](Setup) | the setup with its defaults, which follow the size of the wheel |
+//! | [`plunge_settings`](PlungeSetup), [`flank_settings`](FlankSetup) | what the planners are asked for |
 //! | [`tool`] | cutters and their cutting data |
 //! | [`cutting_data`] | cutting data by material, feed rate by engagement |
 //! | [`assembly`](ToolAssembly) | shank and holder of a tool |
@@ -13,14 +14,15 @@ mod assembly;
 pub mod cutting_data;
 pub mod edits;
 mod fault;
+mod flank_settings;
+mod plunge_settings;
 mod settings;
 pub mod tool;
 
 pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
 pub use edits::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 pub use fault::{SetupFault, SetupPlace, round_down, round_up, tool_of};
-pub use settings::{
-    AllowanceSetup, AxisPolicy, ClearanceSetup, CutDirection, FlankFeedRates, FlankSetup, FlankStrategy,
-    Goal, Machine, PlungeSetup, SectionKind, SectionSetup, Setup,
-};
+pub use flank_settings::{FlankFeedRates, FlankSetup, FlankStrategy};
+pub use plunge_settings::{AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup};
+pub use settings::{AllowanceSetup, ClearanceSetup, Machine, Setup};
 pub use tool::{OutlineKind, OutlinePiece, Tool};
