@@ -15,6 +15,9 @@ use crate::part::Blank;
 
 /// Maximum number of iterations for one link, and for the whole plan.
 const MAX_ITERATIONS: usize = 20;
+/// Distance by which retract points are raised at most, in radii of the blank: beyond, no further raise frees
+/// a link that swings through the part, and its lack of clearance is reported.
+const MAX_RAISE_RADII: f64 = 8.0;
 /// Depth of the tool in the blank above which a link is raised, mm.
 const MAX_TOOL_DEPTH: f64 = 1e-3;
 
@@ -41,8 +44,16 @@ pub(super) fn raise_links<E: Sync>(
         .collect();
     let surfaces: Vec<RetractSurface> =
         plan.sections.iter().map(|s| RetractSurface::new(blank, s.tool.corner_radius)).collect();
-    let mut links =
-        Links { plan, retracts, lift_offs, bottoms: Vec::new(), blank, surfaces: &surfaces, safety };
+    let mut links = Links {
+        plan,
+        raised: vec![0.0; retracts.len()],
+        retracts,
+        lift_offs,
+        bottoms: Vec::new(),
+        blank,
+        surfaces: &surfaces,
+        safety,
+    };
     let bottom = |k| if monitor.is_cancelled() { [NearBottom::NOWHERE; 2] } else { links.bottoms_at(k) };
     links.bottoms = (0..plan.positions.len()).into_par_iter().map(bottom).collect();
     // Clearance of each link, mm.
@@ -58,8 +69,12 @@ pub(super) fn raise_links<E: Sync>(
         if low.is_empty() {
             break;
         }
+        let before = links.raised.clone();
         for k in low {
             links.raise(k, monitor)?;
+        }
+        if links.raised == before {
+            break;
         }
     }
     let mut raised: Vec<(Point, f64)> =
@@ -76,6 +91,8 @@ struct Links<'a, E> {
     plan: &'a PlungePlan<E>,
     /// The retract point of every position.
     retracts: Vec<Point>,
+    /// By how much each has been raised, mm.
+    raised: Vec<f64>,
     /// Where the tool leaves every position, from its retract point, mm.
     lift_offs: &'a [Vector],
     /// The bottom of every position where the tool arrives, and where it leaves.
@@ -125,14 +142,17 @@ impl<E> Links<'_, E> {
 
     /// Raises both ends of the link after position `k` until it is clear.
     fn raise(&mut self, k: usize, monitor: &Monitor) -> Result<(), Cancelled> {
+        let limit = MAX_RAISE_RADII * self.blank.extent().0;
         for round in 0..MAX_ITERATIONS {
             monitor.check()?;
             let (_, needed) = self.needed_lift(k);
-            if needed <= 0.0 {
+            if needed <= 0.0 || self.raised[k].max(self.raised[k + 1]) >= limit {
                 break;
             }
             let lift = (1.0 + 0.3 * round as f64) * needed + 0.5 * self.safety.max(0.1);
             for end in k..=k + 1 {
+                let lift = lift.min(limit - self.raised[end]).max(0.0);
+                self.raised[end] += lift;
                 self.retracts[end] += self.plan.positions[end].axis * lift;
                 self.bottoms[end] = self.bottoms_at(end);
             }
