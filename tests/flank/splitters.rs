@@ -1,7 +1,7 @@
 //! Flank plans of wheels with several splitters in a pitch, side by side and nested.
 
 use std::fmt::Write;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use vanecut::flank::FlankMove;
 use vanecut::flank::layer::{LayerPoint, LayerSurface};
@@ -70,6 +70,9 @@ fn planned(description: &PartDescription, strategy: FlankStrategy) -> FlankOutco
     FlankJob::default().run(&request, &Monitor::default()).expect("a plan")
 }
 
+/// The balanced plan with nested splitters.
+static BALANCED: LazyLock<FlankOutcome> = LazyLock::new(|| planned(&wheel(&NESTED), FlankStrategy::Balanced));
+
 #[test]
 fn a_region_is_divided_where_a_splitter_begins_in_it() {
     let nested = vec![
@@ -126,46 +129,52 @@ fn a_region_is_divided_where_a_splitter_begins_in_it() {
 /// others.
 #[test]
 fn the_walls_of_all_splitters_are_cut() {
-    for splitters in [&SIDE_BY_SIDE[..], &NESTED] {
-        let description = wheel(splitters);
-        for strategy in FlankStrategy::ALL {
-            let outcome = planned(&description, strategy);
-            let (plan, place) = (&outcome.plan, format!("{} splitters, {strategy:?}", splitters.len()));
-            assert!(outcome.faults.is_empty(), "{place}: {:?}", outcome.faults.first());
-            let verdict = outcome.verdict.as_ref().expect("a verdict");
-            // Of two isoparametric layers most is left out beside one splitter, too.
-            let (max_left, max_unmilled) = match strategy {
-                FlankStrategy::Isoparametric => (1.1, 0.12),
-                FlankStrategy::Layers => (0.08, 0.01),
-                FlankStrategy::Regions | FlankStrategy::Balanced => (0.01, 0.001),
-            };
-            assert!(verdict.unmilled_wall_share < max_unmilled, "{place}: {}", verdict.unmilled_wall_share);
-            assert!(verdict.max_overcut <= 0.005, "{place}: {} mm over", verdict.max_overcut);
-            let repeats = plan.moves.windows(2).filter(|pair| {
-                (pair[1].tip - pair[0].tip).norm() < 5e-6 && pair[1].axis.angle(&pair[0].axis) < 1e-6
-            });
-            assert_eq!(repeats.count(), 0, "{place}: moves of no length");
-            let left: f64 = plan.uncut.iter().map(|left| left.length).sum();
-            assert!(left < max_left * plan.times.cut_length, "{place}: {left} mm left out");
-            // Both sides of every splitter have axes fitted to them, and passes that follow it.
-            assert_eq!(plan.walls.len(), 2 + 2 * splitters.len(), "{place}");
-            for number in 0..splitters.len() {
-                let along = |role: PassRole| role == PassRole::Wall(Splitter(number));
-                let lowest = &plan.layout.layers[0].pass_curves;
-                assert!(lowest.iter().any(|curve| along(curve.role)), "{place}: {number}");
-            }
-            if strategy == FlankStrategy::Balanced {
-                let gap = plan.layout.totals[strategy as usize].coverage.largest_gap;
-                assert!(gap < 1.1, "{place}: {gap} stepovers");
-            }
-        }
+    let side_by_side = planned(&wheel(&SIDE_BY_SIDE), FlankStrategy::Balanced);
+    judge(&side_by_side, SIDE_BY_SIDE.len());
+    judge(&BALANCED, NESTED.len());
+    for strategy in FlankStrategy::ALL.into_iter().filter(|&strategy| strategy != FlankStrategy::Balanced) {
+        judge(&planned(&wheel(&NESTED), strategy), NESTED.len());
+    }
+}
+
+/// Checks that a plan cuts the walls of all its splitters, so many, and no other place.
+fn judge(outcome: &FlankOutcome, splitters: usize) {
+    let (plan, strategy) = (&outcome.plan, outcome.setup.flank.strategy);
+    let place = format!("{splitters} splitters, {strategy:?}");
+    assert!(outcome.faults.is_empty(), "{place}: {:?}", outcome.faults.first());
+    let verdict = outcome.verdict.as_ref().expect("a verdict");
+    // Of two isoparametric layers most is left out beside one splitter, too.
+    let (max_left, max_unmilled) = match strategy {
+        FlankStrategy::Isoparametric => (1.1, 0.12),
+        FlankStrategy::Layers => (0.08, 0.01),
+        FlankStrategy::Regions | FlankStrategy::Balanced => (0.01, 0.001),
+    };
+    assert!(verdict.unmilled_wall_share < max_unmilled, "{place}: {}", verdict.unmilled_wall_share);
+    assert!(verdict.max_overcut <= 0.005, "{place}: {} mm over", verdict.max_overcut);
+    let repeats = plan
+        .moves
+        .windows(2)
+        .filter(|pair| (pair[1].tip - pair[0].tip).norm() < 5e-6 && pair[1].axis.angle(&pair[0].axis) < 1e-6);
+    assert_eq!(repeats.count(), 0, "{place}: moves of no length");
+    let left: f64 = plan.uncut.iter().map(|left| left.length).sum();
+    assert!(left < max_left * plan.times.cut_length, "{place}: {left} mm left out");
+    // Both sides of every splitter have axes fitted to them, and passes that follow it.
+    assert_eq!(plan.walls.len(), 2 + 2 * splitters, "{place}");
+    for number in 0..splitters {
+        let along = |role: PassRole| role == PassRole::Wall(Splitter(number));
+        let lowest = &plan.layout.layers[0].pass_curves;
+        assert!(lowest.iter().any(|curve| along(curve.role)), "{place}: {number}");
+    }
+    if strategy == FlankStrategy::Balanced {
+        let gap = plan.layout.totals[strategy as usize].coverage.largest_gap;
+        assert!(gap < 1.1, "{place}: {gap} stepovers");
     }
 }
 
 #[test]
 fn a_plan_with_several_splitters_is_read_back() {
     let description = wheel(&NESTED);
-    let outcome = planned(&description, FlankStrategy::Balanced);
+    let outcome = &*BALANCED;
     let text = write_flank(&description, &outcome.setup, &outcome.plan);
     assert!(text.contains("\"splitter-2..splitter-3\""), "between the middle and the last splitter");
     let stored = read_flank_bytes("flank.json", text.as_bytes()).expect("readable");
