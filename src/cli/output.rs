@@ -276,9 +276,9 @@ fn limited_object(counts: &[(LimitedBy, usize)]) -> Value {
     Value::Object(counts.iter().map(|(held, count)| (held.name().to_owned(), json!(count))).collect())
 }
 
-/// Text on the positions with a limited axis and on those lifted to keep the core free; empty if there are
-/// none.
-pub fn limited_text(plan: &PlungePlan) -> String {
+/// Text on the positions with a limited axis and on those lifted to keep the core free, or by hand where the
+/// plan is `edited`; empty if there are none.
+pub fn limited_text(plan: &PlungePlan, edited: bool) -> String {
     let counts = limited_counts(plan, None);
     let lifted = plan.positions.iter().filter(|p| p.lift > 0.02).count();
     let mut text = String::new();
@@ -289,7 +289,8 @@ pub fn limited_text(plan: &PlungePlan) -> String {
     }
     if lifted > 0 {
         let most = plan.positions.iter().map(|p| p.lift).fold(0.0, f64::max);
-        text += &format!("stopped short to keep the core free: {lifted} positions, by up to {most:.2} mm\n");
+        let why = if edited { "to keep the core free or by hand" } else { "to keep the core free" };
+        text += &format!("stopped short {why}: {lifted} positions, by up to {most:.2} mm\n");
     }
     text
 }

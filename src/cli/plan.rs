@@ -235,8 +235,11 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     let edits = outcome.setup.plunge.edits.len();
     if edits > 0 {
         let unfitting = outcome.edits.unfitting.len();
-        text += &format!("edited by hand: {edits} edits, {unfitting} without a plunge in this plan\n");
-    } else if let Some(whole) = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy) {
+        text += &format!("edited by hand: {edits} edits, {unfitting} not applied\n");
+    }
+    // By how many plunges an edited plan is smaller says nothing of the goal.
+    let whole = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy && edits == 0);
+    if let Some(whole) = whole {
         let (found, kept) = (whole.positions.len(), plan.positions.len());
         text += &format!(
             "{} of {found} plunges found are left out: they are not worth their time\n",
@@ -246,7 +249,7 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     text += &words::clearances_text(&report.summary, channels);
     text += &output::assembly_text(&report.verdict.assembly);
     text += &output::convergence_text(plan);
-    text += &output::limited_text(plan);
+    text += &output::limited_text(plan, edits > 0);
     text += &output::blocked_text(plan);
     text += &output::material_text(&outcome.setup);
     text += &output::notes_text(&report.notes);

@@ -33,7 +33,7 @@ impl PlungePose {
 pub enum PlungeChange {
     /// Leaves it out.
     Delete,
-    /// Lets it stop short by so much, mm; negative: lets it go deeper.
+    /// Lets it stop short by this distance, mm; negative: lets it go deeper.
     Lift(f64),
     /// Keeps it in every plan, whatever the planner finds: in place of the plunge of the same tool that is
     /// nearest, if it is near, else in addition.

@@ -89,6 +89,34 @@ fn a_plunge_is_lifted_deleted_and_brought_back() {
 }
 
 #[test]
+fn until_the_plan_follows_an_edit_the_next_one_waits_but_lifts_add_up() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    let found = positions(&window);
+    window.get_by_label("Auto-update").click();
+    window.run_steps(3);
+    select(&mut window, 3);
+    set(&mut window, "Move along", 1.0);
+    for _ in 0..2 {
+        click(&mut window, "Lift");
+    }
+    let is_disabled = |window: &Window, button: &str| {
+        window.get_by_role_and_label(Role::Button, button).accesskit_node().is_disabled()
+    };
+    for button in ["Move", "Delete", "Lock", "Earlier", "Later"] {
+        assert!(is_disabled(&window, button), "{button}");
+    }
+    window.key_press(egui::Key::Delete);
+    window.run_steps(3);
+    assert_eq!(count_edits(&window), 1, "the second lift adds to the first, nothing else is taken");
+    window.get_by_label_contains("calculate it first");
+    click(&mut window, "Calculate roughing");
+    let lifted = &positions(&window)[2];
+    assert!((lifted.lift - found[2].lift - 1.0).abs() < 1e-9, "{} mm", lifted.lift);
+    assert!(!is_disabled(&window, "Move"));
+}
+
+#[test]
 fn a_row_is_deleted_and_cut_in_another_order_from_the_context_menu_and_the_tab() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut window = planned(folder.path());
@@ -136,7 +164,7 @@ fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
     let k = now.iter().position(|position| position.tip == moved.tip).expect("it is kept");
     assert!(window.state().state().plunge_mark(k).is_locked());
     assert!((now[k].axis - moved.axis).norm() < 1e-12);
-    window.get_by_label("2 edits, 1 without a plunge in this plan");
+    window.get_by_label("2 edits, 1 not applied");
     snapshot_view(&mut window, "edited_by_hand");
 
     let path = folder.path().join("p.vanecut");

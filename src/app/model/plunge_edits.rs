@@ -63,16 +63,45 @@ impl AppState {
         (is_after && now.starts_with(known)).then(|| shown.plan())
     }
 
+    /// Whether the plan that is shown is the one that the next edit changes: not while it has yet to follow the
+    /// last one.
+    pub fn takes_edits(&self) -> bool {
+        let planned = self.results.planned.as_ref();
+        let is_known =
+            planned.is_some_and(|p| p.setup.plunge.edits == self.document.edited.setup.plunge.edits);
+        is_known && self.editable_plan().is_some()
+    }
+
+    /// Whether the selected plunge may be lifted: also while the plan has yet to follow a lift of it, to which
+    /// the next one adds.
+    pub fn takes_lifts(&self) -> bool {
+        let lifted = || {
+            let known = self.results.planned.as_ref()?.setup.plunge.edits.len();
+            let plunge = self.editable_plan().zip(self.look.selected).and_then(|(plan, k)| pose(plan, k))?;
+            match self.document.edited.setup.plunge.edits.get(known..)? {
+                [only] if matches!(only.change, PlungeChange::Lift(_)) => Some(only.plunge.is(&plunge)),
+                _ => None,
+            }
+        };
+        self.takes_edits() || lifted() == Some(true)
+    }
+
     /// What was done by hand to plunge `k` of the shown plan.
     pub fn plunge_mark(&self, k: usize) -> PlungeMark {
         let shown = self.shown().filter(|shown| shown.policy == shown.planned.setup.plunge.axis);
         shown.map_or(PlungeMark::Planned, |shown| shown.planned.outcome.edits.mark(k))
     }
 
-    /// Number of edits of the setup, and of those whose plunge the last plan does not have.
+    /// Indices of the edits that do nothing in the last plan; `None` until it has all edits of the setup.
+    fn unfitting_edits(&self) -> Option<&[usize]> {
+        let planned = self.results.planned.as_ref()?;
+        let has_all = planned.setup.plunge.edits == self.document.edited.setup.plunge.edits;
+        has_all.then_some(planned.outcome.edits.unfitting.as_slice())
+    }
+
+    /// Number of edits of the setup, and of those that do nothing in the last plan.
     pub fn edit_counts(&self) -> (usize, usize) {
-        let planned = self.results.planned.as_ref();
-        let unfitting = planned.map_or(0, |planned| planned.outcome.edits.unfitting.len());
+        let unfitting = self.unfitting_edits().map_or(0, <[usize]>::len);
         (self.document.edited.setup.plunge.edits.len(), unfitting)
     }
 
@@ -89,8 +118,12 @@ impl AppState {
         self.document.step();
     }
 
-    /// Edits the selected plunge or its row.
+    /// Edits the selected plunge or its row, if the plan shown takes the edit.
     fn edit_selected(&mut self, whole_row: bool, change: PlungeChange) {
+        let is_lift = matches!(change, PlungeChange::Lift(_));
+        if !(self.takes_edits() || is_lift && self.takes_lifts()) {
+            return;
+        }
         let plunge = self.editable_plan().zip(self.look.selected).and_then(|(plan, k)| pose(plan, k));
         if let Some(plunge) = plunge {
             self.change_edits(|edits| add_edit(edits, PlungeEdit { plunge, whole_row, change }));
@@ -120,7 +153,8 @@ impl AppState {
 
     /// Locks the selected plunge or its row; unlocks it where it is locked.
     pub fn toggle_lock(&mut self, whole_row: bool) {
-        let Some(range) = self.edited_range(whole_row) else { return };
+        let range = self.edited_range(whole_row).filter(|_| self.takes_edits());
+        let Some(range) = range else { return };
         let marks: Vec<PlungeMark> = range.clone().map(|k| self.plunge_mark(k)).collect();
         let locks = |mark: &PlungeMark| match mark {
             PlungeMark::Locked(index) => Some(*index),
@@ -191,10 +225,9 @@ impl AppState {
         }
     }
 
-    /// Removes the edits whose plunge the last plan does not have.
+    /// Removes the edits that do nothing in the last plan.
     pub fn remove_unfitting_edits(&mut self) {
-        let planned = self.results.planned.as_ref();
-        let unfitting = planned.map(|planned| planned.outcome.edits.unfitting.clone()).unwrap_or_default();
+        let Some(unfitting) = self.unfitting_edits().map(<[usize]>::to_vec) else { return };
         self.change_edits(|edits| {
             let mut index = 0..;
             edits.retain(|_| index.next().is_none_or(|index| !unfitting.contains(&index)));

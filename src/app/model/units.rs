@@ -50,7 +50,7 @@ impl DisplayUnits {
         }
     }
 
-    /// Decimals that resolve about as much as so many `decimals` of a number of mm.
+    /// Number of decimals with which the unit resolves about as much as mm with `decimals`.
     pub fn decimals(self, decimals: usize) -> usize {
         match (self, decimals) {
             (Self::Metric, _) => decimals,

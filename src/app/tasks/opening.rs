@@ -130,10 +130,11 @@ fn open_run(
         (Some(PartSource::File(open) | PartSource::Mesh(open, _)), None) => {
             open.file_name() == of_run.file_name()
         }
-        (Some(PartSource::Sample(sample)), _) => {
+        // A file of the study may be another part than the sample of its name.
+        (Some(PartSource::Sample(sample)), None) => {
             of_run.file_stem().is_some_and(|stem| stem.to_string_lossy() == *sample)
         }
-        (None, _) => false,
+        (Some(PartSource::Sample(_)), Some(_)) | (None, _) => false,
     };
     let setup = Some((path, setup));
     if is_open {

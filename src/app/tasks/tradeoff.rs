@@ -25,6 +25,8 @@ impl TradeoffRequest {
     fn of(planned: &Arc<DisplayPlan>) -> Self {
         let mut setup = planned.setup.clone();
         setup.plunge.goal = Goal::default();
+        // The curve is without edits by hand.
+        setup.plunge.edits.clear();
         Self { planned: Arc::clone(planned), setup }
     }
 }

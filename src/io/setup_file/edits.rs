@@ -7,11 +7,11 @@ use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
 use crate::io::table::{NumberRange, TomlTable, degrees_text, nearest};
-use crate::io::tool_file::{ALLOWANCE, MAX_LENGTH, MAX_NUMBER, check_count};
+use crate::io::tool_file::{MAX_LENGTH, MAX_NUMBER, check_count};
 use crate::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 
 /// Maximum number of edits in a setup.
-const MAX_EDITS: usize = 100_000;
+const MAX_EDITS: usize = 10_000;
 const SHIFT: NumberRange = NumberRange::Between(-MAX_LENGTH, MAX_LENGTH);
 const TURN: NumberRange = NumberRange::Between(-90.0, 90.0);
 /// Deviation from length 1 that is tolerated of an axis as rounding.
@@ -48,7 +48,7 @@ fn edit(table: &TomlTable<'_>) -> Result<PlungeEdit, InputError> {
         "lock" => {
             let tool = table.whole("tool", 1, MAX_NUMBER)?;
             let tool = tool.ok_or_else(|| needed("tool", "give the number of its tool"))?.value;
-            PlungeChange::Lock { tool, lift: table.number_or("lifted", ALLOWANCE, 0.0)? }
+            PlungeChange::Lock { tool, lift: table.number_or("lifted", SHIFT, 0.0)? }
         }
         "move" => {
             let angle = |key: &str| Ok(table.number_or(key, TURN, 0.0)?.to_radians());
@@ -80,8 +80,12 @@ fn pose(table: &TomlTable<'_>, key: &str) -> Result<Option<PlungePose>, InputErr
         return wrong(format!("`{key}` has {} numbers, not 6", numbers.value.len()));
     };
     let (tip, axis) = (Point::new(x, y, z), Vector::new(i, j, k));
-    if (axis.norm() - 1.0).abs() > AXIS_TOLERANCE || tip.coords.amax() > 10.0 * MAX_LENGTH {
-        return wrong(format!("`{key}` is not tip and axis of a plunge"));
+    let length = axis.norm();
+    if (length - 1.0).abs() > AXIS_TOLERANCE {
+        return wrong(format!("the axis of `{key}` has length {length:.6}, not 1"));
+    }
+    if tip.coords.amax() > 10.0 * MAX_LENGTH {
+        return wrong(format!("the tip of `{key}` is too far away"));
     }
     Ok(Some(PlungePose { tip, axis }))
 }
@@ -138,6 +142,7 @@ mod tests {
             PlungeChange::Delete,
             PlungeChange::Lift(0.1 + 0.2),
             PlungeChange::Lock { tool: 64, lift: 0.7 },
+            PlungeChange::Lock { tool: 64, lift: -0.5 },
             PlungeChange::Move(by),
             PlungeChange::Reorder(Some(pose(8.0))),
             PlungeChange::Reorder(None),
@@ -152,7 +157,7 @@ mod tests {
     fn faults_of_edits_are_named_with_their_line() {
         for (text, line, words) in [
             ("at = [1, 2, 3]\nchange = \"delete\"", 2, "has 3 numbers"),
-            ("at = [1, 2, 3, 1, 1, 0]\nchange = \"delete\"", 2, "not tip and axis"),
+            ("at = [1, 2, 3, 1, 1, 0]\nchange = \"delete\"", 2, "has length 1.414214"),
             ("at = [1, 2, 3, 0, 1, 0]\nchange = \"remove\"", 3, "is not a change"),
             ("at = [1, 2, 3, 0, 1, 0]\nchange = \"lift\"", 1, "no `by`"),
             ("at = [1, 2, 3, 0, 1, 0]\nchange = \"lock\"", 1, "no `tool`"),

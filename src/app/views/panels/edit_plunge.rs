@@ -37,6 +37,11 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         counts(ui, state);
         return None;
     }
+    if !state.takes_edits() {
+        ui.label(
+            RichText::new("The next edit is for the plan with the last one: calculate it first.").weak(),
+        );
+    }
     let mut edit = state.look.edit;
     ui.horizontal(|ui| {
         ui.label("Edit");
@@ -66,7 +71,11 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     });
     Grid::new("edit plunge").num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
         number(ui, &mut edit.lift, &LIFT);
-        if ui.add_enabled(edit.lift != 0.0, Button::new("Lift")).on_hover_text(LIFT.tip).clicked() {
+        if ui
+            .add_enabled(edit.lift != 0.0 && state.takes_lifts(), Button::new("Lift"))
+            .on_hover_text(LIFT.tip)
+            .clicked()
+        {
             state.lift_selected(row, edit.lift);
         }
         ui.end_row();
@@ -77,7 +86,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         angle(ui, &mut edit.by.lead_rad, &LEAD);
         ui.end_row();
         angle(ui, &mut edit.by.tilt_rad, &TILT);
-        let moves = edit.by != PlungeMove::default();
+        let moves = edit.by != PlungeMove::default() && state.takes_edits();
         if ui.add_enabled(moves, Button::new("Move")).on_hover_text(MOVE_TIP).clicked() {
             state.move_selected(row, edit.by);
             edit.by = PlungeMove::default();
@@ -92,7 +101,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
 /// Whether a command that edits the selected plunge is possible.
 pub fn is_possible(state: &AppState, command: Command) -> bool {
     use crate::app::model::plunge_edits::CuttingPlace::{Earlier, Later};
-    let can_edit = state.editable_plan().is_some() && state.look.selected.is_some();
+    let can_edit = state.takes_edits() && state.look.selected.is_some();
     can_edit
         && match command {
             Command::CutEarlier => state.can_reorder(false, Earlier),
@@ -127,7 +136,7 @@ pub fn counts(ui: &mut Ui, state: &mut AppState) {
         let word = if count == 1 { "edit" } else { "edits" };
         let text = match unfitting {
             0 => format!("{count} {word}"),
-            n => format!("{count} {word}, {n} without a plunge in this plan"),
+            n => format!("{count} {word}, {n} not applied"),
         };
         ui.label(RichText::new(text).weak()).on_hover_text(UNFITTING_TIP);
     });

@@ -94,6 +94,8 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
     let words = automatic.map(str::to_owned);
     let parser_words = words.clone();
     let spec_copy = *spec;
+    // The text of a field that is left without an edit is parsed too; what is shown may be rounded.
+    let (kept, shown) = (*value, show(*value, spec, units));
     let mut field = DragValue::new(value)
         .speed(spec.speed)
         .range(least..=spec.max)
@@ -105,6 +107,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
         })
         .custom_parser(move |text| match &parser_words {
             Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
+            _ if text == shown => Some(kept),
             _ => units.parse(text, quantity),
         })
         .update_while_editing(false);
