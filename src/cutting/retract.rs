@@ -132,19 +132,30 @@ pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
 
 /// Maximum number of retract steps.
 const MAX_RETRACT_STEPS: usize = 30;
+/// Distance by which a tool retracts at most, in radii of the blank.
+const MAX_RETRACT_RADII: f64 = 8.0;
+
+/// Distance by which a retract point over `blank` is moved up at most, mm. Beyond, no way up frees a tool, as
+/// where its axis points into the part; that it is not clear is reported.
+pub fn max_retract(blank: &Blank) -> f64 {
+    MAX_RETRACT_RADII * blank.extent().0
+}
 
 /// Tip of `cutter` after retracting along its axis until its bottom keeps `safety` mm from `blank`, and the
 /// clearance there; `clearance` is the current one, mm.
 ///
 /// After [`RetractSurface::height`] this rarely moves the tip: only near the flat ends of the blank, which
-/// that surface represents by their circles.
+/// that surface represents by their circles. It moves it by [`max_retract`] at most.
 pub fn retract_clear(cutter: &CutterSolid, clearance: f64, blank: &Blank, safety: f64) -> (Point, f64) {
     let (mut cutter, mut clearance) = (*cutter, clearance);
+    let mut left = max_retract(blank);
     for _ in 0..MAX_RETRACT_STEPS {
-        if clearance >= safety {
+        if clearance >= safety || left <= 0.0 {
             break;
         }
-        cutter.tip += cutter.axis * (1.5 * (safety - clearance) + 1e-3);
+        let step = (1.5 * (safety - clearance) + 1e-3).min(left);
+        left -= step;
+        cutter.tip += cutter.axis * step;
         clearance = bottom_clearance(&cutter, blank);
     }
     (cutter.tip, clearance)

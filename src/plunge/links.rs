@@ -8,16 +8,13 @@ use rayon::prelude::*;
 
 use super::plan::PlungePlan;
 use crate::cutting::link::LinkMove;
-use crate::cutting::retract::{NearBottom, RetractSurface, retract_clear};
+use crate::cutting::retract::{NearBottom, RetractSurface, max_retract, retract_clear};
 use crate::geometry::{CutterSolid, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 
 /// Maximum number of iterations for one link, and for the whole plan.
 const MAX_ITERATIONS: usize = 20;
-/// Distance by which retract points are raised at most, in radii of the blank: beyond, no further raise frees
-/// a link that swings through the part, and its lack of clearance is reported.
-const MAX_RAISE_RADII: f64 = 8.0;
 /// Depth of the tool in the blank above which a link is raised, mm.
 const MAX_TOOL_DEPTH: f64 = 1e-3;
 
@@ -142,7 +139,7 @@ impl<E> Links<'_, E> {
 
     /// Raises both ends of the link after position `k` until it is clear.
     fn raise(&mut self, k: usize, monitor: &Monitor) -> Result<(), Cancelled> {
-        let limit = MAX_RAISE_RADII * self.blank.extent().0;
+        let limit = max_retract(self.blank);
         for round in 0..MAX_ITERATIONS {
             monitor.check()?;
             let (_, needed) = self.needed_lift(k);

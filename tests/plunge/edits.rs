@@ -221,3 +221,20 @@ fn a_plan_without_plunges_is_refused() {
     let Err(JobError::Setup(fault)) = planned(&setup(SETUP), &edits) else { panic!("a plan of nothing") };
     assert!(fault.message.contains("every plunge"), "{fault}");
 }
+
+/// No way up its axis frees a tool that points into the part: it is not moved up on and on, and the lack of
+/// clearance is reported.
+#[test]
+fn a_plunge_that_cannot_retract_stays_near_the_part_and_is_reported() {
+    let lock = PlungeEdit {
+        plunge: PlungePose { tip: vanecut::geometry::Point::new(60.0, 0.0, -40.0), axis: Vector::z() },
+        whole_row: false,
+        change: PlungeChange::Lock { tool: 1, lift: 0.0 },
+    };
+    let outcome = edited(&[lock]);
+    let (plan, summary) = (&outcome.after.plan, &outcome.after.summary);
+    let farthest = plan.positions.iter().map(|p| p.evaluation.retract.coords.norm()).fold(0.0, f64::max);
+    let (radius, _) = outcome.workpiece.blank.extent();
+    assert!(farthest < 40.0 * radius, "{farthest} mm away");
+    assert!(summary.min_retract_clearance < outcome.setup.allowances.safety_distance);
+}
