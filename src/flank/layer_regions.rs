@@ -69,35 +69,29 @@ impl LayerWalls {
 
     /// Region of a point: between the nearest walls that have begun. `None` inside a splitter.
     pub fn region(&self, p: LayerPoint) -> Option<Region> {
-        let mut region = Region::INLET;
-        for splitter in self.splitters.iter().filter(|splitter| splitter.has_begun(p.x)) {
-            let [low, high] = splitter.sides_at(p.x);
-            if p.y < low {
-                region.high = splitter.name();
-                break;
-            }
-            if p.y <= high {
-                return None;
-            }
-            region.low = splitter.name();
-        }
-        Some(region)
+        let (region, is_inside) = self.locate(p);
+        (!is_inside).then_some(region)
     }
 
     /// Region of a point; inside a splitter the region beside its nearer side.
     pub fn nearest_region(&self, p: LayerPoint) -> Region {
-        self.region(p).unwrap_or_else(|| {
-            let mut region = Region::INLET;
-            for splitter in self.splitters.iter().filter(|splitter| splitter.has_begun(p.x)) {
-                let [low, high] = splitter.sides_at(p.x);
-                if 2.0 * p.y < low + high {
-                    region.high = splitter.name();
-                    break;
-                }
-                region.low = splitter.name();
+        self.locate(p).0
+    }
+
+    /// [`Self::nearest_region`] of a point, and whether it is inside a splitter.
+    fn locate(&self, p: LayerPoint) -> (Region, bool) {
+        let (mut region, mut is_inside) = (Region::INLET, false);
+        for splitter in self.splitters.iter().filter(|splitter| splitter.has_begun(p.x)) {
+            let [low, high] = splitter.sides_at(p.x);
+            let is_in_this = (low..=high).contains(&p.y);
+            is_inside |= is_in_this;
+            if p.y < low || is_in_this && 2.0 * p.y < low + high {
+                region.high = splitter.name();
+                break;
             }
-            region
-        })
+            region.low = splitter.name();
+        }
+        (region, is_inside)
     }
 
     /// The splitter that divides `region`: of those between its walls the one that begins first.

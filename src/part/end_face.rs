@@ -49,14 +49,15 @@ impl EndFace {
     /// Angle on the rim of the point that stays inside of the face longest while the disc moves up: opposite
     /// to the face's normal where it leaves it.
     fn innermost_place(&self, centre: &Point, axis: &Vector, rim: &Circle) -> Option<f64> {
+        // Radius vectors at angle 0 and at a quarter turn.
+        let (east, north) = rim.point_and_derivative((0.0, 1.0));
+        let east = east - centre;
         let mut at = centre + axis * self.highest_crossing(centre, axis).unwrap_or(0.0);
         let mut angle = None;
         for _ in 0..PLACE_STEPS {
             let normal = self.normal().direction_at_angle(at.y.atan2(at.x));
             let outward = if normal.dot(axis) < 0.0 { -normal } else { normal };
-            let ((east, _), (north, _)) =
-                (rim.point_and_derivative((0.0, 1.0)), rim.point_and_derivative((1.0, 0.0)));
-            let place = (-outward.dot(&(north - centre))).atan2(-outward.dot(&(east - centre)));
+            let place = (-outward.dot(&north)).atan2(-outward.dot(&east));
             angle = Some(place);
             let (point, _) = rim.point_and_derivative(place.sin_cos());
             let Some(height) = self.highest_crossing(&point, axis) else { break };

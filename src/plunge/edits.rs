@@ -11,6 +11,7 @@ use super::context::PlanContext;
 use super::cycle::{PlacedPlan, PlanError};
 use super::edit_pose::{moved, position_at};
 use super::evaluation::evaluate;
+use super::inspect::run_around;
 use super::plan::{PlungePlan, Position, Unevaluated};
 use super::spacing::step_limit;
 use crate::geometry::Point;
@@ -85,11 +86,7 @@ impl Editor<'_> {
 
     /// The plunges of the row of plunge `k`.
     fn row_of(&self, k: usize) -> Range<usize> {
-        let row = self.plunges[k].row();
-        let other = |draft: &Draft| draft.row() != row;
-        let start = self.plunges[..k].iter().rposition(other).map_or(0, |last| last + 1);
-        let end = self.plunges[k..].iter().position(other).map_or(self.plunges.len(), |next| k + next);
-        start..end
+        run_around(&self.plunges, k, Draft::row)
     }
 
     /// Applies the `edit` of this `index`; `false` where it does not fit the plan.

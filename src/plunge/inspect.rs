@@ -280,10 +280,20 @@ pub fn step_before(plan: &PlungePlan, index: usize) -> f64 {
 
 /// Range of indices of the row that position `index` belongs to.
 pub fn row_of(plan: &PlungePlan, index: usize) -> std::ops::Range<usize> {
-    let Some(here) = plan.positions.get(index) else { return 0..0 };
-    let same = |p: &&Position| p.section == here.section && p.row == here.row;
-    let start = index - plan.positions[..index].iter().rev().take_while(same).count();
-    let end = index + plan.positions[index..].iter().take_while(same).count();
+    run_around(&plan.positions, index, |position| (position.section, position.row))
+}
+
+/// Range of indices around `index` of the items with the same key as that one, without a gap; empty where
+/// there is no such item.
+pub(super) fn run_around<T, K: PartialEq>(
+    items: &[T],
+    index: usize,
+    key: impl Fn(&T) -> K,
+) -> std::ops::Range<usize> {
+    let Some(here) = items.get(index).map(&key) else { return 0..0 };
+    let same = |item: &&T| key(item) == here;
+    let start = index - items[..index].iter().rev().take_while(same).count();
+    let end = index + items[index..].iter().take_while(same).count();
     start..end
 }
 

@@ -32,7 +32,7 @@ impl StudyResults {
     /// that `vanecut study merge` wrote. The folder of a table is looked for beside it.
     ///
     /// # Errors
-    /// When there is no such study or table, or it is damaged.
+    /// When `path` is neither a study nor its table, or cannot be read.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let folder = match path.file_name() {
             _ if path.is_dir() => Some(path.to_owned()),
@@ -114,7 +114,7 @@ impl StudyResults {
     }
 
     /// The file of a run's part. Its path is relative to the study file, which stands above the folder of the
-    /// results or beside it. `None` where there is no such file.
+    /// results or beside it. `None` if that file does not exist.
     pub fn part_file(&self, run: &RunResult) -> Option<PathBuf> {
         let folder = self.folder.as_deref()?;
         let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());

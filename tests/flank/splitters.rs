@@ -115,7 +115,7 @@ fn a_region_is_divided_where_a_splitter_begins_in_it() {
                 assert_eq!(borders.nearest_region(p), stretch.region);
             }
         }
-        // In a splitter there is no region; the nearest one is beside its nearer side.
+        // A point inside a splitter has no region; its nearest region is the one beside the nearer side.
         let (x, splitter) = (layer.to - 1.0, borders.splitter(Splitter(1)).expect("on the layer"));
         let [low, high] = [0, 1].map(|side: usize| y_at(&splitter.sides[side], x));
         let at = |share: f64| LayerPoint { x, y: low + share * (high - low) };

@@ -52,15 +52,20 @@ fn nameless(document: &mut Value) {
     root["children"].as_array_mut().expect("children").push(json!(nut));
 }
 
-/// Opens the file of a wheel, and the dialog that assigns its roles.
-pub fn open_with_roles(mut window: Window, path: PathBuf) -> Window {
-    window.state_mut().open_path(path);
-    settle(&mut window);
+/// Opens the dialog that assigns roles.
+fn ask_for_roles(window: &mut Window) {
     window.get_by_label("File").click();
     window.run_steps(2);
     window.get_by_label("Assign surfaces…").click();
     window.run_steps(2);
+    settle(window);
+}
+
+/// Opens the file of a wheel, and the dialog that assigns its roles.
+pub fn open_with_roles(mut window: Window, path: PathBuf) -> Window {
+    window.state_mut().open_path(path);
     settle(&mut window);
+    ask_for_roles(&mut window);
     window
 }
 
@@ -164,22 +169,14 @@ fn roles_of_an_open_part_can_be_changed_and_its_setup_stays() {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
     window.run_steps(2);
     settle(&mut window);
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    window.get_by_label("Assign surfaces…").click();
-    window.run_steps(2);
-    settle(&mut window);
+    ask_for_roles(&mut window);
     assert!(is_asked(&window));
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     settle(&mut window);
     assert!(!is_asked(&window) && source(&window) == Some(PartSource::File(path.clone())));
 
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    window.get_by_label("Assign surfaces…").click();
-    window.run_steps(2);
-    settle(&mut window);
+    ask_for_roles(&mut window);
     choose(&mut window, "Role of shroud", "ignore");
     choose(&mut window, "Sense of rotation", "clockwise");
     press(&mut window, "Open the part");

@@ -85,6 +85,15 @@ fn open(window: &mut Window, path: PathBuf) {
     settle(window);
 }
 
+/// Opens a run of the table as a plan.
+fn open_run(window: &mut Window, number: usize) {
+    window.get_by_role_and_label(Role::Row, &format!("Run {number}")).click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Open as plan").click();
+    window.run_steps(3);
+    settle(window);
+}
+
 #[test]
 fn runs_are_sorted_plotted_and_opened_as_plans() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -124,11 +133,7 @@ fn runs_are_sorted_plotted_and_opened_as_plans() {
     let button = window.get_by_role_and_label(Role::Button, "Open as plan");
     assert!(button.accesskit_node().is_disabled(), "it has no plan");
     window.get_by_label("the step is too small");
-    window.get_by_role_and_label(Role::Row, "Run 2").click();
-    window.run_steps(3);
-    window.get_by_role_and_label(Role::Button, "Open as plan").click();
-    window.run_steps(3);
-    settle(&mut window);
+    open_run(&mut window, 2);
     let state = window.state().state();
     assert_eq!(state.document.edited.setup.plunge.step, Some(8.0));
     assert!(!state.out_of_date() && state.results.planned.is_some(), "it is calculated");
@@ -144,21 +149,14 @@ fn a_run_does_not_replace_unsaved_work_unasked() {
     window.run_steps(3);
     settle(&mut window);
     open(&mut window, path);
-    let open_run = |window: &mut Window| {
-        window.get_by_role_and_label(Role::Row, "Run 2").click();
-        window.run_steps(3);
-        window.get_by_role_and_label(Role::Button, "Open as plan").click();
-        window.run_steps(3);
-        settle(window);
-    };
     let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
-    open_run(&mut window);
+    open_run(&mut window, 2);
     window.get_by_label("Save the changes of this project?");
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(step(&window), Some(3.0), "nothing was opened");
-    open_run(&mut window);
+    open_run(&mut window, 2);
     window.get_by_label("Don't save").click();
     window.run_steps(3);
     settle(&mut window);
@@ -174,11 +172,7 @@ fn a_merged_table_leads_to_its_runs_and_a_damaged_one_is_refused() {
     let (engine, _) = fake::engine();
     let mut window = window(engine);
     open(&mut window, table);
-    window.get_by_role_and_label(Role::Row, "Run 1").click();
-    window.run_steps(3);
-    window.get_by_role_and_label(Role::Button, "Open as plan").click();
-    window.run_steps(3);
-    settle(&mut window);
+    open_run(&mut window, 1);
     let said = &window.state().state().problems;
     assert!(said.iter().any(|p| p.message.contains("parts/impeller532.toml, is not found")), "{said:?}");
 

@@ -22,7 +22,7 @@ pub enum FieldScope {
 pub struct FaultyField {
     /// Its form.
     pub scope: FieldScope,
-    /// Its label; of a section none is told apart.
+    /// Its label; [`SECTION`] for every field of a section.
     pub label: &'static str,
 }
 

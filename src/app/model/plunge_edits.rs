@@ -3,11 +3,13 @@
 
 use std::ops::Range;
 
+use crate::plunge::inspect::row_of;
 use crate::plunge::{PlungeMark, PlungePlan};
 use crate::setup::edits::add_edit;
 use crate::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 
 use crate::app::model::look::Operation;
+use crate::app::model::planned::DisplayPlan;
 use crate::app::model::state::AppState;
 
 /// What the fields of the edit tab say, until it is applied.
@@ -41,15 +43,6 @@ fn pose(plan: &PlungePlan, k: usize) -> Option<PlungePose> {
     plan.positions.get(k).map(|position| PlungePose { tip: position.tip, axis: position.axis })
 }
 
-/// The plunges of the row of plunge `k`.
-fn row_of(plan: &PlungePlan, k: usize) -> Range<usize> {
-    let of = |k: usize| plan.positions.get(k).map(|position| (position.section, position.row));
-    let row = of(k);
-    let start = (0..k).rev().take_while(|&j| of(j) == row).last().unwrap_or(k);
-    let end = (k..plan.positions.len()).take_while(|&j| of(j) == row).last().map_or(k, |last| last + 1);
-    start..end
-}
-
 impl AppState {
     /// The plan to which edits apply, if the active side shows it: that of the strategy of the setup.
     pub fn editable_plan(&self) -> Option<&PlungePlan> {
@@ -63,13 +56,21 @@ impl AppState {
         (is_after && now.starts_with(known)).then(|| shown.plan())
     }
 
+    /// The last plan, if it has all edits of the setup.
+    fn plan_with_all_edits(&self) -> Option<&DisplayPlan> {
+        let planned = self.results.planned.as_deref()?;
+        (planned.setup.plunge.edits == self.document.edited.setup.plunge.edits).then_some(planned)
+    }
+
     /// Whether the plan that is shown is the one that the next edit changes: not while it has yet to follow the
     /// last one.
     pub fn takes_edits(&self) -> bool {
-        let planned = self.results.planned.as_ref();
-        let is_known =
-            planned.is_some_and(|p| p.setup.plunge.edits == self.document.edited.setup.plunge.edits);
-        is_known && self.editable_plan().is_some()
+        self.plan_with_all_edits().is_some() && self.editable_plan().is_some()
+    }
+
+    /// Pose of the selected plunge of the plan to which edits apply.
+    fn selected_pose(&self) -> Option<PlungePose> {
+        pose(self.editable_plan()?, self.look.selected?)
     }
 
     /// Whether the selected plunge may be lifted: also while the plan has yet to follow a lift of it, to which
@@ -77,7 +78,7 @@ impl AppState {
     pub fn takes_lifts(&self) -> bool {
         let lifted = || {
             let known = self.results.planned.as_ref()?.setup.plunge.edits.len();
-            let plunge = self.editable_plan().zip(self.look.selected).and_then(|(plan, k)| pose(plan, k))?;
+            let plunge = self.selected_pose()?;
             match self.document.edited.setup.plunge.edits.get(known..)? {
                 [only] if matches!(only.change, PlungeChange::Lift(_)) => Some(only.plunge.is(&plunge)),
                 _ => None,
@@ -94,9 +95,7 @@ impl AppState {
 
     /// Indices of the edits that do nothing in the last plan; `None` until it has all edits of the setup.
     fn unfitting_edits(&self) -> Option<&[usize]> {
-        let planned = self.results.planned.as_ref()?;
-        let has_all = planned.setup.plunge.edits == self.document.edited.setup.plunge.edits;
-        has_all.then_some(planned.outcome.edits.unfitting.as_slice())
+        Some(&self.plan_with_all_edits()?.outcome.edits.unfitting)
     }
 
     /// Number of edits of the setup, and of those that do nothing in the last plan.
@@ -118,14 +117,21 @@ impl AppState {
         self.document.step();
     }
 
+    /// Removes the edits of these indices.
+    fn remove_edits_at(&mut self, removed: &[usize]) {
+        self.change_edits(|edits| {
+            let mut index = 0..;
+            edits.retain(|_| index.next().is_none_or(|index| !removed.contains(&index)));
+        });
+    }
+
     /// Edits the selected plunge or its row, if the plan shown takes the edit.
     fn edit_selected(&mut self, whole_row: bool, change: PlungeChange) {
         let is_lift = matches!(change, PlungeChange::Lift(_));
         if !(self.takes_edits() || is_lift && self.takes_lifts()) {
             return;
         }
-        let plunge = self.editable_plan().zip(self.look.selected).and_then(|(plan, k)| pose(plan, k));
-        if let Some(plunge) = plunge {
+        if let Some(plunge) = self.selected_pose() {
             self.change_edits(|edits| add_edit(edits, PlungeEdit { plunge, whole_row, change }));
         }
     }
@@ -162,10 +168,7 @@ impl AppState {
         };
         if marks.iter().all(|mark| mark.is_locked()) {
             let locks: Vec<usize> = marks.iter().filter_map(locks).collect();
-            self.change_edits(|edits| {
-                let mut index = 0..;
-                edits.retain(|_| index.next().is_none_or(|index| !locks.contains(&index)));
-            });
+            self.remove_edits_at(&locks);
             return;
         }
         let Some(plan) = self.editable_plan() else { return };
@@ -198,7 +201,7 @@ impl AppState {
                 if in_section(after) { pose(plan, after) } else { None }
             }
         };
-        Some((before, pose(plan, self.look.selected?)?))
+        Some((before, self.selected_pose()?))
     }
 
     /// Whether the selected plunge or its row can be cut earlier or later.
@@ -228,10 +231,7 @@ impl AppState {
     /// Removes the edits that do nothing in the last plan.
     pub fn remove_unfitting_edits(&mut self) {
         let Some(unfitting) = self.unfitting_edits().map(<[usize]>::to_vec) else { return };
-        self.change_edits(|edits| {
-            let mut index = 0..;
-            edits.retain(|_| index.next().is_none_or(|index| !unfitting.contains(&index)));
-        });
+        self.remove_edits_at(&unfitting);
     }
 
     /// Removes all edits.

@@ -59,7 +59,8 @@ pub struct Results {
 }
 
 impl Results {
-    /// Stores a plan, and its figures if it is finished. A change of tools is told in `units`.
+    /// Stores a plan, and its figures if it is finished. Its change of tools is described
+    /// in `units`.
     pub fn take(&mut self, planned: DisplayPlan, units: DisplayUnits) {
         // A full plan of the setup of a draft says what the draft said.
         if self.planned.as_ref().is_none_or(|last| last.setup != planned.setup) {

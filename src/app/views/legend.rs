@@ -252,12 +252,10 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
 }
 
 fn end_field(value: &mut f32, from: f32, to: f32, units: DisplayUnits) -> DragValue<'_> {
-    let kept = f64::from(*value);
-    let shown = units.length(kept, 2);
+    let shown = f64::from(*value);
+    let parse = units.field_parser(Quantity::Length, shown, units.length(shown, 2));
     let field = DragValue::new(value).speed(0.02).range(from..=to).clamp_existing_to_range(false);
-    field.custom_formatter(move |value, _| units.length(value, 2)).custom_parser(move |text| {
-        if text == shown { Some(kept) } else { units.parse(text, Quantity::Length) }
-    })
+    field.custom_formatter(move |value, _| units.length(value, 2)).custom_parser(parse)
 }
 
 /// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.

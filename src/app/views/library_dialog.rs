@@ -135,11 +135,9 @@ fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
 }
 
 fn diameter_field(value: &mut f64, range: RangeInclusive<f64>, units: DisplayUnits) -> DragValue<'_> {
-    let (kept, shown) = (*value, units.short(*value, 1));
+    let parse = units.field_parser(Quantity::Length, *value, units.short(*value, 1));
     let field = DragValue::new(value).speed(0.2).range(range);
-    field.custom_formatter(move |mm, _| units.short(mm, 1)).custom_parser(move |text| {
-        if text == shown { Some(kept) } else { units.parse(text, Quantity::Length) }
-    })
+    field.custom_formatter(move |mm, _| units.short(mm, 1)).custom_parser(parse)
 }
 
 fn list(ui: &mut Ui, library: &mut ShopLibrary) {

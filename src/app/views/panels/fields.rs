@@ -94,8 +94,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
     let words = automatic.map(str::to_owned);
     let parser_words = words.clone();
     let spec_copy = *spec;
-    // The text of a field that is left without an edit is parsed too; what is shown may be rounded.
-    let (kept, shown) = (*value, show(*value, spec, units));
+    let parse = units.field_parser(quantity, *value, show(*value, spec, units));
     let mut field = DragValue::new(value)
         .speed(spec.speed)
         .range(least..=spec.max)
@@ -107,8 +106,7 @@ pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Opt
         })
         .custom_parser(move |text| match &parser_words {
             Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
-            _ if text == shown => Some(kept),
-            _ => units.parse(text, quantity),
+            _ => parse(text),
         })
         .update_while_editing(false);
     if spec.decimals == 0 {

@@ -294,7 +294,7 @@ fn degrees(angle_rad: f64) -> String {
     format!("{:.1}°", angle_rad.to_degrees())
 }
 
-/// Diameter of a tool, in as few digits as the column has room for.
+/// Diameter of a tool, with few enough digits for the column.
 fn table_diameter(mm: f64, units: DisplayUnits) -> String {
     match units {
         DisplayUnits::Metric => units.size(mm),
