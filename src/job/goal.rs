@@ -5,7 +5,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plunge::{PlanError, Planner, PlungePlan};
 use crate::setup::Setup;
 use crate::stock::FloorGrid;
-use crate::tradeoff::{Thinning, ThinningInput, TradeoffPoint, choose_point, max_mean_rise};
+use crate::tradeoff::{Thinning, ThinningInput, ThinningLimits, TradeoffPoint, choose_point};
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
@@ -26,8 +26,8 @@ pub(super) fn meet_goal(
         return Ok(None);
     }
     let grid = &weighing_grid(grid);
-    let max_mean_rise = max_mean_rise(setup.plunge.goal);
-    let input = ThinningInput { plan: whole, setup, blank: &planner.workpiece().blank, grid, max_mean_rise };
+    let limits = ThinningLimits::of(setup.plunge.goal);
+    let input = ThinningInput { plan: whole, setup, blank: &planner.workpiece().blank, grid, limits };
     let thinning = Thinning::new(input, monitor)?;
     let count = choose_point(&thinning, setup.plunge.goal);
     if count == 0 {
@@ -93,7 +93,7 @@ impl PlanOutcome {
     /// The order in which its plunges go, weighed over `grid`.
     fn thinning<'a>(&'a self, grid: &'a FloorGrid, monitor: &Monitor) -> Result<Thinning<'a>, Cancelled> {
         let (plan, setup, blank) = (self.whole_plan(), &self.setup, &self.workpiece.blank);
-        let input = ThinningInput { plan, setup, blank, grid, max_mean_rise: f64::INFINITY };
+        let input = ThinningInput { plan, setup, blank, grid, limits: ThinningLimits::LEAST_TIME };
         Thinning::new(input, monitor)
     }
 }

@@ -7,13 +7,15 @@ use crate::setup::{PlungeSetup, Tool};
 /// setup, and for wall rows the step S ≤ 2·√(2Rh − h²) that leaves the scallop height h.
 pub fn step_limit(plunge: &PlungeSetup, tool: &Tool, wall_row: bool) -> f64 {
     let radius = tool.radius();
-    let mut limit = step_by_stick_out(tool).min(radius);
-    limit = limit.min(plunge.step.unwrap_or(0.8 * tool.insert_width));
-    if wall_row {
-        let h = plunge.wall_scallop.min(radius);
-        limit = limit.min(2.0 * (2.0 * radius * h - h * h).sqrt());
-    }
-    limit
+    let limit = step_by_stick_out(tool).min(radius).min(plunge.step.unwrap_or(0.8 * tool.insert_width));
+    if wall_row { limit.min(scallop_step(plunge, tool)) } else { limit }
+}
+
+/// Step S = 2·√(2Rh − h²) along a wall that leaves the scallop height h of the setup between two plunges, mm.
+pub fn scallop_step(plunge: &PlungeSetup, tool: &Tool) -> f64 {
+    let radius = tool.radius();
+    let h = plunge.wall_scallop.min(radius);
+    2.0 * (2.0 * radius * h - h * h).sqrt()
 }
 
 /// Maximum stepover between rows on the hub, mm.

@@ -1,6 +1,7 @@
 //! Points of the curve of time against stock.
 
 use super::Thinning;
+use super::limits::AS_GOOD;
 use crate::setup::Goal;
 
 /// A point of the curve: a plan, not yet made.
@@ -16,13 +17,6 @@ pub struct TradeoffPoint {
     pub residual_p95: f64,
 }
 
-/// How far plunges must be left out for `goal`, as a share of the mean stock above the allowance.
-pub fn max_mean_rise(goal: Goal) -> f64 {
-    if goal == (Goal::Stock { max_time_min: None }) { AS_GOOD } else { f64::INFINITY }
-}
-
-/// Share by which the stock above the allowance may rise while a plan still counts as one of the least stock.
-const AS_GOOD: f64 = 0.02;
 /// Points by which `Goal::Balance` looks for the bend of the curve.
 const BALANCE_POINTS: usize = 24;
 

@@ -9,14 +9,19 @@
 //! | file | contents |
 //! |---|---|
 //! | `floor` | the stock that plunges leave, and what each of them is worth |
+//! | `limits` | how far a plan may be thinned |
 //! | `cores` | which plunges make the way for the core of which |
+//! | `walls` | the rows that keep the scallop along walls within its limit |
 //! | `thinning` | the order in which plunges are left out |
 //! | `curve` | points of the curve, and the one that a goal asks for |
 
 mod cores;
 mod curve;
 mod floor;
+mod limits;
 mod thinning;
+mod walls;
 
-pub use curve::{TradeoffPoint, choose_point, max_mean_rise};
+pub use curve::{TradeoffPoint, choose_point};
+pub use limits::ThinningLimits;
 pub use thinning::{Thinning, ThinningInput};

@@ -5,18 +5,16 @@ use std::collections::BinaryHeap;
 
 use super::cores::Cores;
 use super::floor::{FloorChange, ThinnedFloor};
+use super::limits::ThinningLimits;
+use super::walls::WallRows;
 use crate::cutting::contact::Columns;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
-use crate::plunge::lane::is_wall;
-use crate::plunge::spacing::step_limit;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::{SectionKind, Setup};
 use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
-/// Share of the floor that thinning may leave uncut beside what the whole plan leaves uncut.
-const MAX_MORE_UNCUT: f64 = 0.001;
 /// Time that leaving a plunge out saves at least, s: a divisor.
 const MIN_SAVED: f64 = 1e-3;
 /// Plunges left out between two checks of the monitor.
@@ -33,9 +31,8 @@ pub struct ThinningInput<'a> {
     pub blank: &'a Blank,
     /// The floor of the channel.
     pub grid: &'a FloorGrid,
-    /// Largest share by which the stock above the allowance may rise on any band of the floor; infinite: as
-    /// many plunges go as can.
-    pub max_mean_rise: f64,
+    /// How far plunges may go.
+    pub limits: ThinningLimits,
 }
 
 /// The plunges of a plan in the order in which they can be left out.
@@ -68,8 +65,9 @@ impl<'a> Thinning<'a> {
         let plunges = self.input.plan.positions.len();
         let mut kept = vec![true; plunges];
         let mut rows = KeptNeighbours::new(plunges);
-        let max_uncut = self.floor.uncut_share_with(0.0) + MAX_MORE_UNCUT;
         let input = self.input;
+        let mut walls = WallRows::new(input.plan, input.setup);
+        let max_uncut = input.limits.max_uncut_share(self.floor.uncut_share_with(0.0));
         let price = |change: &FloorChange, rows: &KeptNeighbours, plunge: usize| {
             change.cost / input.saved_time(rows, plunge).max(MIN_SAVED)
         };
@@ -99,8 +97,8 @@ impl<'a> Thinning<'a> {
                 continue;
             }
             if self.floor.uncut_share_with(change.uncut_area) > max_uncut
-                || self.floor.rise_with(&change) > input.max_mean_rise
-                || !input.wall_stays_smooth(&rows, plunge)
+                || self.floor.rise_with(&change) > input.limits.max_mean_rise
+                || !walls.stay_smooth_without(plunge)
             {
                 continue;
             }
@@ -110,6 +108,7 @@ impl<'a> Thinning<'a> {
             }
             self.floor.leave_out(plunge, &change);
             rows.leave_out(plunge);
+            walls.leave_out(plunge);
             order.push(plunge);
             for freed in std::mem::take(&mut waiting[plunge]) {
                 queue.push(candidate(&self.floor, &rows, freed));
@@ -185,24 +184,6 @@ impl ThinningInput<'_> {
         };
         let links = link(previous, Some(position)) + link(Some(position), next) - link(previous, next);
         60.0 * (depth / tool.plunge_feed + (depth + links) / RAPID_MM_PER_MIN)
-    }
-
-    /// Whether the plunges beside a wall stay close enough for its scallop without `plunge`.
-    fn wall_stays_smooth(&self, rows: &KeptNeighbours, plunge: usize) -> bool {
-        let plan = self.plan;
-        let position = &plan.positions[plunge];
-        if !is_wall(position.lambda) {
-            return true;
-        }
-        let in_row = |k: Option<usize>| {
-            k.map(|k| &plan.positions[k])
-                .filter(|other| (other.section, other.row) == (position.section, position.row))
-        };
-        let limit = step_limit(&self.setup.plunge, &plan.sections[position.section].tool, true);
-        match (in_row(rows.before(plunge)), in_row(rows.after(plunge))) {
-            (Some(a), Some(b)) => (a.tip - b.tip).norm() <= limit,
-            _ => false,
-        }
     }
 }
 

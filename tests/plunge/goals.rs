@@ -10,7 +10,7 @@ use vanecut::plunge::PlungePlan;
 use vanecut::setup::{AxisPolicy, Goal, Setup};
 use vanecut::stock::{field_cutters, residual_field};
 use vanecut::toolpath::ClProgram;
-use vanecut::tradeoff::{Thinning, ThinningInput};
+use vanecut::tradeoff::{Thinning, ThinningInput, ThinningLimits};
 use vanecut::verify::verify;
 
 use super::samples::sample;
@@ -77,13 +77,12 @@ fn every_point_of_the_curve_is_a_sound_plan() {
 #[test]
 fn stock_after_leaving_plunges_out_is_that_of_the_field() {
     let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
-    let max_mean_rise = f64::INFINITY;
     let input = ThinningInput {
         plan,
         setup: &WHOLE.setup,
         blank: &WHOLE.workpiece.blank,
         grid: &WHOLE.grid,
-        max_mean_rise,
+        limits: ThinningLimits::LEAST_TIME,
     };
     let thinning = Thinning::new(input, &Monitor::default()).expect("not cancelled");
     let again = Thinning::new(input, &Monitor::default()).expect("not cancelled");
