@@ -19,6 +19,7 @@ use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
+use crate::plunge::RowDensity;
 #[cfg(feature = "gpu")]
 use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{SheetInput, setup_sheet};
@@ -241,10 +242,15 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     let whole = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy && edits == 0);
     if let Some(whole) = whole {
         let (found, kept) = (whole.positions.len(), plan.positions.len());
-        text += &format!(
-            "{} of {found} plunges found are left out: they are not worth their time\n",
-            found - kept
-        );
+        text += &match outcome.density {
+            RowDensity::Dense => format!(
+                "{} of {found} plunges found are left out: they are not worth their time\n",
+                found - kept
+            ),
+            RowDensity::Sparse => {
+                format!("planned with fewer rows for the goal: {kept} plunges instead of {found}\n")
+            }
+        };
     }
     text += &words::clearances_text(&report.summary, channels);
     text += &output::assembly_text(&report.verdict.assembly);

@@ -2,50 +2,133 @@
 
 use super::{PlanOutcome, PolicyResult, measure_residual};
 use crate::monitor::{Cancelled, Monitor};
-use crate::plunge::{PlanError, Planner, PlungePlan};
-use crate::setup::Setup;
+use crate::part::Workpiece;
+use crate::plunge::{PlanError, Planner, PlungePlan, RowDensity, SectionCache};
+use crate::setup::{AxisPolicy, Goal, Setup};
 use crate::stock::FloorGrid;
-use crate::tradeoff::{Thinning, ThinningInput, ThinningLimits, TradeoffPoint, choose_point};
+use crate::toolpath::{ClProgram, Travel};
+use crate::tradeoff::{Thinning, ThinningInput, ThinningLimits, Tradeoff, TradeoffPoint};
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
+/// Plans made at most for a limit of time.
+const MAX_ROUNDS: usize = 4;
 
-/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`;
-/// `None` where that is the whole plan. An unfinished plan stays as it is.
+/// The whole plan of `minimal`, with what it was planned for, and the floor on which its plunges are weighed.
+struct WholePlan<'a> {
+    workpiece: &'a Workpiece,
+    setup: &'a Setup,
+    plan: &'a PlungePlan,
+    grid: &'a FloorGrid,
+}
+
+impl<'a> WholePlan<'a> {
+    /// The order in which the plunges of `plan`, of the same channel, go within `limits`.
+    fn thinning(
+        &self,
+        plan: &'a PlungePlan,
+        limits: ThinningLimits,
+        monitor: &Monitor,
+    ) -> Result<Thinning<'a>, Cancelled> {
+        let (setup, blank, grid) = (self.setup, &self.workpiece.blank, self.grid);
+        Thinning::new(ThinningInput { plan, setup, blank, grid, limits }, monitor)
+    }
+
+    /// The plan of `minimal` with fewer rows, for less time than thinning reaches; `None` where it is not
+    /// finished. Finished sections are kept in `known`.
+    fn sparse_plan(
+        &self,
+        known: &mut SectionCache,
+        monitor: &Monitor,
+    ) -> Result<Option<PlungePlan>, Cancelled> {
+        let planner = Planner::with_rows(self.workpiece, self.setup, RowDensity::Sparse);
+        match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
+            Ok(plan) if !plan.is_unfinished() && !plan.positions.is_empty() => Ok(Some(plan)),
+            Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => Err(cancelled),
+            _ => Ok(None),
+        }
+    }
+
+    /// The curve of time against stock from the order `first` of the whole plan on, with that of the `sparse`
+    /// one.
+    fn tradeoff(
+        &self,
+        first: Thinning<'a>,
+        sparse: Option<&'a PlungePlan>,
+        monitor: &Monitor,
+    ) -> Result<Tradeoff<'a>, Cancelled> {
+        let limits =
+            ThinningLimits { max_uncut_share: first.max_uncut_share(), ..ThinningLimits::LEAST_TIME };
+        let tradeoff = Tradeoff::new(first);
+        Ok(match sparse {
+            Some(sparse) => tradeoff.and(self.thinning(sparse, limits, monitor)?),
+            None => tradeoff,
+        })
+    }
+
+    /// The plan at a point of `tradeoff`.
+    fn plan_at(
+        &self,
+        tradeoff: &Tradeoff,
+        point: TradeoffPoint,
+        monitor: &Monitor,
+    ) -> Result<PlungePlan, PlanError> {
+        let planner = Planner::new(self.workpiece, self.setup);
+        let thinning = tradeoff.thinning(point.plan);
+        let kept = thinning.kept_without(point.left_out);
+        planner.keep_plunges(thinning.plan(), &kept, &thinning.columns_of(&kept), monitor)
+    }
+}
+
+/// The density of the rows of plan `number` of a [`Tradeoff`].
+fn density_of(number: usize) -> RowDensity {
+    if number == 0 { RowDensity::Dense } else { RowDensity::Sparse }
+}
+
+/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`, and how
+/// closely its rows lie; `None` where that is the whole plan. An unfinished plan stays as it is. `known` keeps
+/// the sections of the plan with fewer rows.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
 pub(super) fn meet_goal(
-    planner: &Planner,
+    workpiece: &Workpiece,
     setup: &Setup,
     whole: &PlungePlan,
     grid: &FloorGrid,
+    known: &mut SectionCache,
     monitor: &Monitor,
-) -> Result<Option<PlungePlan>, PlanError> {
+) -> Result<Option<(PlungePlan, RowDensity)>, PlanError> {
     if whole.is_unfinished() || monitor.is_stopped() {
         return Ok(None);
     }
-    let grid = &weighing_grid(grid);
-    let limits = ThinningLimits::of(setup.plunge.goal);
-    let input = ThinningInput { plan: whole, setup, blank: &planner.workpiece().blank, grid, limits };
-    let thinning = Thinning::new(input, monitor)?;
-    let count = choose_point(&thinning, setup.plunge.goal);
-    if count == 0 {
+    let goal = setup.plunge.goal;
+    let whole = WholePlan { workpiece, setup, plan: whole, grid: &weighing_grid(grid) };
+    let first = whole.thinning(whole.plan, ThinningLimits::of(goal), monitor)?;
+    let sparse = match first.is_least_stock_enough(goal) {
+        true => None,
+        false => whole.sparse_plan(known, monitor)?,
+    };
+    let tradeoff = whole.tradeoff(first, sparse.as_ref(), monitor)?;
+    let point = tradeoff.choose(goal);
+    if (point.plan, point.left_out) == (0, 0) {
         return Ok(None);
     }
-    keep(planner, &thinning, whole, count, monitor).map(Some)
-}
-
-/// `whole` without the first `count` plunges of `thinning`.
-fn keep(
-    planner: &Planner,
-    thinning: &Thinning,
-    whole: &PlungePlan,
-    count: usize,
-    monitor: &Monitor,
-) -> Result<PlungePlan, PlanError> {
-    let kept = thinning.kept_without(count);
-    planner.keep_plunges(whole, &kept, &thinning.columns_of(&kept), monitor)
+    let mut made = (whole.plan_at(&tradeoff, point, monitor)?, point);
+    // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
+    if let Goal::Stock { max_time_min: Some(limit) } = goal {
+        let mut aim = limit;
+        for _ in 0..MAX_ROUNDS {
+            let minutes = Travel::of(&ClProgram::of_plan("", &made.0)).time / 60.0;
+            aim *= limit / minutes;
+            let point = tradeoff.choose(Goal::Stock { max_time_min: Some(aim) });
+            if minutes <= limit || point == made.1 {
+                break;
+            }
+            made = (whole.plan_at(&tradeoff, point, monitor)?, point);
+        }
+    }
+    Ok(Some((made.0, density_of(made.1.plan))))
 }
 
 /// The cells of `grid` on which plunges are weighed.
@@ -60,16 +143,13 @@ impl PlanOutcome {
     /// # Errors
     /// [`PlanError::Cancelled`] when `monitor` is cancelled.
     pub fn time_stock_curve(&self, count: usize, monitor: &Monitor) -> Result<Vec<PolicyResult>, PlanError> {
-        let planner = Planner::new(&self.workpiece, &self.setup);
-        let plan = self.whole_plan();
-        let grid = weighing_grid(&self.grid);
-        let thinning = self.thinning(&grid, monitor)?;
-        let points = thinning.points(count);
-        let made = points.into_iter().map(|point| {
-            let plan = keep(&planner, &thinning, plan, point.left_out, monitor)?;
-            Ok(measure_residual(plan, &self.grid))
-        });
-        made.collect()
+        self.with_tradeoff(monitor, |whole, tradeoff| {
+            let made = tradeoff
+                .points(count)
+                .into_iter()
+                .map(|point| Ok(measure_residual(whole.plan_at(tradeoff, point, monitor)?, &self.grid)));
+            made.collect()
+        })?
     }
 
     /// The points of [`Self::time_stock_curve`] without their plans, which takes a fraction of the time.
@@ -81,19 +161,21 @@ impl PlanOutcome {
         count: usize,
         monitor: &Monitor,
     ) -> Result<Vec<TradeoffPoint>, Cancelled> {
-        let grid = weighing_grid(&self.grid);
-        Ok(self.thinning(&grid, monitor)?.points(count))
+        self.with_tradeoff(monitor, |_, tradeoff| tradeoff.points(count))
     }
 
-    /// The plan of `minimal` with all its plunges.
-    fn whole_plan(&self) -> &PlungePlan {
-        self.whole.as_ref().unwrap_or(&self.after.plan)
-    }
-
-    /// The order in which its plunges go, weighed over `grid`.
-    fn thinning<'a>(&'a self, grid: &'a FloorGrid, monitor: &Monitor) -> Result<Thinning<'a>, Cancelled> {
-        let (plan, setup, blank) = (self.whole_plan(), &self.setup, &self.workpiece.blank);
-        let input = ThinningInput { plan, setup, blank, grid, limits: ThinningLimits::LEAST_TIME };
-        Thinning::new(input, monitor)
+    /// Hands the curve of time against stock to `use_curve`.
+    fn with_tradeoff<T>(
+        &self,
+        monitor: &Monitor,
+        use_curve: impl FnOnce(&WholePlan, &Tradeoff) -> T,
+    ) -> Result<T, Cancelled> {
+        let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
+        let grid = &weighing_grid(&self.grid);
+        let whole = WholePlan { workpiece: &self.workpiece, setup: &self.setup, plan, grid };
+        let sparse = whole.sparse_plan(&mut SectionCache::default(), monitor)?;
+        let first = whole.thinning(plan, ThinningLimits::LEAST_TIME, monitor)?;
+        let tradeoff = whole.tradeoff(first, sparse.as_ref(), monitor)?;
+        Ok(use_curve(&whole, &tradeoff))
     }
 }

@@ -25,7 +25,7 @@ use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{
-    DropReason, EditReport, PlanError, Planner, PlungePlan, SectionCache, cutting_order, sections,
+    DropReason, EditReport, PlanError, Planner, PlungePlan, RowDensity, SectionCache, cutting_order, sections,
 };
 use crate::setup::{AxisPolicy, Setup, SetupFault, SetupPlace};
 use crate::stock::{
@@ -81,6 +81,8 @@ pub struct PlanOutcome {
     /// The plan of `minimal` before plunges were left out for the goal and before edits; `None` where neither
     /// changed it, or it was not planned.
     pub whole: Option<PlungePlan>,
+    /// How closely the rows of the plan of `minimal` lie that the goal chose.
+    pub density: RowDensity,
     /// Plans by the other policies, if requested.
     pub others: Vec<PolicyResult>,
     /// What the edits of the setup did to the plan `after`; the other plans are as they were found.
@@ -175,8 +177,14 @@ pub fn run(request: &PlanRequest, monitor: &Monitor) -> Result<PlanOutcome, JobE
     PlanJob::default().run(request, monitor)
 }
 
-/// Cached sections of the last plan of each policy.
-type PolicyCache = HashMap<AxisPolicy, SectionCache>;
+/// Cached sections of the last plans.
+#[derive(Debug, Default)]
+struct PolicyCache {
+    /// Of the plan of each policy.
+    policies: HashMap<AxisPolicy, SectionCache>,
+    /// Of the plan of `minimal` with fewer rows.
+    sparse: SectionCache,
+}
 
 /// Plunge planner with a cache of the last plan's sections, so that only stale sections are planned again.
 #[derive(Debug, Default)]
@@ -321,7 +329,7 @@ fn plan(
     };
     // Preview by warm start: the axes of the last plan, fitted to the new setup, are close to the result and
     // give live feedback while a slider is dragged. Failures are reported by the plan itself.
-    let searched = known.entry(request.policy).or_default();
+    let searched = known.policies.entry(request.policy).or_default();
     if listener.has_callback()
         && request.policy == AxisPolicy::Minimal
         && searched.valid_prefix(&setup)? < setup.plunge.sections.len()
@@ -330,7 +338,7 @@ fn plan(
         listener.notify(|| PlanStage::Preview(plan));
     }
     // Then the conventional plan alone on all cores, as it is ready first.
-    let known_conventional = known.entry(AxisPolicy::Conventional).or_default();
+    let known_conventional = known.policies.entry(AxisPolicy::Conventional).or_default();
     let before = judged(AxisPolicy::Conventional, known_conventional, &closing.silent())?;
     // The other policies take most of the time.
     monitor.report(0.1);
@@ -350,7 +358,7 @@ fn plan(
     let mut policies: Vec<(AxisPolicy, SectionCache)> = AxisPolicy::ALL
         .iter()
         .filter(wanted)
-        .map(|&policy| (policy, known.remove(&policy).unwrap_or_default()))
+        .map(|&policy| (policy, known.policies.remove(&policy).unwrap_or_default()))
         .collect();
     let asked = || -> Result<Vec<JudgedPlan>, PlanError> {
         let asked = policies.par_iter_mut().map(|(policy, known)| {
@@ -377,7 +385,7 @@ fn plan(
         asked.filter_map(Result::transpose).collect()
     };
     let (before, asked) = rayon::join(conventional, asked);
-    known.extend(policies);
+    known.policies.extend(policies);
     let ((before, grid), asked) = (before?, asked?);
     let mut others = asked
         .into_iter()
@@ -387,10 +395,12 @@ fn plan(
         })
         .collect::<Result<Vec<PolicyResult>, _>>()?;
     // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
-    let mut whole = None;
+    let (mut whole, mut density) = (None, RowDensity::Dense);
     if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal)
-        && let Some(plan) = goal::meet_goal(&planner, &setup, &minimal.plan, &grid, monitor)?
+        && let Some((plan, rows)) =
+            goal::meet_goal(&workpiece, &setup, &minimal.plan, &grid, &mut known.sparse, monitor)?
     {
+        density = rows;
         whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);
     }
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {
@@ -402,7 +412,7 @@ fn plan(
     }
     let elapsed = started.elapsed().as_secs_f64();
     let edits = EditReport::default();
-    Ok(PlanOutcome { workpiece, grid, before, after, whole, others, edits, elapsed, setup, reasons })
+    Ok(PlanOutcome { workpiece, grid, before, after, whole, density, others, edits, elapsed, setup, reasons })
 }
 
 /// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.

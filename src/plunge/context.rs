@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::assembly::AssemblyRule;
 use super::cycle::PlanError;
 use super::opening::opening_columns;
+use super::row_density::RowDensity;
 use super::section_layout::{StretchLayout, section_layout};
 use super::sections::{MAX_POSITIONS, too_many_positions};
 use crate::cutting::contact::Columns;
@@ -20,6 +21,8 @@ pub(super) struct PlanContext<'a> {
     pub workpiece: &'a Workpiece,
     /// Allowances, tools, machine and sections; complete, see [`super::sections::resolve`].
     pub setup: &'a Setup,
+    /// How closely `minimal` places its rows.
+    pub density: RowDensity,
     /// The plunges of the sections that open the blank.
     pub opening: Columns,
     /// Layout of each section; empty for sections that do not cut rows.
@@ -27,14 +30,14 @@ pub(super) struct PlanContext<'a> {
 }
 
 impl<'a> PlanContext<'a> {
-    /// The context of planning `workpiece` with a complete `setup`.
-    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
+    /// The context of planning `workpiece` with a complete `setup`, by `minimal` in rows of this `density`.
+    pub fn new(workpiece: &'a Workpiece, setup: &'a Setup, density: RowDensity) -> Self {
         let layout = |section: &SectionSetup| match section.kind {
             SectionKind::Rows => section_layout(workpiece, setup, section),
             SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
         let layouts = setup.plunge.sections.par_iter().map(layout).collect();
-        let mut context = Self { workpiece, setup, opening: Columns::default(), layouts };
+        let mut context = Self { workpiece, setup, density, opening: Columns::default(), layouts };
         // A section that cannot be planned is reported with its place when it is.
         context.opening = opening_columns(&context).unwrap_or_default();
         context

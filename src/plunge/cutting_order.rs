@@ -8,6 +8,7 @@
 
 use super::context::PlanContext;
 use super::minimal::{LeadBlockage, lead_blockage};
+use super::row_density::RowDensity;
 use super::sections::Resolved;
 use crate::part::Workpiece;
 use crate::setup::{CutDirection, SectionKind};
@@ -27,7 +28,7 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     if rows.len() < 2 {
         return resolved;
     }
-    let context = PlanContext::new(workpiece, &resolved.setup);
+    let context = PlanContext::new(workpiece, &resolved.setup, RowDensity::Dense);
     // A section whose tool is missing is reported when it is planned.
     let blockages: Option<Vec<LeadBlockage>> =
         rows.iter().map(|&i| lead_blockage(&context, i).ok()).collect();

@@ -24,6 +24,7 @@
 //! | what stands above the shroud | [`opening`] |
 //! | layout of a section, shared by all policies | `section_layout` |
 //! | largest distances between plunges | [`spacing`] |
+//! | how closely rows lie | [`RowDensity`] |
 //! | how the plunges of a plan are moved | `motion` |
 //! | a plan with some plunges left out | `subset` |
 //! | a plan edited by hand | `edits`, `edit_pose` |
@@ -55,6 +56,7 @@ mod planner;
 mod policies;
 mod program;
 pub mod row;
+mod row_density;
 mod row_plan;
 mod section_cache;
 mod section_layout;
@@ -72,4 +74,5 @@ pub use plan::{
     Position, SectionPlan, StopReason, Unevaluated,
 };
 pub use planner::Planner;
+pub use row_density::RowDensity;
 pub use section_cache::SectionCache;

@@ -6,6 +6,7 @@ use super::edits::{EditReport, edit_plan};
 use super::evaluation::evaluate;
 use super::opening::opening_for;
 use super::plan::PlungePlan;
+use super::row_density::RowDensity;
 use super::section_cache::SectionCache;
 use super::subset::keep_plunges;
 use super::warm_start::warm_start;
@@ -24,7 +25,12 @@ pub struct Planner<'a> {
 impl<'a> Planner<'a> {
     /// Planner for `workpiece` with a `setup` completed by [`super::sections::resolve`].
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
-        Self { context: PlanContext::new(workpiece, setup) }
+        Self::with_rows(workpiece, setup, RowDensity::Dense)
+    }
+
+    /// As [`Self::new`]; `minimal` places its rows with this `density`.
+    pub fn with_rows(workpiece: &'a Workpiece, setup: &'a Setup, density: RowDensity) -> Self {
+        Self { context: PlanContext::new(workpiece, setup, density) }
     }
 
     /// The workpiece that it plans for.

@@ -9,7 +9,7 @@ use super::context::PlanContext;
 use super::cycle::PlanError;
 use super::lane::{Lane, is_wall};
 use super::row::{RowMaker, Runs, Station};
-use super::spacing::{max_shroud_spacing, step_limit, stepover};
+use super::spacing::{max_shroud_spacing, stepover};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::monitor::Monitor;
 use crate::part::{Division, Passage, Workpiece};
@@ -274,7 +274,7 @@ pub(super) fn row_maker<'r>(
         tool,
         lambda,
         direction_sign: feed.sign_along_s(),
-        step_limit: step_limit(&context.setup.plunge, tool, wall_row),
+        step_limit: context.density.step_limit(&context.setup.plunge, tool, wall_row),
         monitor,
     }
 }

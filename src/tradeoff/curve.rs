@@ -1,5 +1,7 @@
 //! Points of the curve of time against stock.
 
+use std::cmp::Ordering;
+
 use super::Thinning;
 use super::limits::AS_GOOD;
 use crate::setup::Goal;
@@ -7,7 +9,9 @@ use crate::setup::Goal;
 /// A point of the curve: a plan, not yet made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TradeoffPoint {
-    /// Plunges left out of the whole plan.
+    /// The plan that it is made of, see [`Tradeoff::thinning`].
+    pub plan: usize,
+    /// Plunges left out of that plan.
     pub left_out: usize,
     /// Time of one channel, s.
     pub time_s: f64,
@@ -20,11 +24,114 @@ pub struct TradeoffPoint {
 /// Points by which `Goal::Balance` looks for the bend of the curve.
 const BALANCE_POINTS: usize = 24;
 
+/// Plans of the same channel, each with the order in which its plunges are left out. Their curves together are
+/// the curve of time against stock: where plunges are few, a plan of fewer rows is ahead of one that was thinned.
+pub struct Tradeoff<'a> {
+    /// The one with the least stock first.
+    thinnings: Vec<Thinning<'a>>,
+}
+
+impl<'a> Tradeoff<'a> {
+    /// The curve of a plan of the least stock, thinned by `thinning`.
+    pub fn new(thinning: Thinning<'a>) -> Self {
+        Self { thinnings: vec![thinning] }
+    }
+
+    /// The curve with that of a further plan; unless that leaves more of the floor uncut than is allowed.
+    pub fn and(mut self, thinning: Thinning<'a>) -> Self {
+        if thinning.uncut_share() <= self.thinnings[0].max_uncut_share() {
+            self.thinnings.push(thinning);
+        }
+        self
+    }
+
+    /// The order of plan `number`.
+    pub fn thinning(&self, number: usize) -> &Thinning<'a> {
+        &self.thinnings[number]
+    }
+
+    /// At most `count` points from the first plan, with all of its plunges, to the fastest, evenly in time; fewer
+    /// where they fall together.
+    pub fn points(&self, count: usize) -> Vec<TradeoffPoint> {
+        let slow = self.thinnings[0].time_without(0);
+        let fast = self.thinnings.iter().map(|t| t.time_without(t.len())).fold(slow, f64::min);
+        let mut points: Vec<TradeoffPoint> = (0..count)
+            .filter_map(|k| {
+                let share = k as f64 / (count.max(2) - 1) as f64;
+                self.least_stock_within(slow + (fast - slow) * share)
+            })
+            .collect();
+        points.dedup_by_key(|point| (point.plan, point.left_out));
+        points
+    }
+
+    /// The point that leaves the least stock within `time_s`; `None` where none is as fast.
+    fn least_stock_within(&self, time_s: f64) -> Option<TradeoffPoint> {
+        let points = self.all(|thinning| Some(thinning.first_within_time(time_s)));
+        points.filter(|point| !is_longer(point.time_s, time_s)).min_by(by_stock)
+    }
+
+    /// The point of each plan at the count that `choose` gives.
+    fn all<'c>(
+        &'c self,
+        choose: impl Fn(&Thinning<'a>) -> Option<usize> + 'c,
+    ) -> impl Iterator<Item = TradeoffPoint> + 'c {
+        self.thinnings.iter().enumerate().filter_map(move |(number, thinning)| {
+            Some(TradeoffPoint { plan: number, ..thinning.point(choose(thinning)?) })
+        })
+    }
+
+    /// The point for `goal`.
+    pub fn choose(&self, goal: Goal) -> TradeoffPoint {
+        let first = &self.thinnings[0];
+        let chosen = match goal {
+            Goal::Stock { max_time_min } => {
+                let good = first.point(first.last_as_good());
+                let limit = 60.0 * max_time_min.unwrap_or(f64::INFINITY);
+                if is_longer(good.time_s, limit) {
+                    let within = self.least_stock_within(limit);
+                    within.or_else(|| self.all(|thinning| Some(thinning.len())).min_by(by_time))
+                } else {
+                    Some(good)
+                }
+            }
+            Goal::Time { max_stock } => {
+                let limit = first.hub_allowance() + max_stock;
+                self.all(|thinning| thinning.last_within_stock(limit)).min_by(by_time)
+            }
+            Goal::Balance => bend(&self.points(BALANCE_POINTS)),
+        };
+        chosen.unwrap_or_else(|| first.point(0))
+    }
+}
+
+/// Whether a time is longer than the limit, both s.
+fn is_longer(time_s: f64, limit_s: f64) -> bool {
+    time_s > limit_s * (1.0 + 1e-12)
+}
+
+/// Less stock first, then less time.
+fn by_stock(a: &TradeoffPoint, b: &TradeoffPoint) -> Ordering {
+    a.residual_p95.total_cmp(&b.residual_p95).then(a.time_s.total_cmp(&b.time_s))
+}
+
+/// Less time first, then less stock.
+fn by_time(a: &TradeoffPoint, b: &TradeoffPoint) -> Ordering {
+    a.time_s.total_cmp(&b.time_s).then(a.residual_p95.total_cmp(&b.residual_p95))
+}
+
 impl Thinning<'_> {
+    /// Whether a plan without plunges that buy nothing meets `goal`, so that no other plan is needed.
+    pub fn is_least_stock_enough(&self, goal: Goal) -> bool {
+        let Goal::Stock { max_time_min } = goal else { return false };
+        max_time_min.is_none_or(|minutes| !is_longer(self.time_without(self.last_as_good()), 60.0 * minutes))
+    }
+
     /// The point without the first `count` plunges.
-    pub fn point(&self, count: usize) -> TradeoffPoint {
+    fn point(&self, count: usize) -> TradeoffPoint {
         let stock = self.stock_without(count);
         TradeoffPoint {
+            plan: 0,
             left_out: count,
             time_s: self.time_without(count),
             residual_mean: f64::from(stock.mean),
@@ -32,25 +139,18 @@ impl Thinning<'_> {
         }
     }
 
-    /// `count` points from the whole plan to the thinnest one, evenly in time; fewer where they fall
-    /// together.
-    pub fn points(&self, count: usize) -> Vec<TradeoffPoint> {
-        let (slow, fast) = (self.time_without(0), self.time_without(self.len()));
-        let mut counts: Vec<usize> = (0..count)
-            .map(|k| {
-                let share = k as f64 / (count.max(2) - 1) as f64;
-                self.first_within_time(slow + (fast - slow) * share)
-            })
-            .collect();
-        counts.dedup();
-        counts.into_iter().map(|count| self.point(count)).collect()
-    }
-
     /// The least number of plunges to leave out for a time of at most `time_s`; all that can be where that is
     /// not enough. Bisection: time falls with every plunge that goes.
     fn first_within_time(&self, time_s: f64) -> usize {
-        let too_long = |count: usize| self.time_without(count) > time_s * (1.0 + 1e-12);
+        let too_long = |count: usize| is_longer(self.time_without(count), time_s);
         if too_long(0) { (self.last_where(too_long) + 1).min(self.len()) } else { 0 }
+    }
+
+    /// The most plunges that can go while the 95th percentile of the stock is at most `limit` mm; `None` where
+    /// it is more with all of them.
+    fn last_within_stock(&self, limit: f64) -> Option<usize> {
+        let too_much = |count| f64::from(self.stock_without(count).p95) > limit;
+        (!too_much(0)).then(|| self.last_where(|count| !too_much(count)))
     }
 
     /// The most plunges that can go before mean or 95th percentile of the stock above the allowance rise by
@@ -80,32 +180,16 @@ impl Thinning<'_> {
     }
 }
 
-/// The number of plunges to leave out for `goal`.
-pub fn choose_point(thinning: &Thinning, goal: Goal) -> usize {
-    match goal {
-        Goal::Stock { max_time_min: None } => thinning.last_as_good(),
-        Goal::Stock { max_time_min: Some(minutes) } => {
-            thinning.first_within_time(60.0 * minutes).max(thinning.last_as_good())
-        }
-        Goal::Time { max_stock } => {
-            let allowance = thinning.hub_allowance();
-            let too_much = |count| f64::from(thinning.stock_without(count).p95) - allowance > max_stock;
-            thinning.last_where(|count| !too_much(count))
-        }
-        Goal::Balance => bend(&thinning.points(BALANCE_POINTS)),
-    }
-}
-
 /// The point furthest below the chord from the first to the last point, both axes scaled to it.
-fn bend(points: &[TradeoffPoint]) -> usize {
-    let (Some(first), Some(last)) = (points.first(), points.last()) else { return 0 };
+fn bend(points: &[TradeoffPoint]) -> Option<TradeoffPoint> {
+    let (first, last) = (points.first()?, points.last()?);
     let (time, stock) = (first.time_s - last.time_s, last.residual_p95 - first.residual_p95);
     if time <= 0.0 || stock <= 0.0 {
-        return last.left_out;
+        return Some(*last);
     }
     let below =
         |p: &TradeoffPoint| (first.time_s - p.time_s) / time - (p.residual_p95 - first.residual_p95) / stock;
-    points.iter().max_by(|a, b| below(a).total_cmp(&below(b))).map_or(0, |point| point.left_out)
+    points.iter().max_by(|a, b| below(a).total_cmp(&below(b))).copied()
 }
 
 #[cfg(test)]
@@ -115,14 +199,16 @@ mod tests {
     #[test]
     fn the_bend_is_where_more_time_buys_little() {
         let point = |left_out, time_s, residual_p95| TradeoffPoint {
+            plan: 0,
             left_out,
             time_s,
             residual_mean: 0.0,
             residual_p95,
         };
         let points = [point(0, 100.0, 1.0), point(10, 60.0, 1.1), point(20, 50.0, 1.3), point(30, 40.0, 4.0)];
-        assert_eq!(bend(&points), 20);
-        assert_eq!(bend(&points[..1]), 0);
-        assert_eq!(bend(&[]), 0);
+        let left_out = |points: &[TradeoffPoint]| bend(points).map(|point| point.left_out);
+        assert_eq!(left_out(&points), Some(20));
+        assert_eq!(left_out(&points[..1]), Some(0));
+        assert_eq!(left_out(&[]), None);
     }
 }

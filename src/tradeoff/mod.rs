@@ -22,6 +22,6 @@ mod limits;
 mod thinning;
 mod walls;
 
-pub use curve::{TradeoffPoint, choose_point};
+pub use curve::{Tradeoff, TradeoffPoint};
 pub use limits::ThinningLimits;
 pub use thinning::{Thinning, ThinningInput};

@@ -126,6 +126,21 @@ impl<'a> Thinning<'a> {
         self.input.setup.allowances.hub_allowance
     }
 
+    /// The plan with all its plunges.
+    pub fn plan(&self) -> &'a PlungePlan {
+        self.input.plan
+    }
+
+    /// Share of the reachable floor that the plan with all its plunges leaves uncut.
+    pub(super) fn uncut_share(&self) -> f64 {
+        f64::from(self.stock_without(0).uncut_share)
+    }
+
+    /// Share of the floor that may be uncut when plunges are left out.
+    pub fn max_uncut_share(&self) -> f64 {
+        self.input.limits.max_uncut_share(self.uncut_share())
+    }
+
     /// Number of plunges that can be left out.
     pub fn len(&self) -> usize {
         self.order.len()

@@ -3,7 +3,7 @@
 //! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open
 //! places of each row are searched again, from both of their ends.
 
-use super::section::{RowOf, RowPlaces, SHORT_RADII, cut_path, with_row_search, with_rows_beside_walls};
+use super::section::{RowOf, RowPlaces, SHORT_RADII, cut_path, rows_of_stretch, with_row_search};
 use super::stages::RowStages;
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
@@ -75,7 +75,7 @@ pub(super) fn cut_open_places(
     for open in open.iter().rev() {
         let (number, row) = open.at;
         let layout = &layouts[number];
-        let lambdas = with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
+        let lambdas = rows_of_stretch(context, layout, tool);
         let row_of = RowOf { layout, lambdas: &lambdas, row };
         let mut open = open.clone();
         for feed in [cut.feed, back] {

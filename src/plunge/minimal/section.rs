@@ -15,7 +15,7 @@ use crate::plunge::cycle::PlanError;
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
-use crate::plunge::section_layout::{PassageStretch, RowLayout, StretchLayout, row_ends, row_maker};
+use crate::plunge::section_layout::{PassageStretch, StretchLayout, row_ends, row_maker};
 use crate::plunge::spacing::max_shroud_spacing;
 use crate::setup::{CutDirection, Tool};
 
@@ -192,8 +192,8 @@ fn plan_rows(
     // Found paths are cut even after a stop.
     let closing = &monitor.ignoring_stop();
     for (number, layout) in layouts.iter().enumerate() {
-        let StretchLayout { stretch, lane, rows, .. } = layout;
-        let lambdas = with_rows_beside_walls(lane, stretch, tool, rows);
+        let StretchLayout { stretch, .. } = layout;
+        let lambdas = rows_of_stretch(context, layout, tool);
         for (row, &lambda) in lambdas.iter().enumerate() {
             let row_of = RowOf { layout, lambdas: &lambdas, row };
             let lambda = stretch.lambda_in_channel(lambda);
@@ -371,16 +371,12 @@ fn floor_of_row(
     Some([from, to])
 }
 
-/// λ of the rows, with one more beside each wall that leans over the channel: half way to the next row
-/// the tilt angle can be smaller, which removes part of the wedge under the wall.
-pub(super) fn with_rows_beside_walls(
-    lane: &Lane,
-    stretch: &PassageStretch,
-    tool: &Tool,
-    rows: &[RowLayout],
-) -> Vec<f64> {
+/// λ of the rows, in dense plans with one more beside each wall that leans over the channel: half way to the
+/// next row the tilt angle can be smaller, which removes part of the wedge under the wall.
+pub(super) fn rows_of_stretch(context: &PlanContext, layout: &StretchLayout, tool: &Tool) -> Vec<f64> {
+    let StretchLayout { stretch, lane, rows, .. } = layout;
     let mut lambdas: Vec<f64> = rows.iter().map(|row| row.lambda).collect();
-    if lambdas.len() < 2 {
+    if lambdas.len() < 2 || !context.density.has_rows_beside_walls() {
         return lambdas;
     }
     let gap = lambdas[1];

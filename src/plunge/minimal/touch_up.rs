@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::section::{SCALE_RADII, candidate_maker, cut_split, with_rows_beside_walls};
+use super::section::{SCALE_RADII, candidate_maker, cut_split, rows_of_stretch};
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::monitor::Monitor;
@@ -127,7 +127,7 @@ fn add_plunges(
         if wanted.above.is_some_and(|above| floor.share_above(above) < THICK_SHARE) {
             continue;
         }
-        let rows = with_rows_beside_walls(&layout.lane, &layout.stretch, tool, &layout.rows);
+        let rows = rows_of_stretch(context, layout, tool);
         let nearest = MIN_SPACING_RADII * tool.radius();
         let width = (0..=8)
             .filter_map(|i| layout.lane.width(layout.stretch.s_at(f64::from(i) / 8.0)))
