@@ -117,10 +117,9 @@ pub(super) fn meet_goal(
     let mut made = (whole.plan_at(&tradeoff, point, monitor)?, point);
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
     if let Goal::Stock { max_time_min: Some(limit) } = goal {
-        let mut aim = limit;
         for _ in 0..MAX_ROUNDS {
             let minutes = Travel::of(&ClProgram::of_plan("", &made.0)).time / 60.0;
-            aim *= limit / minutes;
+            let aim = made.1.time_s / 60.0 * limit / minutes;
             let point = tradeoff.choose(Goal::Stock { max_time_min: Some(aim) });
             if minutes <= limit || point == made.1 {
                 break;

@@ -7,6 +7,7 @@ mod goal;
 mod part_cache;
 pub mod post;
 pub mod stage;
+mod starved;
 pub mod worker;
 
 use std::collections::HashMap;
@@ -195,7 +196,9 @@ pub struct PlanJob {
 /// What is known of the last plans of a part.
 #[derive(Debug, Default)]
 struct PlanCache {
-    policies: PolicyCache,
+    plans: PolicyCache,
+    /// The same with all sections cut from the inlet.
+    from_inlet: PolicyCache,
     /// The last finished outcome before its edits, with its request: an edit changes nothing else.
     unedited: Option<(PlanRequest, PlanOutcome)>,
 }
@@ -258,7 +261,7 @@ fn plan_with_edits(
     let mut outcome = match known.unedited(&unedited) {
         Some(outcome) => outcome,
         None => {
-            let outcome = plan(&unedited, &mut known.policies, monitor, listener)?;
+            let outcome = plan(&unedited, known, monitor, listener)?;
             let is_finished = !outcome.after.plan.is_unfinished() && !monitor.is_stopped();
             known.unedited = is_finished.then(|| (unedited, outcome.clone()));
             outcome
@@ -298,19 +301,38 @@ impl PlanOutcome {
 /// Like [`plan_with_edits`], for a request without edits.
 fn plan(
     request: &PlanRequest,
+    known: &mut PlanCache,
+    monitor: &Monitor,
+    listener: Listener,
+) -> Result<PlanOutcome, JobError> {
+    let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
+    let resolved = resolve(&request.setup, &workpiece)?;
+    let outcome = plan_sections(request, &workpiece, resolved, &mut known.plans, monitor, listener)?;
+    match starved::from_inlet(&outcome, &mut known.from_inlet, monitor)? {
+        Some(turned) => {
+            let monitor = &monitor.silent();
+            plan_sections(request, &workpiece, turned, &mut known.from_inlet, monitor, Listener::default())
+        }
+        None => Ok(outcome),
+    }
+}
+
+/// Plans the sections of `resolved`.
+fn plan_sections(
+    request: &PlanRequest,
+    workpiece: &Arc<Workpiece>,
+    Resolved { setup, reasons }: Resolved,
     known: &mut PolicyCache,
     monitor: &Monitor,
     listener: Listener,
 ) -> Result<PlanOutcome, JobError> {
     let started = std::time::Instant::now();
-    let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
-    let Resolved { setup, reasons } = resolve(&request.setup, &workpiece)?;
     listener.notify(|| PlanStage::Resolved {
-        workpiece: Arc::clone(&workpiece),
+        workpiece: Arc::clone(workpiece),
         setup: setup.clone(),
         reasons: reasons.clone(),
     });
-    let planner = Planner::new(&workpiece, &setup);
+    let planner = Planner::new(workpiece, &setup);
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.
     let closing = &monitor.ignoring_stop();
@@ -345,7 +367,7 @@ fn plan(
     let ready = OnceLock::new();
     let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
         let cutters = stretches_of_setup(&setup);
-        let source = FloorSource { workpiece: &workpiece, stock: &setup.allowances, cutters: &cutters };
+        let source = FloorSource { workpiece, stock: &setup.allowances, cutters: &cutters };
         let grid = Arc::new(FloorGrid::new(&source, request.field_cells));
         let result = measured(before, &grid)?;
         // Cannot fail: this is the only place that sets it.
@@ -398,7 +420,7 @@ fn plan(
     let (mut whole, mut density) = (None, RowDensity::Dense);
     if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal)
         && let Some((plan, rows)) =
-            goal::meet_goal(&workpiece, &setup, &minimal.plan, &grid, &mut known.sparse, monitor)?
+            goal::meet_goal(workpiece, &setup, &minimal.plan, &grid, &mut known.sparse, monitor)?
     {
         density = rows;
         whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);
@@ -412,6 +434,7 @@ fn plan(
     }
     let elapsed = started.elapsed().as_secs_f64();
     let edits = EditReport::default();
+    let workpiece = Arc::clone(workpiece);
     Ok(PlanOutcome { workpiece, grid, before, after, whole, density, others, edits, elapsed, setup, reasons })
 }
 

@@ -4,7 +4,8 @@
 //! that is already cut. Where strongly wrapped blades lean along the rows, no axis may lean towards the
 //! inlet, and every core would land in the step of the plunge before it; such sections are cut from the open
 //! inlet outwards instead, the innermost one first. Where both kinds are in one channel, the sections cut
-//! from either end meet.
+//! from either end meet. Where a plan shows that rows from the outlet starve for another
+//! reason, all are cut from the inlet ([`all_from_inlet`]).
 
 use super::context::PlanContext;
 use super::minimal::{LeadBlockage, lead_blockage};
@@ -15,16 +16,15 @@ use crate::setup::{CutDirection, SectionKind};
 
 /// Share of the open floor that must gain an axis by it for sections to be cut from the inlet.
 const WORTHWHILE_SHARE: f64 = 0.25;
-/// Added to the reason of a section that is cut from the inlet.
-const FROM_INLET: &str = "cut from the inlet, as the blades let no axis lean that way in the other direction";
+/// Added to the reason of a section that is cut from the inlet: by its axes, or as a plan from the outlet shows.
+const NO_LEAN: &str = "cut from the inlet, as the blades let no axis lean that way in the other direction";
+const STARVED: &str =
+    "cut from the inlet, as rows from the outlet would find no free core and leave more uncut";
 
 /// `resolved` with those of its chosen sections of rows cut from the inlet that have few free axes from the
 /// outlet; sections given by the setup stay as they are.
 pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
-    let sections = &resolved.setup.plunge.sections;
-    let is_chosen_row =
-        |index: &usize| sections[*index].kind == SectionKind::Rows && resolved.reasons[*index].is_some();
-    let rows: Vec<usize> = (0..sections.len()).filter(is_chosen_row).collect();
+    let rows = chosen_rows(&resolved);
     if rows.len() < 2 {
         return resolved;
     }
@@ -33,17 +33,42 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     let blockages: Option<Vec<LeadBlockage>> =
         rows.iter().map(|&i| lead_blockage(&context, i).ok()).collect();
     let from_outlet = blockages.map_or(rows.len(), |blockages| sections_from_outlet(&blockages));
-    // Chosen sections of rows stand one after the other, between the opening and rest milling.
-    let Resolved { setup, reasons } = &mut resolved;
-    if let Some(inner) = rows.get(from_outlet..).and_then(|inner| Some(*inner.first()?..=*inner.last()?)) {
-        setup.plunge.sections[inner.clone()].reverse();
-        reasons[inner.clone()].reverse();
-        for index in inner {
-            setup.plunge.sections[index].cut_direction = Some(CutDirection::InletToOutlet);
-            reasons[index] = reasons[index].as_ref().map(|reason| format!("{reason}; {FROM_INLET}"));
-        }
-    }
+    cut_from_inlet(&mut resolved, rows.get(from_outlet..).unwrap_or_default(), NO_LEAN);
     resolved
+}
+
+/// `resolved` with all of its chosen sections of rows cut from the inlet, the innermost first, for a plan that
+/// starves from the outlet; `None` where there is one such section only, or some is cut from the inlet already.
+pub fn all_from_inlet(resolved: &Resolved) -> Option<Resolved> {
+    let rows = chosen_rows(resolved);
+    let is_open = |index: &usize| resolved.setup.plunge.sections[*index].cut_direction.is_none();
+    if rows.len() < 2 || !rows.iter().all(is_open) {
+        return None;
+    }
+    let mut turned = resolved.clone();
+    cut_from_inlet(&mut turned, &rows, STARVED);
+    Some(turned)
+}
+
+/// Indices of the chosen sections of rows.
+fn chosen_rows(resolved: &Resolved) -> Vec<usize> {
+    let sections = &resolved.setup.plunge.sections;
+    let is_chosen_row =
+        |index: &usize| sections[*index].kind == SectionKind::Rows && resolved.reasons[*index].is_some();
+    (0..sections.len()).filter(is_chosen_row).collect()
+}
+
+/// Has the `inner` sections cut from the inlet, the last one first. Chosen sections of rows stand one after the
+/// other, between the opening and rest milling.
+fn cut_from_inlet(resolved: &mut Resolved, inner: &[usize], why: &str) {
+    let (Some(&first), Some(&last)) = (inner.first(), inner.last()) else { return };
+    let Resolved { setup, reasons } = resolved;
+    setup.plunge.sections[first..=last].reverse();
+    reasons[first..=last].reverse();
+    for index in first..=last {
+        setup.plunge.sections[index].cut_direction = Some(CutDirection::InletToOutlet);
+        reasons[index] = reasons[index].as_ref().map(|reason| format!("{reason}; {why}"));
+    }
 }
 
 /// How many of the sections, listed from the outlet inwards, are cut from the outlet: all of them, or as many

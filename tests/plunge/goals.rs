@@ -6,7 +6,7 @@ use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::plunge::PlungePlan;
+use vanecut::plunge::{PlungePlan, RowDensity};
 use vanecut::setup::{AxisPolicy, Goal, Setup};
 use vanecut::stock::{field_cutters, residual_field};
 use vanecut::toolpath::ClProgram;
@@ -53,7 +53,7 @@ fn every_point_of_the_curve_is_a_sound_plan() {
     assert_eq!(curve[0].plan.positions.len(), whole.positions.len());
     for pair in curve.windows(2) {
         let (slow, fast) = (&pair[0].summary, &pair[1].summary);
-        assert!(fast.time_estimate < slow.time_estimate && fast.positions < slow.positions);
+        assert!(fast.time_estimate < slow.time_estimate);
         assert!(fast.residual_mean >= slow.residual_mean - 1e-6, "less stock in less time");
     }
     for point in &curve {
@@ -63,6 +63,7 @@ fn every_point_of_the_curve_is_a_sound_plan() {
             "{} plunges",
             point.plan.positions.len()
         );
+        // The section ends half-way, so that .1 % more is the limit; and what the coarser cells miss.
         assert!(point.summary.uncut_share <= WHOLE.after.summary.uncut_share + 0.0015);
     }
     let (whole, fast) = (&curve[0].summary, &curve[curve.len() - 1].summary);
@@ -76,22 +77,13 @@ fn every_point_of_the_curve_is_a_sound_plan() {
 
 #[test]
 fn stock_after_leaving_plunges_out_is_that_of_the_field() {
-    let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
-    let input = ThinningInput {
-        plan,
-        setup: &WHOLE.setup,
-        blank: &WHOLE.workpiece.blank,
-        grid: &WHOLE.grid,
-        limits: ThinningLimits::LEAST_TIME,
-    };
-    let thinning = Thinning::new(input, &Monitor::default()).expect("not cancelled");
-    let again = Thinning::new(input, &Monitor::default()).expect("not cancelled");
+    let [thinning, again] = [(); 2].map(|()| thinned(ThinningLimits::LEAST_TIME));
     assert!(!thinning.is_empty());
     for count in [0, thinning.len() / 3, thinning.len()] {
         let kept = thinning.kept_without(count);
         assert_eq!(kept, again.kept_without(count), "the same order twice");
         assert_eq!(kept.iter().filter(|kept| !**kept).count(), count);
-        let cutters: Vec<_> = field_cutters(plan)
+        let cutters: Vec<_> = field_cutters(thinning.plan())
             .into_iter()
             .zip(&kept)
             .filter(|(_, kept)| **kept)
@@ -102,6 +94,74 @@ fn stock_after_leaving_plunges_out_is_that_of_the_field() {
         let found = thinning.stock_without(count);
         assert!((brute.mean - found.mean).abs() < 1e-4 && (brute.p95 - found.p95).abs() < 1e-3, "{count}");
         assert!((brute.uncut_share - found.uncut_share).abs() < 1e-5, "{count}");
+    }
+}
+
+/// The order in which the plunges of [`WHOLE`] go.
+fn thinned(limits: ThinningLimits) -> Thinning<'static> {
+    let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
+    let (setup, blank, grid) = (&WHOLE.setup, &WHOLE.workpiece.blank, &*WHOLE.grid);
+    Thinning::new(ThinningInput { plan, setup, blank, grid, limits }, &Monitor::default())
+        .expect("not cancelled")
+}
+
+#[test]
+fn rows_beside_walls_keep_their_scallop_and_added_plunges_go() {
+    let thinning = thinned(ThinningLimits::LEAST_TIME);
+    let (plan, kept) = (thinning.plan(), thinning.kept_without(thinning.len()));
+    let (mut left_out, mut added_gone) = (0, 0);
+    for (index, section) in plan.sections.iter().enumerate() {
+        let of_section: Vec<usize> =
+            (0..plan.positions.len()).filter(|&k| plan.positions[k].section == index).collect();
+        let (rows, added) = of_section.split_at(of_section.len() - section.added.expect("minimal").count);
+        let on_wall = |k: &&usize| [0.0, 1.0].contains(&plan.positions[**k].lambda);
+        added_gone += added.iter().filter(on_wall).filter(|k| !kept[**k]).count();
+        for wall in [0.0, 1.0] {
+            let mut row: Vec<usize> =
+                rows.iter().copied().filter(|&k| plan.positions[k].lambda == wall).collect();
+            row.sort_by(|&a, &b| plan.positions[a].s.total_cmp(&plan.positions[b].s));
+            let step = |pair: &[usize]| (plan.positions[pair[0]].tip - plan.positions[pair[1]].tip).norm();
+            let widest = |row: &[usize]| row.windows(2).map(step).fold(0.0, f64::max);
+            let still: Vec<usize> = row.iter().copied().filter(|&k| kept[k]).collect();
+            left_out += row.len() - still.len();
+            // S = 2·√(2Rh − h²) with R = 10 mm and the default h = 0.6 mm; the whole plan may exceed it.
+            let scallop = 2.0 * (2.0 * 10.0 * 0.6 - 0.6 * 0.6_f64).sqrt();
+            assert!(widest(&still) <= widest(&row).max(scallop) + 1e-9, "wall {wall}: {}", widest(&still));
+            assert_eq!((still.first(), still.last()), (row.first(), row.last()));
+        }
+    }
+    assert!(added_gone > 0, "no added plunge beside a wall may go ({left_out} of the rows did)");
+}
+
+#[test]
+fn less_time_takes_fewer_rows_and_beats_the_published_rule() {
+    let part = std::sync::Arc::new(sample("impeller532"));
+    let planned = |policy: AxisPolicy, goal: &str| {
+        let text = format!("[plunge]\n{goal}\n");
+        let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("a setup");
+        let part = std::sync::Arc::clone(&part);
+        let request = PlanRequest { part, setup, policy, compare: false, field_cells: 256 };
+        run(&request, &Monitor::default()).expect("a plan")
+    };
+    let monotone = planned(AxisPolicy::Monotone, "");
+    let allowance = monotone.setup.allowances.hub_allowance;
+    let monotone = monotone.after.summary;
+    let excess = monotone.residual_p95 - allowance;
+
+    let in_its_time = format!("goal = \"stock\"\nmax_time = {}", monotone.time_estimate / 60.0);
+    let in_its_time = planned(AxisPolicy::Minimal, &in_its_time);
+    let summary = &in_its_time.after.summary;
+    assert!(summary.time_estimate <= monotone.time_estimate);
+    assert!(summary.residual_p95 - allowance <= 0.75 * excess, "{} of {excess} mm", summary.residual_p95);
+
+    let with_its_stock = planned(AxisPolicy::Minimal, &format!("goal = \"time\"\nmax_stock = {excess}"));
+    let summary = &with_its_stock.after.summary;
+    let share = summary.time_estimate / monotone.time_estimate;
+    assert!(summary.residual_p95 - allowance <= excess + 0.01 && share <= 0.8, "{share} of the time");
+    assert_eq!(with_its_stock.density, RowDensity::Sparse);
+    for outcome in [&in_its_time, &with_its_stock] {
+        assert!(outcome.after.summary.interfering == 0 && outcome.after.summary.uncut_share <= 0.0105);
+        assert_eq!(faults(outcome, &outcome.after.plan), Vec::<String>::new());
     }
 }
 
@@ -126,7 +186,7 @@ fn goals_keep_their_limits() {
 
     let within = planned(setup(&format!("goal = \"stock\"\nmax_time = {}", 0.8 * minutes)));
     let time = within.after.summary.time_estimate / 60.0;
-    assert!(time <= 0.81 * minutes && time > 0.7 * minutes, "{time} of {minutes} min");
+    assert!(time <= 0.8 * minutes && time > 0.7 * minutes, "{time} of {minutes} min");
 
     let limit = 1.3 * (whole.residual_p95 - allowance);
     let fast = planned(setup(&format!("goal = \"time\"\nmax_stock = {limit}")));

@@ -7,7 +7,7 @@ use crate::drawing::cutters::{evaluated_cutters, placed_cutters};
 use crate::gpu::cutters::DrawnCutter;
 use crate::job::{PlanOutcome, PlanStage, PolicyResult};
 use crate::part::Workpiece;
-use crate::plunge::{EditReport, PlungePlan, Position, Unevaluated};
+use crate::plunge::{EditReport, PlungePlan, Position, RowDensity, Unevaluated};
 use crate::setup::{AxisPolicy, Setup};
 use crate::stock::{FieldProgram, FloorGrid, FloorLevels};
 
@@ -222,6 +222,7 @@ impl PlanPreview {
                 before: result.clone(),
                 after: result,
                 whole: None,
+                density: RowDensity::Dense,
                 others: Vec::new(),
                 edits: EditReport::default(),
                 elapsed: 0.0,
