@@ -58,7 +58,7 @@ impl<'a> Tradeoff<'a> {
         let mut points: Vec<TradeoffPoint> = (0..count)
             .filter_map(|k| {
                 let share = k as f64 / (count.max(2) - 1) as f64;
-                self.least_stock_within(slow + (fast - slow) * share)
+                self.lowest_stock_within(slow + (fast - slow) * share)
             })
             .collect();
         points.dedup_by_key(|point| (point.plan, point.left_out));
@@ -66,7 +66,7 @@ impl<'a> Tradeoff<'a> {
     }
 
     /// The point that leaves the least stock within `time_s`; `None` where none is as fast.
-    fn least_stock_within(&self, time_s: f64) -> Option<TradeoffPoint> {
+    fn lowest_stock_within(&self, time_s: f64) -> Option<TradeoffPoint> {
         let points = self.all(|thinning| Some(thinning.first_within_time(time_s)));
         points.filter(|point| !is_longer(point.time_s, time_s)).min_by(by_stock)
     }
@@ -89,7 +89,7 @@ impl<'a> Tradeoff<'a> {
                 let good = first.point(first.last_as_good());
                 let limit = 60.0 * max_time_min.unwrap_or(f64::INFINITY);
                 if is_longer(good.time_s, limit) {
-                    let within = self.least_stock_within(limit);
+                    let within = self.lowest_stock_within(limit);
                     within.or_else(|| self.all(|thinning| Some(thinning.len())).min_by(by_time))
                 } else {
                     Some(good)

@@ -6,6 +6,7 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod judge;
+mod leaning;
 mod make;
 mod sampled_tool;
 
@@ -21,7 +22,7 @@ use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Channel, Impeller};
-use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
+use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, SectionKind, Setup};
 use vanecut::stock::{FloorGrid, FloorSource};
 
 use make::Wheel;
@@ -148,6 +149,23 @@ fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
         assert_eq!(summary.interfering, 0, "{place}");
         assert!(summary.uncut_share < 0.05, "{place}: {} uncut", summary.uncut_share);
     }
+}
+
+/// In a narrow passage between leaning blades no first core is free at the outlet, so that none behind it is;
+/// from the inlet, where rows begin beside what an earlier section cut, nearly all of the floor is cut.
+#[test]
+fn sections_that_starve_from_the_outlet_are_cut_from_the_inlet() {
+    let bytes = leaning::leaning_wheel();
+    let description = read_part_bytes("leaning.toml", bytes.as_bytes(), "toml").expect("a part");
+    let outcome = planned(Impeller::build(&description).expect("a wheel"));
+    let sections = &outcome.setup.plunge.sections;
+    let rows = sections.iter().filter(|section| section.kind == SectionKind::Rows);
+    let directions: Vec<_> = rows.map(|section| section.cut_direction).collect();
+    assert!(directions.len() > 1, "{sections:?}");
+    assert!(directions.iter().all(|direction| *direction == Some(CutDirection::InletToOutlet)));
+    let summary = &outcome.after.summary;
+    assert_eq!(summary.interfering, 0);
+    assert!(summary.uncut_share < 0.06, "{} uncut", summary.uncut_share);
 }
 
 /// Between walls that the cutter just passes the rows in the middle have no axis at all, those beside the
