@@ -2,7 +2,7 @@
 
 use vanecut::io::nc::read_post;
 use vanecut::machine::{MotionFault, OutputKind, StepMotion, TurnLink};
-use vanecut::toolpath::{ClProgram, Motion};
+use vanecut::toolpath::{ClProgram, Motion, Move};
 
 use super::programs::{
     MACHINES, OUTPUTS, largest_difference, machine, moved, placed, plunges, posted, read_back, sweeps,
@@ -62,6 +62,27 @@ fn cuts_stay_cuts_and_rapids_rapids() {
                 }
             }
         }
+    }
+}
+
+/// Blocks of less than a micrometre in inverse time: no F is larger than what the reader and controls take.
+#[test]
+fn blocks_of_no_length_have_a_feed_word_that_can_be_read() {
+    let mut program = sweeps();
+    let (a, b) = (program.moves[20].clone(), program.moves[21].clone());
+    let between = |t: f64| Move {
+        tip: a.tip + (b.tip - a.tip) * t,
+        axis: (a.axis + (b.axis - a.axis) * t).normalize(),
+        ..a.clone()
+    };
+    program.moves.splice(21..21, [1e-7, 2e-7, 3e-7].map(between));
+    for name in MACHINES {
+        let machine = machine(name);
+        let nc = posted(&machine, &program, "fanuc", OutputKind::Joints);
+        let rates = nc.text.split_whitespace().filter_map(|word| word.strip_prefix('F')?.parse::<f64>().ok());
+        let fastest = rates.fold(0.0, f64::max);
+        assert!(fastest > 0.0 && fastest <= 60.0 / machine.block_time_s, "{name}: F{fastest}");
+        read_back(&machine, "fanuc", &nc.text).expect(name);
     }
 }
 

@@ -12,6 +12,8 @@ use crate::toolpath::{ClProgram, ClTool};
 
 /// Longest name of a program in its head.
 const MAX_NAME: usize = 24;
+/// Shortest time of a block, s: its inverse time in 1/min keeps below a million, which is what words may hold.
+const MIN_BLOCK_S: f64 = 1e-4;
 /// Least time of a block under feed, as a multiple of that at rapid rates.
 const SLOWER: f64 = 1.25;
 
@@ -466,10 +468,12 @@ impl NcWriter<'_> {
         let linear = (0..3).map(|i| 60.0 * (to[i] - from[i]).abs() / self.machine.linear[i].rapid);
         let turn = |i: usize| (step.pose.angles[i] - before.pose.angles[i]).abs();
         let rotary = (0..2).map(|i| turn(i) / self.machine.rotary[i].rapid_rad_per_s);
-        let fastest = linear.chain(rotary).fold(1e-6, f64::max);
+        let fastest = linear.chain(rotary).fold(MIN_BLOCK_S, f64::max);
         let seconds = match step.motion {
             // Under feed no axis runs at its rapid: that is how a reader tells cuts from links.
-            StepMotion::Feed(_) => (60.0 * travel / rate).max(SLOWER * fastest),
+            StepMotion::Feed(_) => {
+                (60.0 * travel / rate).max(SLOWER * fastest).max(self.machine.block_time_s)
+            }
             _ => fastest,
         };
         (rate, Some(60.0 / seconds))
