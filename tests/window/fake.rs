@@ -14,7 +14,7 @@ use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::plunge::{
-    AddedPlunges, Blocked, EditReport, Evaluation, PlungePlan, Position, SectionPlan, StopReason,
+    AddedPlunges, Blocked, EditReport, Evaluation, PlungePlan, Position, RowDensity, SectionPlan, StopReason,
 };
 use vanecut::setup::{
     AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool,
@@ -136,6 +136,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         before: result(AxisPolicy::Conventional),
         after: result(request.policy),
         whole: None,
+        density: RowDensity::Dense,
         others: if request.compare {
             let other =
                 |policy: &&AxisPolicy| **policy != AxisPolicy::Conventional && **policy != request.policy;
