@@ -24,7 +24,7 @@ use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker};
 const MIN_UNCUT_SHARE: f64 = 0.02;
 /// Minimum gain of a plunge in the first rounds, in multiples of the least gain of a search; the last one is
 /// that of all rounds to come.
-const ROUNDS: [f64; 4] = [160.0, 80.0, 40.0, 26.0];
+const ROUNDS: [f64; 3] = [160.0, 80.0, 40.0];
 /// Maximum number of rounds. Plunges of one round free others of contact for the next.
 const MAX_ROUNDS: usize = 20;
 /// Share of the floor that a round has to cut for another one.
@@ -33,7 +33,7 @@ const MIN_CUT_SHARE: f64 = 5e-4;
 /// radii.
 const NEAR_RADII: f64 = 2.0;
 /// Spacing of the tried feet along a wall, in cutter radii.
-const SPACING_RADII: f64 = 0.4;
+const SPACING_RADII: f64 = 0.3;
 /// Maximum number of feet along a wall.
 const MAX_FEET: f64 = 4000.0;
 
