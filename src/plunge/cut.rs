@@ -188,6 +188,14 @@ impl SectionCut {
         }
     }
 
+    /// Removes what was dropped from the rows from index `first` on, which were added: an added plunge that is
+    /// dropped is not reported as missing. Returns the number of plunges that remain in them.
+    pub fn drop_hindered_rows(&mut self, first: usize) -> usize {
+        let added: Vec<CutRow> = self.rows.drain(first..).collect();
+        self.rows.extend(added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0));
+        self.rows[first..].iter().map(CutRow::len).sum()
+    }
+
     /// Whether planning was stopped before the section was finished.
     pub fn is_unfinished(&self) -> bool {
         self.added.is_some_and(AddedPlunges::is_unfinished)

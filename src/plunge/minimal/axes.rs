@@ -4,6 +4,7 @@
 use super::candidate::CandidateMaker;
 use crate::geometry::{Vector, wrap_angle};
 use crate::plunge::lane::{AxisEnds, is_wall};
+use crate::plunge::row::Station;
 
 /// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
 /// angle that `max_tilt` would leave less than half of the grid.
@@ -219,16 +220,59 @@ impl CandidateMaker<'_> {
         if lane.distance_from_plain(wall, ends) <= OFF_FOOT_RADII * self.maker.tool.radius() {
             return;
         }
+        for (k, slot) in only.iter_mut().enumerate().skip(1) {
+            let tilt = (MAX_TURNED_DEG * k as f64 / (N - 1) as f64).to_radians();
+            *slot = self.turned_off_wall(ends, tilt, (frame, zero_lead));
+        }
+    }
+
+    /// Stations of a wall row at `s_hub` with lead angles `leads` (rad, from that of the conventional axis),
+    /// each with W turned off the wall by the tilt angles `turns` (degrees; negative ones turn it over the
+    /// wall's foot) and as near to the wall as it clears it. They are not checked against other blades.
+    pub(super) fn wall_fan<const N: usize>(
+        &self,
+        s_hub: f64,
+        leads: impl Iterator<Item = f64>,
+        turns: &[f64; N],
+    ) -> Vec<Station> {
+        let Some(AxisFrame { conventional, frame, zero_lead, reference, conventional_lead, .. }) =
+            self.axis_frame(s_hub)
+        else {
+            return Vec::new();
+        };
+        let ends_at = |lead: f64| {
+            let s_shroud = zero_lead.s_shroud_at_lead(conventional_lead + lead);
+            self.maker.lane.row_axis(self.maker.lambda, s_hub, s_shroud)
+        };
+        let turned = |ends: AxisEnds| {
+            turns.iter().filter_map(move |&turn| match turn {
+                0.0 => Some(ends),
+                _ => self.turned_off_wall(&ends, turn.to_radians(), (&frame, &zero_lead)),
+            })
+        };
+        leads
+            .filter_map(ends_at)
+            .flat_map(turned)
+            .filter_map(|ends| self.station_within_limits(ends, &reference))
+            .map(|station| Station { s_shroud_conventional: conventional.s_shroud, ..station })
+            .collect()
+    }
+
+    /// The axis `ends` of a wall row with W turned off the wall by the tilt angle `tilt`, rad.
+    fn turned_off_wall(
+        &self,
+        ends: &AxisEnds,
+        tilt: f64,
+        (frame, zero_lead): (&RowFrame, &ZeroLeadRef),
+    ) -> Option<AxisEnds> {
+        let (lane, wall) = (self.maker.lane, self.maker.lambda as usize);
         let w = lane.shroud_point(ends);
         let turn = Vector::new(-w.y, w.x, 0.0);
         let gain = turn.dot(&frame.across).abs().max(MIN_GAIN_SHARE * turn.norm());
         // Turning W about Z changes the lead angle as well; s of W compensates that.
         let by_s = zero_lead.tan_lead_by_s * zero_lead.height;
-        for (k, slot) in only.iter_mut().enumerate().skip(1) {
-            let tilt = (MAX_TURNED_DEG * k as f64 / (N - 1) as f64).to_radians();
-            let angle = tilt.tan() * zero_lead.height / gain * lane.inward_sign(wall);
-            let s_shroud = ends.s_shroud - angle * turn.dot(&frame.feed) / by_s;
-            *slot = lane.turned_wall_axis(wall, (ends.s_hub, s_shroud), angle);
-        }
+        let angle = tilt.tan() * zero_lead.height / gain * lane.inward_sign(wall);
+        let s_shroud = ends.s_shroud - angle * turn.dot(&frame.feed) / by_s;
+        lane.turned_wall_axis(wall, (ends.s_hub, s_shroud), angle)
     }
 }

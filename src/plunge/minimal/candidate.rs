@@ -343,7 +343,7 @@ impl CandidateMaker<'_> {
 
     /// The station of an axis, if it is within the machine's limits and inclined by at most `max_tilt` from
     /// `reference`.
-    fn station_within_limits(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
+    pub(super) fn station_within_limits(&self, ends: AxisEnds, reference: &Vector) -> Option<Station> {
         let (_, axis) = self.maker.lane.line(&ends);
         let reached = axis.angle(reference) <= self.max_tilt_rad
             && self.machine.excess_tilt_rad(self.maker.part, &axis) <= 0.0;

@@ -25,7 +25,7 @@ use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::row::{RowMaker, Station};
 
-/// Lead angles of the pool: first one and step, degrees, and their number.
+/// Lead angles of the pool of a row: first one and step, degrees, and their number.
 const FIRST_LEAD_DEG: f64 = -9.0;
 const LEAD_STEP_DEG: f64 = 3.0;
 const LEAD_COUNT: usize = 10;
@@ -39,6 +39,13 @@ const MAX_LIFT_RADII: f64 = 0.3;
 const TILT_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
 /// As [`TILT_SHARES`], for the coarse evaluation of a foot.
 const COARSE_TILT_SHARES: [f64; 2] = [0.85, 0.2];
+/// Lead angles of the pool beside a wall, from that of the conventional axis: step, degrees, and their number.
+const WALL_LEAD_STEP_DEG: f64 = 10.0;
+const WALL_LEAD_COUNT: usize = 9;
+/// Tilt angles by which axes beside a wall are turned off it, degrees; negative ones lean over more than it.
+const WALL_TURNS_DEG: [f64; 5] = [0.0, -5.0, -10.0, -16.0, 10.0];
+/// As [`WALL_TURNS_DEG`], for the coarse evaluation of a foot.
+const COARSE_WALL_TURNS_DEG: [f64; 3] = [0.0, -8.0, 10.0];
 /// Distance up to which a plunge may free another of contact, in cutter radii.
 const NEAR_RADII: f64 = 2.0;
 /// Distance beyond which two plunges share no cell of the floor, in cutter radii.
@@ -56,6 +63,52 @@ const TOP_COUNT: usize = 16;
 const MAX_BATCH: usize = 8;
 /// Number of these that are refined even if they are near each other.
 const MIN_BATCH: usize = 6;
+
+/// The axes that are tried at a foot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoolFan {
+    /// Those around the axes of a row.
+    Row,
+    /// Those beside a wall, inclined as far as they may be in all directions.
+    Wall,
+}
+
+impl PoolFan {
+    /// Number of lead angles.
+    const fn lead_count(self) -> usize {
+        match self {
+            Self::Row => LEAD_COUNT,
+            Self::Wall => WALL_LEAD_COUNT,
+        }
+    }
+
+    /// Number of axes per lead angle in the full evaluation.
+    const fn tilt_count(self) -> usize {
+        match self {
+            Self::Row => TILT_SHARES.len(),
+            Self::Wall => WALL_TURNS_DEG.len(),
+        }
+    }
+
+    /// Stations at `s` with some of the lead angles, for the full evaluation.
+    fn full(self, maker: &CandidateMaker, s: f64, leads: Range<usize>) -> Vec<Station> {
+        match self {
+            Self::Row => maker.axis_fan(s, leads.map(lead_rad), &TILT_SHARES),
+            Self::Wall => maker.wall_fan(s, leads.map(wall_lead_rad), &WALL_TURNS_DEG),
+        }
+    }
+
+    /// The few stations at `s` of the coarse evaluation.
+    fn coarse(self, maker: &CandidateMaker, s: f64) -> Vec<Station> {
+        match self {
+            Self::Row => maker.axis_fan(s, (0..LEAD_COUNT).step_by(2).map(lead_rad), &COARSE_TILT_SHARES),
+            Self::Wall => {
+                let leads = (1..WALL_LEAD_COUNT).step_by(3);
+                maker.wall_fan(s, leads.map(wall_lead_rad), &COARSE_WALL_TURNS_DEG)
+            }
+        }
+    }
+}
 
 /// A cutter of the coarse evaluation. The pool is large, so only the cutter of the axis is stored.
 #[derive(Clone, Debug)]
@@ -142,6 +195,7 @@ impl Ord for PoolEntry {
 pub struct ExtraSearch<'a> {
     /// Rows of the pool, by λ.
     rows: &'a [CandidateMaker<'a>],
+    fan: PoolFan,
     blank: &'a Blank,
     floor: FloorHeightMap,
     /// The pool, ordered by gain. Gains only decrease while plunges are added.
@@ -159,6 +213,7 @@ impl<'a> ExtraSearch<'a> {
     /// `floor`.
     pub fn new(
         rows: &'a [CandidateMaker<'a>],
+        fan: PoolFan,
         feet: &[(usize, f64)],
         floor: FloorHeightMap,
         blank: &'a Blank,
@@ -167,14 +222,13 @@ impl<'a> ExtraSearch<'a> {
         let least = MIN_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
         let added = ProximityGrid::new(APART_RADII * radius);
         let (heap, waiting) = (BinaryHeap::new(), Vec::new());
-        let mut search = Self { rows, blank, floor, heap, waiting, added, min_gain: least };
+        let mut search = Self { rows, fan, blank, floor, heap, waiting, added, min_gain: least };
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
                 return None;
             }
-            let few =
-                maker.axis_fan(s, (0..LEAD_COUNT).step_by(2).map(lead_rad), &COARSE_TILT_SHARES).into_iter();
+            let few = fan.coarse(maker, s).into_iter();
             let probe = |station| CoarseProbe { cutter: maker.maker.cutter(&station), gain: f64::INFINITY };
             let look = PoolStage::Foot(few.map(probe).collect());
             search.with_current_gain(PoolEntry {
@@ -194,6 +248,11 @@ impl<'a> ExtraSearch<'a> {
     /// The floor after all found plunges.
     pub fn floor(&self) -> &FloorHeightMap {
         &self.floor
+    }
+
+    /// As [`Self::floor`], at the end of the search.
+    pub fn into_floor(self) -> FloorHeightMap {
+        self.floor
     }
 
     /// Up to `most` stations with a gain of at least `times` the minimum one, by rows of the pool, each row
@@ -349,8 +408,8 @@ impl<'a> ExtraSearch<'a> {
             PoolStage::Foot(_) => {
                 // Hot spot: split so that an idle worker can steal half of it.
                 let axes = |tilts: Range<usize>| -> Vec<PoolEntry> {
-                    let fan = makes.axis_fan(s, tilts.clone().map(lead_rad), &TILT_SHARES);
-                    let from = tilts.start * TILT_SHARES.len();
+                    let from = tilts.start * self.fan.tilt_count();
+                    let fan = self.fan.full(makes, s, tilts);
                     let axis = |(number, station)| PoolEntry {
                         order: (order.0, from + number),
                         seen: None,
@@ -360,8 +419,8 @@ impl<'a> ExtraSearch<'a> {
                     let axes = fan.into_iter().enumerate().map(axis);
                     axes.filter_map(|axis| self.with_current_gain(axis)).collect()
                 };
-                let (mut some, more) =
-                    rayon::join(|| axes(0..LEAD_COUNT / 2), || axes(LEAD_COUNT / 2..LEAD_COUNT));
+                let count = self.fan.lead_count();
+                let (mut some, more) = rayon::join(|| axes(0..count / 2), || axes(count / 2..count));
                 some.extend(more);
                 some
             }
@@ -421,4 +480,9 @@ impl<'a> ExtraSearch<'a> {
 /// Lead angle number `j` of the pool, rad.
 fn lead_rad(j: usize) -> f64 {
     (FIRST_LEAD_DEG + LEAD_STEP_DEG * j as f64).to_radians()
+}
+
+/// Lead angle number `j` of the pool beside a wall, from that of the conventional axis, rad.
+fn wall_lead_rad(j: usize) -> f64 {
+    (WALL_LEAD_STEP_DEG * (j as f64 - 0.5 * (WALL_LEAD_COUNT - 1) as f64)).to_radians()
 }

@@ -1,7 +1,9 @@
 //! Height map of the stock on the hub of a stretch, and the gain of one more plunge.
 
-use crate::geometry::{CutterSolid, Point, Vector, wrap_angle};
-use crate::part::Impeller;
+use rayon::prelude::*;
+
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, wrap_angle};
+use crate::part::{Impeller, Workpiece};
 use crate::plunge::section_layout::PassageStretch;
 use crate::setup::Tool;
 
@@ -16,6 +18,17 @@ const REACH_RADII: f64 = 1.25;
 const WELL_UNDER_RADII: f64 = 0.8;
 /// Thickness at which the cost of a layer saturates, in cutter radii: uncut stock is as high as the channel.
 const MAX_LAYER_RADII: f64 = 1.0;
+/// Cost of a cell that no plunge has cut, beyond that of the thickest layer, in cutter radii.
+const UNCUT_RADII: f64 = 1.0;
+/// Layer above the allowance below which a cell counts as cut without looking where its stock ends, in cutter
+/// radii.
+const CUT_RADII: f64 = 0.3;
+/// Share of the height of its stock at which a cell counts as cut: slightly less than what the figures of a
+/// plan call uncut, so that they agree.
+const CUT_SHARE: f64 = 0.995;
+/// Tolerance of that height, in cutter radii, and maximum number of steps of its search.
+const TOP_TOLERANCE_RADII: f64 = 1e-3;
+const MAX_TOP_STEPS: usize = 60;
 
 /// Gain of a plunge.
 #[derive(Clone, Copy, Debug, Default)]
@@ -34,6 +47,24 @@ struct FloorMapCell {
     area: f64,
     /// Height of the stock along the normal, mm; infinite where nothing was cut.
     height: f64,
+    /// Height at which the stock ends without any plunge: at the outline of the blank, or at the allowance of
+    /// a blade that leans over the cell, mm; infinite where that was not measured.
+    top: f64,
+}
+
+impl FloorMapCell {
+    fn is_uncut(&self, height: f64) -> bool {
+        height >= CUT_SHARE * self.top
+    }
+}
+
+/// What counts as a gain of a plunge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FloorGoal {
+    /// Thinner layers.
+    Layers,
+    /// Thinner layers, and cells that no plunge has cut.
+    UncutCells,
 }
 
 /// Cells at one s, evenly spaced from wall to wall.
@@ -60,6 +91,7 @@ pub struct FloorHeightMap {
     /// Layer e for which e²/`scale` equals e in the cost, and the layer at which the cost saturates, mm.
     scale: f64,
     max_layer: f64,
+    goal: FloorGoal,
 }
 
 impl FloorHeightMap {
@@ -95,7 +127,7 @@ impl FloorHeightMap {
                 .map(|j| {
                     let theta = row.from + row.step * (j as f64 + 0.5);
                     let (point, normal) = (hub.point.at_angle(theta), hub.normal.direction_at_angle(theta));
-                    FloorMapCell { point, normal, area, height: f64::INFINITY }
+                    FloorMapCell { point, normal, area, height: f64::INFINITY, top: f64::INFINITY }
                 })
                 .collect();
             row
@@ -108,7 +140,44 @@ impl FloorHeightMap {
             allowance: hub_allowance,
             scale,
             max_layer: MAX_LAYER_RADII * tool.radius(),
+            goal: FloorGoal::Layers,
         }
+    }
+
+    /// The same floor, on which it is a gain of its own to cut cells that no plunge has cut, whatever layer
+    /// stays on them. Cells without stock to cut count as cut.
+    pub fn for_uncut_cells(mut self, workpiece: &Workpiece, blade_allowance: f64) -> Self {
+        let radius = self.max_layer / MAX_LAYER_RADII;
+        let (thick, tolerance) = (self.allowance + CUT_RADII * radius, TOP_TOLERANCE_RADII * radius);
+        let allowance = self.allowance;
+        self.rows.par_iter_mut().flat_map_iter(|row| &mut row.cells).for_each(|cell| {
+            if cell.height <= thick {
+                return;
+            }
+            cell.top = top_of_stock(workpiece, (cell.point, cell.normal), blade_allowance, tolerance);
+            if cell.top <= allowance + tolerance {
+                cell.height = 0.0;
+            }
+        });
+        self.goal = FloorGoal::UncutCells;
+        self
+    }
+
+    /// Whether some uncut cell is within `reach` mm of `point`.
+    pub fn is_uncut_near(&self, part: &Impeller, point: &Point, reach: f64) -> bool {
+        self.cells_near(part, point, reach).any(|(i, from, to)| {
+            self.rows[i].cells[from..to]
+                .iter()
+                .any(|cell| cell.is_uncut(cell.height) && (cell.point - point).norm() <= reach)
+        })
+    }
+
+    /// Uncut share of the area.
+    pub fn uncut_share(&self) -> f64 {
+        let cells = || self.rows.iter().flat_map(|row| &row.cells);
+        let uncut: f64 = cells().filter(|cell| cell.is_uncut(cell.height)).map(|cell| cell.area).sum();
+        let all: f64 = cells().map(|cell| cell.area).sum();
+        if all > 0.0 { uncut / all } else { 0.0 }
     }
 
     /// Share of the floor area with stock more than `excess` mm above the allowance, uncut cells included.
@@ -134,9 +203,15 @@ impl FloorHeightMap {
     }
 
     /// Cost per mm² of a cell whose stock is `height` mm high, mm.
-    fn cost(&self, height: f64) -> f64 {
+    fn cost(&self, cell: &FloorMapCell, height: f64) -> f64 {
         let e = (height - self.allowance).clamp(0.0, self.max_layer);
-        e + e * e / self.scale
+        let layer = e + e * e / self.scale;
+        match self.goal {
+            FloorGoal::UncutCells if cell.is_uncut(height) => {
+                layer + UNCUT_RADII * self.max_layer / MAX_LAYER_RADII
+            }
+            _ => layer,
+        }
     }
 
     /// Rows and their ranges of cells that `cutter` may change.
@@ -145,10 +220,18 @@ impl FloorHeightMap {
         part: &Impeller,
         cutter: &CutterSolid,
     ) -> impl Iterator<Item = (usize, usize, usize)> {
-        let foot = crate::geometry::Meridional::of(&cutter.tip);
-        let s = part.hub.s_at(part.hub.curve().project(foot).0);
-        let theta = cutter.tip.y.atan2(cutter.tip.x);
-        let reach = REACH_RADII * cutter.radius;
+        self.cells_near(part, &cutter.tip, REACH_RADII * cutter.radius)
+    }
+
+    /// Rows and their ranges of cells within `reach` mm of `point`, along and across the rows.
+    fn cells_near(
+        &self,
+        part: &Impeller,
+        point: &Point,
+        reach: f64,
+    ) -> impl Iterator<Item = (usize, usize, usize)> {
+        let s = part.hub.s_at(part.hub.curve().project(Meridional::of(point)).0);
+        let theta = point.y.atan2(point.x);
         let row = |s: f64| (s - self.s_from) / self.s_step;
         let (a, b) = (row(s + reach / self.length), row(s - reach / self.length));
         let last = self.rows.len() as f64 - 1.0;
@@ -195,7 +278,7 @@ impl FloorHeightMap {
                 if cell.height > self.allowance
                     && let Some(low) = Self::lowered_height(cell, cutter)
                 {
-                    gain.cost += cell.area * (self.cost(cell.height) - self.cost(low));
+                    gain.cost += cell.area * (self.cost(cell, cell.height) - self.cost(cell, low));
                     gain.drop = gain.drop.max(cell.height - low);
                 }
             }
@@ -214,4 +297,26 @@ impl FloorHeightMap {
             }
         }
     }
+}
+
+/// Height along a ray from the hub (foot and unit normal) at which the stock ends, at the outline of the blank
+/// or at the allowance of a blade, mm; 0 where the foot is in the allowance. Sphere tracing.
+fn top_of_stock(
+    Workpiece { blank, finished, .. }: &Workpiece,
+    (foot, normal): (Point, Vector),
+    blade_allowance: f64,
+    tolerance: f64,
+) -> f64 {
+    let mut warm = None;
+    let mut height = tolerance;
+    for _ in 0..MAX_TOP_STEPS {
+        let point = foot + normal * height;
+        let to_blade = finished.nearest_blade(&point).map_or(f64::INFINITY, |near| near.distance);
+        let free = (to_blade - blade_allowance).min(blank.depth_near(Meridional::of(&point), &mut warm));
+        if free < tolerance {
+            break;
+        }
+        height += free;
+    }
+    height
 }

@@ -18,6 +18,7 @@ mod second_pass;
 mod section;
 mod stages;
 mod touch_up;
+mod uncut_floor;
 
 pub use candidate::CandidateMaker;
 pub use crossing::RowCrossing;

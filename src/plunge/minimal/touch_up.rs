@@ -3,13 +3,15 @@
 
 use rayon::prelude::*;
 
+use super::extras::PoolFan;
 use super::section::{SCALE_RADII, candidate_maker, cut_split, rows_of_stretch};
+use super::uncut_floor::cut_uncut_floor;
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::{BlankTop, Columns};
 use crate::monitor::Monitor;
 use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
 use crate::plunge::context::PlanContext;
-use crate::plunge::cut::{CutRow, SectionCut};
+use crate::plunge::cut::SectionCut;
 use crate::plunge::cycle::PlanError;
 use crate::plunge::plan::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
@@ -159,7 +161,7 @@ fn add_plunges(
             .collect();
         let candidates: Vec<CandidateMaker> =
             makers.iter().map(|maker| candidate_maker(context, maker, &top)).collect();
-        let mut search = ExtraSearch::new(&candidates, &feet, floor, &context.workpiece.blank);
+        let mut search = ExtraSearch::new(&candidates, PoolFan::Row, &feet, floor, &context.workpiece.blank);
         let mut budget = most / layouts.len();
         for (round, &times) in wanted.manner.rounds.iter().enumerate() {
             if round > 0
@@ -175,13 +177,14 @@ fn add_plunges(
             for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
                 cut_split(context, stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
             }
-            // An added plunge that is dropped is not reported as missing.
-            let added: Vec<CutRow> = cut.rows.drain(before..).collect();
-            let added = added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0);
-            for row in added {
-                added_in_all += row.len();
-                cut.rows.push(row);
-            }
+            added_in_all += cut.drop_hindered_rows(before);
+        }
+        let is_left = |above| search.floor().share_above(above) >= THICK_SHARE;
+        if !wanted.rest_from.is_some_and(is_left) {
+            let floor = search.into_floor();
+            // The limit per plunge of the rows is for thinner layers.
+            let most = wanted.left_in_plan.saturating_sub(added_in_all) / layouts.len();
+            added_in_all += cut_uncut_floor(context, (index, layout), floor, cut, most, monitor)?;
         }
         if budget == 0 && most > 0 {
             stopped = if wanted.left_in_plan <= wanted.max_count {

@@ -1,0 +1,99 @@
+//! Plunges for floor that no plunge has cut yet: strips under walls that lean over the channel. The axes of
+//! rows follow the walls, those added to them are inclined less; these strips need axes that lean further
+//! along the wall or over its foot.
+//!
+//! The search is that of the other added plunges ([`ExtraSearch`]), with a wider fan of axes beside the walls
+//! near uncut cells, and on a floor where cutting uncut cells is a gain of its own. Thinner layers still count:
+//! plunges that only open a wedge make room for the cores of those that reach its end.
+
+use rayon::prelude::*;
+
+use super::extras::PoolFan;
+use super::section::{candidate_maker, cut_split};
+use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
+use crate::cutting::contact::BlankTop;
+use crate::monitor::Monitor;
+use crate::plunge::context::PlanContext;
+use crate::plunge::cut::SectionCut;
+use crate::plunge::cycle::PlanError;
+use crate::plunge::row::RowMaker;
+use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker};
+
+/// Uncut share of a stretch's floor from which on the search is worth its time. Less is mostly the corner under
+/// a wall, which no axis reaches.
+const MIN_UNCUT_SHARE: f64 = 0.02;
+/// Minimum gain of a plunge in the first rounds, in multiples of the least gain of a search; the last one is
+/// that of all rounds to come.
+const ROUNDS: [f64; 3] = [160.0, 80.0, 40.0];
+/// Maximum number of rounds. Plunges of one round free others of contact for the next.
+const MAX_ROUNDS: usize = 20;
+/// Share of the floor that a round has to cut for another one.
+const MIN_CUT_SHARE: f64 = 5e-4;
+/// Distance of uncut cells from the foot of an axis beside the wall up to which axes are tried there, in cutter
+/// radii.
+const NEAR_RADII: f64 = 2.0;
+/// Spacing of the tried feet along a wall, in cutter radii.
+const SPACING_RADII: f64 = 0.3;
+/// Maximum number of feet along a wall.
+const MAX_FEET: f64 = 4000.0;
+
+/// Adds to `cut` up to `most` plunges by the tool of section `index` that cut floor in `layout` that is uncut
+/// on `floor`, the floor after all plunges so far. Returns their number.
+///
+/// # Errors
+/// As [`Planner::plan`](crate::plunge::Planner::plan).
+pub(super) fn cut_uncut_floor(
+    context: &PlanContext,
+    (index, layout): (usize, &StretchLayout),
+    floor: FloorHeightMap,
+    cut: &mut SectionCut,
+    most: usize,
+    monitor: &Monitor,
+) -> Result<usize, PlanError> {
+    let workpiece = context.workpiece;
+    let tool = context.tool_of_section(index)?;
+    let top = BlankTop::new(&workpiece.blank);
+    let floor = floor.for_uncut_cells(workpiece, context.setup.allowances.blade_allowance);
+    if floor.uncut_share() < MIN_UNCUT_SHARE || monitor.is_stopped() {
+        return Ok(0);
+    }
+    let lambdas = [0.0, 1.0];
+    let makers: Vec<RowMaker> = lambdas
+        .iter()
+        .map(|&lambda| row_maker(context, layout, tool, (lambda, 2), cut.feed, monitor))
+        .collect();
+    let (start, end) = row_ends(context, index, &layout.stretch, cut.feed.sign_along_s());
+    let step = SPACING_RADII * tool.radius() / workpiece.part.hub.length();
+    let count = ((end - start).abs() / step).ceil().clamp(1.0, MAX_FEET) as usize;
+    let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
+    let is_near_uncut = |&(row, s): &(usize, f64)| {
+        let lane = makers[row].lane;
+        let ends = lane.reference_axis(makers[row].lambda, s);
+        let reach = NEAR_RADII * tool.radius();
+        ends.is_some_and(|ends| floor.is_uncut_near(&workpiece.part, &lane.hub_point(&ends), reach))
+    };
+    let feet: Vec<(usize, f64)> = (0..makers.len())
+        .into_par_iter()
+        .flat_map_iter(|row| (0..=count).map(move |i| (row, s_at(i))))
+        .filter(is_near_uncut)
+        .collect();
+    let candidates: Vec<CandidateMaker> =
+        makers.iter().map(|maker| candidate_maker(context, maker, &top)).collect();
+    let mut search = ExtraSearch::new(&candidates, PoolFan::Wall, &feet, floor, &workpiece.blank);
+    let closing = &monitor.ignoring_stop();
+    let (mut budget, mut added_in_all) = (most, 0);
+    for round in 0..MAX_ROUNDS {
+        let uncut = search.floor().uncut_share();
+        let rows = search.stations(&cut.columns, budget, ROUNDS[round.min(ROUNDS.len() - 1)])?;
+        budget -= rows.iter().map(Vec::len).sum::<usize>();
+        let before = cut.rows.len();
+        for (stations, lambda) in rows.into_iter().zip(lambdas) {
+            cut_split(context, stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
+        }
+        added_in_all += cut.drop_hindered_rows(before);
+        if round + 1 >= ROUNDS.len() && uncut - search.floor().uncut_share() < MIN_CUT_SHARE {
+            break;
+        }
+    }
+    Ok(added_in_all)
+}
