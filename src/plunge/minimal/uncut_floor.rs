@@ -29,6 +29,8 @@ const ROUNDS: [f64; 3] = [160.0, 80.0, 40.0];
 const MAX_ROUNDS: usize = 20;
 /// Share of the floor that a round has to cut for another one.
 const MIN_CUT_SHARE: f64 = 5e-4;
+/// Share of the floor that all rounds together have to cut; what cuts less is not worth its plunges.
+const MIN_WORTHWHILE_SHARE: f64 = 5e-3;
 /// Distance of uncut cells from the foot of an axis beside the wall up to which axes are tried there, in cutter
 /// radii.
 const NEAR_RADII: f64 = 2.0;
@@ -54,7 +56,8 @@ pub(super) fn cut_uncut_floor(
     let tool = context.tool_of_section(index)?;
     let top = BlankTop::new(&workpiece.blank);
     let floor = floor.for_uncut_cells(workpiece, context.setup.allowances.blade_allowance);
-    if floor.uncut_share() < MIN_UNCUT_SHARE || monitor.is_stopped() {
+    let uncut_before = floor.uncut_share();
+    if uncut_before < MIN_UNCUT_SHARE || monitor.is_stopped() {
         return Ok(0);
     }
     let lambdas = [0.0, 1.0];
@@ -82,6 +85,7 @@ pub(super) fn cut_uncut_floor(
     let mut search = ExtraSearch::new(&candidates, PoolFan::Wall, &feet, floor, &workpiece.blank);
     let closing = &monitor.ignoring_stop();
     let (mut budget, mut added_in_all) = (most, 0);
+    let (rows_before, columns_before) = (cut.rows.len(), cut.columns.len());
     for round in 0..MAX_ROUNDS {
         let uncut = search.floor().uncut_share();
         let rows = search.stations(&cut.columns, budget, ROUNDS[round.min(ROUNDS.len() - 1)])?;
@@ -94,6 +98,11 @@ pub(super) fn cut_uncut_floor(
         if round + 1 >= ROUNDS.len() && uncut - search.floor().uncut_share() < MIN_CUT_SHARE {
             break;
         }
+    }
+    if uncut_before - search.floor().uncut_share() < MIN_WORTHWHILE_SHARE {
+        cut.rows.truncate(rows_before);
+        cut.columns.truncate(columns_before);
+        return Ok(0);
     }
     Ok(added_in_all)
 }
