@@ -57,13 +57,18 @@ impl Impeller {
                 format!("give {} to {}", BLADE_COUNTS.start(), BLADE_COUNTS.end()),
             ));
         }
+        let mut notes = d.notes.clone();
         let hub = build_curve(&d.hub, d.hub_line, "hub")?;
         let shroud = build_curve(&d.shroud, d.shroud_line, "shroud")?;
         let (hub, shroud) = orient_normals(hub, shroud, d)?;
 
-        let main = RawBlade::new(&d.main, &hub, &shroud)?;
-        let splitters: Vec<RawBlade> =
-            d.splitters.iter().map(|s| RawBlade::new(s, &hub, &shroud)).collect::<Result<_, _>>()?;
+        let main = RawBlade::new(&d.main, &hub, &shroud, "main blade", &mut notes)?;
+        let mut splitters: Vec<RawBlade> = Vec::with_capacity(d.splitters.len());
+        for (k, splitter) in d.splitters.iter().enumerate() {
+            let name =
+                if d.splitters.len() == 1 { "splitter".to_owned() } else { format!("splitter {}", k + 1) };
+            splitters.push(RawBlade::new(splitter, &hub, &shroud, &name, &mut notes)?);
+        }
         let hub_ends = main.ends_on(&hub, 0.0);
         let shroud_ends = main.ends_on(&shroud, 1.0);
         for ((start, end), (line, name)) in
@@ -104,7 +109,7 @@ impl Impeller {
             shroud,
             main,
             splitters,
-            notes: d.notes.clone(),
+            notes,
             pitch,
         };
         part.check_passages(blade_line(&d.main))?;

@@ -15,6 +15,7 @@ mod flowpath;
 pub mod impeller;
 pub mod meridional_outline;
 mod nose;
+mod order;
 pub mod probe;
 mod rotation;
 mod side;
