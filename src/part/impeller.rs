@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::blade::{Blade, RawBlade, blade_line};
 use super::description::{PartDescription, PartError};
-use super::flowpath::{Flowpath, build_curve, check_channel, orient_normals};
+use super::flowpath::{Flowpath, channel_curves, check_channel, orient_normals};
 use super::rotation::Rotation;
 use super::side::BladeSide;
 use crate::error::ErrorCode;
@@ -58,8 +58,7 @@ impl Impeller {
             ));
         }
         let mut notes = d.notes.clone();
-        let hub = build_curve(&d.hub, d.hub_line, "hub")?;
-        let shroud = build_curve(&d.shroud, d.shroud_line, "shroud")?;
+        let (hub, shroud) = channel_curves(d, &mut notes)?;
         let (hub, shroud) = orient_normals(hub, shroud, d)?;
 
         let main = RawBlade::new(&d.main, &hub, &shroud, "main blade", &mut notes)?;

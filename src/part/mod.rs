@@ -7,6 +7,7 @@ pub mod blank_shape;
 pub mod body;
 mod camber;
 pub mod channel;
+mod curve_order;
 pub mod description;
 mod end_face;
 pub mod envelope;

@@ -1,11 +1,11 @@
-//! Parts whose file has sections in another order open as they are meant, with a line, or are refused.
+//! Parts whose file has sections or curves in another order open as they are meant, with a line, or are refused.
 
 use std::path::Path;
 
 use vanecut::error::ErrorCode;
 use vanecut::geometry::Point;
 use vanecut::io::read_part;
-use vanecut::part::{BladeDescription, Impeller, PartDescription};
+use vanecut::part::{BladeDescription, CurveDescription, Impeller, Meridional, PartDescription};
 
 /// A compressor wheel with sections from hub to shroud.
 fn wheel() -> PartDescription {
@@ -101,4 +101,81 @@ fn a_blade_without_thickness_is_refused() {
     let error = Impeller::build(&description).map(|_| ()).expect_err("one surface");
     assert_eq!(error.code, ErrorCode::BladeValues, "{error}");
     assert!(error.message.contains("no thickness"), "{error}");
+}
+
+fn points(curve: &mut CurveDescription) -> &mut Vec<Meridional> {
+    match curve {
+        CurveDescription::Points(points) => points,
+        CurveDescription::BSpline { .. } => panic!("the wheel has points"),
+    }
+}
+
+#[test]
+fn curves_from_outlet_to_inlet_are_reversed() {
+    same_with_a_note(|part| points(&mut part.hub).reverse(), "the hub is given from outlet to inlet");
+    same_with_a_note(|part| points(&mut part.shroud).reverse(), "the shroud is given from outlet to inlet");
+    // A blade of camber lines, between splines with knots.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
+    let mut description = read_part(&path).expect("readable");
+    let before = Impeller::build(&description).expect("an impeller");
+    for curve in [&mut description.hub, &mut description.shroud] {
+        match curve {
+            CurveDescription::Points(points) => points.reverse(),
+            CurveDescription::BSpline { control, knots, .. } => {
+                control.reverse();
+                *knots = knots.iter().rev().map(|k| 1.0 - k).collect();
+            }
+        }
+    }
+    let after = Impeller::build(&description).expect("an impeller");
+    assert_eq!(after.notes.len(), 2, "{:?}", after.notes);
+    let off = apart(&before, &after);
+    assert!(off < 1e-3, "{off} mm off");
+}
+
+/// The profile of a hub with bore and back: `points` run from the inlet to the rim.
+fn body(points: &[Meridional]) -> Vec<Meridional> {
+    let (first, rim) = (points[0], points[points.len() - 1]);
+    let back = rim.z + 3.0 * (rim.z - first.z).signum();
+    let bore = 0.5 * first.r;
+    let at = |r: f64, z: f64| Meridional { r, z };
+    let mut body = vec![at(bore, first.z)];
+    body.extend(points);
+    body.extend([at(rim.r, back), at(0.5 * rim.r, back), at(bore, back), at(bore, first.z)]);
+    body
+}
+
+#[test]
+fn of_the_profile_of_a_whole_hub_the_side_towards_the_blades_is_used() {
+    let note = "the hub is the profile of its body";
+    same_with_a_note(|part| part.hub = CurveDescription::Points(body(points(&mut part.hub))), note);
+    // A face before the blades as near to the shroud as the one behind them.
+    let mut description = wheel();
+    let shroud = points(&mut description.shroud).clone();
+    let beside = |off: f64| shroud.iter().map(move |p| Meridional { r: p.r, z: p.z + off });
+    let mut both: Vec<Meridional> = beside(-0.4).collect();
+    let rim = shroud.iter().map(|p| p.r).fold(0.0, f64::max);
+    both.extend([-0.4, 0.4].map(|off| Meridional { r: rim + 1.0, z: shroud[shroud.len() - 1].z + off }));
+    both.extend(beside(0.4).collect::<Vec<_>>().into_iter().rev());
+    description.hub = CurveDescription::Points(both);
+    let error = Impeller::build(&description).map(|_| ()).expect_err("two sides");
+    assert!(error.message.contains("the hub runs past the rim"), "{error}");
+}
+
+#[test]
+fn a_size_that_no_wheel_has_is_asked_about() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
+    let text = std::fs::read_to_string(path).expect("readable");
+    let read = |text: &str| vanecut::io::read_part_bytes("a.toml", text.as_bytes(), "toml").expect("a part");
+    assert!(read(&text).notes.is_empty());
+    // The curves in metres; the blades follow from angles.
+    let scaled = |line: &str| -> Option<String> {
+        let (r, z) = line.trim().strip_prefix('[')?.strip_suffix("],")?.split_once(", ")?;
+        let metres = |mm: &str| mm.parse::<f64>().ok().map(|mm| mm * 0.001);
+        Some(format!("[{}, {}],", metres(r)?, metres(z)?))
+    };
+    let curves: Vec<String> = text.lines().map(|line| scaled(line).unwrap_or_else(|| line.into())).collect();
+    let curves = curves.join("\n");
+    let notes = read(&curves).notes;
+    assert!(notes.len() == 1 && notes[0].contains("mm across"), "{notes:?}");
 }
