@@ -73,7 +73,8 @@ pub struct MeshArgs {
     /// Role of a node by its name: hub, shroud, blade, splitter or ignore; may be repeated
     #[arg(long = "role", value_name = "NODE=ROLE", value_parser = role)]
     pub roles: Vec<(String, Role)>,
-    /// Unit of the file's lengths: mm, cm, m or in; absent: m for glTF, mm for STL; STEP files tell theirs
+    /// Unit of the file's lengths: mm, cm, m or in; absent: m for glTF, mm for STL; geomTurbo and STEP files
+    /// tell theirs, that of geomTurbo can be overruled
     #[arg(long)]
     pub unit: Option<LengthUnit>,
     /// Axis of rotation in the file: x, y or z; absent: found from the hub

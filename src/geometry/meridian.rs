@@ -38,6 +38,8 @@ const PROJECTION_STEP: f64 = 1e-4;
 const LIMITED_PROJECTION_STEP: f64 = 1e-6;
 /// Minimum divisor of a Newton step, as a share of the squared speed.
 const MIN_BEND: f64 = 0.25;
+/// Share of the length up to which a point past the end is projected onto the end.
+const AT_END: f64 = 1e-4;
 /// Number of intervals between the start points of a projection.
 const PROJECTION_SAMPLES: usize = 48;
 
@@ -209,6 +211,22 @@ impl MeridionalCurve {
         found
     }
 
+    /// As [`Self::project`], but a point past the end, by more than a ten thousandth of the length, is projected
+    /// onto the tangent there: t is then above the length.
+    pub fn project_past_end(&self, to: Meridional) -> (f64, f64) {
+        let (t, distance) = self.project(to);
+        if t < self.length {
+            return (t, distance);
+        }
+        let end = self.at(t);
+        let (dr, dz) = (to.r - end.point.r, to.z - end.point.z);
+        let past = dr * end.tangent.r + dz * end.tangent.z;
+        if past < AT_END * self.length {
+            return (t, distance);
+        }
+        (t + past, dr * end.normal.r + dz * end.normal.z)
+    }
+
     /// As [`Self::project`], but only within `reach` mm of arc length about `guess`.
     pub fn project_near(&self, to: Meridional, guess: f64, reach: f64) -> (f64, f64) {
         let (low, high) = ((guess - reach).max(0.0), (guess + reach).min(self.length));
@@ -304,6 +322,20 @@ mod tests {
             })
             .collect();
         MeridionalCurve::through(&points).with_outer_side_towards(Meridional { r: 100.0, z: 0.0 })
+    }
+
+    #[test]
+    fn past_the_end_the_tangent_counts() {
+        let curve = quarter_circle();
+        // The curve ends radially at (100, 50); inside is below.
+        for (r, z, past, distance) in
+            [(103.0, 49.0, 3.0, 1.0), (103.0, 50.5, 3.0, -0.5), (100.0, 48.0, 0.0, 2.0)]
+        {
+            let (t, d) = curve.project_past_end(Meridional { r, z });
+            assert!((t - curve.length() - past).abs() < 1e-4 && (d - distance).abs() < 1e-3, "{r}: {t} {d}");
+        }
+        let before = Meridional { r: 50.0, z: -3.0 };
+        assert_eq!(curve.project_past_end(before), curve.project(before));
     }
 
     #[test]

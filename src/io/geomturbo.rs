@@ -41,16 +41,34 @@ use super::source;
 use super::source::{JOINT, MAX_COORDINATE, MAX_POINTS, Source, quote_for_message, stem_of};
 use crate::error::ErrorCode;
 use crate::geometry::Point;
+use crate::mesh::LengthUnit;
+use crate::mesh::options::size_fault;
 use crate::part::{BladeDescription, CurveDescription, Meridional, PartDescription};
 
-/// Reads a geomTurbo part. `file` is the file name used in messages; its stem is the part's name.
-pub(super) fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
+/// Reads a geomTurbo part. `file` is the file name used in messages; its stem is the part's name. A given
+/// `unit` prevails over that of the file, which is often left at the default.
+pub(super) fn read(
+    file: &str,
+    bytes: &[u8],
+    unit: Option<LengthUnit>,
+) -> Result<PartDescription, InputError> {
     let source = Source::new(file, ErrorCode::PartFile);
     let text = source::text(source, bytes)?;
     let mut lines = StatementReader { source, rest: text.lines(), line: 0, points: 0 };
     let mut found = GeomTurboContents::default();
     found.file(&mut lines)?;
-    found.part(source)
+    if let Some(unit) = unit {
+        (found.unit, found.factor) = (Some(unit.mm() / 1000.0), None);
+    }
+    let mm = found.unit_mm();
+    let part = found.part(source)?;
+    match size_fault(part.diameter() / mm, mm) {
+        None => Ok(part),
+        Some(fault) => {
+            let help = format!("{}, or state it in the file, as `UNITS Millimeters`", fault.help);
+            Err(source.fault(0, fault.message, help).with_code(fault.code))
+        }
+    }
 }
 
 /// The statements of a file.
@@ -299,13 +317,18 @@ impl GeomTurboContents {
         Ok(())
     }
 
-    fn part(self, source: Source<'_>) -> Result<PartDescription, InputError> {
+    /// Length of the file's unit, mm.
+    fn unit_mm(&self) -> f64 {
         let metres = match (self.unit, self.factor) {
             // A factor that only repeats the unit ("Millimeters", 0.001) is applied once.
             (Some(unit), Some(factor)) if (unit / factor - 1.0).abs() < 1e-6 => unit,
             (unit, factor) => unit.unwrap_or(1.0) * factor.unwrap_or(1.0),
         };
-        let mm = metres * 1000.0;
+        metres * 1000.0
+    }
+
+    fn part(self, source: Source<'_>) -> Result<PartDescription, InputError> {
+        let mm = self.unit_mm();
         let (hub, hub_line) = self.channel_curve(source, "hub", mm)?;
         let (shroud, shroud_line) = self.channel_curve(source, "shroud", mm)?;
         let mut blades = self.blades.into_iter();

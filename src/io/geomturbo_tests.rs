@@ -1,6 +1,10 @@
 use super::*;
 use crate::error::ErrorCode;
 
+fn read(file: &str, bytes: &[u8]) -> Result<PartDescription, InputError> {
+    super::read(file, bytes, None)
+}
+
 /// A small valid file: two basic curves for the hub (the second in reverse), two rows.
 pub const SAMPLE: &str = "GEOMETRY TURBO
 VERSION 5.5
@@ -137,6 +141,29 @@ fn file_units_scale_channel_and_blades() {
         let BladeDescription::Sections { suction, .. } = &part.main else { panic!("sections") };
         assert!((suction[0][1].x - 50.0).abs() < 1e-9, "{header}: {:?}", suction[0][1]);
     }
+}
+
+#[test]
+fn a_size_that_no_wheel_has_is_refused_unless_the_unit_is_given() {
+    // Millimetres, but the file says metres.
+    let scale = |line: &str| {
+        let numbers: Option<Vec<f64>> = line.split_whitespace().map(|word| word.parse().ok()).collect();
+        match numbers {
+            Some(numbers) if numbers.len() == 2 && !line.contains('+') => {
+                numbers.iter().map(|x| (1000.0 * x).to_string()).collect::<Vec<_>>().join(" ")
+            }
+            _ => line.to_owned(),
+        }
+    };
+    let text: Vec<String> = SAMPLE.replace("units 0.001", "units 1").lines().map(scale).collect();
+    let text = text.join("\n");
+    let error = read("b.geomTurbo", text.as_bytes()).unwrap_err();
+    assert_eq!(error.code, ErrorCode::MeshUnit, "{error}");
+    assert!(error.help.contains("--unit mm (100.0200 mm)"), "{error}");
+    let part = super::read("b.geomTurbo", text.as_bytes(), Some(LengthUnit::Millimetre)).unwrap();
+    assert!((part.diameter() - 100.02).abs() < 1e-3, "{}", part.diameter());
+    let CurveDescription::Points(hub) = &part.hub else { panic!("points expected") };
+    assert!((hub[0].r - 20.0).abs() < 1e-9, "{:?}", hub[0]);
 }
 
 #[test]

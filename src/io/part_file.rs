@@ -6,6 +6,7 @@ use super::source::{name_of, read_bytes};
 use super::{InputError, geomturbo, gltf, native, step, stl, turbogrid};
 use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
+use crate::mesh::options::is_plausible_size;
 use crate::part::PartDescription;
 
 /// Extensions of part files, as dialogs list them.
@@ -30,7 +31,8 @@ pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
     read_part_with(path, &MeshOptions::default())
 }
 
-/// As [`read_part`], with the user's options for a mesh; other formats ignore them.
+/// As [`read_part`], with the user's options for a mesh; geomTurbo files take their unit, other formats ignore
+/// them.
 ///
 /// # Errors
 /// As [`read_part`].
@@ -38,11 +40,12 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
     let name = name_of(path);
     let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     match extension.as_str() {
-        "inf" => turbogrid::read(path),
+        "inf" => turbogrid::read(path).map(questioned),
         "glb" | "gltf" => gltf::read(path, options),
         "step" | "stp" | "p21" => step::read(path, options),
         "stl" => stl::read_part(path, options),
-        "toml" | "geomturbo" => read_part_bytes(&name, &read_bytes(path)?, &extension),
+        "geomturbo" => geomturbo::read(&name, &read_bytes(path)?, options.unit),
+        "toml" => read_part_bytes(&name, &read_bytes(path)?, &extension),
         other => Err(unknown(&name, other)),
     }
 }
@@ -54,8 +57,8 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
 /// When the bytes do not describe a part in that format, or the format needs several files.
 pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescription, InputError> {
     match ext.to_lowercase().as_str() {
-        "toml" => native::read(name, bytes),
-        "geomturbo" => geomturbo::read(name, bytes),
+        "toml" => native::read(name, bytes).map(questioned),
+        "geomturbo" => geomturbo::read(name, bytes, None),
         "glb" | "gltf" => gltf::read_bytes(name, bytes, &MeshOptions::default()),
         "step" | "stp" | "p21" => step::read_bytes(name, bytes, &MeshOptions::default()),
         "stl" => stl::read_part_bytes(name, bytes, &MeshOptions::default()),
@@ -68,6 +71,18 @@ pub fn read_part_bytes(name: &str, bytes: &[u8], ext: &str) -> Result<PartDescri
         )),
         other => Err(unknown(name, other)),
     }
+}
+
+/// A part of a format with a certain unit; a line asks about a diameter that is not plausible.
+fn questioned(mut part: PartDescription) -> PartDescription {
+    let across = part.diameter();
+    if !is_plausible_size(across) {
+        part.notes.push(format!(
+            "the wheel is {across:.4} mm across, which is hardly the size of an impeller: check the unit of \
+             the lengths"
+        ));
+    }
+    part
 }
 
 fn unknown(name: &str, extension: &str) -> InputError {

@@ -99,6 +99,8 @@ const FOUND: f64 = 0.02;
 const TURNED: f64 = 0.05;
 /// Angle, rad, and offset as a share of the size, within which a fitted axis is snapped to one of the file's.
 const SNAP: (f64, f64) = (0.002, 5e-4);
+/// An axis beside the origin has more area of revolution about it than one through it by this factor.
+const BESIDE: f64 = 1.2;
 /// As [`SNAP`], for an axis that is exact but for rounding: rad and mm.
 const EXACT: (f64, f64) = (1e-6, 1e-4);
 
@@ -133,7 +135,7 @@ pub fn find_axis(hub: &MeshSurface) -> Option<PartFromFile> {
     let missed = revolution_error(hub, &along, &through);
     // A body with blades deviates about any axis: then the axis with the largest area of revolution is used.
     if missed > 0.6 * least && missed > FOUND {
-        return largest_revolved_axis(hub).map(PartFromFile::Along);
+        return largest_revolved_axis(hub);
     }
     let size = hub.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
     Some(PartFromFile::snapped(&through, &along, SNAP.0, SNAP.1 * size))
@@ -152,41 +154,91 @@ pub fn turned_axis(surface: &MeshSurface) -> Option<PartFromFile> {
     (revolution_error(surface, &along, &through) < FOUND).then(|| find_axis(surface)).flatten()
 }
 
-/// The file's axis with by far the largest area of revolution about it. In a wheel with its blades, that area
-/// is the hub and the blade tips.
-fn largest_revolved_axis(surface: &MeshSurface) -> Option<Axis> {
-    let share = |along: &Vector| {
-        let (mut turned, mut total) = (0.0, 0.0);
-        for t in 0..surface.triangles.len() {
-            let arm = along.cross(&surface.centre(t).coords);
-            let area = surface.area(t);
-            total += area;
-            if surface.normals[t].dot(&arm).abs() < TURNED * arm.norm() {
-                turned += area;
-            }
+/// Share of its area by which a surface is of revolution about an axis.
+fn revolved_share(surface: &MeshSurface, along: &Vector, through: &Point) -> f64 {
+    let (mut turned, mut total) = (0.0, 0.0);
+    for t in 0..surface.triangles.len() {
+        let area = surface.area(t);
+        total += area;
+        if is_revolved(surface, t, along, through) {
+            turned += area;
         }
-        turned / f64::max(total, 1e-300)
+    }
+    turned / f64::max(total, 1e-300)
+}
+
+fn is_revolved(surface: &MeshSurface, t: usize, along: &Vector, through: &Point) -> bool {
+    let arm = along.cross(&(surface.centre(t) - through));
+    surface.normals[t].dot(&arm).abs() < TURNED * arm.norm()
+}
+
+/// The axis in a direction of the file's with by far the largest area of revolution about it. In a wheel with
+/// its blades, that area is the hub and the blade tips. The axis goes through the origin, unless clearly more
+/// area is of revolution about a line beside it.
+fn largest_revolved_axis(surface: &MeshSurface) -> Option<PartFromFile> {
+    let by_share = |through: &dyn Fn(&Vector) -> Option<Point>| {
+        let axes = [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())];
+        let mut shares = axes.map(|(axis, along)| {
+            let through = through(&along);
+            (through.map_or(0.0, |through| revolved_share(surface, &along, &through)), axis, along, through)
+        });
+        shares.sort_by(|a, b| b.0.total_cmp(&a.0));
+        (shares[0], shares[1].0)
     };
-    let mut shares =
-        [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())].map(|(a, v)| (a, share(&v)));
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
-    (shares[0].1 > 1.5 * shares[1].1).then_some(shares[0].0)
+    let (own, next) = by_share(&|_| Some(Point::origin()));
+    let (beside, beside_next) = by_share(&|along| revolution_centre(surface, along));
+    if let Some(through) = beside.3
+        && beside.0 > BESIDE * own.0
+        && beside.0 > 1.5 * beside_next
+    {
+        let size = surface.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
+        return Some(PartFromFile::snapped(&through, &beside.2, SNAP.0, SNAP.1 * size));
+    }
+    (own.0 > 1.5 * next).then_some(PartFromFile::Along(own.1))
+}
+
+/// The point through which an axis `along` has the surface's triangles of revolution about it. The centre of
+/// the area of a wheel is on its axis; from there the point is fitted by least squares, as in [`fit_axis`], to
+/// the triangles that are of revolution about the last one.
+fn revolution_centre(surface: &MeshSurface, along: &Vector) -> Option<Point> {
+    let mut through = centre_of_area(surface)?;
+    for round in 0..6 {
+        // At first also those that are nearly of revolution.
+        let (mut squares, mut sums) = (Matrix3::zeros(), Vector::zeros());
+        for t in 0..surface.triangles.len() {
+            let (c, n) = (surface.centre(t) - through, surface.normals[t]);
+            let arm = along.cross(&c);
+            if n.dot(&arm).abs() > TURNED * arm.norm() * if round < 2 { 3.0 } else { 1.0 } {
+                continue;
+            }
+            // n · (a × (c − p)) = 0 is (n × a) · p = n · (a × c).
+            let row = n.cross(along);
+            squares += row * row.transpose() * surface.area(t);
+            sums += row * n.dot(&arm) * surface.area(t);
+        }
+        let held = along * along.transpose() * squares.trace();
+        let step = (squares + held).try_inverse()? * sums;
+        through += step;
+    }
+    through.iter().all(|x| x.is_finite()).then_some(through)
+}
+
+/// Centre of the area of a surface.
+fn centre_of_area(surface: &MeshSurface) -> Option<Point> {
+    let (mut middle, mut total) = (Vector::zeros(), 0.0);
+    for t in 0..surface.triangles.len() {
+        middle += surface.centre(t).coords * surface.area(t);
+        total += surface.area(t);
+    }
+    let middle = middle / total;
+    middle.iter().all(|x| x.is_finite()).then(|| Point::from(middle))
 }
 
 /// The axis as the line that all normals of a surface of revolution intersect: n·(a × c) + n·m = 0 for every
 /// triangle with centre c and normal n, by least squares for the direction a (unit) and the moment m.
 /// Iteratively reweighted, so that triangles far from it count less.
 fn fit_axis(hub: &MeshSurface) -> Option<(Vector, Point)> {
-    let mut middle = Vector::zeros();
-    let mut total = 0.0;
-    for t in 0..hub.triangles.len() {
-        middle += hub.centre(t).coords * hub.area(t);
-        total += hub.area(t);
-    }
-    let middle = middle / total;
-    if !middle.iter().all(|x| x.is_finite()) {
-        return None;
-    }
+    let middle = centre_of_area(hub)?.coords;
     let mut found: Option<(Vector, Vector)> = None;
     for _ in 0..4 {
         let (mut aa, mut am, mut mm) = (Matrix3::zeros(), Matrix3::zeros(), Matrix3::zeros());

@@ -3,18 +3,17 @@
 use super::TriangleMesh;
 use super::axis::{Axis, PartFromFile, find_axis, turned_axis};
 use super::bodies::{Body, segment_bodies};
-use super::edges::find_jump;
-use super::fillets::between_fillets;
-use super::holes::{fill_holes, largest_hole};
+use super::holes::fill_holes;
 use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
 use super::profile::{Course, FittedProfile, find_flow_side, mean_point};
 use super::roles::{NamedMesh, Role, assign_roles, listed};
 use super::rows::{BladeRows, separate_blades};
 use super::rulings::Rulings;
-use super::sections::{BladeSlicer, ChannelCoordinates};
+use super::sections::ChannelCoordinates;
 use super::segment::segment_wheel;
 use super::sides::{SideCurve, SpanSection};
+use super::span_sections::span_sections;
 use super::surface::MeshSurface;
 use super::tip_border::fit_tip_border;
 use super::tips::fit_tip_curve;
@@ -23,23 +22,10 @@ use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
 
-/// Number of span sections of a blade.
-const SECTIONS: usize = 13;
 /// Number of points of a side of a section.
 const SECTION_POINTS: usize = 180;
-/// Distance of the outermost sections from hub and shroud as a share of the height, because slices there
-/// would run along the blade's border.
-const INSET: f64 = 0.01;
 /// Largest distance of the fitted straight lines from a side that is treated as ruled, mm.
 const STRAIGHT: f64 = 0.012;
-/// Smallest height of a blade between its fillets, as a share of the channel's height.
-const MIN_HEIGHT: f64 = 0.2;
-/// Holes up to this size are ignored, mm: the sections are interpolated across them.
-const MIN_HOLE: f64 = 0.05;
-/// Relative height of the highest section below which a blade is said to end short of the shroud.
-const SHORT: f64 = 0.975;
-/// Help text for missing triangles.
-const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
 const CLEAR_WRAP: f64 = 0.1;
 /// Smallest share of the area of hub or shroud, without fillets, that has to be on its curve.
@@ -360,88 +346,6 @@ fn check_deviation(profile: FittedProfile, name: &str, tolerance: f64) -> Result
         ));
     }
     Ok(profile)
-}
-
-/// Span sections of a blade; adds a note about a jump that is either its shape or due to missing triangles.
-fn span_sections(
-    surface: &MeshSurface,
-    band: &ChannelCoordinates,
-    name: &str,
-    normals: &ExactNormals,
-    notes: &mut Vec<String>,
-) -> Result<Vec<SpanSection>, PartError> {
-    let cutter = BladeSlicer::new(surface, band, normals);
-    if let Some(hole) = largest_hole(surface, cutter.places()).filter(|hole| hole.size > MIN_HOLE) {
-        let at = Meridional::of(&hole.middle);
-        return Err(PartError::new(
-            ErrorCode::MeshNotClosed,
-            0,
-            format!(
-                "the {name} has a hole of {:.1} mm across at z = {:.1}, r = {:.1} mm",
-                hole.size, at.z, at.r
-            ),
-            CLOSE,
-        ));
-    }
-    let (low, high) = cutter.height_range(40);
-    let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
-    if !(MIN_HEIGHT..=1.0).contains(&(high - low)) {
-        return Err(PartError::new(
-            ErrorCode::MeshRoles,
-            0,
-            format!("the {name} does not reach from hub to shroud"),
-            "check the roles of the meshes (--role NODE=hub, shroud or blade)",
-        ));
-    }
-    let tip = high;
-    let (low, high) = between_fillets(low, high, |height| SpanSection::of(&cutter.slice_at(height)));
-    if high - low < MIN_HEIGHT {
-        return Err(PartError::new(
-            ErrorCode::BladeSections,
-            0,
-            format!("the fillets of the {name} leave {:.0} % of its height", 100.0 * (high - low)),
-            "export the wheel without fillets",
-        ));
-    }
-    if tip - high < INSET && high < SHORT {
-        notes.push(format!(
-            "a side of the {name} ends up to {:.1} % of the height below the shroud; it is extended to it",
-            100.0 * (1.0 - high - INSET)
-        ));
-    }
-    let at = |k: usize| low + (high - low) * k as f64 / (SECTIONS - 1) as f64;
-    let section = |height: f64| {
-        SpanSection::of(&cutter.slice_at(height)).ok_or_else(|| {
-            PartError::new(
-                ErrorCode::MeshNotClosed,
-                0,
-                format!(
-                    "the {name} is not a closed blade: at {:.0} % of its height it does not have two sides",
-                    100.0 * height
-                ),
-                "close its gaps, or exclude fragments with --role NODE=ignore",
-            )
-        })
-    };
-    let sections: Vec<SpanSection> = (0..SECTIONS).map(|k| section(at(k))).collect::<Result<_, _>>()?;
-    if let Some(jump) = find_jump(&sections) {
-        let at = Meridional::of(&jump.at);
-        let place = format!("at z = {:.1}, r = {:.1} mm", at.z, at.r);
-        if jump.is_gap {
-            return Err(PartError::new(
-                ErrorCode::MeshNotClosed,
-                0,
-                format!("the {} of the {name} has a gap of {:.1} mm {place}", jump.edge, jump.size_mm),
-                CLOSE,
-            ));
-        }
-        notes.push(format!(
-            "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, \
-             triangles are missing there",
-            jump.edge, jump.size_mm
-        ));
-    }
-    Ok(sections)
 }
 
 /// The sense of rotation derived from a blade's wrap, with a note where the wrap is small.

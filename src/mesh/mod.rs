@@ -19,6 +19,7 @@ mod sections;
 mod segment;
 mod sides;
 pub mod solid;
+mod span_sections;
 mod surface;
 pub mod tessellate;
 mod tip_border;

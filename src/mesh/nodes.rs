@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::axis::Axis;
-use super::roles::{NamedMesh, guess_role};
+use super::roles::{NamedMesh, roles_from_names};
 use super::{Role, TriangleMesh};
 use crate::geometry::{Point, Vector};
 
@@ -37,7 +37,7 @@ pub struct MeshNode {
 }
 
 impl MeshNode {
-    fn new(mesh: &NamedMesh, numbered: bool) -> Self {
+    fn new(mesh: &NamedMesh, named_role: Option<Role>, numbered: bool) -> Self {
         Self {
             node: mesh.node,
             name: mesh.name.clone(),
@@ -45,7 +45,7 @@ impl MeshNode {
             triangles: 0,
             low: Point::from([f64::INFINITY; 3]),
             high: Point::from([f64::NEG_INFINITY; 3]),
-            named_role: guess_role(mesh),
+            named_role,
             area: 0.0,
             circumferential: [0.0; 3],
         }
@@ -96,9 +96,9 @@ pub fn nodes(meshes: &[NamedMesh]) -> Vec<MeshNode> {
     }
     let own = |mesh: &NamedMesh| owners.get(&mesh.name.to_lowercase()).is_some_and(Option::is_some);
     let mut nodes: Vec<MeshNode> = Vec::new();
-    for mesh in meshes {
+    for (mesh, role) in meshes.iter().zip(roles_from_names(meshes)) {
         let at = nodes.iter().rposition(|n| n.node == mesh.node).unwrap_or_else(|| {
-            nodes.push(MeshNode::new(mesh, !own(mesh) || mesh.name.starts_with('#')));
+            nodes.push(MeshNode::new(mesh, role, !own(mesh) || mesh.name.starts_with('#')));
             nodes.len() - 1
         });
         nodes[at].add(&mesh.mesh);
@@ -109,8 +109,12 @@ pub fn nodes(meshes: &[NamedMesh]) -> Vec<MeshNode> {
 
 /// Initial roles: those derived from names. Without a named hub, the largest surface of revolution becomes
 /// the hub; without a named blade, the group of equal nodes with the largest total area becomes the blades.
+/// One node alone is hub and blades.
 pub fn guess_roles(nodes: &[MeshNode]) -> Vec<Option<Role>> {
     let mut roles: Vec<Option<Role>> = nodes.iter().map(|n| n.named_role).collect();
+    if nodes.len() < 2 {
+        return roles;
+    }
     let open = |roles: &[Option<Role>], k: usize| roles[k].is_none();
     if !roles.contains(&Some(Role::Hub)) {
         let turned = (0..nodes.len()).filter(|&k| open(&roles, k) && nodes[k].is_turned());

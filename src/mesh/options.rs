@@ -10,6 +10,8 @@ use crate::part::{PartError, Rotation};
 
 /// Plausible diameters of impellers, mm.
 const DIAMETERS: std::ops::RangeInclusive<f64> = 3.0..=5000.0;
+/// Usual diameters of impellers, mm.
+const USUAL_DIAMETERS: std::ops::RangeInclusive<f64> = 15.0..=1500.0;
 
 /// A unit of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -88,17 +90,55 @@ pub struct MeshOptions {
     pub rotation: Option<Rotation>,
 }
 
+/// Whether a wheel of this diameter, mm, is plausible.
+pub fn is_plausible_size(across_mm: f64) -> bool {
+    DIAMETERS.contains(&across_mm)
+}
+
+/// The units with which a wheel with a largest extent of `across` units has a plausible size: those with a
+/// usual one first, else in the order of [`LengthUnit::ALL`].
+fn possible_units(across: f64) -> Vec<LengthUnit> {
+    let size = |unit: &LengthUnit| across * unit.mm();
+    let mut units: Vec<LengthUnit> =
+        LengthUnit::ALL.into_iter().filter(|unit| is_plausible_size(size(unit))).collect();
+    units.sort_by_key(|unit| !USUAL_DIAMETERS.contains(&size(unit)));
+    units
+}
+
 /// The likely unit of a wheel with a largest extent of `across` units: `own` (that of the format) where the
-/// size is plausible, else the most common unit with which it is.
+/// size is plausible, else the most plausible one.
 pub fn likely_unit(across: f64, own: LengthUnit) -> Option<LengthUnit> {
-    let possible = |unit: &LengthUnit| DIAMETERS.contains(&(across * unit.mm()));
-    Some(own).filter(possible).or_else(|| LengthUnit::ALL.into_iter().find(possible))
+    let possible = possible_units(across);
+    if possible.contains(&own) { Some(own) } else { possible.first().copied() }
+}
+
+/// The fault of a wheel that is `across` units across, one of which is `unit_mm` long, where that is not
+/// plausible; its help names the units that are possible.
+pub fn size_fault(across: f64, unit_mm: f64) -> Option<PartError> {
+    let size = across * unit_mm;
+    if is_plausible_size(size) {
+        return None;
+    }
+    let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
+    let possible: Vec<String> = possible_units(across)
+        .iter()
+        .map(|unit| format!("{} ({:.4} mm)", unit.name(), across * unit.mm()))
+        .collect();
+    let help = match possible.as_slice() {
+        [] => "scale the file to its true size".to_owned(),
+        [one] => format!("give --unit {one}, if the file uses that unit"),
+        [most @ .., last] => {
+            format!("give --unit {} or {last}, whichever the file uses", most.join(", "))
+        }
+    };
+    let what = format!("the wheel would be {shown} across, which is not a plausible size of an impeller");
+    Some(PartError::new(ErrorCode::MeshUnit, 0, what, help))
 }
 
 /// Checks that a wheel has a plausible size: `meshes` in the unit `given`, or else in `own`.
 ///
 /// # Errors
-/// Fails when the largest extent is not in [`DIAMETERS`]; the help text proposes a unit.
+/// As [`size_fault`].
 pub(super) fn check_size<'a>(
     meshes: impl Iterator<Item = &'a TriangleMesh>,
     own: LengthUnit,
@@ -110,26 +150,27 @@ pub(super) fn check_size<'a>(
         high = high.sup(p);
     }
     let across = (high - low).amax();
-    let size = across * given.unwrap_or(own).mm();
-    if DIAMETERS.contains(&size) {
-        return Ok(());
-    }
-    let shown = if size >= 1e4 { format!("{:.4} m", size / 1e3) } else { format!("{size:.4} mm") };
-    let help = match likely_unit(across, own) {
-        Some(LengthUnit::Millimetre) => {
-            format!("give --unit mm (it would be {across:.4} mm), or cm or in, whichever the file uses")
+    size_fault(across, given.unwrap_or(own).mm()).map_or(Ok(()), Err)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_most_plausible_unit_comes_first_and_all_are_named() {
+        for (across, own, likely) in [
+            (0.16, LengthUnit::Millimetre, LengthUnit::Metre),
+            (160.0, LengthUnit::Metre, LengthUnit::Millimetre),
+            (6.3, LengthUnit::Metre, LengthUnit::Inch),
+            (6.3, LengthUnit::Millimetre, LengthUnit::Millimetre),
+            (0.02, LengthUnit::Millimetre, LengthUnit::Metre),
+        ] {
+            assert_eq!(likely_unit(across, own), Some(likely), "{across}");
         }
-        Some(unit) => format!(
-            "give --unit {} (it would be {:.4} mm), if the file uses that unit",
-            unit.name(),
-            across * unit.mm()
-        ),
-        None => "scale the file to its true size".to_owned(),
-    };
-    Err(PartError::new(
-        ErrorCode::MeshUnit,
-        0,
-        format!("the wheel would be {shown} across, which is not a plausible size of an impeller"),
-        help,
-    ))
+        assert_eq!(likely_unit(1e-6, LengthUnit::Millimetre), None);
+        let fault = size_fault(0.16, 1.0).expect("0.16 mm");
+        assert!(fault.help.contains("--unit m (160.0000 mm) or in (4.0640 mm)"), "{fault}");
+        assert!(size_fault(0.16, 1000.0).is_none());
+    }
 }

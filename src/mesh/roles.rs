@@ -115,15 +115,24 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
-/// The role derived from the names of a mesh: that of the first name that has one.
-pub fn guess_role(mesh: &NamedMesh) -> Option<Role> {
+/// The role derived from the names of each mesh: that of the first name that has one. The mesh of a node that
+/// is alone in its file is the whole wheel: what it or its file is called, such as `bladed disc`, is no role,
+/// unless its pieces have different ones.
+pub fn roles_from_names(meshes: &[NamedMesh]) -> Vec<Option<Role>> {
     // The own name comes first: the root node often has the name of the part, which may contain that of a
     // role.
-    role_from_name(&mesh.name).or_else(|| mesh.other_names.iter().find_map(|name| role_from_name(name)))
+    let of = |mesh: &NamedMesh| {
+        std::iter::once(&mesh.name).chain(&mesh.other_names).find_map(|name| role_from_name(name))
+    };
+    let roles: Vec<Option<Role>> = meshes.iter().map(of).collect();
+    let full = || meshes.iter().zip(&roles).filter(|(mesh, _)| !mesh.mesh.triangles.is_empty());
+    let first = full().next().map(|(mesh, role)| (mesh.node, mesh.instance, *role));
+    let alone = full().all(|(mesh, role)| first == Some((mesh.node, mesh.instance, *role)));
+    if alone { vec![None; meshes.len()] } else { roles }
 }
 
 /// Roles of all meshes: as `given` by node name (ignoring case) or by `#` and the node's number, else as
-/// guessed.
+/// derived from names.
 ///
 /// # Errors
 /// Fails when a given name does not belong to any mesh.
@@ -145,12 +154,9 @@ pub fn assign_roles(meshes: &[NamedMesh], given: &[(String, Role)]) -> Result<Ve
             ));
         }
     }
-    Ok(meshes
-        .iter()
-        .map(|m| {
-            given.iter().rev().find(|(name, _)| is(m, name)).map(|(_, role)| *role).or_else(|| guess_role(m))
-        })
-        .collect())
+    let by_name = roles_from_names(meshes);
+    let said = |mesh: &NamedMesh| given.iter().rev().find(|(name, _)| is(mesh, name)).map(|(_, role)| *role);
+    Ok(meshes.iter().zip(by_name).map(|(mesh, role)| said(mesh).or(role)).collect())
 }
 
 /// The names of the first eight meshes, for a message.
@@ -192,5 +198,24 @@ mod tests {
         for name in ["Body 1", "Mesh.003", "vanecut", "", "42", "shaft"] {
             assert_eq!(role_from_name(name), None, "{name}");
         }
+    }
+
+    #[test]
+    fn a_mesh_alone_has_no_role_by_its_name_but_may_be_given_one() {
+        let mesh = |name: &str, triangles: Vec<[u32; 3]>| NamedMesh {
+            name: name.to_owned(),
+            other_names: vec!["blades".to_owned()],
+            node: 0,
+            instance: 0,
+            mesh: TriangleMesh { points: vec![crate::geometry::Point::origin(); 3], triangles },
+        };
+        let full = |name: &str| mesh(name, vec![[0, 1, 2]]);
+        for name in ["hub", "bladed disc", "Impeller with cover", "impeller_splitter", "shroudless"] {
+            assert_eq!(roles_from_names(&[full(name)]), [None], "{name}");
+            assert_eq!(roles_from_names(&[mesh("blade", Vec::new()), full(name)]), [None; 2], "{name}");
+            let given = [(name.to_owned(), Role::Hub)];
+            assert_eq!(assign_roles(&[full(name)], &given), Ok(vec![Some(Role::Hub)]), "{name}");
+        }
+        assert_eq!(roles_from_names(&[full("hub"), full("vane 2")]), [Some(Role::Hub), Some(Role::Blade)]);
     }
 }

@@ -25,11 +25,23 @@ pub struct ChannelCoordinates {
     /// Arc lengths of hub and shroud at which the blades begin and end, mm.
     hub_ends: (f64, f64),
     shroud_ends: (f64, f64),
+    /// Whether hub and shroud go on past their ends, along the tangents there.
+    goes_on: bool,
 }
 
 impl ChannelCoordinates {
     /// The channel between `hub` and `shroud` over the extent of the corners `blade`.
     pub fn new(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional]) -> Self {
+        Self::over(hub, shroud, blade, false)
+    }
+
+    /// The same channel over the extent of `blade`, with hub and shroud that go on past the rim.
+    pub fn going_on(&self, blade: &MeshSurface) -> Self {
+        let corners: Vec<Meridional> = blade.points.iter().map(Meridional::of).collect();
+        Self::over(&self.hub, &self.shroud, &corners, true)
+    }
+
+    fn over(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional], goes_on: bool) -> Self {
         let middle =
             blade.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
         let n = blade.len().max(1) as f64;
@@ -39,7 +51,7 @@ impl ChannelCoordinates {
         let ends = |curve: &MeridionalCurve, other: &MeridionalCurve| {
             let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
             for p in blade {
-                let ((t, d), (_, e)) = (curve.project(*p), other.project(*p));
+                let ((t, d), (_, e)) = (placed(curve, *p, goes_on), placed(other, *p, goes_on));
                 if d < 0.25 * (d + e) {
                     ends = (ends.0.min(t), ends.1.max(t));
                 }
@@ -47,19 +59,24 @@ impl ChannelCoordinates {
             if ends.0 < ends.1 { ends } else { (0.0, curve.length()) }
         };
         let (hub_ends, shroud_ends) = (ends(&hub, &shroud), ends(&shroud, &hub));
-        Self { hub, shroud, hub_ends, shroud_ends }
+        Self { hub, shroud, hub_ends, shroud_ends, goes_on }
     }
 
     /// Relative position (along from inlet 0 to outlet 1, height from hub 0 to shroud 1) of a point of the
     /// part's frame.
     pub fn coordinates_of(&self, p: &Point) -> (f64, f64) {
         let p = Meridional::of(p);
-        let ((t, d), (u, e)) = (self.hub.project(p), self.shroud.project(p));
+        let ((t, d), (u, e)) = (placed(&self.hub, p, self.goes_on), placed(&self.shroud, p, self.goes_on));
         let height = if (d + e).abs() > 1e-12 { d / (d + e) } else { 0.5 };
         let share = |t: f64, ends: (f64, f64)| (t - ends.0) / (ends.1 - ends.0);
         let blend = height.clamp(0.0, 1.0);
         (share(t, self.hub_ends) * (1.0 - blend) + share(u, self.shroud_ends) * blend, height)
     }
+}
+
+/// Arc length and signed distance of a point from a curve, which may go on past its end.
+fn placed(curve: &MeridionalCurve, p: Meridional, goes_on: bool) -> (f64, f64) {
+    if goes_on { curve.project_past_end(p) } else { curve.project(p) }
 }
 
 /// A point of a slice.

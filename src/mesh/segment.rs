@@ -19,6 +19,9 @@ const COVER: f64 = 0.05;
 /// Share of the largest blade's area below which a piece is discarded as a fragment.
 const SCRAP: f64 = 0.05;
 
+/// Share of its largest radius from which on a piece is looked at to tell a blade from a wheel.
+const OUTER: f64 = 0.8;
+
 /// The surfaces of a segmented wheel.
 pub struct Segments {
     /// The hub, or its flow side.
@@ -29,8 +32,21 @@ pub struct Segments {
     pub blades: Vec<MeshSurface>,
 }
 
+/// Whether a piece has points all around the axis near its largest radius, as a wheel of one piece has and a
+/// blade has not.
+fn goes_around(piece: &MeshSurface) -> bool {
+    const SECTORS: usize = 24;
+    let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let mut met = [false; SECTORS];
+    for p in piece.points.iter().filter(|p| Meridional::of(p).r > OUTER * widest) {
+        let share = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
+        met[((share * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
+    }
+    2 * met.iter().filter(|m| **m).count() > SECTORS
+}
+
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
-/// there are fewer than two separate blades.
+/// there are no separate blades.
 ///
 /// # Errors
 /// Returns the number of bodies of revolution if there are more than two.
@@ -44,7 +60,8 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
         }
         if across < TURNED * area { round.push(surface) } else { blades.push(surface) }
     }
-    if blades.len() < 2 {
+    // One piece beside the hub is a blade where it does not go around the axis, else a wheel of one piece.
+    if blades.len() < 2 && blades.first().is_none_or(goes_around) {
         return Ok(None);
     }
     if round.len() > 2 {

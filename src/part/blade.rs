@@ -2,6 +2,7 @@
 
 use super::camber;
 use super::description::{BladeDescription, CamberSpan, PartError};
+use super::order::{notes_of, ordered_side};
 use super::side::{BladeSide, common_parameters};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, search};
@@ -57,10 +58,13 @@ pub(super) struct RawBlade {
 }
 
 impl RawBlade {
+    /// The blade `name`; changes to the order of its sections are added to `notes`.
     pub(super) fn new(
         description: &BladeDescription,
         hub: &MeridionalCurve,
         shroud: &MeridionalCurve,
+        name: &str,
+        notes: &mut Vec<String>,
     ) -> Result<Self, PartError> {
         let line = blade_line(description);
         let made;
@@ -72,8 +76,21 @@ impl RawBlade {
                 (&made.0, &made.1)
             }
         };
-        let side = |sections: &[Vec<Point>], name: &str| loft_trimmed(sections, hub, shroud, line, name);
-        let blade = Blade { suction: side(suction, "suction")?, pressure: side(pressure, "pressure")? };
+        check_sections(suction, line, "suction")?;
+        check_sections(pressure, line, "pressure")?;
+        let sides = [ordered_side(suction, hub, shroud), ordered_side(pressure, hub, shroud)];
+        notes.extend(notes_of(name, [("suction", &sides[0].changes), ("pressure", &sides[1].changes)]));
+        let [suction, pressure] = &sides;
+        let (suction, repeated) = loft_trimmed(&suction.sections, hub, shroud, line, "suction")?;
+        let (pressure, repeated_too) = loft_trimmed(&pressure.sections, hub, shroud, line, "pressure")?;
+        if let count @ 1.. = repeated.max(repeated_too) {
+            notes.push(match count {
+                1 => format!("a section of the {name} is given twice; one of the two is left out"),
+                _ => format!("{count} sections of the {name} repeat others; they are left out"),
+            });
+        }
+        let blade = Blade { suction, pressure };
+        check_thickness(&blade, line, name)?;
         Ok(Self { blade })
     }
 
@@ -139,14 +156,8 @@ fn check_spans(spans: &[CamberSpan], line: usize) -> Result<(), PartError> {
     Ok(())
 }
 
-/// Lofts raw sections and trims (or extends) the surface to hub and shroud.
-fn loft_trimmed(
-    sections: &[Vec<Point>],
-    hub: &MeridionalCurve,
-    shroud: &MeridionalCurve,
-    line: usize,
-    name: &str,
-) -> Result<BladeSide, PartError> {
+/// Checks the sections of one side, before they are used.
+fn check_sections(sections: &[Vec<Point>], line: usize, name: &str) -> Result<(), PartError> {
     let longest = sections.iter().map(Vec::len).max().unwrap_or(0);
     if sections.len() > MAX_SECTIONS || longest > MAX_SECTION_POINTS {
         return Err(PartError::new(
@@ -174,19 +185,62 @@ fn loft_trimmed(
             "give the points of each side, LE to TE".to_string(),
         ));
     }
-    let (u, sections) = common_parameters(sections);
+    Ok(())
+}
+
+/// Checks that the sides of a blade are not one surface, as where its camber surface was exported for both.
+fn check_thickness(blade: &Blade, line: usize, name: &str) -> Result<(), PartError> {
+    const STEPS: usize = 20;
+    /// Thickness of such a blade as a share of its length: rounding.
+    const NONE: f64 = 1e-5;
+    let length = (blade.suction.point(1.0, 0.5) - blade.suction.point(0.0, 0.5)).norm();
+    let at = |i: usize, v: f64| {
+        let u = i as f64 / STEPS as f64;
+        (blade.suction.point(u, v) - blade.pressure.point(u, v)).norm()
+    };
+    let thick = (0..=STEPS).any(|i| [0.0, 0.5, 1.0].into_iter().any(|v| at(i, v) > NONE * length));
+    if thick {
+        return Ok(());
+    }
+    Err(PartError::new(
+        ErrorCode::BladeValues,
+        line,
+        format!("the {name} has no thickness: its suction and pressure sides are the same"),
+        "give the points of both sides, not those of the surface midway between them",
+    ))
+}
+
+/// Lofts raw sections and trims (or extends) the surface to hub and shroud. Sections that repeat the one
+/// before are left out; also returns their number.
+fn loft_trimmed(
+    sections: &[Vec<Point>],
+    hub: &MeridionalCurve,
+    shroud: &MeridionalCurve,
+    line: usize,
+    name: &str,
+) -> Result<(BladeSide, usize), PartError> {
+    let (u, all) = common_parameters(sections);
     let mut heights = vec![0.0];
-    for pair in sections.windows(2) {
-        let gap = pair[0].iter().zip(&pair[1]).map(|(a, b)| (b - a).norm()).sum::<f64>() / u.len() as f64;
-        if gap < 1e-6 {
-            return Err(PartError::new(
-                ErrorCode::BladeSections,
-                line,
-                format!("two sections of the {name} side coincide"),
-                "give sections at different spans".to_string(),
-            ));
+    let mut sections: Vec<Vec<Point>> = Vec::with_capacity(all.len());
+    let mut repeated = 0;
+    for section in all {
+        if let Some(below) = sections.last() {
+            let gap = below.iter().zip(&section).map(|(a, b)| (b - a).norm()).sum::<f64>() / u.len() as f64;
+            if gap < 1e-6 {
+                repeated += 1;
+                continue;
+            }
+            heights.push(heights[heights.len() - 1] + gap);
         }
-        heights.push(heights[heights.len() - 1] + gap);
+        sections.push(section);
+    }
+    if sections.len() < 2 {
+        return Err(PartError::new(
+            ErrorCode::BladeSections,
+            line,
+            format!("all sections of the {name} side coincide"),
+            "give sections at different spans".to_string(),
+        ));
     }
     let total = heights[heights.len() - 1];
     let stations: Vec<f64> = heights.iter().map(|h| h / total).collect();
@@ -219,7 +273,7 @@ fn loft_trimmed(
         }
     }
     let even: Vec<f64> = (0..count).map(|k| k as f64 / (count - 1) as f64).collect();
-    Ok(BladeSide::loft(&u, &even, &cut))
+    Ok((BladeSide::loft(&u, &even, &cut), repeated))
 }
 
 /// v near `around` at which the line of constant u of `side` crosses `curve`, by bracketed root finding.

@@ -82,6 +82,26 @@ pub struct PartDescription {
     pub notes: Vec<String>,
 }
 
+impl PartDescription {
+    /// Largest diameter of the main blade, or of the channel where the blade follows from it, mm.
+    pub fn diameter(&self) -> f64 {
+        let largest = |points: &mut dyn Iterator<Item = f64>| 2.0 * points.fold(0.0, f64::max);
+        match &self.main {
+            BladeDescription::Sections { suction, pressure, .. } => {
+                let points = suction.iter().chain(pressure).flatten();
+                largest(&mut points.map(|p| Meridional::of(p).r))
+            }
+            BladeDescription::Camber { .. } => {
+                let points = |curve: &CurveDescription| match curve {
+                    CurveDescription::Points(points) => points.clone(),
+                    CurveDescription::BSpline { control, .. } => control.clone(),
+                };
+                largest(&mut points(&self.hub).iter().chain(&points(&self.shroud)).map(|p| p.r))
+            }
+        }
+    }
+}
+
 /// Why a description is not a valid impeller; the caller adds the file name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{message}; {help}")]

@@ -1,5 +1,6 @@
 //! Hub and shroud: from described curves to the parts of them that bound the channel.
 
+use super::curve_order::{HubProfile, hub_profile, reversed, runs_backwards};
 use super::description::{CurveDescription, PartDescription, PartError};
 use crate::error::ErrorCode;
 use crate::geometry::meridian::CurvePoint;
@@ -64,8 +65,50 @@ impl Flowpath {
     }
 }
 
+/// The curves of hub and shroud of a description, from inlet to outlet. Of a hub given as the profile of the
+/// whole body only the side towards the blades is used, and curves that run from outlet to inlet are
+/// reversed; lines about both are added to `notes`.
+pub(super) fn channel_curves(
+    d: &PartDescription,
+    notes: &mut Vec<String>,
+) -> Result<(MeridionalCurve, MeridionalCurve), PartError> {
+    let hub = build_curve(&d.hub, d.hub_line, "hub")?;
+    let shroud = build_curve(&d.shroud, d.shroud_line, "shroud")?;
+    let mut outwards = |built: MeridionalCurve, given: &CurveDescription, line: usize, name: &str| {
+        if !runs_backwards(&built, &d.main) {
+            return Ok(built);
+        }
+        notes.push(format!("the {name} is given from outlet to inlet; it is reversed"));
+        build_curve(&reversed(given), line, name)
+    };
+    let shroud = outwards(shroud, &d.shroud, d.shroud_line, "shroud")?;
+    let profile = match &d.hub {
+        CurveDescription::Points(points) => hub_profile(points, &shroud),
+        CurveDescription::BSpline { .. } => HubProfile::Channel,
+    };
+    match profile {
+        HubProfile::Channel => Ok((outwards(hub, &d.hub, d.hub_line, "hub")?, shroud)),
+        HubProfile::Body(side) => {
+            let rim = side.iter().map(|p| p.r).fold(0.0, f64::max);
+            let side = CurveDescription::Points(side);
+            let hub = outwards(build_curve(&side, d.hub_line, "hub")?, &side, d.hub_line, "hub")?;
+            notes.push(format!(
+                "the hub is the profile of its body; of it the side towards the blades is used, up to \
+                 r = {rim:.2} mm"
+            ));
+            Ok((hub, shroud))
+        }
+        HubProfile::Unclear(rim) => Err(PartError::new(
+            ErrorCode::FlowCurve,
+            d.hub_line,
+            format!("the hub runs past the rim: it turns back at r = {rim:.2} mm"),
+            "give only its side towards the blades, from inlet to rim",
+        )),
+    }
+}
+
 /// Builds and validates the curve of a description; `name` identifies it in messages.
-pub(super) fn build_curve(
+fn build_curve(
     description: &CurveDescription,
     line: usize,
     name: &str,

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::blade::{Blade, RawBlade, blade_line};
 use super::description::{PartDescription, PartError};
-use super::flowpath::{Flowpath, build_curve, check_channel, orient_normals};
+use super::flowpath::{Flowpath, channel_curves, check_channel, orient_normals};
 use super::rotation::Rotation;
 use super::side::BladeSide;
 use crate::error::ErrorCode;
@@ -57,13 +57,17 @@ impl Impeller {
                 format!("give {} to {}", BLADE_COUNTS.start(), BLADE_COUNTS.end()),
             ));
         }
-        let hub = build_curve(&d.hub, d.hub_line, "hub")?;
-        let shroud = build_curve(&d.shroud, d.shroud_line, "shroud")?;
+        let mut notes = d.notes.clone();
+        let (hub, shroud) = channel_curves(d, &mut notes)?;
         let (hub, shroud) = orient_normals(hub, shroud, d)?;
 
-        let main = RawBlade::new(&d.main, &hub, &shroud)?;
-        let splitters: Vec<RawBlade> =
-            d.splitters.iter().map(|s| RawBlade::new(s, &hub, &shroud)).collect::<Result<_, _>>()?;
+        let main = RawBlade::new(&d.main, &hub, &shroud, "main blade", &mut notes)?;
+        let mut splitters: Vec<RawBlade> = Vec::with_capacity(d.splitters.len());
+        for (k, splitter) in d.splitters.iter().enumerate() {
+            let name =
+                if d.splitters.len() == 1 { "splitter".to_owned() } else { format!("splitter {}", k + 1) };
+            splitters.push(RawBlade::new(splitter, &hub, &shroud, &name, &mut notes)?);
+        }
         let hub_ends = main.ends_on(&hub, 0.0);
         let shroud_ends = main.ends_on(&shroud, 1.0);
         for ((start, end), (line, name)) in
@@ -104,7 +108,7 @@ impl Impeller {
             shroud,
             main,
             splitters,
-            notes: d.notes.clone(),
+            notes,
             pitch,
         };
         part.check_passages(blade_line(&d.main))?;

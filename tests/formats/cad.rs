@@ -163,11 +163,15 @@ fn a_wheel_in_one_stl_opens_in_any_position_and_unit() {
         }
     }
     let options = MeshOptions { rotation: Some(part.rotation()), ..MeshOptions::default() };
-    let read = |mesh: &TriangleMesh, options: &MeshOptions| {
-        built(&read_part_bytes("a.stl", &write_stl(&mesh.points, &mesh.triangles, "a"), options))
+    let named = |name: &str, mesh: &TriangleMesh, options: &MeshOptions| {
+        built(&read_part_bytes(name, &write_stl(&mesh.points, &mesh.triangles, "a"), options))
     };
-    let (hub, sides) = apart(&part, &read(&whole, &options));
-    assert!(hub < 0.02 && sides < 0.02, "hub {hub}, sides {sides} mm");
+    let read = |mesh: &TriangleMesh, options: &MeshOptions| named("a.stl", mesh, options);
+    // The name of the file is no role.
+    for name in ["a.stl", "hub.stl", "bladed disc.stl", "Impeller with cover.stl"] {
+        let (hub, sides) = apart(&part, &named(name, &whole, &options));
+        assert!(hub < 0.02 && sides < 0.02, "{name}: hub {hub}, sides {sides} mm");
+    }
     // Inches, about an axis off the origin.
     let turn = Rotation3::from_axis_angle(&Vector::x_axis(), 0.5 * std::f64::consts::PI);
     let moved = whole.points.iter().map(|p| turn * p * (1.0 / 25.4)).collect();

@@ -7,6 +7,7 @@ mod cad;
 mod gltf;
 mod gltf_faults;
 mod mesh_parts;
+mod order;
 mod parts;
 mod round_trips;
 mod tessellation;

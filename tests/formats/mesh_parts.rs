@@ -328,6 +328,43 @@ fn roles_unit_and_axis_may_be_given_and_the_axis_is_found() {
     same(&part, &back(meshes, &MeshOptions { roles, ..turning(&part) }), 0.02);
 }
 
+/// Hub and blades in one mesh, without shroud; `blades` of them, the points of each changed by `change`.
+fn whole(part: &Impeller, blades: usize, change: impl Fn(&str, &Point) -> Point) -> TriangleMesh {
+    let mut whole = TriangleMesh::default();
+    let mut left = blades;
+    for mut m in separate(part) {
+        let is_blade = m.name.starts_with("Blade");
+        if m.name == "Shroud" || (is_blade && left == 0) {
+            continue;
+        }
+        left -= usize::from(is_blade);
+        m.mesh.points.iter_mut().for_each(|p| *p = change(&m.name, p));
+        whole.append(&m.mesh);
+    }
+    whole
+}
+
+#[test]
+fn a_wheel_in_one_mesh_may_stand_beside_the_axes_of_the_file() {
+    let part = sample("pump6.toml");
+    for along in [Vector::z(), Vector::x()] {
+        let turn = Rotation3::rotation_between(&Vector::z(), &along).expect("not opposite");
+        let mesh = whole(&part, 6, |_, p| turn * p + Vector::new(100.0, 200.0, -30.0));
+        let again = back(vec![named("Solid1".into(), 0, mesh)], &MeshOptions::default());
+        assert_eq!(again.blade_count, 6);
+        assert!((again.rim_radius() - part.rim_radius()).abs() < 0.02, "{}", again.rim_radius());
+    }
+}
+
+#[test]
+fn hub_and_one_blade_in_one_mesh_are_enough_with_the_number_of_blades() {
+    let part = sample("pump6.toml");
+    let mesh = vec![named("Solid1".into(), 0, whole(&part, 1, |_, p| *p))];
+    let error = describe("back", mesh.clone(), LengthUnit::Millimetre, &MeshOptions::default()).unwrap_err();
+    assert_eq!(error.code, ErrorCode::BladeCount, "{error}");
+    same(&part, &back(mesh, &MeshOptions { blades: Some(6), ..turning(&part) }), 0.02);
+}
+
 #[test]
 fn what_is_no_hub_is_refused_with_its_place() {
     let part = sample("pump6.toml");

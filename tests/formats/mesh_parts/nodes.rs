@@ -34,3 +34,16 @@ fn shapes_tell_hub_blades_and_splitters_where_names_do_not() {
     let across = (nodes[0].high - nodes[0].low).amax();
     assert!((across - 2.0 * part.rim_radius()).abs() < 0.1, "{across}");
 }
+
+#[test]
+fn one_node_alone_gets_no_role() {
+    let part = sample("pump6.toml");
+    let mut whole = separate(&part).swap_remove(0);
+    for mesh in separate(&part).iter().skip(1) {
+        whole.mesh.append(&mesh.mesh);
+    }
+    for name in ["Body", "Hub", "bladed disc"] {
+        whole.name = name.into();
+        assert_eq!(guess_roles(&nodes(&[whole.clone()])), [None], "{name}");
+    }
+}
