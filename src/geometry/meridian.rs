@@ -211,8 +211,8 @@ impl MeridionalCurve {
         found
     }
 
-    /// As [`Self::project`], but a point past the end, by more than a ten thousandth of the length, is projected
-    /// onto the tangent there: t is then above the length.
+    /// As [`Self::project`], but a point past the end, by more than a ten thousandth of the length, is
+    /// projected onto the tangent there: t is then above the length.
     pub fn project_past_end(&self, to: Meridional) -> (f64, f64) {
         let (t, distance) = self.project(to);
         if t < self.length {

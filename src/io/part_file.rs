@@ -31,8 +31,8 @@ pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
     read_part_with(path, &MeshOptions::default())
 }
 
-/// As [`read_part`], with the user's options for a mesh; geomTurbo files take their unit, other formats ignore
-/// them.
+/// As [`read_part`], with the user's options for a mesh; geomTurbo files take their unit, other formats
+/// ignore them.
 ///
 /// # Errors
 /// As [`read_part`].

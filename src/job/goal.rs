@@ -85,9 +85,9 @@ fn density_of(number: usize) -> RowDensity {
     if number == 0 { RowDensity::Dense } else { RowDensity::Sparse }
 }
 
-/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`, and how
-/// closely its rows lie; `None` where that is the whole plan. An unfinished plan stays as it is. `known` keeps
-/// the sections of the plan with fewer rows.
+/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`, and
+/// how closely its rows lie; `None` where that is the whole plan. An unfinished plan stays as it is. `known`
+/// keeps the sections of the plan with fewer rows.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.

@@ -198,8 +198,8 @@ fn largest_revolved_axis(surface: &MeshSurface) -> Option<PartFromFile> {
 }
 
 /// The point through which an axis `along` has the surface's triangles of revolution about it. The centre of
-/// the area of a wheel is on its axis; from there the point is fitted by least squares, as in [`fit_axis`], to
-/// the triangles that are of revolution about the last one.
+/// the area of a wheel is on its axis; from there the point is fitted by least squares, as in [`fit_axis`],
+/// to the triangles that are of revolution about the last one.
 fn revolution_centre(surface: &MeshSurface, along: &Vector) -> Option<Point> {
     let mut through = centre_of_area(surface)?;
     for round in 0..6 {

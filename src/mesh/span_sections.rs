@@ -38,8 +38,8 @@ pub fn span_sections(
 ) -> Result<Vec<SpanSection>, PartError> {
     let mut own = Vec::new();
     let (mut sections, mut jump) = sections_in(surface, band, name, normals, &mut own)?;
-    // What looks like a gap of the trailing edge may be the end of the hub below a blade that goes on past its
-    // rim: of a blade cut off at the hub, the lowest section is open there.
+    // What looks like a gap of the trailing edge may be the end of the hub below a blade that goes on past
+    // its rim: of a blade cut off at the hub, the lowest section is open there.
     if let Some(first) = jump.filter(|jump| jump.is_gap && jump.edge == TRAILING_EDGE) {
         let mut again = Vec::new();
         let past = sections_in(surface, &band.going_on(surface), name, normals, &mut again);

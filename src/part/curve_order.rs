@@ -1,6 +1,6 @@
 //! Hub and shroud as a file gives them, put right where it clearly has something else: curves that run from
-//! outlet to inlet, and the profile of the hub's whole body, with bore, rim and back, of which the run between
-//! corners that is nearest to the shroud is the side towards the blades.
+//! outlet to inlet, and the profile of the hub's whole body, with bore, rim and back, of which the run
+//! between corners that is nearest to the shroud is the side towards the blades.
 
 use std::f64::consts::FRAC_PI_4;
 

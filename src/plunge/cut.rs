@@ -188,8 +188,8 @@ impl SectionCut {
         }
     }
 
-    /// Removes what was dropped from the rows from index `first` on, which were added: an added plunge that is
-    /// dropped is not reported as missing. Returns the number of plunges that remain in them.
+    /// Removes what was dropped from the rows from index `first` on, which were added: an added plunge that
+    /// is dropped is not reported as missing. Returns the number of plunges that remain in them.
     pub fn drop_hindered_rows(&mut self, first: usize) -> usize {
         let added: Vec<CutRow> = self.rows.drain(first..).collect();
         self.rows.extend(added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0));

@@ -16,7 +16,8 @@ use crate::setup::{CutDirection, SectionKind};
 
 /// Share of the open floor that must gain an axis by it for sections to be cut from the inlet.
 const WORTHWHILE_SHARE: f64 = 0.25;
-/// Added to the reason of a section that is cut from the inlet: by its axes, or as a plan from the outlet shows.
+/// Added to the reason of a section that is cut from the inlet: by its axes, or as a plan from the outlet
+/// shows.
 const NO_LEAN: &str = "cut from the inlet, as the blades let no axis lean that way in the other direction";
 const STARVED: &str =
     "cut from the inlet, as rows from the outlet would find no free core and leave more uncut";
@@ -37,8 +38,9 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     resolved
 }
 
-/// `resolved` with all of its chosen sections of rows cut from the inlet, the innermost first, for a plan that
-/// starves from the outlet; `None` where there is one such section only, or some is cut from the inlet already.
+/// `resolved` with all of its chosen sections of rows cut from the inlet, the innermost first, for a plan
+/// that starves from the outlet; `None` where there is one such section only, or some is cut from the inlet
+/// already.
 pub fn all_from_inlet(resolved: &Resolved) -> Option<Resolved> {
     let rows = chosen_rows(resolved);
     let is_open = |index: &usize| resolved.setup.plunge.sections[*index].cut_direction.is_none();
@@ -58,8 +60,8 @@ fn chosen_rows(resolved: &Resolved) -> Vec<usize> {
     (0..sections.len()).filter(is_chosen_row).collect()
 }
 
-/// Has the `inner` sections cut from the inlet, the last one first. Chosen sections of rows stand one after the
-/// other, between the opening and rest milling.
+/// Has the `inner` sections cut from the inlet, the last one first. Chosen sections of rows stand one after
+/// the other, between the opening and rest milling.
 fn cut_from_inlet(resolved: &mut Resolved, inner: &[usize], why: &str) {
     let (Some(&first), Some(&last)) = (inner.first(), inner.last()) else { return };
     let Resolved { setup, reasons } = resolved;

@@ -6,8 +6,8 @@ use crate::setup::{PlungeSetup, Tool};
 /// How closely `minimal` places its rows and the plunges in them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RowDensity {
-    /// As close as the least stock asks for: a row more beside each wall that leans over the channel, and steps
-    /// with a reserve to the insert width.
+    /// As close as the least stock asks for: a row more beside each wall that leans over the channel, and
+    /// steps with a reserve to the insert width.
     #[default]
     Dense,
     /// For a plan in less time: no such rows, and steps up to the whole insert width.

@@ -24,8 +24,9 @@ pub struct TradeoffPoint {
 /// Points by which `Goal::Balance` looks for the bend of the curve.
 const BALANCE_POINTS: usize = 24;
 
-/// Plans of the same channel, each with the order in which its plunges are left out. Their curves together are
-/// the curve of time against stock: where plunges are few, a plan of fewer rows is ahead of one that was thinned.
+/// Plans of the same channel, each with the order in which its plunges are left out. Their curves together
+/// are the curve of time against stock: where plunges are few, a plan of fewer rows is ahead of one that was
+/// thinned.
 pub struct Tradeoff<'a> {
     /// The one with the least stock first.
     thinnings: Vec<Thinning<'a>>,
@@ -50,8 +51,8 @@ impl<'a> Tradeoff<'a> {
         &self.thinnings[number]
     }
 
-    /// At most `count` points from the first plan, with all of its plunges, to the fastest, evenly in time; fewer
-    /// where they fall together.
+    /// At most `count` points from the first plan, with all of its plunges, to the fastest, evenly in time;
+    /// fewer where they fall together.
     pub fn points(&self, count: usize) -> Vec<TradeoffPoint> {
         let slow = self.thinnings[0].time_without(0);
         let fast = self.thinnings.iter().map(|t| t.time_without(t.len())).fold(slow, f64::min);
@@ -146,8 +147,8 @@ impl Thinning<'_> {
         if too_long(0) { (self.last_where(too_long) + 1).min(self.len()) } else { 0 }
     }
 
-    /// The most plunges that can go while the 95th percentile of the stock is at most `limit` mm; `None` where
-    /// it is more with all of them.
+    /// The most plunges that can go while the 95th percentile of the stock is at most `limit` mm; `None`
+    /// where it is more with all of them.
     fn last_within_stock(&self, limit: f64) -> Option<usize> {
         let too_much = |count| f64::from(self.stock_without(count).p95) > limit;
         (!too_much(0)).then(|| self.last_where(|count| !too_much(count)))

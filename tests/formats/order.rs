@@ -1,4 +1,5 @@
-//! Parts whose file has sections or curves in another order open as they are meant, with a line, or are refused.
+//! Parts whose file has sections or curves in another order open as they are meant, with a line, or are
+//! refused.
 
 use std::path::Path;
 

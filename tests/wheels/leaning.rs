@@ -12,8 +12,8 @@ fn between(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
 }
 
-/// Radius and height at the share `span` from hub to shroud and the share `u` from inlet to outlet, mm. Before the
-/// inlet both curves run along the axis.
+/// Radius and height at the share `span` from hub to shroud and the share `u` from inlet to outlet, mm.
+/// Before the inlet both curves run along the axis.
 fn meridional(span: f64, u: f64) -> [f64; 2] {
     let (sin, cos) = (u.max(0.0) * FRAC_PI_2).sin_cos();
     let r = between(between(15.0, 75.0, 1.0 - cos), between(41.25, 75.0, 1.0 - cos), span);

@@ -100,8 +100,8 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
     }
 }
 
-/// The tangent of a flank that runs nearly across the meridional direction leaves the flow path before it gets
-/// far along it: rows that ended where it does left whole inlets uncut.
+/// The tangent of a flank that runs nearly across the meridional direction leaves the flow path before it
+/// gets far along it: rows that ended where it does left whole inlets uncut.
 #[test]
 fn walls_bound_the_passage_from_the_leading_edge_to_the_rim() {
     for index in 0..20 {

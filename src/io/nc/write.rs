@@ -12,7 +12,8 @@ use crate::toolpath::{ClProgram, ClTool};
 
 /// Longest name of a program in its head.
 const MAX_NAME: usize = 24;
-/// Shortest time of a block, s: its inverse time in 1/min keeps below a million, which is what words may hold.
+/// Shortest time of a block, s: its inverse time in 1/min keeps below a million, which is what words may
+/// hold.
 const MIN_BLOCK_S: f64 = 1e-4;
 /// Least time of a block under feed, as a multiple of that at rapid rates.
 const SLOWER: f64 = 1.25;

@@ -24,8 +24,8 @@ const COARSE_SHARE: f64 = 0.4;
 const DRAFT_SLACK: f64 = 5e-3;
 /// Factor by which the search widens the core, so that its few lines miss nothing of the real one.
 const WIDER_CORE: f64 = 1.012;
-/// Factor by which a cutter is widened to tell how deep it is in the blank: where it grazes an edge of it, the
-/// depth jumps.
+/// Factor by which a cutter is widened to tell how deep it is in the blank: where it grazes an edge of it,
+/// the depth jumps.
 const WIDER_CUTTER: f64 = 1.01;
 /// Strips of the floor, side by side across the row, and sample points of each along the row.
 const STRIPS: usize = 9;

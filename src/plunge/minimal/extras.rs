@@ -39,7 +39,8 @@ const MAX_LIFT_RADII: f64 = 0.3;
 const TILT_SHARES: [f64; 5] = [1.0, 0.7, 0.4, 0.0, 1.4];
 /// As [`TILT_SHARES`], for the coarse evaluation of a foot.
 const COARSE_TILT_SHARES: [f64; 2] = [0.85, 0.2];
-/// Lead angles of the pool beside a wall, from that of the conventional axis: step, degrees, and their number.
+/// Lead angles of the pool beside a wall, from that of the conventional axis: step, degrees, and their
+/// number.
 const WALL_LEAD_STEP_DEG: f64 = 10.0;
 const WALL_LEAD_COUNT: usize = 9;
 /// Tilt angles by which axes beside a wall are turned off it, degrees; negative ones lean over more than it.

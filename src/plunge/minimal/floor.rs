@@ -299,8 +299,8 @@ impl FloorHeightMap {
     }
 }
 
-/// Height along a ray from the hub (foot and unit normal) at which the stock ends, at the outline of the blank
-/// or at the allowance of a blade, mm; 0 where the foot is in the allowance. Sphere tracing.
+/// Height along a ray from the hub (foot and unit normal) at which the stock ends, at the outline of the
+/// blank or at the allowance of a blade, mm; 0 where the foot is in the allowance. Sphere tracing.
 fn top_of_stock(
     Workpiece { blank, finished, .. }: &Workpiece,
     (foot, normal): (Point, Vector),

@@ -3,8 +3,8 @@
 //! along the wall or over its foot.
 //!
 //! The search is that of the other added plunges ([`ExtraSearch`]), with a wider fan of axes beside the walls
-//! near uncut cells, and on a floor where cutting uncut cells is a gain of its own. Thinner layers still count:
-//! plunges that only open a wedge make room for the cores of those that reach its end.
+//! near uncut cells, and on a floor where cutting uncut cells is a gain of its own. Thinner layers still
+//! count: plunges that only open a wedge make room for the cores of those that reach its end.
 
 use rayon::prelude::*;
 
@@ -19,8 +19,8 @@ use crate::plunge::cycle::PlanError;
 use crate::plunge::row::RowMaker;
 use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker};
 
-/// Uncut share of a stretch's floor from which on the search is worth its time. Less is mostly the corner under
-/// a wall, which no axis reaches.
+/// Uncut share of a stretch's floor from which on the search is worth its time. Less is mostly the corner
+/// under a wall, which no axis reaches.
 const MIN_UNCUT_SHARE: f64 = 0.02;
 /// Minimum gain of a plunge in the first rounds, in multiples of the least gain of a search; the last one is
 /// that of all rounds to come.
@@ -31,8 +31,8 @@ const MAX_ROUNDS: usize = 20;
 const MIN_CUT_SHARE: f64 = 5e-4;
 /// Share of the floor that all rounds together have to cut; what cuts less is not worth its plunges.
 const MIN_WORTHWHILE_SHARE: f64 = 5e-3;
-/// Distance of uncut cells from the foot of an axis beside the wall up to which axes are tried there, in cutter
-/// radii.
+/// Distance of uncut cells from the foot of an axis beside the wall up to which axes are tried there, in
+/// cutter radii.
 const NEAR_RADII: f64 = 2.0;
 /// Spacing of the tried feet along a wall, in cutter radii.
 const SPACING_RADII: f64 = 0.3;
