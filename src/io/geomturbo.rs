@@ -62,7 +62,8 @@ pub(super) fn read(
     }
     let mm = found.unit_mm();
     let part = found.part(source)?;
-    match size_fault(part.diameter() / mm, mm) {
+    // A unit that was given is meant.
+    match size_fault(part.diameter() / mm, mm).filter(|_| unit.is_none()) {
         None => Ok(part),
         Some(fault) => {
             let help = format!("{}, or state it in the file, as `UNITS Millimeters`", fault.help);

@@ -11,7 +11,7 @@ use crate::tradeoff::{Thinning, ThinningInput, ThinningLimits, Tradeoff, Tradeof
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
-/// Plans made at most for a limit of time.
+/// Plans made at most for a limit of time after the first one.
 const MAX_ROUNDS: usize = 4;
 
 /// The whole plan of `minimal`, with what it was planned for, and the floor on which its plunges are weighed.
@@ -42,7 +42,7 @@ impl<'a> WholePlan<'a> {
         monitor: &Monitor,
     ) -> Result<Option<PlungePlan>, Cancelled> {
         let planner = Planner::with_rows(self.workpiece, self.setup, RowDensity::Sparse);
-        match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
+        match planner.plan_cached(AxisPolicy::Minimal, known, monitor) {
             Ok(plan) if !plan.is_unfinished() && !plan.positions.is_empty() => Ok(Some(plan)),
             Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => Err(cancelled),
             _ => Ok(None),
@@ -89,6 +89,8 @@ fn density_of(number: usize) -> RowDensity {
 /// how closely its rows lie; `None` where that is the whole plan. An unfinished plan stays as it is. `known`
 /// keeps the sections of the plan with fewer rows.
 ///
+/// A stop ends the planning of fewer rows; the goal is then met from the whole plan alone.
+///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
 pub(super) fn meet_goal(
@@ -103,18 +105,19 @@ pub(super) fn meet_goal(
         return Ok(None);
     }
     let goal = setup.plunge.goal;
+    let closing = &monitor.ignoring_stop();
     let whole = WholePlan { workpiece, setup, plan: whole, grid: &weighing_grid(grid) };
-    let first = whole.thinning(whole.plan, ThinningLimits::of(goal), monitor)?;
+    let first = whole.thinning(whole.plan, ThinningLimits::of(goal), closing)?;
     let sparse = match first.is_least_stock_enough(goal) {
         true => None,
         false => whole.sparse_plan(known, monitor)?,
     };
-    let tradeoff = whole.tradeoff(first, sparse.as_ref(), monitor)?;
+    let tradeoff = whole.tradeoff(first, sparse.as_ref(), closing)?;
     let point = tradeoff.choose(goal);
     if (point.plan, point.left_out) == (0, 0) {
         return Ok(None);
     }
-    let mut made = (whole.plan_at(&tradeoff, point, monitor)?, point);
+    let mut made = (whole.plan_at(&tradeoff, point, closing)?, point);
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
     if let Goal::Stock { max_time_min: Some(limit) } = goal {
         for _ in 0..MAX_ROUNDS {
@@ -124,7 +127,7 @@ pub(super) fn meet_goal(
             if minutes <= limit || point == made.1 {
                 break;
             }
-            made = (whole.plan_at(&tradeoff, point, monitor)?, point);
+            made = (whole.plan_at(&tradeoff, point, closing)?, point);
         }
     }
     Ok(Some((made.0, density_of(made.1.plan))))
@@ -151,7 +154,8 @@ impl PlanOutcome {
         })?
     }
 
-    /// The points of [`Self::time_stock_curve`] without their plans, which takes a fraction of the time.
+    /// The points of [`Self::time_stock_curve`] without their plans. The channel with fewer rows is planned for
+    /// them all the same.
     ///
     /// # Errors
     /// [`Cancelled`] when `monitor` is cancelled.

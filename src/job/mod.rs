@@ -28,7 +28,7 @@ use crate::plunge::sections::Resolved;
 use crate::plunge::{
     DropReason, EditReport, PlanError, Planner, PlungePlan, RowDensity, SectionCache, cutting_order, sections,
 };
-use crate::setup::{AxisPolicy, Setup, SetupFault, SetupPlace};
+use crate::setup::{AxisPolicy, Goal, Setup, SetupFault, SetupPlace};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
@@ -308,12 +308,20 @@ fn plan(
     let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
     let resolved = resolve(&request.setup, &workpiece)?;
     let outcome = plan_sections(request, &workpiece, resolved, &mut known.plans, monitor, listener)?;
-    match starved::from_inlet(&outcome, &mut known.from_inlet, monitor)? {
-        Some(turned) => {
-            let monitor = &monitor.silent();
-            plan_sections(request, &workpiece, turned, &mut known.from_inlet, monitor, Listener::default())
-        }
-        None => Ok(outcome),
+    // What starves is a search of `minimal`; plans of other policies stay as they are.
+    if request.policy != AxisPolicy::Minimal {
+        return Ok(outcome);
+    }
+    let Some(turned) = starved::from_inlet(&outcome, &mut known.from_inlet, monitor)? else {
+        return Ok(outcome);
+    };
+    // Its sections are known; a stop leaves the rest to be finished.
+    let closing = &monitor.ignoring_stop().silent();
+    let turned =
+        plan_sections(request, &workpiece, turned, &mut known.from_inlet, closing, Listener::default());
+    match turned {
+        Err(JobError::Cancelled) => Err(JobError::Cancelled),
+        turned => Ok(turned.unwrap_or(outcome)),
     }
 }
 
@@ -327,6 +335,10 @@ fn plan_sections(
     listener: Listener,
 ) -> Result<PlanOutcome, JobError> {
     let started = std::time::Instant::now();
+    // A goal that asks for less time than the least stock takes has `minimal` plan twice.
+    let may_plan_twice = request.policy == AxisPolicy::Minimal && setup.plunge.goal != Goal::default();
+    let first_share = if may_plan_twice { 0.6 } else { 1.0 };
+    let (monitor, for_goal) = (&monitor.span(0.0, first_share), &monitor.span(first_share, 1.0));
     listener.notify(|| PlanStage::Resolved {
         workpiece: Arc::clone(workpiece),
         setup: setup.clone(),
@@ -420,7 +432,7 @@ fn plan_sections(
     let (mut whole, mut density) = (None, RowDensity::Dense);
     if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal)
         && let Some((plan, rows)) =
-            goal::meet_goal(workpiece, &setup, &minimal.plan, &grid, &mut known.sparse, monitor)?
+            goal::meet_goal(workpiece, &setup, &minimal.plan, &grid, &mut known.sparse, for_goal)?
     {
         density = rows;
         whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);

@@ -1,6 +1,7 @@
 //! Goals of a plan, and the curve of time against stock.
 
 use std::sync::LazyLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
@@ -163,6 +164,29 @@ fn less_time_takes_fewer_rows_and_beats_the_published_rule() {
         assert!(outcome.after.summary.interfering == 0 && outcome.after.summary.uncut_share <= 0.0105);
         assert_eq!(faults(outcome, &outcome.after.plan), Vec::<String>::new());
     }
+}
+
+#[test]
+fn a_stop_while_fewer_rows_are_planned_keeps_a_sound_plan() {
+    let setup = read_setup_bytes("s.toml", b"[plunge]\ngoal = \"time\"\nmax_stock = 1.5\n").expect("a setup");
+    let part = sample("impeller532").into();
+    let request = PlanRequest { part, setup, policy: AxisPolicy::Minimal, compare: false, field_cells: 128 };
+    let (monitor, done) = (Monitor::default(), AtomicBool::new(false));
+    let outcome = std::thread::scope(|scope| {
+        // The first planning ends at .6.
+        scope.spawn(|| {
+            while monitor.progress() < 0.63 && !done.load(Ordering::Relaxed) {
+                std::thread::yield_now();
+            }
+            monitor.stop();
+        });
+        let outcome = run(&request, &monitor);
+        done.store(true, Ordering::Relaxed);
+        outcome.expect("a stop ends with the best plan so far")
+    });
+    assert!(monitor.is_stopped() && !outcome.after.plan.is_unfinished());
+    assert!(outcome.after.summary.interfering == 0 && outcome.after.summary.uncut_share <= 0.0105);
+    assert_eq!(faults(&outcome, &outcome.after.plan), Vec::<String>::new());
 }
 
 #[test]
