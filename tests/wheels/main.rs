@@ -186,18 +186,16 @@ fn rows_beside_walls_go_on_where_those_between_them_end() {
 /// without them 3.8 and 4 % of the floor stayed uncut.
 #[test]
 fn strips_under_leaning_walls_are_cut() {
-    for (seed, index) in [(127, 16), (83, 4)] {
-        let wheel = make::wheel(seed, index);
-        let outcome = planned(open(&wheel));
-        let summary = &outcome.after.summary;
-        let place = format!("seed {seed}, {} ({})", wheel.description.name, wheel.remarks);
-        assert_eq!(summary.interfering, 0, "{place}");
-        assert!(summary.uncut_share < 0.02, "{place}: {} uncut", summary.uncut_share);
-        let allowance = outcome.setup.allowances.blade_allowance;
-        assert!(summary.min_blade_clearance > allowance - 1e-5, "{place}: {}", summary.min_blade_clearance);
-        let limit = outcome.setup.plunge.max_axis_change_rad;
-        assert!(summary.max_axis_change_rad < limit + 1e-9, "{place}: {}", summary.max_axis_change_rad);
-    }
+    let wheel = make::wheel(127, 16);
+    let outcome = planned(open(&wheel));
+    let summary = &outcome.after.summary;
+    let place = format!("seed 127, {} ({})", wheel.description.name, wheel.remarks);
+    assert_eq!(summary.interfering, 0, "{place}");
+    assert!(summary.uncut_share < 0.02, "{place}: {} uncut", summary.uncut_share);
+    let allowance = outcome.setup.allowances.blade_allowance;
+    assert!(summary.min_blade_clearance > allowance - 1e-5, "{place}: {}", summary.min_blade_clearance);
+    let limit = outcome.setup.plunge.max_axis_change_rad;
+    assert!(summary.max_axis_change_rad < limit + 1e-9, "{place}: {}", summary.max_axis_change_rad);
 }
 
 /// A plunge that clears a core only between two of the lines on which contact is evaluated is needed as well:
