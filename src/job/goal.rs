@@ -117,20 +117,23 @@ pub(super) fn meet_goal(
     if (point.plan, point.left_out) == (0, 0) {
         return Ok(None);
     }
-    let mut made = (whole.plan_at(&tradeoff, point, closing)?, point);
+    let (mut plan, mut made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
     if let Goal::Stock { max_time_min: Some(limit) } = goal {
         for _ in 0..MAX_ROUNDS {
-            let minutes = Travel::of(&ClProgram::of_plan("", &made.0)).time / 60.0;
-            let aim = made.1.time_s / 60.0 * limit / minutes;
-            let point = tradeoff.choose(Goal::Stock { max_time_min: Some(aim) });
-            if minutes <= limit || point == made.1 {
+            let minutes = Travel::of(&ClProgram::of_plan("", &plan)).time / 60.0;
+            if minutes <= limit {
                 break;
             }
-            made = (whole.plan_at(&tradeoff, point, closing)?, point);
+            let aim = made_at.time_s / 60.0 * limit / minutes;
+            let point = tradeoff.choose(Goal::Stock { max_time_min: Some(aim) });
+            if point == made_at {
+                break;
+            }
+            (plan, made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
         }
     }
-    Ok(Some((made.0, density_of(made.1.plan))))
+    Ok(Some((plan, density_of(made_at.plan))))
 }
 
 /// The cells of `grid` on which plunges are weighed.

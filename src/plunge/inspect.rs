@@ -284,7 +284,7 @@ pub fn row_of(plan: &PlungePlan, index: usize) -> std::ops::Range<usize> {
 }
 
 /// Range of indices around `index` of the items with the same key as that one, without a gap; empty where
-/// there is no such item.
+/// `index` is out of range.
 pub(super) fn run_around<T, K: PartialEq>(
     items: &[T],
     index: usize,

@@ -11,6 +11,7 @@
 //! | `floor` | the stock that plunges leave, and what each of them is worth |
 //! | `limits` | how far a plan may be thinned |
 //! | `cores` | which plunges make the way for the core of which |
+//! | `neighbours` | the plunges beside one that are still in the plan |
 //! | `walls` | the rows that keep the scallop along walls within its limit |
 //! | `thinning` | the order in which plunges are left out |
 //! | `curve` | points of the curve, and the one that a goal asks for |
@@ -19,6 +20,7 @@ mod cores;
 mod curve;
 mod floor;
 mod limits;
+mod neighbours;
 mod thinning;
 mod walls;
 

@@ -6,6 +6,7 @@ use std::collections::BinaryHeap;
 use super::cores::Cores;
 use super::floor::{FloorChange, ThinnedFloor};
 use super::limits::ThinningLimits;
+use super::neighbours::KeptNeighbours;
 use super::walls::WallRows;
 use crate::cutting::contact::Columns;
 use crate::monitor::{Cancelled, Monitor};
@@ -40,6 +41,8 @@ pub struct Thinning<'a> {
     input: ThinningInput<'a>,
     floor: ThinnedFloor<'a>,
     cores: Cores<'a>,
+    /// Share of the reachable floor that the plan with all its plunges leaves uncut.
+    uncut_share: f64,
     /// Plunges that can be left out, the first one first.
     order: Vec<usize>,
 }
@@ -53,7 +56,8 @@ impl<'a> Thinning<'a> {
         let cutters = field_cutters(input.plan);
         let floor = ThinnedFloor::new(input.grid, &cutters, input.setup.allowances.hub_allowance);
         let cores = Cores::new(input.plan, input.blank);
-        let mut thinning = Self { input, floor, cores, order: Vec::new() };
+        let uncut_share = floor.uncut_share_with(0.0);
+        let mut thinning = Self { input, floor, cores, uncut_share, order: Vec::new() };
         thinning.find_order(monitor)?;
         Ok(thinning)
     }
@@ -64,10 +68,11 @@ impl<'a> Thinning<'a> {
     fn find_order(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
         let plunges = self.input.plan.positions.len();
         let mut kept = vec![true; plunges];
-        let mut rows = KeptNeighbours::new(plunges);
+        let mut rows = KeptNeighbours::unlinked(plunges);
+        rows.link(&(0..plunges).collect::<Vec<_>>());
         let input = self.input;
         let mut walls = WallRows::new(input.plan, input.setup);
-        let max_uncut = input.limits.max_uncut_share(self.floor.uncut_share_with(0.0));
+        let max_uncut = self.max_uncut_share();
         let price = |change: &FloorChange, rows: &KeptNeighbours, plunge: usize| {
             change.cost / input.saved_time(rows, plunge).max(MIN_SAVED)
         };
@@ -133,12 +138,12 @@ impl<'a> Thinning<'a> {
 
     /// Share of the reachable floor that the plan with all its plunges leaves uncut.
     pub(super) fn uncut_share(&self) -> f64 {
-        f64::from(self.stock_without(0).uncut_share)
+        self.uncut_share
     }
 
     /// Share of the floor that may be uncut when plunges are left out.
     pub fn max_uncut_share(&self) -> f64 {
-        self.input.limits.max_uncut_share(self.uncut_share())
+        self.input.limits.max_uncut_share(self.uncut_share)
     }
 
     /// Number of plunges that can be left out.
@@ -227,38 +232,3 @@ impl PartialEq for QueuedPlunge {
 }
 
 impl Eq for QueuedPlunge {}
-
-/// The kept plunges before and after each one in cutting order: a doubly linked list.
-struct KeptNeighbours {
-    before: Vec<usize>,
-    after: Vec<usize>,
-}
-
-/// No plunge.
-const NONE: usize = usize::MAX;
-
-impl KeptNeighbours {
-    fn new(count: usize) -> Self {
-        let before = (0..count).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect();
-        let after = (0..count).map(|k| if k + 1 < count { k + 1 } else { NONE }).collect();
-        Self { before, after }
-    }
-
-    fn before(&self, plunge: usize) -> Option<usize> {
-        Some(self.before[plunge]).filter(|&k| k != NONE)
-    }
-
-    fn after(&self, plunge: usize) -> Option<usize> {
-        Some(self.after[plunge]).filter(|&k| k != NONE)
-    }
-
-    fn leave_out(&mut self, plunge: usize) {
-        let (before, after) = (self.before[plunge], self.after[plunge]);
-        if before != NONE {
-            self.after[before] = after;
-        }
-        if after != NONE {
-            self.before[after] = before;
-        }
-    }
-}

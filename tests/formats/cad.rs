@@ -167,7 +167,7 @@ fn a_wheel_in_one_stl_opens_in_any_position_and_unit() {
         built(&read_part_bytes(name, &write_stl(&mesh.points, &mesh.triangles, "a"), options))
     };
     let read = |mesh: &TriangleMesh, options: &MeshOptions| named("a.stl", mesh, options);
-    // The name of the file is no role.
+    // The name of the file does not give the mesh a role.
     for name in ["a.stl", "hub.stl", "bladed disc.stl", "Impeller with cover.stl"] {
         let (hub, sides) = apart(&part, &named(name, &whole, &options));
         assert!(hub < 0.02 && sides < 0.02, "{name}: hub {hub}, sides {sides} mm");

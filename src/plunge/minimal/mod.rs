@@ -13,6 +13,7 @@ mod extras;
 mod floor;
 mod free_leads;
 mod path;
+mod pool_rounds;
 mod row_path;
 mod second_pass;
 mod section;

@@ -1,10 +1,9 @@
 //! Single plunges that `minimal` adds to the rows of a section where they left the most, and rest milling
 //! with a smaller cutter: single plunges only, where the layer is still thick.
 
-use rayon::prelude::*;
-
 use super::extras::PoolFan;
-use super::section::{SCALE_RADII, candidate_maker, cut_split, rows_of_stretch};
+use super::pool_rounds::{PoolRounds, feet_along};
+use super::section::{SCALE_RADII, candidate_maker, rows_of_stretch};
 use super::uncut_floor::cut_uncut_floor;
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::{BlankTop, Columns};
@@ -111,8 +110,6 @@ fn add_plunges(
         cut.added = Some(AddedPlunges::UNFINISHED);
         return Ok(());
     }
-    // Found plunges are cut even after a stop.
-    let closing = &monitor.ignoring_stop();
     let stock = &context.setup.allowances;
     let tool = context.tool_of_section(index)?;
     let top = BlankTop::new(&context.workpiece.blank);
@@ -139,12 +136,10 @@ fn add_plunges(
             |&lambda: &f64| row_maker(context, layout, tool, (lambda, lambdas.len()), cut.feed, monitor);
         let makers: Vec<RowMaker> = lambdas.iter().map(maker).collect();
         let Some(first) = makers.first() else { continue };
-        let (start, end) = row_ends(context, index, &layout.stretch, cut.feed.sign_along_s());
+        let ends = row_ends(context, index, &layout.stretch, cut.feed.sign_along_s());
         let step =
             (wanted.manner.step_share * first.step_limit).max(nearest) / context.workpiece.part.hub.length();
-        let count = ((end - start).abs() / step).ceil().clamp(1.0, 4000.0) as usize;
-        let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
-        let is_wanted = |&(row, s): &(usize, f64)| match wanted.above {
+        let is_wanted = |row: usize, s: f64| match wanted.above {
             Some(above) => makers[row]
                 .lane
                 .isoparametric(makers[row].lambda, s)
@@ -154,39 +149,30 @@ fn add_plunges(
                 }),
             None => true,
         };
-        let feet: Vec<(usize, f64)> = (0..makers.len())
-            .into_par_iter()
-            .flat_map_iter(|row| (0..=count).map(move |i| (row, s_at(i))))
-            .filter(is_wanted)
-            .collect();
+        let feet = feet_along(makers.len(), ends, step, is_wanted);
         let candidates: Vec<CandidateMaker> =
             makers.iter().map(|maker| candidate_maker(context, maker, &top)).collect();
-        let mut search = ExtraSearch::new(&candidates, PoolFan::Row, &feet, floor, &context.workpiece.blank);
-        let mut budget = most / layouts.len();
+        let search = ExtraSearch::new(&candidates, PoolFan::Row, &feet, floor, &context.workpiece.blank);
+        let (stretch, budget) = (&layout.stretch, most / layouts.len());
+        let mut pool = PoolRounds { context, stretch, tool, lambdas: &lambdas, search, budget };
         for (round, &times) in wanted.manner.rounds.iter().enumerate() {
             if round > 0
                 && let Some(above) = wanted.rest_from
-                && search.floor().share_above(above) >= THICK_SHARE
+                && pool.search.floor().share_above(above) >= THICK_SHARE
             {
                 stopped = StopReason::SmallerCutter;
                 break;
             }
-            let rows = search.stations(&cut.columns, budget, times)?;
-            budget -= rows.iter().map(Vec::len).sum::<usize>();
-            let before = cut.rows.len();
-            for (stations, &lambda) in rows.into_iter().zip(&lambdas) {
-                cut_split(context, stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
-            }
-            added_in_all += cut.drop_hindered_rows(before);
+            added_in_all += pool.cut(times, cut, monitor)?;
         }
-        let is_left = |above| search.floor().share_above(above) >= THICK_SHARE;
+        let is_left = |above| pool.search.floor().share_above(above) >= THICK_SHARE;
         if !wanted.rest_from.is_some_and(is_left) {
-            let floor = search.into_floor();
+            let floor = pool.search.into_floor();
             // The limit per plunge of the rows is for thinner layers.
             let most = wanted.left_in_plan.saturating_sub(added_in_all) / layouts.len();
             added_in_all += cut_uncut_floor(context, (index, layout), floor, cut, most, monitor)?;
         }
-        if budget == 0 && most > 0 {
+        if pool.budget == 0 && most > 0 {
             stopped = if wanted.left_in_plan <= wanted.max_count {
                 StopReason::PlanFull
             } else {

@@ -4,12 +4,11 @@
 //!
 //! The search is that of the other added plunges ([`ExtraSearch`]), with a wider fan of axes beside the walls
 //! near uncut cells, and on a floor where cutting uncut cells is a gain of its own. Thinner layers still
-//! count: plunges that only open a wedge make room for the cores of those that reach its end.
-
-use rayon::prelude::*;
+//! count: the end of a wedge can only be reached once other plunges have cut the stock in front of it.
 
 use super::extras::PoolFan;
-use super::section::{candidate_maker, cut_split};
+use super::pool_rounds::{PoolRounds, feet_along};
+use super::section::candidate_maker;
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::BlankTop;
 use crate::monitor::Monitor;
@@ -36,8 +35,6 @@ const MIN_WORTHWHILE_SHARE: f64 = 5e-3;
 const NEAR_RADII: f64 = 2.0;
 /// Spacing of the tried feet along a wall, in cutter radii.
 const SPACING_RADII: f64 = 0.3;
-/// Maximum number of feet along a wall.
-const MAX_FEET: f64 = 4000.0;
 
 /// Adds to `cut` up to `most` plunges by the tool of section `index` that cut floor in `layout` that is uncut
 /// on `floor`, the floor after all plunges so far. Returns their number.
@@ -65,41 +62,30 @@ pub(super) fn cut_uncut_floor(
         .iter()
         .map(|&lambda| row_maker(context, layout, tool, (lambda, 2), cut.feed, monitor))
         .collect();
-    let (start, end) = row_ends(context, index, &layout.stretch, cut.feed.sign_along_s());
+    let ends = row_ends(context, index, &layout.stretch, cut.feed.sign_along_s());
     let step = SPACING_RADII * tool.radius() / workpiece.part.hub.length();
-    let count = ((end - start).abs() / step).ceil().clamp(1.0, MAX_FEET) as usize;
-    let s_at = |i: usize| start + (end - start) * i as f64 / count as f64;
-    let is_near_uncut = |&(row, s): &(usize, f64)| {
+    let is_near_uncut = |row: usize, s: f64| {
         let lane = makers[row].lane;
         let ends = lane.reference_axis(makers[row].lambda, s);
         let reach = NEAR_RADII * tool.radius();
         ends.is_some_and(|ends| floor.is_uncut_near(&workpiece.part, &lane.hub_point(&ends), reach))
     };
-    let feet: Vec<(usize, f64)> = (0..makers.len())
-        .into_par_iter()
-        .flat_map_iter(|row| (0..=count).map(move |i| (row, s_at(i))))
-        .filter(is_near_uncut)
-        .collect();
+    let feet = feet_along(makers.len(), ends, step, is_near_uncut);
     let candidates: Vec<CandidateMaker> =
         makers.iter().map(|maker| candidate_maker(context, maker, &top)).collect();
-    let mut search = ExtraSearch::new(&candidates, PoolFan::Wall, &feet, floor, &workpiece.blank);
-    let closing = &monitor.ignoring_stop();
-    let (mut budget, mut added_in_all) = (most, 0);
+    let search = ExtraSearch::new(&candidates, PoolFan::Wall, &feet, floor, &workpiece.blank);
+    let mut pool =
+        PoolRounds { context, stretch: &layout.stretch, tool, lambdas: &lambdas, search, budget: most };
+    let mut added_in_all = 0;
     let (rows_before, columns_before) = (cut.rows.len(), cut.columns.len());
     for round in 0..MAX_ROUNDS {
-        let uncut = search.floor().uncut_share();
-        let rows = search.stations(&cut.columns, budget, ROUNDS[round.min(ROUNDS.len() - 1)])?;
-        budget -= rows.iter().map(Vec::len).sum::<usize>();
-        let before = cut.rows.len();
-        for (stations, lambda) in rows.into_iter().zip(lambdas) {
-            cut_split(context, stations, layout.stretch.lambda_in_channel(lambda), tool, cut, closing)?;
-        }
-        added_in_all += cut.drop_hindered_rows(before);
-        if round + 1 >= ROUNDS.len() && uncut - search.floor().uncut_share() < MIN_CUT_SHARE {
+        let uncut = pool.search.floor().uncut_share();
+        added_in_all += pool.cut(ROUNDS[round.min(ROUNDS.len() - 1)], cut, monitor)?;
+        if round + 1 >= ROUNDS.len() && uncut - pool.search.floor().uncut_share() < MIN_CUT_SHARE {
             break;
         }
     }
-    if uncut_before - search.floor().uncut_share() < MIN_WORTHWHILE_SHARE {
+    if uncut_before - pool.search.floor().uncut_share() < MIN_WORTHWHILE_SHARE {
         cut.rows.truncate(rows_before);
         cut.columns.truncate(columns_before);
         return Ok(0);
