@@ -4,6 +4,7 @@
 pub mod assess;
 pub mod flank;
 mod goal;
+pub mod machine_run;
 mod part_cache;
 pub mod post;
 pub mod stage;
