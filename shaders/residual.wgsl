@@ -129,8 +129,26 @@ fn contact_depth(m: Meeting, squared_core: f32, height: f32) -> f32 {
     return select(0.0, max(depth, 0.0), meets);
 }
 
+fn ball_entry(m: Meeting, sharp_entry: f32, radius: f32) -> f32 {
+    let squared = m.squared_distance + sharp_entry * (2.0 * m.closing + sharp_entry * m.squared_sine);
+    let down = max(radius - (m.z + sharp_entry * m.slope), 0.0);
+    let outside = squared + down * down - radius * radius;
+    if outside <= 2.0 * radius * CORNER_TOLERANCE {
+        return sharp_entry;
+    }
+    let nearing = down * m.slope - (m.closing + sharp_entry * m.squared_sine);
+    let discriminant = nearing * nearing - outside;
+    if nearing <= 0.0 || discriminant < 0.0 {
+        return FAR;
+    }
+    return sharp_entry + outside / max(nearing + sqrt(discriminant), MIN_COSINE);
+}
+
 fn corner_entry(m: Meeting, sharp_entry: f32, cutter: Cutter) -> f32 {
     let inner = cutter.radius - cutter.corner_radius;
+    if inner <= 0.0 {
+        return ball_entry(m, sharp_entry, cutter.radius);
+    }
     var height = sharp_entry;
     for (var i = 0u; i < CORNER_STEPS; i++) {
         let squared = m.squared_distance + height * (2.0 * m.closing + height * m.squared_sine);

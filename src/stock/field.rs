@@ -211,9 +211,17 @@ impl Tile {
             // A rounded corner only delays the entry: cells that the sharp cutter enters too late do not
             // change.
             let limit = if sweeps_all { height } else { blank };
-            for lane in 0..TILE {
-                if entries[lane] < limit[lane] {
-                    entries[lane] = meetings.get(lane).corner_entry(entries[lane], cutter);
+            if cutter.corner_radius >= cutter.radius {
+                for lane in 0..TILE {
+                    let sharp = entries[lane];
+                    let ball = meetings.get(lane).ball_entry(smaller(sharp, limit[lane]), cutter.radius);
+                    entries[lane] = if sharp < limit[lane] { ball } else { sharp };
+                }
+            } else {
+                for lane in 0..TILE {
+                    if entries[lane] < limit[lane] {
+                        entries[lane] = meetings.get(lane).corner_entry(entries[lane], cutter);
+                    }
                 }
             }
         }

@@ -35,7 +35,7 @@ pub(crate) fn saddle(rows: usize, columns: usize) -> FloorGrid {
 pub(crate) fn any_cutter() -> impl Strategy<Value = FieldCutter> {
     let place = (-35.0..35.0, -13.0..13.0, -1.0..4.0);
     let direction = (0.0..0.9_f64, 0.0..6.2_f64);
-    let shape = (2.0..8.0, 0.0..0.9, prop_oneof![Just(0.0), 0.02..1.0]);
+    let shape = (2.0..8.0, 0.0..0.9, prop_oneof![Just(0.0), 0.02..1.0, Just(1.0)]);
     (place, direction, shape).prop_map(|((x, y, lift), (tilt, turn), (radius, core, corner))| {
         let z = x * x / 120.0 - y * y / 80.0 + lift;
         let axis = [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()];

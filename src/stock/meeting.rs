@@ -1,8 +1,8 @@
 //! Intersection of one ray with one cutter: the arithmetic of the field for one cell.
 //!
 //! `shaders/residual.wgsl` has the same functions under the same names, and gets the constants of this file
-//! when it is compiled. Only the steps around a rounded corner branch, so that loops over the others become
-//! vector instructions.
+//! when it is compiled. Only the steps around the corner of a bull nose branch, so that loops over the others
+//! become vector instructions.
 
 use super::field::FieldCutter;
 use super::tiles::TILE;
@@ -112,6 +112,9 @@ impl Meeting {
     #[inline(always)]
     pub(super) fn corner_entry(&self, sharp_entry: f32, cutter: &FieldCutter) -> f32 {
         let inner = cutter.radius - cutter.corner_radius;
+        if inner <= 0.0 {
+            return self.ball_entry(sharp_entry, cutter.radius);
+        }
         let mut height = sharp_entry;
         for _ in 0..CORNER_STEPS {
             let squared = self.squared_distance + height * (2.0 * self.closing + height * self.squared_sine);
@@ -131,6 +134,21 @@ impl Meeting {
             height -= gap / rate;
         }
         height
+    }
+
+    /// As [`Self::corner_entry`] of a ball, whose entry has a closed form: the root of a quadratic, taken from
+    /// the sharp entry on so that its numbers are small.
+    #[inline(always)]
+    pub(super) fn ball_entry(&self, sharp_entry: f32, radius: f32) -> f32 {
+        let squared =
+            self.squared_distance + sharp_entry * (2.0 * self.closing + sharp_entry * self.squared_sine);
+        let down = larger(radius - (self.z + sharp_entry * self.slope), 0.0);
+        let outside = squared + down * down - radius * radius;
+        let nearing = down * self.slope - (self.closing + sharp_entry * self.squared_sine);
+        let discriminant = nearing * nearing - outside;
+        let further = outside / larger(nearing + larger(discriminant, 0.0).sqrt(), MIN_COSINE);
+        let met = if nearing > 0.0 && discriminant >= 0.0 { sharp_entry + further } else { FAR };
+        if outside <= 2.0 * radius * CORNER_TOLERANCE { sharp_entry } else { met }
     }
 }
 
