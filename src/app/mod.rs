@@ -278,17 +278,15 @@ impl App {
                     }
                 },
             );
-            let has_plots = self.state.look.operation == Operation::Roughing
-                && self.state.look.plots
-                && ui.available_height() > MIN_HEIGHT_FOR_PLOTS;
-            if has_plots && self.state.document.edited.setup.machine.file.is_some() {
+            let has_plots = self.state.look.plots && ui.available_height() > MIN_HEIGHT_FOR_PLOTS;
+            if has_plots && self.state.timeline_machine().is_some() {
                 let height = panels::rotary::HEIGHT + 8.0;
                 Panel::bottom("rotary axes").frame(frame).exact_size(height).show(ui, |ui| {
                     let menu = panels::rotary::show(ui, &mut self.state);
                     self.run_for_position(ui.ctx(), menu);
                 });
             }
-            if has_plots {
+            if has_plots && self.state.look.operation == Operation::Roughing {
                 Panel::bottom("plots").frame(frame).exact_size(panels::plots::HEIGHT + 8.0).show(ui, |ui| {
                     let menu = panels::plots::show(ui, &mut self.state);
                     self.run_for_position(ui.ctx(), menu);

@@ -219,6 +219,9 @@ pub struct PostArgs {
     /// What the program gives the control: tcp-angles, tcp-vectors, plane or joints; absent: from the machine
     #[arg(long = "output", value_name = "KIND")]
     pub kind: Option<String>,
+    /// Write a subprogram: it keeps the work offset of the program that calls it, and returns at its end
+    #[arg(long)]
+    pub subprogram: bool,
     /// Setup file with tools; what the program does not say of a tool is taken from it
     #[arg(long)]
     pub setup: Option<PathBuf>,

@@ -48,7 +48,10 @@ impl PostSource {
 pub fn run(args: &PostArgs) -> Result<(), Failure> {
     let started = std::time::Instant::now();
     let machine = read_machine(&args.machine)?;
-    let post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
+    let mut post = read_post(args.control.as_deref().unwrap_or(&machine.control))?;
+    if args.subprogram {
+        post = post.into_subprogram()?;
+    }
     let output = match args.kind.as_deref() {
         None => machine.output,
         Some(name) => OutputKind::of_name(name).ok_or_else(|| {

@@ -1,6 +1,7 @@
 //! `vanecut verify`.
 
 pub(super) mod flank;
+mod machine;
 
 use std::path::Path;
 
@@ -35,7 +36,8 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let (name, bytes) = open::named_bytes(&args.program)?;
     let target =
         args.machine.as_deref().map(|machine| NcTarget { machine, control: args.control.as_deref() });
-    let ProgramReading { program, overruns, .. } = read_program_bytes(&name, &bytes, target, &part, setup)?;
+    let ProgramReading { program, overruns, on_machine } =
+        read_program_bytes(&name, &bytes, target, &part, setup)?;
     let workpiece = setup.allowances.workpiece_of(part);
     let part = &workpiece.part;
     let unjudged = |error: VerifyError| Failure::of_verify(&name, error);
@@ -51,6 +53,11 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         .map_err(unjudged)?;
         (plunge_object(part, &report), plunge_text(&report), report.verdict.faults)
     };
+    if let Some(on_machine) = &on_machine {
+        let figures = machine::MachineFigures::of(on_machine, &program, &workpiece, setup);
+        map.extend(figures.keys());
+        text += &figures.text();
+    }
     faults.extend(overruns);
     faults.sort_by_key(|fault| fault.line);
     if args.json {

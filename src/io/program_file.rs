@@ -7,7 +7,7 @@ use super::apt::read_apt_bytes;
 use super::machine_file::read_machine;
 use super::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
 use super::tool_library::{flank_cutters, plunge_cutters};
-use crate::machine::PlacedPart;
+use crate::machine::{MachineTool, PlacedPart};
 use crate::part::Impeller;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
@@ -29,8 +29,19 @@ pub struct ProgramReading {
     pub program: ClProgram,
     /// Positions beyond the limits of an axis, as faults; of APT there are none.
     pub overruns: Vec<Fault>,
-    /// Rotary positions (rad) that NC code names, one for each move; `None` for APT.
-    pub angles: Option<Vec<Option<[f64; 2]>>>,
+    /// The machine that NC code was read for; `None` for APT.
+    pub on_machine: Option<NcMachine>,
+}
+
+/// The machine of an NC program, with what the program says of its axes.
+#[derive(Clone, Debug)]
+pub struct NcMachine {
+    /// The machine.
+    pub machine: MachineTool,
+    /// How the part lies on it.
+    pub placed: PlacedPart,
+    /// Rotary positions (rad) that the code names, one for each move.
+    pub angles: Vec<Option<[f64; 2]>>,
 }
 
 /// Reads the program `bytes` of file `name` for `part`: APT, or with a `target` the NC code that was posted
@@ -47,7 +58,7 @@ pub fn read_program_bytes(
 ) -> Result<ProgramReading, InputError> {
     let Some(target) = target.filter(|_| !is_apt(bytes)) else {
         let program = read_apt_bytes(name, bytes)?;
-        return Ok(ProgramReading { program, overruns: Vec::new(), angles: None });
+        return Ok(ProgramReading { program, overruns: Vec::new(), on_machine: None });
     };
     let machine = read_machine(target.machine)?;
     let post = read_post(target.control.unwrap_or(&machine.control))?;
@@ -57,7 +68,8 @@ pub fn read_program_bytes(
     let context = ReadContext { machine: &machine, placed, tools: &tools };
     let reading = read_nc(name, bytes, post.dialect, &context)?;
     let overruns = reading.overruns.iter().map(overrun_fault).collect();
-    Ok(ProgramReading { program: reading.program, overruns, angles: Some(reading.angles) })
+    let on_machine = Some(NcMachine { machine, placed, angles: reading.angles });
+    Ok(ProgramReading { program: reading.program, overruns, on_machine })
 }
 
 /// The fault of a position beyond the limits of an axis.

@@ -92,6 +92,38 @@ pub struct MachineProgram {
     pub axis_error_rad: f64,
 }
 
+impl MachineProgram {
+    /// The motion of a program whose poses are known, one for each move; moves without one are passed over.
+    /// Moves of one line are one block: the axes run evenly to the end of the last.
+    pub fn of_poses(program: &ClProgram, poses: &[Option<Pose>]) -> Self {
+        let mut out = Self::default();
+        for (source, (step, pose)) in program.moves.iter().zip(poses).enumerate() {
+            let (Some(pose), Some(tool)) = (*pose, step.tool) else { continue };
+            let ends_line = program.moves.get(source + 1).is_none_or(|next| next.line != step.line);
+            if step.line > 0 && !ends_line {
+                continue;
+            }
+            let motion = match step.motion {
+                _ if out.steps.last().is_none_or(|before| before.tool != tool) => StepMotion::Approach,
+                Motion::Feed(Some(rate)) if rate > 0.0 => StepMotion::Feed(rate),
+                Motion::Feed(_) | Motion::Rapid => StepMotion::Link,
+            };
+            out.add_step(MachineStep { motion, pose, tool, source });
+        }
+        out
+    }
+
+    /// Adds a step, and its turn from the step before to the travel.
+    fn add_step(&mut self, step: MachineStep) {
+        if let Some(before) = self.steps.last() {
+            for i in 0..2 {
+                self.rotary_travel[i] += (step.pose.angles[i] - before.pose.angles[i]).abs();
+            }
+        }
+        self.steps.push(step);
+    }
+}
+
 /// Length from the gauge point to the tip of a tool, mm.
 pub fn gauge_length(machine: &MachineTool, tool: &ClTool) -> f64 {
     tool.overhang.unwrap_or(0.0) + machine.holder_length
@@ -193,12 +225,7 @@ struct MotionMaker<'a> {
 
 impl MotionMaker<'_> {
     fn push(&mut self, motion: StepMotion, pose: Pose, tool: usize, source: usize) {
-        if let Some((before, _, _)) = self.before {
-            for i in 0..2 {
-                self.out.rotary_travel[i] += (pose.angles[i] - before.angles[i]).abs();
-            }
-        }
-        self.out.steps.push(MachineStep { motion, pose, tool, source });
+        self.out.add_step(MachineStep { motion, pose, tool, source });
         self.before = Some((pose, tool, source));
     }
 

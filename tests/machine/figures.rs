@@ -11,8 +11,12 @@ use vanecut::io::nc::{NcProgram, Post, ReadContext, read_nc, read_post, write_nc
 use vanecut::io::part_file::read_part;
 use vanecut::io::setup_file::read_setup_with_defaults;
 use vanecut::job::flank::{FlankJob, FlankRequest};
+use vanecut::job::machine_run::MachineRun;
 use vanecut::job::{PlanRequest, Summary, run};
-use vanecut::machine::{MachineTool, MotionOptions, OutputKind, PlacedPart, machine_program};
+use vanecut::machine::{
+    MachineProgram, MachineTool, MotionOptions, OutputKind, PlacedPart, SectionTime, machine_program,
+    section_times,
+};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::setup::{AxisPolicy, Setup};
@@ -83,17 +87,40 @@ fn numbered(mut program: ClProgram) -> ClProgram {
     program
 }
 
+/// Time in joint space with tool changes, s, and travel of both rotary axes, rad.
+fn machine_figures(machine: &MachineTool, program: &ClProgram, motion: &MachineProgram) -> (f64, [f64; 2]) {
+    let times = section_times(machine, program, motion);
+    (times.iter().map(SectionTime::total_s).sum(), motion.rotary_travel)
+}
+
 impl Planned {
-    /// The program as it is written for a machine, and as that is read back.
+    /// The program as it is written for a machine, and as that is read back. By the rotary positions that it
+    /// names, the machine takes as long for what is read as for what was written.
     fn posted(&self, machine: &MachineTool, control: &str, output: OutputKind) -> (NcProgram, ClProgram) {
         let post: Post = read_post(control).unwrap();
         let placed = PlacedPart::of(&machine.part, &self.workpiece.part);
         let options = MotionOptions::new(output, post.format.angle_decimals);
         let motion = machine_program(machine, &placed, &self.program, &options, &Monitor::default());
-        let nc = write_nc(&self.program, machine, &motion.expect("it runs"), &post, output).unwrap();
+        let motion = motion.expect("it runs");
+        let nc = write_nc(&self.program, machine, &motion, &post, output).unwrap();
         let context = ReadContext { machine, placed, tools: &self.setup.tools };
         let reading = read_nc("p.nc", nc.text.as_bytes(), post.dialect, &context).unwrap();
         assert_eq!(reading.overruns, []);
+        let run = MachineRun::by_angles(&placed, &reading.program, &reading.angles);
+        assert_eq!(run.is_some(), matches!(output, OutputKind::TcpAngles | OutputKind::Joints));
+        if let Some(run) = run {
+            let (time, travel) = machine_figures(machine, &self.program, &motion);
+            let (read_time, read_travel) = machine_figures(machine, &reading.program, &run.motion);
+            let case = format!("{} {control} {}", machine.name, output.name());
+            // Feed rates are rounded.
+            assert!((read_time - time).abs() < 1e-3 * time, "{case}: {time} s written, {read_time} s read");
+            for (written, read) in travel.into_iter().zip(read_travel) {
+                assert!(
+                    (read - written).abs() < 1e-3 * written,
+                    "{case}: {written} rad written, {read} read"
+                );
+            }
+        }
         (nc, reading.program)
     }
 

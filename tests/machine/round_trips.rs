@@ -1,6 +1,6 @@
 //! What is posted is read back: every machine, control and output.
 
-use vanecut::io::nc::read_post;
+use vanecut::io::nc::{read_post, read_post_bytes, write_nc};
 use vanecut::machine::{MotionFault, OutputKind, StepMotion, TurnLink};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 
@@ -30,6 +30,35 @@ fn check(program: &ClProgram, outputs: &[OutputKind]) {
 #[test]
 fn plunges_come_back() {
     check(&plunges(), &OutputKind::ALL);
+}
+
+/// A subprogram moves as the program does. It chooses no work offset, and ends with a return.
+#[test]
+fn subprograms_return() {
+    let machine = machine("ac-trunnion");
+    for (control, ends) in [
+        ("heidenhain", "END PGM"),
+        ("siemens", "M17"),
+        ("fanuc", "M99"),
+        ("haas", "M99"),
+        ("linuxcnc", "ENDSUB"),
+    ] {
+        let post = read_post(control).unwrap();
+        let sub = post.clone().into_subprogram().unwrap();
+        let motion = moved(&machine, &plunges(), &post, machine.output).unwrap();
+        let text = |post| write_nc(&plunges(), &machine, &motion, post, machine.output).unwrap().text;
+        let (whole, called) = (text(&post), text(&sub));
+        let read = |text: &str| read_back(&machine, control, text).expect(control).program.moves;
+        let places =
+            |text: &str| read(text).into_iter().map(|m| (m.motion, m.tip, m.axis)).collect::<Vec<_>>();
+        assert_eq!(places(&called), places(&whole), "{control}");
+        assert!(whole.contains("M30") && !called.contains("M30") && called.contains(ends), "{called}");
+        let head: String = called.lines().take(6).collect();
+        assert!(!head.contains("G54") && !head.contains("CYCL DEF 247"), "{head}");
+    }
+    let own = b"dialect = \"fanuc\"\n[on]\njoints = []\n";
+    let error = read_post_bytes("own.toml", own).unwrap().into_subprogram().unwrap_err();
+    assert!(error.message.contains("own.toml has no `sub_start`"), "{}", error.message);
 }
 
 #[test]

@@ -279,7 +279,7 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
 }
 
 #[test]
-fn no_plan_cuts_what_misses_goal() {
+fn no_plan_cuts_what_is_out_of_reach() {
     // A smaller cutter for rest milling would cut floor that is inaccessible to the others.
     let mut asked = Setup::default();
     asked.plunge.rest = false;

@@ -112,6 +112,11 @@ fn the_axes_of_a_flank_plan_stand_beside_its_timeline() {
         seen.insert(format!("{now:?}"));
     }
     assert_eq!(seen.len(), 4, "the axes move with the timeline");
+    let rect = window.get_by_label("Rotary axes over the program").rect();
+    press(&mut window, rect.lerp_inside(egui::vec2(0.5, 0.6)));
+    window.run_steps(3);
+    let cut = window.state().state().look.flank.cut.expect("on the timeline");
+    assert!(cut.abs_diff(moves.len() / 2) <= moves.len() / 100, "{cut} of {}", moves.len());
     // The plunge plan has axes of its own.
     let of_flank = on_machine(&window).ends.len();
     window.get_by_label_contains("Roughing: ").click();

@@ -18,6 +18,10 @@ pub struct PostTarget {
     pub output: OutputKind,
     /// What the control takes.
     pub outputs: Vec<OutputKind>,
+    /// Whether another program calls it; only where the post takes subprograms.
+    pub is_subprogram: bool,
+    /// Whether the post takes subprograms.
+    pub takes_subprograms: bool,
     /// Grammar of the control; the ending of the file follows from it.
     pub dialect: Dialect,
 }
@@ -35,6 +39,8 @@ impl PostTarget {
             control: machine.control,
             output: machine.output,
             outputs: post.outputs().collect(),
+            is_subprogram: false,
+            takes_subprograms: post.takes_subprograms(),
             dialect: post.dialect,
         };
         Ok(target.with_known_output())
@@ -49,6 +55,8 @@ impl PostTarget {
         let target = Self {
             control: name.to_owned(),
             outputs: post.outputs().collect(),
+            is_subprogram: self.is_subprogram && post.takes_subprograms(),
+            takes_subprograms: post.takes_subprograms(),
             dialect: post.dialect,
             ..self.clone()
         };

@@ -61,7 +61,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         .map_err(|fault| InputError::new(fault.code, "", 0, fault.message.clone(), fault.help.clone()))?;
     let bytes = read_bytes(path)?;
     let target = NcTarget { machine: Path::new(machine), control: control.as_deref() };
-    let ProgramReading { program, overruns, angles } =
+    let ProgramReading { program, overruns, on_machine } =
         read_program_bytes(&name, &bytes, Some(target), part, setup)?;
     let workpiece = setup.allowances.workpiece_of(Arc::clone(part));
     let unjudged = |error: VerifyError| match error {
@@ -97,7 +97,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         clock: Travel::clock(&program),
         listing: Arc::new(listing),
         program,
-        angles,
+        angles: on_machine.map(|on_machine| on_machine.angles),
     })
 }
 

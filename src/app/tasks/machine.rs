@@ -13,12 +13,11 @@ use crate::drawing::machine::DrawnTool;
 use crate::io::InputError;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
-use crate::machine::{
-    BlankSize, MachineTool, MotionFault, MotionOptions, PlacedPart, Pose, gauge_length, machine_program,
-};
+use crate::job::machine_run::MachineRun;
+use crate::machine::{BlankSize, MachineTool, MotionOptions, PlacedPart, Pose, gauge_length};
 use crate::monitor::Monitor;
 use crate::plunge::{PlungePlan, Position};
-use crate::toolpath::{ClProgram, ClTool, Move};
+use crate::toolpath::{ClProgram, ClTool};
 
 /// A program, and the machine that is to run it.
 #[derive(Clone, PartialEq)]
@@ -67,12 +66,17 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
         TimelineProgram::Checked(checked) => checked.angles.as_deref(),
         _ => None,
     };
-    let poses = match named.and_then(|angles| named_poses(&placed, &program, angles)) {
-        Some(poses) => Ok(poses),
-        None => chosen_poses(&machine, &placed, &program, blank)?,
+    let run = match named.and_then(|angles| MachineRun::by_angles(&placed, &program, angles)) {
+        Some(run) => Ok(run),
+        None => {
+            let post = read_post(&machine.control)?;
+            let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
+            options.blank = Some(blank);
+            MachineRun::chosen(&machine, &placed, &program, &options, &Monitor::default())
+        }
     };
-    let (poses, fault) = match poses {
-        Ok(poses) => (poses, None),
+    let (poses, fault) = match run {
+        Ok(run) => (run.poses, None),
         Err(fault) => {
             let error = fault.explained();
             (Vec::new(), Some((error.message, error.help)))
@@ -93,48 +97,6 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
         _ => Vec::new(),
     };
     Ok(ProgramOnMachine { machine, placed, blank, start, ends, fault, demands })
-}
-
-/// The pose at the end of each move by the rotary positions that NC code names; `None` where it names none,
-/// since the control chooses them.
-fn named_poses(
-    placed: &PlacedPart,
-    program: &ClProgram,
-    angles: &[Option<[f64; 2]>],
-) -> Option<Vec<Option<Pose>>> {
-    angles.iter().any(Option::is_some).then(|| {
-        let pose = |(step, angles): (&Move, &Option<[f64; 2]>)| {
-            let (tip, axis) = (placed.point_in_program(&step.tip), placed.vector_in_program(&step.axis));
-            angles.map(|angles| Pose { tip, axis, angles })
-        };
-        program.moves.iter().zip(angles).map(pose).collect()
-    })
-}
-
-/// The pose at the end of each move as `vanecut post` chooses it, or why the machine cannot run the program.
-fn chosen_poses(
-    machine: &MachineTool,
-    placed: &PlacedPart,
-    program: &ClProgram,
-    blank: BlankSize,
-) -> Result<Result<Vec<Option<Pose>>, MotionFault>, InputError> {
-    let post = read_post(&machine.control)?;
-    let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
-    options.blank = Some(blank);
-    let made = machine_program(machine, placed, program, &options, &Monitor::default());
-    Ok(made.map(|motion| {
-        let mut poses = vec![None; program.moves.len()];
-        // Steps before the one that ends a move lead to it, and one after it may leave the part.
-        for step in &motion.steps {
-            let end = program.moves.get(step.source).map(|end| placed.point_in_program(&end.tip));
-            if let (Some(tip), Some(pose)) = (end, poses.get_mut(step.source))
-                && step.pose.tip == tip
-            {
-                *pose = Some(step.pose);
-            }
-        }
-        poses
-    }))
 }
 
 /// What a position asks of the axes.

@@ -101,7 +101,7 @@ pub(super) fn nc_text(path: &Path, content: &NcTask) -> Result<(String, String),
 
 /// Posts a program. Moves are named in messages by their numbers.
 fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
-    let PostTarget { machine, control, output, .. } = &content.target;
+    let PostTarget { machine, control, output, is_subprogram, .. } = &content.target;
     let (mut program, workpiece, setup) = match &content.source {
         ProgramSource::Plunges(source) => {
             let outcome = &source.planned.outcome;
@@ -113,18 +113,22 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
         step.line = number;
     }
     let part = &workpiece.part;
-    let request = PostRequest {
-        machine: read_machine(Path::new(machine))?,
-        post: read_post(control)?,
-        output: *output,
-        inlet_up: part.out_of_inlet().z > 0.0,
-        blank: Some(BlankSize::of(part, &setup.allowances)),
-    };
     let fault = |move_number: usize, error: UserError| {
         let place = if move_number > 0 { format!("move {move_number}: ") } else { String::new() };
         let (message, machine) = (error.message, short_name(machine));
         let message = format!("the NC program is not written: {machine}: {place}{message}");
         InputError::new(error.code, &path.display().to_string(), 0, message, error.help)
+    };
+    let mut post = read_post(control)?;
+    if *is_subprogram {
+        post = post.into_subprogram().map_err(|error| fault(0, error))?;
+    }
+    let request = PostRequest {
+        machine: read_machine(Path::new(machine))?,
+        post,
+        output: *output,
+        inlet_up: part.out_of_inlet().z > 0.0,
+        blank: Some(BlankSize::of(part, &setup.allowances)),
     };
     post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
         PostFault::Motion(motion) => fault(motion.line(), motion.explained()),

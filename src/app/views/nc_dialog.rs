@@ -146,6 +146,11 @@ fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
         });
         list.response.labelled_by(label.id).on_hover_text(OUTPUT_TIP);
         ui.end_row();
+        ui.label("");
+        let tip = if target.takes_subprograms { SUBPROGRAM_TIP } else { NO_SUBPROGRAM_TIP };
+        let choice = egui::Checkbox::new(&mut target.is_subprogram, "Subprogram");
+        ui.add_enabled(target.takes_subprograms, choice).on_hover_text(tip).on_disabled_hover_text(tip);
+        ui.end_row();
     });
     match changed {
         Some(Ok(target)) => question.target = target,
@@ -163,6 +168,11 @@ const CONTROL_TIP: &str = "The control, whose words the program is written in";
 const POST_TIP: &str = "Takes the words from a post of your own: a copy of one of these, changed (.toml)";
 const OUTPUT_TIP: &str = "What the program gives: rotary angles or tool vectors with the tip held by the control,\n\
      a tilted plane for each direction (3+2), or the positions of all axes";
+
+const SUBPROGRAM_TIP: &str = "For a program that calls it, once a channel, with the work offset turned by the pitch: \
+     it keeps that offset, and returns at its end";
+const NO_SUBPROGRAM_TIP: &str =
+    "The post does not say how a subprogram begins and ends: `sub_start`, `sub_end`";
 
 /// What an output gives, in words.
 fn words_of(output: OutputKind) -> &'static str {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::format::NumberFormat;
-use crate::error::ErrorCode;
+use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::{name_of, quote_for_message, read_bytes};
 use crate::io::table::{Located, TomlDocument, TomlTable};
@@ -52,8 +52,10 @@ impl Dialect {
     }
 }
 
-/// Groups of blocks of a post, in the order of a program.
-pub(super) const GROUPS: [&str; 6] = ["start", "retract", "tool", "ready", "leave", "end"];
+/// Groups of blocks of a post, in the order of a program; the last two take the place of `start` and `end` where a
+/// program is called by another.
+pub(super) const GROUPS: [&str; 8] =
+    ["start", "retract", "tool", "ready", "leave", "end", "sub_start", "sub_end"];
 /// Words in braces that the writer fills in.
 const WORDS: [&str; 13] = [
     "name", "number", "machine", "offset", "tool", "diameter", "spindle", "x", "y", "angles", "p1", "p2",
@@ -71,7 +73,7 @@ pub struct Post {
     pub dialect: Dialect,
     /// Numbers.
     pub format: NumberFormat,
-    /// Blocks by group: `start`, `retract`, `tool`, `ready`, `leave`, `end`.
+    /// Blocks by group; see `GROUPS`.
     pub(super) blocks: BTreeMap<&'static str, Vec<String>>,
     /// Blocks that switch an output on; an output without them is not to be had.
     pub(super) on: BTreeMap<OutputKind, Vec<String>>,
@@ -83,6 +85,26 @@ impl Post {
     /// Outputs that the control takes.
     pub fn outputs(&self) -> impl Iterator<Item = OutputKind> + '_ {
         self.on.keys().copied()
+    }
+
+    /// Whether the post says how a program begins and ends that another one calls.
+    pub fn takes_subprograms(&self) -> bool {
+        ["sub_start", "sub_end"].iter().all(|group| self.blocks.contains_key(group))
+    }
+
+    /// The post of programs that another one calls: they choose no work offset, and return at their end.
+    ///
+    /// # Errors
+    /// When the post does not say how they begin and end.
+    pub fn into_subprogram(mut self) -> Result<Self, UserError> {
+        let (Some(start), Some(end)) = (self.blocks.remove("sub_start"), self.blocks.remove("sub_end"))
+        else {
+            let what = format!("the post {} has no `sub_start` and `sub_end`", self.name);
+            return Err(UserError::new(ErrorCode::MissingKey, what, "give it both, as in assets/posts"));
+        };
+        self.blocks.insert("start", start);
+        self.blocks.insert("end", end);
+        Ok(self)
     }
 }
 

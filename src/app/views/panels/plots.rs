@@ -133,10 +133,15 @@ impl PositionScale {
         ((share * self.last()).round().clamp(0.0, self.last()) as usize).min(self.count - 1)
     }
 
+    /// Where `response` to the plot is clicked or dragged.
+    pub fn clicked(self, response: &Response) -> Option<usize> {
+        let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
+        response.interact_pointer_pos().filter(|_| picks).map(|at| self.near(at))
+    }
+
     /// What `response` to the plot picks; in the table its first position has the number `first`.
     pub fn picked(self, ui: &Ui, response: &Response, first: usize) -> Picked {
         let pointer = response.interact_pointer_pos();
-        let picks = response.clicked() || response.dragged_by(PointerButton::Primary);
         // The menu stays with the position that was right-clicked.
         let id = response.id.with("menu position");
         if let Some(at) = pointer.filter(|_| response.secondary_clicked()) {
@@ -145,7 +150,7 @@ impl PositionScale {
         let of_menu: usize = ui.data(|data| data.get_temp(id)).unwrap_or_default();
         let menu = Popup::context_menu(response).show(|ui| position_menu(ui, first + of_menu, false));
         let menu = menu.and_then(|menu| menu.inner).map(|command| (command, of_menu));
-        Picked { clicked: pointer.filter(|_| picks).map(|at| self.near(at)), menu }
+        Picked { clicked: self.clicked(response), menu }
     }
 }
 

@@ -41,6 +41,27 @@ impl AxisCurve {
         let range = (low, high.max(low + MIN_RANGE));
         Self { letter: plan.machine.rotary[axis].letter, colour, values, range }
     }
+
+    /// Indices of the values that a line of `width` points shows: all known ones, or of many the lowest and the
+    /// highest of each half point.
+    fn drawn(&self, width: f32) -> Vec<usize> {
+        let bins = (2.0 * width.max(1.0)) as usize;
+        let known = |k: &usize| self.values[*k].is_finite();
+        if self.values.len() <= 2 * bins {
+            return (0..self.values.len()).filter(known).collect();
+        }
+        let size = self.values.len().div_ceil(bins);
+        let of_bin = |start: usize| {
+            let bin = || (start..(start + size).min(self.values.len())).filter(known);
+            let by_value = |a: &usize, b: &usize| self.values[*a].total_cmp(&self.values[*b]);
+            let (low, high) = (bin().min_by(by_value)?, bin().max_by(by_value)?);
+            Some(if low < high { [low, high] } else { [high, low] })
+        };
+        let mut drawn: Vec<usize> =
+            (0..self.values.len()).step_by(size).filter_map(of_bin).flatten().collect();
+        drawn.dedup();
+        drawn
+    }
 }
 
 /// Draws the plot; a click moves the timeline. Returns a command from the context menu, with the position it
@@ -54,7 +75,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     let Some(plan) = state.on_machine().filter(|plan| !plan.ends.is_empty()) else {
         let is_known = state.results.on_machine.is_some();
-        let text = if is_known { "The machine cannot run the plan" } else { "Axes: calculating…" };
+        let text = if is_known { "The machine cannot run the program" } else { "Axes: calculating…" };
         let (font, ink) = (FontId::proportional(theme::MIN_TEXT_SIZE), ui.visuals().weak_text_color());
         painter.text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
         return None;
@@ -72,7 +93,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     for k in state.boundaries(Boundary::Section).into_iter().filter(|&k| k > 0) {
         upright(k, Stroke::new(1.0, faint));
     }
-    let now = state.look.cut_count.map_or(count, |cut| cut.min(count)).checked_sub(1);
+    let now = state.timeline_cut().map_or(count, |cut| cut.min(count)).checked_sub(1);
     let accent = theme::accent(ui.visuals());
     if let Some(k) = now {
         upright(k, Stroke::new(1.0, accent));
@@ -82,8 +103,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     for curve in &curves {
         let (low, high) = curve.range;
         let place = |k: usize, v: f64| scale.place(k, ((v - low) / (high - low)) as f32);
-        let known = curve.values.iter().enumerate().filter(|(_, v)| v.is_finite());
-        painter.line(known.map(|(k, &v)| place(k, v)).collect(), Stroke::new(1.4, curve.colour));
+        let line = curve.drawn(inner.width()).into_iter().map(|k| place(k, curve.values[k])).collect();
+        painter.line(line, Stroke::new(1.4, curve.colour));
         if let Some((k, &v)) =
             now.and_then(|k| Some((k, curve.values.get(k)?))).filter(|(_, v)| v.is_finite())
         {
@@ -98,13 +119,14 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     }
     if let Some(k) = response.hover_pos().map(|at| scale.near(at)) {
         let values = curves.iter().map(|curve| format!("{} {:.3}°", curve.letter, curve.values[k]));
-        let text = format!("Position {}: {}", k + 1, values.collect::<Vec<_>>().join(", "));
+        let step = if state.timeline_is_of_moves() { "Move" } else { "Position" };
+        let text = format!("{step} {}: {}", k + 1, values.collect::<Vec<_>>().join(", "));
         response.clone().on_hover_text_at_pointer(text);
     }
-    let picked = scale.picked(ui, &response, 0);
-    if let Some(k) = picked.clicked {
+    if let Some(k) = scale.clicked(&response) {
         state.look.playing = None;
         state.set_timeline(Some(k + 1));
     }
-    picked.menu
+    // Moves have no commands of their own.
+    if state.timeline_is_of_moves() { None } else { scale.picked(ui, &response, 0).menu }
 }

@@ -13,7 +13,7 @@ type Letter = (char, f64);
 pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
     let mut letters: Vec<Letter> = Vec::with_capacity(12);
     let mut rest = line.trim();
-    if rest.starts_with('%') {
+    if rest.starts_with('%') || dialect == Dialect::LinuxCnc && is_frame_of_sub(rest) {
         out.push(NcWord::Nothing);
         return Ok(());
     }
@@ -70,6 +70,13 @@ pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Resu
     Ok(())
 }
 
+/// Whether a line begins or ends a subprogram of LinuxCNC: `O<name> SUB`, `O<name> ENDSUB`.
+fn is_frame_of_sub(line: &str) -> bool {
+    let line = line.to_ascii_uppercase();
+    let named = line.strip_prefix("O<").and_then(|rest| rest.split_once('>'));
+    named.is_some_and(|(_, word)| matches!(word.trim(), "SUB" | "ENDSUB"))
+}
+
 /// `G68.2 X Y Z I J K`: turned about Z by I, about the new X by J, about the new Z by K.
 fn euler_plane(letters: &[Letter]) -> Result<[Vector; 3], NcFault> {
     let value = |name: char| letters.iter().find(|l| l.0 == name).map(|l| l.1);
@@ -121,6 +128,7 @@ fn m_code(dialect: Dialect, x: f64, out: &mut Vec<NcWord>) -> Result<(), NcFault
         6 => NcWord::Change,
         7..=9 | 0 | 1 | 10..=13 => NcWord::Nothing,
         2 | 30 => NcWord::End,
+        99 if dialect != Dialect::LinuxCnc => NcWord::End,
         428 if dialect == Dialect::LinuxCnc => NcWord::TipByAngles,
         429 if dialect == Dialect::LinuxCnc => NcWord::TipOff,
         _ => return fault(format!("M{x} is not read"), UNKNOWN),

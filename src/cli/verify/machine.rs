@@ -1,0 +1,83 @@
+//! What `vanecut verify` says of an NC program on its machine: the time by all axes, and their travel.
+
+use serde_json::{Map, Value, json};
+
+use crate::cli::output::number;
+use crate::io::program_file::NcMachine;
+use crate::job::machine_run::MachineRun;
+use crate::machine::{BlankSize, MachineTool, MotionOptions, OutputKind, SectionTime, section_times};
+use crate::monitor::Monitor;
+use crate::part::Workpiece;
+use crate::setup::Setup;
+use crate::toolpath::ClProgram;
+
+/// Decimals of the rotary positions that a control chooses itself for vectors and planes, degrees.
+const CHOSEN_DECIMALS: usize = 4;
+
+/// Figures of a program on its machine.
+pub(super) struct MachineFigures<'a> {
+    machine: &'a MachineTool,
+    /// Times by section and travel of both rotary axes (rad); `None` where the machine cannot run the program.
+    run: Option<(Vec<SectionTime>, [f64; 2])>,
+}
+
+impl<'a> MachineFigures<'a> {
+    /// The figures by the rotary positions that the program names; where it leaves them to the control, by those
+    /// that `post` would choose.
+    pub(super) fn of(
+        on_machine: &'a NcMachine,
+        program: &ClProgram,
+        workpiece: &Workpiece,
+        setup: &Setup,
+    ) -> Self {
+        let NcMachine { machine, placed, angles } = on_machine;
+        let run = MachineRun::by_angles(placed, program, angles).or_else(|| {
+            let mut options = MotionOptions::new(OutputKind::TcpVectors, CHOSEN_DECIMALS);
+            options.blank = Some(BlankSize::of(&workpiece.part, &setup.allowances));
+            MachineRun::chosen(machine, placed, program, &options, &Monitor::default()).ok()
+        });
+        let run = run.map(|run| (section_times(machine, program, &run.motion), run.motion.rotary_travel));
+        Self { machine, run }
+    }
+
+    /// Time of the program with its tool changes, s; NaN where it is not known.
+    fn time_s(&self) -> f64 {
+        let sum = |(times, _): &(Vec<SectionTime>, _)| times.iter().map(SectionTime::total_s).sum();
+        self.run.as_ref().map_or(f64::NAN, sum)
+    }
+
+    /// Keys of `--json`.
+    pub(super) fn keys(&self) -> Map<String, Value> {
+        let mut map = Map::new();
+        map.insert("machine".into(), json!(self.machine.name));
+        map.insert("machine_time".into(), number(self.time_s()));
+        let travel = self.run.as_ref().map(|(_, travel)| {
+            let degrees =
+                |i: usize| (self.machine.rotary[i].letter.to_string(), number(travel[i].to_degrees()));
+            (0..2).map(degrees).collect()
+        });
+        map.insert("rotary_travel".into(), travel.map_or(Value::Null, Value::Object));
+        map
+    }
+
+    /// A line of text.
+    pub(super) fn text(&self) -> String {
+        let name = &self.machine.name;
+        let Some((times, travel)) = &self.run else {
+            return format!(
+                "on {name}: no rotary positions run the whole program, so its time is not known\n"
+            );
+        };
+        let minutes = |of: fn(&SectionTime) -> f64| times.iter().map(of).sum::<f64>() / 60.0;
+        let [first, second] =
+            [0, 1].map(|i| format!("{} turns {:.0}°", self.machine.rotary[i].letter, travel[i].to_degrees()));
+        format!(
+            "on {name} {:.1} min with accelerations: {:.1} under feed, {:.1} in links, {:.1} for tool changes; \
+             {first}, {second}\n",
+            self.time_s() / 60.0,
+            minutes(|time| time.feed_s),
+            minutes(|time| time.links_s),
+            minutes(|time| time.tool_change_s),
+        )
+    }
+}
