@@ -102,16 +102,17 @@ fn program_text(input: &FlankSheetInput) -> String {
     let travel = Travel::of(&outcome.program());
     let blades = outcome.workpiece.part.blade_count;
     let minutes = travel.time / 60.0;
-    let changes = TOOL_CHANGE_S / 60.0 * tools(outcome).len() as f64;
+    let count = tools(outcome).len();
+    let changes = TOOL_CHANGE_S / 60.0 * count as f64;
     format!(
         "<h2>Program</h2>\n<p>{}, for one channel; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
-         passes, {:.0} mm of links, {:.0} mm in rapid; {minutes:.1} min per channel, for {blades} channels with \
-         {} tool changes about {:.0} min (accelerations left out).</p>\n",
+         passes, {:.0} mm of links, {:.0} mm in rapid; {minutes:.1} min per channel; the wheel, \
+         {blades} channels and {}, about {:.0} min (accelerations left out).</p>\n",
         program_files(input.files, "flank plan"),
         outcome.plan.times.cut_length,
         outcome.plan.times.link_length,
         outcome.plan.times.rapid_length,
-        tools(outcome).len(),
+        if count == 1 { "one tool change".to_owned() } else { format!("{count} tool changes") },
         minutes * blades as f64 + changes,
     )
 }
@@ -127,7 +128,9 @@ fn layers_text(outcome: &FlankOutcome) -> String {
     let mut rows = String::new();
     for (number, layer) in plan.layout.layers.iter().enumerate().rev() {
         let length: f64 = layer.figures[plan.layout.strategy as usize].length;
-        let left_out: f64 = plan.uncut.iter().filter(|u| u.layer == number).map(|u| u.length).sum();
+        let left_out = plan.uncut.iter().filter(|u| u.layer == number);
+        // The sum of nothing is -0.
+        let left_out = 0.0 + left_out.map(|u| u.length).sum::<f64>();
         let _ = write!(
             rows,
             "<tr><td>{}</td><td>{}</td><td>{:.2}</td><td>{length:.0}</td><td>{left_out:.0}</td></tr>",
