@@ -216,7 +216,7 @@ impl App {
 
     /// Whether a background task runs.
     pub fn is_busy(&self) -> bool {
-        self.work.running().is_some()
+        self.running_task().is_some()
             || self.dialogs.is_busy()
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
@@ -316,13 +316,6 @@ impl App {
         }
     }
 
-    /// The results of a study, while they are shown.
-    fn study_results(&mut self, ui: &Ui) {
-        if let Some((results, row)) = self.study.show(ui) {
-            self.run_guarded(ui.ctx(), Pending::OpenRun(results, row));
-        }
-    }
-
     fn note_first_picture(&mut self) {
         if let (Some(start), None) = (self.start, self.first_picture) {
             let is_timing = std::env::var_os("VANECUT_TIMES").is_some();
@@ -408,7 +401,7 @@ impl eframe::App for App {
                 ));
             }
         }
-        if self.work.running().is_some() {
+        if self.running_task().is_some() {
             ctx.request_repaint_after(PROGRESS_EVERY);
         }
         self.update_title(ctx);
@@ -437,7 +430,7 @@ impl eframe::App for App {
         Panel::bottom("status").exact_size(28.0).show(ui, |ui| {
             let preview = self.pictures.as_ref().map(Pictures::preview_name);
             let activity = panels::status::Activity {
-                running: self.work.running(),
+                running: self.running_task(),
                 preview: preview.unwrap_or_else(|| "no 3D view".to_owned()),
                 device: self.device.clone(),
             };

@@ -159,6 +159,9 @@ pub struct FlankArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
+    /// Also write report.html with pictures
+    #[arg(long)]
+    pub report: bool,
 }
 
 /// `vanecut assess`.

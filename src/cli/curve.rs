@@ -4,22 +4,32 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::output::number;
+use super::watch::run_with_progress;
 use crate::error::ErrorCode;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::monitor::Monitor;
 use crate::report::words::minutes;
 use crate::setup::AxisPolicy;
 
+/// Checks that a plan by `policy` has a curve.
+///
+/// # Errors
+/// [`Failure::input`] when it is not `minimal`.
+pub fn check_policy(policy: AxisPolicy) -> Result<(), Failure> {
+    if policy == AxisPolicy::Minimal {
+        return Ok(());
+    }
+    let help = "leave --axis out, or give --axis minimal";
+    Err(Failure::input(ErrorCode::Arguments, "--pareto needs a plan of minimal", help))
+}
+
 /// At most `count` plans between the least stock and the least time.
 ///
 /// # Errors
-/// [`Failure::input`] when the plan is not one of `minimal`.
+/// [`Failure::work`] when stopped.
 pub fn time_stock_curve(outcome: &PlanOutcome, count: usize) -> Result<Vec<PolicyResult>, Failure> {
-    if outcome.after.plan.policy != AxisPolicy::Minimal {
-        let help = "leave --axis out, or give --axis minimal";
-        return Err(Failure::input(ErrorCode::Arguments, "--pareto needs a plan of minimal", help));
-    }
-    outcome.time_stock_curve(count, &Monitor::default()).map_err(Failure::of_work)
+    let find = |monitor: &Monitor| outcome.time_stock_curve(count, monitor);
+    run_with_progress("weighing the plunges", find).map_err(Failure::of_work)
 }
 
 /// A point of the curve as a JSON object: mm, s.

@@ -1,5 +1,6 @@
 //! `vanecut flank`.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Map, Value, json};
@@ -20,6 +21,10 @@ use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::monitor::Cancelled;
 use crate::part::Impeller;
+#[cfg(feature = "gpu")]
+use crate::report::pictures::flank_pictures;
+use crate::report::sheet::ProgramFile;
+use crate::report::sheet::flank::{FlankSheetInput, flank_sheet};
 use crate::setup::FlankStrategy;
 use crate::verify::{FlankVerdict, count_by_kind};
 
@@ -57,6 +62,9 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),
         (apt.clone(), written.as_bytes()),
     ])?;
+    if args.report {
+        write_sheet(&args.output, &outcome)?;
+    }
     let name = apt.display().to_string();
     let faults = &outcome.faults;
     if args.json {
@@ -69,6 +77,21 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let Some(first) = faults.first() else { return Ok(()) };
     let help = format!("in all {}: use a thinner cutter, or one with more overhang", count_by_kind(faults));
     Err(Failure::work(ErrorCode::ProgramFaults, first.to_string(), help).at(format!("{name}:{}", first.line)))
+}
+
+/// Writes `report.html`, with its pictures where the program draws any, into `folder`.
+///
+/// # Errors
+/// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
+fn write_sheet(folder: &Path, outcome: &FlankOutcome) -> Result<(), Failure> {
+    #[cfg(feature = "gpu")]
+    let pictures = flank_pictures(outcome, "").map_err(Failure::of_work)?;
+    // The sheet has its drawings all the same.
+    #[cfg(not(feature = "gpu"))]
+    let pictures = Vec::new();
+    let files = [ProgramFile::plan("flank.json"), ProgramFile::apt("flank.apt")];
+    let document = flank_sheet(&FlankSheetInput { outcome, files: &files }, pictures);
+    Ok(write_all_atomically(&document.files_at(&folder.join("report.html")))?)
 }
 
 /// Number of regions of a channel.

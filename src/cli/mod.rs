@@ -13,6 +13,7 @@ mod bench_stock;
 mod bench_wheel;
 mod convert;
 mod curve;
+mod edits;
 mod explain;
 mod failure;
 mod flank;

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::PlanArgs;
-use super::curve::{curve_text, point_object, time_stock_curve};
+use super::curve::{check_policy, curve_text, point_object, time_stock_curve};
+use super::edits::{unapplied_objects, unapplied_text};
 use super::open::OpenSetup;
 use super::output::{PlungeFigures, SectionFigures};
 use super::watch::run_with_progress;
@@ -22,7 +23,7 @@ use crate::part::Impeller;
 use crate::plunge::RowDensity;
 #[cfg(feature = "gpu")]
 use crate::report::pictures::plan_pictures;
-use crate::report::sheet::{SheetInput, setup_sheet};
+use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::report::words;
 use crate::setup::AxisPolicy;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
@@ -43,12 +44,9 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     };
     let channels = channel_count(&args.channels, &part)?;
     check_directory(&args.output)?;
+    args.pareto.map(|_| check_policy(policy)).transpose()?;
     let outcome = plan_with_progress(part, &setup, policy, true)?;
     let after = &outcome.after;
-    let curve = match args.pareto {
-        Some(count) => time_stock_curve(&outcome, usize::from(count))?,
-        None => Vec::new(),
-    };
     let text = write_plan(&description, &outcome.setup, &after.plan, channels);
     let program = outcome.program_for_channels(after, channels, &Monitor::default())?;
     let program = write_apt(&program);
@@ -65,23 +63,27 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
         report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default())
             .map_err(|error| Failure::of_verify(&name, error))?;
     if args.report {
-        let files = ["plan.json".to_owned(), "plunge.apt".to_owned()];
+        let files = [ProgramFile::plan("plan.json"), ProgramFile::apt("plunge.apt")];
         let sheet =
             SheetInput { outcome: &outcome, shown: &outcome.after, report: &report, channels, files: &files };
         write_sheet(&args.output, &sheet)?;
     }
+    // The plan is written and printed even if the curve is stopped.
+    let count = args.pareto.filter(|_| !after.plan.is_unfinished());
+    let curve = count.map(|count| time_stock_curve(&outcome, usize::from(count)));
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
-        if args.pareto.is_some() {
+        if let Some(Ok(curve)) = &curve {
             object.insert("pareto".into(), curve.iter().map(point_object).collect());
         }
         print_stdout(&format!("{}\n", Value::Object(object)))?;
     } else {
         print_stdout(&plan_text(&outcome, &report, channels, args))?;
-        if args.pareto.is_some() {
-            print_stdout(&curve_text(&curve, &outcome))?;
+        if let Some(Ok(curve)) = &curve {
+            print_stdout(&curve_text(curve, &outcome))?;
         }
     }
+    curve.transpose()?;
     check_result(&outcome, &report, &name)
 }
 
@@ -176,7 +178,9 @@ fn plan_json(
     let policies = policies.map(|result| (result.plan.policy.name().to_owned(), compared(result)));
     map.insert("policies".into(), Value::Object(policies.collect()));
     map.insert("edits".into(), json!(outcome.setup.plunge.edits.len()));
-    map.insert("edits_unfitting".into(), json!(outcome.edits.unfitting.len()));
+    map.insert("edits_unfitting".into(), json!(outcome.edits.unapplied.len()));
+    map.insert("edits_not_applied".into(), unapplied_objects(outcome));
+    map.insert("goal_met".into(), json!(!outcome.misses_goal));
     map.insert("faults".into(), output::fault_list(&report.verdict.faults));
     map.insert("elapsed".into(), output::number(outcome.elapsed));
     map
@@ -235,8 +239,12 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
     text += &output::added_text(plan);
     let edits = outcome.setup.plunge.edits.len();
     if edits > 0 {
-        let unfitting = outcome.edits.unfitting.len();
-        text += &format!("edited by hand: {edits} edits, {unfitting} not applied\n");
+        let count = outcome.edits.unapplied.len();
+        text += &format!("edited by hand: {edits} edits, {count} not applied\n");
+        text += &unapplied_text(outcome);
+    }
+    if let Some(missed) = words::missed_goal(outcome, |mm| format!("{mm:.3} mm")) {
+        text += &format!("{missed}\n");
     }
     // By how many plunges an edited plan is smaller says nothing of the goal.
     let whole = outcome.whole.as_ref().filter(|whole| whole.policy == plan.policy && edits == 0);

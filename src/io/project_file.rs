@@ -9,8 +9,6 @@ use std::path::{Component, Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::InputError;
-use super::hash::{FNV_START, fnv1a};
-use super::native::write_native;
 use super::setup_file::{
     SetupEntryFault, TolerantSetup, beside, read_setup_tolerantly, relative, write_setup,
 };
@@ -18,7 +16,6 @@ use super::source::{name_of, read_bytes};
 use super::stored::{check_version, inside};
 use crate::error::ErrorCode;
 use crate::mesh::MeshOptions;
-use crate::part::PartDescription;
 use crate::setup::Setup;
 
 /// Version of the file format; newer files are rejected.
@@ -121,7 +118,7 @@ pub struct StoredSet {
 pub struct Project {
     /// Where the part comes from. When read, relative paths are resolved against the project's folder.
     pub part: PartLocation,
-    /// [`part_hash`] of its description.
+    /// [`PartHash::fnv1a`](super::part_hash::PartHash::fnv1a) of its description.
     pub part_hash: u64,
     /// The current setup.
     pub setup: Setup,
@@ -162,11 +159,6 @@ struct SetFile {
     setup: String,
     #[serde(default)]
     figures: Option<SetFigures>,
-}
-
-/// Hash of a part description; equal for all files that describe the same part.
-pub fn part_hash(part: &PartDescription) -> u64 {
-    fnv1a(FNV_START, write_native(part).bytes())
 }
 
 /// Writes a project file (JSON) to be saved at `path`: the part's path is relative to it if the part is
@@ -387,16 +379,5 @@ mod tests {
         assert_eq!((key(0).as_deref(), key(1)), (Some("step"), None));
         let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("opens");
         assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
-    }
-
-    #[test]
-    fn the_hash_tells_parts_apart() {
-        let read = |text: &str| crate::io::read_part_bytes("p.toml", text.as_bytes(), "toml").expect("reads");
-        let text = include_str!("../../assets/parts/pump6.toml");
-        let (a, b) = (read(text), read(&format!("# a remark\n{text}")));
-        assert_eq!(part_hash(&a), part_hash(&b), "remarks do not count");
-        let mut other = a.clone();
-        other.blade_count += 1;
-        assert_ne!(part_hash(&a), part_hash(&other));
     }
 }

@@ -1,18 +1,44 @@
 //! Plans by what the setup asks for: least stock, least time, or the balance of both; and the curve between.
 
+use std::sync::Arc;
+
 use super::{PlanOutcome, PolicyResult, measure_residual};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::plunge::{PlanError, Planner, PlungePlan, RowDensity, SectionCache};
-use crate::setup::{AxisPolicy, Goal, Setup};
+use crate::setup::{AxisPolicy, Goal, PlungeEdit, PlungePose, Setup};
 use crate::stock::FloorGrid;
 use crate::toolpath::{ClProgram, Travel};
 use crate::tradeoff::{Thinning, ThinningInput, ThinningLimits, Tradeoff, TradeoffPoint};
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
+/// Share of the work on a curve that is planning with fewer rows.
+const SPARSE_SHARE: f64 = 0.7;
 /// Plans made at most for a limit of time after the first one.
 const MAX_ROUNDS: usize = 4;
+
+/// What a goal is met from: the whole plan of `minimal`, and the floor of its channel.
+#[derive(Clone, Copy)]
+pub(super) struct WholeInput<'a> {
+    pub workpiece: &'a Workpiece,
+    pub setup: &'a Setup,
+    pub plan: &'a PlungePlan,
+    pub grid: &'a FloorGrid,
+    /// Edits whose locked plunges the plan was made around; none of them is left out.
+    pub locks: &'a [PlungeEdit],
+}
+
+/// The plan that a goal asks for.
+#[derive(Debug, Default)]
+pub(super) struct MetGoal {
+    /// The plan, and how closely its rows lie; `None` where it is the whole plan.
+    pub plan: Option<(PlungePlan, RowDensity)>,
+    /// The plan with fewer rows, if it was made.
+    pub sparse: Option<Arc<PlungePlan>>,
+    /// Whether no plan meets the goal; this one comes nearest.
+    pub misses_goal: bool,
+}
 
 /// The whole plan of `minimal`, with what it was planned for, and the floor on which its plunges are weighed.
 struct WholePlan<'a> {
@@ -20,18 +46,28 @@ struct WholePlan<'a> {
     setup: &'a Setup,
     plan: &'a PlungePlan,
     grid: &'a FloorGrid,
+    locks: &'a [PlungeEdit],
+    /// The plunges of `locks`.
+    locked: Vec<PlungePose>,
 }
 
 impl<'a> WholePlan<'a> {
+    /// The plan of `input`, weighed on `grid`.
+    fn new(input: WholeInput<'a>, grid: &'a FloorGrid) -> Self {
+        let WholeInput { workpiece, setup, plan, locks, .. } = input;
+        let locked = locks.iter().map(|edit| edit.plunge).collect();
+        Self { workpiece, setup, plan, grid, locks, locked }
+    }
+
     /// The order in which the plunges of `plan`, of the same channel, go within `limits`.
     fn thinning(
-        &self,
+        &'a self,
         plan: &'a PlungePlan,
         limits: ThinningLimits,
         monitor: &Monitor,
     ) -> Result<Thinning<'a>, Cancelled> {
-        let (setup, blank, grid) = (self.setup, &self.workpiece.blank, self.grid);
-        Thinning::new(ThinningInput { plan, setup, blank, grid, limits }, monitor)
+        let (setup, blank, grid, locked) = (self.setup, &self.workpiece.blank, self.grid, &self.locked);
+        Thinning::new(ThinningInput { plan, setup, blank, grid, limits, locked }, monitor)
     }
 
     /// The plan of `minimal` with fewer rows, for less time than thinning reaches; `None` where it is not
@@ -42,6 +78,7 @@ impl<'a> WholePlan<'a> {
         monitor: &Monitor,
     ) -> Result<Option<PlungePlan>, Cancelled> {
         let planner = Planner::with_rows(self.workpiece, self.setup, RowDensity::Sparse);
+        let planner = planner.keeping_locked(self.locks);
         match planner.plan_cached(AxisPolicy::Minimal, known, monitor) {
             Ok(plan) if !plan.is_unfinished() && !plan.positions.is_empty() => Ok(Some(plan)),
             Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => Err(cancelled),
@@ -52,7 +89,7 @@ impl<'a> WholePlan<'a> {
     /// The curve of time against stock from the order `first` of the whole plan on, with that of the `sparse`
     /// one.
     fn tradeoff(
-        &self,
+        &'a self,
         first: Thinning<'a>,
         sparse: Option<&'a PlungePlan>,
         monitor: &Monitor,
@@ -85,43 +122,42 @@ fn density_of(number: usize) -> RowDensity {
     if number == 0 { RowDensity::Dense } else { RowDensity::Sparse }
 }
 
-/// The plan that the goal of `setup` asks for, from the `whole` plan of `minimal` over the floor `grid`, and
-/// how closely its rows lie; `None` where that is the whole plan. An unfinished plan stays as it is. `known`
-/// keeps the sections of the plan with fewer rows.
+/// The plan that the goal of the setup asks for. An unfinished plan stays as it is. `known` keeps the sections
+/// of the plan with fewer rows.
 ///
 /// A stop ends the planning of fewer rows; the goal is then met from the whole plan alone.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
 pub(super) fn meet_goal(
-    workpiece: &Workpiece,
-    setup: &Setup,
-    whole: &PlungePlan,
-    grid: &FloorGrid,
+    input: WholeInput,
     known: &mut SectionCache,
     monitor: &Monitor,
-) -> Result<Option<(PlungePlan, RowDensity)>, PlanError> {
-    if whole.is_unfinished() || monitor.is_stopped() {
-        return Ok(None);
+) -> Result<MetGoal, PlanError> {
+    if input.plan.is_unfinished() || monitor.is_stopped() {
+        return Ok(MetGoal::default());
     }
-    let goal = setup.plunge.goal;
+    let goal = input.setup.plunge.goal;
     let closing = &monitor.ignoring_stop();
-    let whole = WholePlan { workpiece, setup, plan: whole, grid: &weighing_grid(grid) };
+    let grid = weighing_grid(input.grid);
+    let whole = WholePlan::new(input, &grid);
     let first = whole.thinning(whole.plan, ThinningLimits::of(goal), closing)?;
     let sparse = match first.is_least_stock_enough(goal) {
         true => None,
-        false => whole.sparse_plan(known, monitor)?,
+        false => whole.sparse_plan(known, monitor)?.map(Arc::new),
     };
-    let tradeoff = whole.tradeoff(first, sparse.as_ref(), closing)?;
+    let tradeoff = whole.tradeoff(first, sparse.as_deref(), closing)?;
     let point = tradeoff.choose(goal);
+    let mut misses_goal = !tradeoff.reaches(goal);
     if (point.plan, point.left_out) == (0, 0) {
-        return Ok(None);
+        drop(tradeoff);
+        return Ok(MetGoal { plan: None, sparse, misses_goal });
     }
     let (mut plan, mut made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
     if let Goal::Stock { max_time_min: Some(limit) } = goal {
         for _ in 0..MAX_ROUNDS {
-            let minutes = Travel::of(&ClProgram::of_plan("", &plan)).time / 60.0;
+            let minutes = minutes_of(&plan);
             if minutes <= limit {
                 break;
             }
@@ -133,7 +169,16 @@ pub(super) fn meet_goal(
             (plan, made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
         }
     }
-    Ok(Some((plan, density_of(made_at.plan))))
+    if let Goal::Stock { max_time_min: Some(limit) } = goal {
+        misses_goal = minutes_of(&plan) > limit;
+    }
+    drop(tradeoff);
+    Ok(MetGoal { plan: Some((plan, density_of(made_at.plan))), sparse, misses_goal })
+}
+
+/// Time of a plan, min.
+fn minutes_of(plan: &PlungePlan) -> f64 {
+    Travel::of(&ClProgram::of_plan("", plan)).time / 60.0
 }
 
 /// The cells of `grid` on which plunges are weighed.
@@ -177,11 +222,23 @@ impl PlanOutcome {
         use_curve: impl FnOnce(&WholePlan, &Tradeoff) -> T,
     ) -> Result<T, Cancelled> {
         let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
-        let grid = &weighing_grid(&self.grid);
-        let whole = WholePlan { workpiece: &self.workpiece, setup: &self.setup, plan, grid };
-        let sparse = whole.sparse_plan(&mut SectionCache::default(), monitor)?;
+        let grid = weighing_grid(&self.grid);
+        let (workpiece, setup, locks) = (&*self.workpiece, &self.setup, &*self.kept_locked);
+        let whole = WholePlan::new(WholeInput { workpiece, setup, plan, grid: &self.grid, locks }, &grid);
+        let sparse = match &self.sparse {
+            Some(sparse) => Some(Arc::clone(sparse)),
+            None => {
+                let planning = &monitor.span(0.0, SPARSE_SHARE);
+                whole.sparse_plan(&mut SectionCache::default(), planning)?.map(Arc::new)
+            }
+        };
+        monitor.check()?;
+        monitor.report(SPARSE_SHARE);
         let first = whole.thinning(plan, ThinningLimits::LEAST_TIME, monitor)?;
-        let tradeoff = whole.tradeoff(first, sparse.as_ref(), monitor)?;
-        Ok(use_curve(&whole, &tradeoff))
+        monitor.report(0.5 * (1.0 + SPARSE_SHARE));
+        let tradeoff = whole.tradeoff(first, sparse.as_deref(), monitor)?;
+        let used = use_curve(&whole, &tradeoff);
+        monitor.report(1.0);
+        Ok(used)
     }
 }

@@ -2,6 +2,7 @@
 //! cancellation.
 
 pub mod assess;
+mod edited;
 pub mod flank;
 mod goal;
 pub mod machine_run;
@@ -15,6 +16,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 pub use crate::verify::Summary;
+use edited::plan_with_edits;
+use goal::{MetGoal, WholeInput};
 use part_cache::PartCache;
 pub use stage::{Listener, PlanStage};
 
@@ -29,7 +32,7 @@ use crate::plunge::sections::Resolved;
 use crate::plunge::{
     DropReason, EditReport, PlanError, Planner, PlungePlan, RowDensity, SectionCache, cutting_order, sections,
 };
-use crate::setup::{AxisPolicy, Goal, Setup, SetupFault, SetupPlace};
+use crate::setup::{AxisPolicy, Goal, PlungeEdit, Setup, SetupFault};
 use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
@@ -38,6 +41,9 @@ use crate::toolpath::ClProgram;
 /// Cells of the residual field along s and λ with which results are reported; fine enough that one is well
 /// below a pixel with the channel fitted to the view.
 pub const FIELD_CELLS: usize = 512;
+
+/// Share of the progress of planning `minimal` before its goal is met by plans with fewer plunges.
+const FIRST_SHARE: f64 = 0.6;
 
 /// Request for a plunge plan.
 #[derive(Clone, Debug)]
@@ -83,12 +89,19 @@ pub struct PlanOutcome {
     /// The plan of `minimal` before plunges were left out for the goal and before edits; `None` where neither
     /// changed it, or it was not planned.
     pub whole: Option<PlungePlan>,
+    /// The plan of `minimal` with fewer rows, if the goal needed it.
+    pub sparse: Option<Arc<PlungePlan>>,
     /// How closely the rows of the plan of `minimal` lie that the goal chose.
     pub density: RowDensity,
+    /// Whether no plan of `minimal` meets the goal; `after` comes nearest.
+    pub misses_goal: bool,
     /// Plans by the other policies, if requested.
     pub others: Vec<PolicyResult>,
     /// What the edits of the setup did to the plan `after`; the other plans are as they were found.
     pub edits: EditReport,
+    /// The edits of the setup whose locked plunges `after` was planned around; empty where the planner places
+    /// all of them by itself.
+    pub kept_locked: Vec<PlungeEdit>,
     /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
@@ -202,6 +215,8 @@ struct PlanCache {
     from_inlet: PolicyCache,
     /// The last finished outcome before its edits, with its request: an edit changes nothing else.
     unedited: Option<(PlanRequest, PlanOutcome)>,
+    /// The same, planned around the last locked plunges that the planner did not place by itself.
+    around: Option<(Vec<PlungeEdit>, PlanOutcome)>,
 }
 
 impl PlanCache {
@@ -249,56 +264,6 @@ enum JudgedPlan {
     Evaluated(PlungePlan),
 }
 
-/// Like [`PlanJob::run_with_listener`], with the cache `known`.
-fn plan_with_edits(
-    request: &PlanRequest,
-    known: &mut PlanCache,
-    monitor: &Monitor,
-    listener: Listener,
-) -> Result<PlanOutcome, JobError> {
-    let started = std::time::Instant::now();
-    let mut unedited = request.clone();
-    let edits = std::mem::take(&mut unedited.setup.plunge.edits);
-    let mut outcome = match known.unedited(&unedited) {
-        Some(outcome) => outcome,
-        None => {
-            let outcome = plan(&unedited, known, monitor, listener)?;
-            let is_finished = !outcome.after.plan.is_unfinished() && !monitor.is_stopped();
-            known.unedited = is_finished.then(|| (unedited, outcome.clone()));
-            outcome
-        }
-    };
-    outcome.setup.flank = request.setup.flank.clone();
-    if !edits.is_empty() {
-        outcome.setup.plunge.edits = edits;
-        outcome.apply_edits(monitor)?;
-    }
-    outcome.elapsed = started.elapsed().as_secs_f64();
-    monitor.report(1.0);
-    Ok(outcome)
-}
-
-impl PlanOutcome {
-    /// Applies the edits of the setup to the requested plan.
-    fn apply_edits(&mut self, monitor: &Monitor) -> Result<(), JobError> {
-        let edits = &self.setup.plunge.edits;
-        let planner = Planner::new(&self.workpiece, &self.setup);
-        let (plan, report) = planner.edit_plunges(&self.after.plan, edits, monitor)?;
-        if plan.positions.is_empty() {
-            let what = "the edits delete every plunge of the plan";
-            let fault = SetupFault::new(ErrorCode::NothingMoves, what, "remove some of the edits");
-            return Err(fault.at(SetupPlace::Plunge("edit")).into());
-        }
-        let edited = measure_residual(plan, &self.grid);
-        let found = std::mem::replace(&mut self.after, edited).plan;
-        if found.policy == AxisPolicy::Minimal && self.whole.is_none() {
-            self.whole = Some(found);
-        }
-        self.edits = report;
-        Ok(())
-    }
-}
-
 /// Like [`plan_with_edits`], for a request without edits.
 fn plan(
     request: &PlanRequest,
@@ -338,7 +303,7 @@ fn plan_sections(
     let started = std::time::Instant::now();
     // A goal that asks for less time than the least stock takes has `minimal` plan twice.
     let may_plan_twice = request.policy == AxisPolicy::Minimal && setup.plunge.goal != Goal::default();
-    let first_share = if may_plan_twice { 0.6 } else { 1.0 };
+    let first_share = if may_plan_twice { FIRST_SHARE } else { 1.0 };
     let (monitor, for_goal) = (&monitor.span(0.0, first_share), &monitor.span(first_share, 1.0));
     listener.notify(|| PlanStage::Resolved {
         workpiece: Arc::clone(workpiece),
@@ -430,13 +395,14 @@ fn plan_sections(
         })
         .collect::<Result<Vec<PolicyResult>, _>>()?;
     // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
-    let (mut whole, mut density) = (None, RowDensity::Dense);
-    if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal)
-        && let Some((plan, rows)) =
-            goal::meet_goal(workpiece, &setup, &minimal.plan, &grid, &mut known.sparse, for_goal)?
-    {
-        density = rows;
-        whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);
+    let (mut whole, mut density, mut met) = (None, RowDensity::Dense, MetGoal::default());
+    if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal) {
+        let input = WholeInput { workpiece, setup: &setup, plan: &minimal.plan, grid: &grid, locks: &[] };
+        met = goal::meet_goal(input, &mut known.sparse, for_goal)?;
+        if let Some((plan, rows)) = met.plan.take() {
+            density = rows;
+            whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);
+        }
     }
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {
         Some(index) => others.remove(index),
@@ -446,9 +412,22 @@ fn plan_sections(
         return Err(JobError::Setup(nothing_cut(&after.plan, &setup)));
     }
     let elapsed = started.elapsed().as_secs_f64();
-    let edits = EditReport::default();
-    let workpiece = Arc::clone(workpiece);
-    Ok(PlanOutcome { workpiece, grid, before, after, whole, density, others, edits, elapsed, setup, reasons })
+    Ok(PlanOutcome {
+        workpiece: Arc::clone(workpiece),
+        setup,
+        reasons,
+        grid,
+        before,
+        after,
+        whole,
+        sparse: met.sparse,
+        density,
+        misses_goal: met.misses_goal,
+        others,
+        edits: EditReport::default(),
+        kept_locked: Vec::new(),
+        elapsed,
+    })
 }
 
 /// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.

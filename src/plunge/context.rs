@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::assembly::AssemblyRule;
 use super::cycle::PlanError;
+use super::locked::LockedPlunge;
 use super::opening::opening_columns;
 use super::row_density::RowDensity;
 use super::section_layout::{StretchLayout, section_layout};
@@ -25,6 +26,8 @@ pub(super) struct PlanContext<'a> {
     pub density: RowDensity,
     /// The plunges of the sections that open the blank.
     pub opening: Columns,
+    /// The locked plunges of each section, around which the others are planned; empty without any.
+    pub locked: Vec<Vec<LockedPlunge>>,
     /// Layout of each section; empty for sections that do not cut rows.
     layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
 }
@@ -37,7 +40,8 @@ impl<'a> PlanContext<'a> {
             SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
         let layouts = setup.plunge.sections.par_iter().map(layout).collect();
-        let mut context = Self { workpiece, setup, density, opening: Columns::default(), layouts };
+        let mut context =
+            Self { workpiece, setup, density, opening: Columns::default(), locked: Vec::new(), layouts };
         // A section that cannot be planned is reported with its place when it is.
         context.opening = opening_columns(&context).unwrap_or_default();
         context
@@ -54,6 +58,11 @@ impl<'a> PlanContext<'a> {
     /// When the setup lacks it.
     pub fn tool_of_section(&self, index: usize) -> Result<&'a Tool, SetupFault> {
         tool_of(self.setup, self.section(index).tool)
+    }
+
+    /// The locked plunges of section `index`.
+    pub fn locked(&self, index: usize) -> Vec<LockedPlunge> {
+        self.locked.get(index).cloned().unwrap_or_default()
     }
 
     /// Layout of section `index`; empty for one that does not cut rows.

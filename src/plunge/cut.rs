@@ -19,7 +19,7 @@ const MAX_LIFTS: usize = 8;
 pub(super) const LIFT_MARGIN: f64 = 1e-3;
 
 /// A cutter at its final depth, with its clearances to the finished part, mm.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedCutter {
     pub cutter: CutterSolid,
     pub hub_clearance: f64,
@@ -29,7 +29,7 @@ pub(super) struct PlacedCutter {
 }
 
 /// One row, planned.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct PlannedRow {
     pub stations: Vec<Station>,
     pub lambda: f64,
@@ -241,6 +241,20 @@ pub(super) fn cut_row(
     columns: &mut Columns,
     monitor: &Monitor,
 ) -> Result<CutRow, PlanError> {
+    cut_row_around(context, row, tool, max_lift, &[], columns, monitor)
+}
+
+/// As [`cut_row`]; the cutters of `fixed`, with the numbers of their stations, are placed already and are
+/// neither lifted nor dropped.
+pub(super) fn cut_row_around(
+    context: &PlanContext,
+    row: PlannedRow,
+    tool: &Tool,
+    max_lift: Option<f64>,
+    fixed: &[(usize, PlacedCutter)],
+    columns: &mut Columns,
+    monitor: &Monitor,
+) -> Result<CutRow, PlanError> {
     let top = BlankTop::new(&context.workpiece.blank);
     let rule = context.assembly_rule(tool);
     let place = |station| {
@@ -270,6 +284,9 @@ pub(super) fn cut_row(
     if context.workpiece.blank.outline().is_some() {
         drop_hindered(context, &mut placed, tool, rule.as_ref(), columns, monitor)?;
     }
+    for &(k, cutter) in fixed {
+        placed[k] = Ok(cutter);
+    }
     let column = |placed: &PlacedCutter| PlungeColumn::new(placed.cutter, tool.core_radius(), &top);
     let deep: Vec<Option<PlungeColumn>> = placed.par_iter().map(|p| p.as_ref().ok().map(column)).collect();
     let Some(share) = max_lift else {
@@ -290,10 +307,12 @@ pub(super) fn cut_row(
         .collect();
     columns.truncate(first);
     let mut changed: Vec<PlungeColumn> = Vec::new();
-    let deep_ones = placed.iter_mut().zip(&deep).filter_map(|(place, deep)| Some((place, deep.as_ref()?)));
-    for ((place, deep), free) in deep_ones.zip(free) {
+    let is_fixed = |k: usize| fixed.iter().any(|(fixed, _)| *fixed == k);
+    let deep_ones = placed.iter_mut().zip(&deep).enumerate();
+    let deep_ones = deep_ones.filter_map(|(k, (place, deep))| Some((is_fixed(k), place, deep.as_ref()?)));
+    for ((is_fixed, place, deep), free) in deep_ones.zip(free) {
         monitor.check()?;
-        if free && !changed.iter().any(|other| deep.may_meet(&other.cutter)) {
+        if is_fixed || free && !changed.iter().any(|other| deep.may_meet(&other.cutter)) {
             columns.push(*deep);
             continue;
         }

@@ -3,51 +3,22 @@
 //! is evaluated as every other one is: contact, clearances, links and time are those of what will be cut.
 //!
 //! An edit names its plunge by its pose. Where the plan has no such plunge (any more) it does nothing and is
-//! reported; a lock puts its plunge into the plan instead.
+//! reported with the reason; a lock puts its plunge into the plan instead. The job then plans once more, around
+//! what is locked (`locked`), and the edits apply to that plan.
 
 use std::ops::Range;
 
 use super::context::PlanContext;
 use super::cycle::{PlacedPlan, PlanError};
 use super::edit_pose::{moved, position_at};
+use super::edit_report::{EditReport, PlungeMark, UnappliedEdit, UnappliedReason};
 use super::evaluation::evaluate;
 use super::inspect::run_around;
+use super::locked::replaced_within;
 use super::plan::{PlungePlan, Position, Unevaluated};
-use super::spacing::step_limit;
 use crate::geometry::Point;
 use crate::monitor::Monitor;
 use crate::setup::{PlungeChange, PlungeEdit, PlungePose, SectionKind, SetupPlace, Tool};
-
-/// Share of the step within which a locked plunge takes the place of one of the plan.
-const NEAR_SHARE: f64 = 0.5;
-
-/// What the user did to a plunge of a plan.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PlungeMark {
-    /// Nothing: it is as the planner placed it.
-    #[default]
-    Planned,
-    /// Lifted, moved, or cut in another order.
-    Edited,
-    /// Kept in every plan, by the edit of this index.
-    Locked(usize),
-}
-
-/// What edits did to a plan.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct EditReport {
-    /// What was done to each plunge, in cutting order; empty for a plan without edits.
-    pub marks: Vec<PlungeMark>,
-    /// Indices of the edits whose plunge the plan does not have.
-    pub unfitting: Vec<usize>,
-}
-
-impl EditReport {
-    /// What was done to plunge `k`.
-    pub fn mark(&self, k: usize) -> PlungeMark {
-        self.marks.get(k).copied().unwrap_or_default()
-    }
-}
 
 /// A plunge while a plan is edited.
 struct Draft {
@@ -65,6 +36,11 @@ impl Draft {
         (self.position.section, self.position.row)
     }
 
+    /// Its tip, if it did not stop short.
+    fn foot(&self) -> Point {
+        self.pose().lifted(-self.position.lift).tip
+    }
+
     fn distance(&self, tip: &Point) -> f64 {
         (self.position.tip - tip).norm()
     }
@@ -76,6 +52,8 @@ struct Editor<'a> {
     /// The tool and the kind of each section.
     sections: Vec<(Tool, SectionKind)>,
     plunges: Vec<Draft>,
+    /// Whether a locked plunge was inserted.
+    adds_locked: bool,
 }
 
 impl Editor<'_> {
@@ -89,44 +67,59 @@ impl Editor<'_> {
         run_around(&self.plunges, k, Draft::row)
     }
 
-    /// Applies the `edit` of this `index`; `false` where it does not fit the plan.
-    fn apply(&mut self, index: usize, edit: &PlungeEdit) -> bool {
+    /// Applies the `edit` of this `index`.
+    ///
+    /// # Errors
+    /// Why it does not fit the plan.
+    fn apply(&mut self, index: usize, edit: &PlungeEdit) -> Result<(), UnappliedReason> {
         let found = self.find(&edit.plunge);
         if let PlungeChange::Lock { tool, lift } = edit.change {
             return match found {
                 Some(k) => {
                     self.plunges[k].mark = PlungeMark::Locked(index);
-                    true
+                    Ok(())
                 }
                 None => self.insert(&edit.plunge, tool, lift, PlungeMark::Locked(index)),
             };
         }
-        let Some(k) = found else { return false };
+        let Some(k) = found else { return Err(UnappliedReason::NoPlunge) };
         let range = if edit.whole_row { self.row_of(k) } else { k..k + 1 };
         match edit.change {
             PlungeChange::Delete => {
                 self.plunges.drain(range);
-                true
             }
             PlungeChange::Lift(by) => {
-                self.lift(range, by);
-                true
+                self.lift(range.clone(), by);
+                self.drop_doubles(range);
             }
             PlungeChange::Move(by) => {
                 let (_, kind) = self.sections[self.plunges[k].position.section];
                 // Plunges above the shroud do not end at the hub.
                 if kind == SectionKind::Opening {
-                    return false;
+                    return Err(UnappliedReason::AboveShroud);
                 }
                 let context = self.context;
-                self.replace(range, |tool, draft| {
+                self.replace(range.clone(), |tool, draft| {
                     let lift = draft.position.lift;
                     (moved(context, tool, &draft.pose(), lift, &by), lift)
                 });
-                true
+                self.drop_doubles(range);
             }
-            PlungeChange::Reorder(before) => self.reorder(range, before.as_ref(), edit.whole_row),
-            PlungeChange::Lock { .. } => true,
+            PlungeChange::Reorder(before) => self.reorder(range, before.as_ref(), edit.whole_row)?,
+            PlungeChange::Lock { .. } => {}
+        }
+        Ok(())
+    }
+
+    /// Drops those plunges of `range` that another one repeats: the planner has placed them already, as they are
+    /// locked where the edit brings them.
+    fn drop_doubles(&mut self, range: Range<usize>) {
+        for k in range.rev() {
+            let pose = self.plunges[k].pose();
+            let others = self.plunges.iter().enumerate().filter(|(other, _)| *other != k);
+            if others.map(|(_, draft)| draft.pose()).any(|other| other.is(&pose)) {
+                self.plunges.remove(k);
+            }
         }
     }
 
@@ -157,13 +150,24 @@ impl Editor<'_> {
 
     /// Cuts the plunges of `range` before the plunge at `before`, or before its row where a `whole_row` goes;
     /// last of their section without one. A single plunge becomes one of the row into which it comes.
-    fn reorder(&mut self, range: Range<usize>, before: Option<&PlungePose>, whole_row: bool) -> bool {
+    ///
+    /// # Errors
+    /// Where it cannot go there.
+    fn reorder(
+        &mut self,
+        range: Range<usize>,
+        before: Option<&PlungePose>,
+        whole_row: bool,
+    ) -> Result<(), UnappliedReason> {
         let section = self.plunges[range.start].position.section;
         let target = match before {
             Some(pose) => {
-                let Some(k) = self.find(pose) else { return false };
-                if self.plunges[k].position.section != section || range.contains(&k) {
-                    return false;
+                let k = self.find(pose).ok_or(UnappliedReason::NoTarget)?;
+                if self.plunges[k].position.section != section {
+                    return Err(UnappliedReason::OtherSection);
+                }
+                if range.contains(&k) {
+                    return Err(UnappliedReason::OwnRow);
                 }
                 if whole_row { self.row_of(k).start } else { k }
             }
@@ -185,29 +189,38 @@ impl Editor<'_> {
         }
         let target = if target >= range.end { target - count } else { target };
         self.plunges.splice(target..target, moved);
-        true
+        Ok(())
     }
 
-    /// Puts the locked plunge at `pose` of tool number `tool` into the plan; `false` where no section has the
-    /// tool.
-    fn insert(&mut self, pose: &PlungePose, tool: u32, lift: f64, mark: PlungeMark) -> bool {
+    /// Puts the locked plunge at `pose` of tool number `tool` into the plan.
+    ///
+    /// # Errors
+    /// Where no section has the tool.
+    fn insert(
+        &mut self,
+        pose: &PlungePose,
+        tool: u32,
+        lift: f64,
+        mark: PlungeMark,
+    ) -> Result<(), UnappliedReason> {
         let has_tool = |(known, _): &(Tool, SectionKind)| known.number == tool;
-        let Some(section) = self.sections.iter().position(has_tool) else { return false };
+        let section = self.sections.iter().position(has_tool).ok_or(UnappliedReason::NoTool(tool))?;
+        self.adds_locked = true;
         let tool = self.sections[section].0.clone();
+        let foot = pose.lifted(-lift).tip;
         let same_tool = |draft: &Draft| self.sections[draft.position.section].0.number == tool.number;
         let near = self
             .plunges
             .iter()
             .enumerate()
             .filter(|(_, draft)| same_tool(draft))
-            .map(|(k, draft)| (k, draft.distance(&pose.tip), draft.mark.is_locked()));
+            .map(|(k, draft)| (k, (draft.foot() - foot).norm(), draft.mark.is_locked()));
         let nearest_of = |locked: bool| {
             let of = near.clone().filter(|(.., is_locked)| locked || !is_locked);
             of.min_by(|(_, a, _), (_, b, _)| a.total_cmp(b))
         };
-        let is_close = |(_, distance, _): &(usize, f64, bool)| {
-            *distance <= NEAR_SHARE * step_limit(&self.context.setup.plunge, &tool, false)
-        };
+        let reach = replaced_within(self.context, &tool);
+        let is_close = |(_, distance, _): &(usize, f64, bool)| *distance <= reach;
         let replaced = nearest_of(false).filter(is_close).map(|(k, ..)| k);
         let nearest = nearest_of(true).map(|(k, ..)| k);
         let (at, row) = match (replaced, nearest) {
@@ -221,7 +234,7 @@ impl Editor<'_> {
         let position = position_at(self.context, &tool, pose, lift, row);
         let draft = Draft { position, mark };
         self.plunges.splice(at..at + usize::from(replaced.is_some()), [draft]);
-        true
+        Ok(())
     }
 
     /// Number that a plunge at `tip` gets beside its nearest plunge `k`: before or after it, as its row runs.
@@ -261,18 +274,6 @@ impl Editor<'_> {
     }
 }
 
-impl PlungeMark {
-    /// Whether the plunge is kept in every plan.
-    pub fn is_locked(self) -> bool {
-        matches!(self, Self::Locked(_))
-    }
-
-    /// The mark of a plunge that is edited: a locked one stays locked.
-    fn edited(self) -> Self {
-        if self.is_locked() { self } else { Self::Edited }
-    }
-}
-
 /// `plan` with `edits`, evaluated anew. A stopped monitor is ignored, as in the evaluation of every plan.
 ///
 /// # Errors
@@ -288,19 +289,24 @@ pub(super) fn edit_plan(
     let plunges = std::mem::take(&mut plan.positions).into_iter();
     let plunges = plunges.map(|position| Draft { position, mark: PlungeMark::Planned }).collect();
     let sections = plan.sections.iter().map(|section| (section.tool.clone(), section.kind)).collect();
-    let mut editor = Editor { context, sections, plunges };
-    let mut unfitting = Vec::new();
+    let mut editor = Editor { context, sections, plunges, adds_locked: false };
+    let mut failed = Vec::new();
     for (index, edit) in edits.iter().enumerate() {
         monitor.ignoring_stop().check()?;
-        if !editor.apply(index, edit) {
-            unfitting.push(index);
+        if let Err(why) = editor.apply(index, edit) {
+            failed.push((index, why));
         }
     }
+    let adds_locked = editor.adds_locked;
     let (plan, marks) = editor.finish(plan);
+    let unapplied = failed
+        .into_iter()
+        .map(|(index, why)| UnappliedEdit::new(index, why, &edits[index].plunge, &plan))
+        .collect();
     if let Some(last) = plan.sections.last() {
         context.check_count(plan.positions.len(), &last.tool, SetupPlace::Plunge("edit"))?;
     }
     let columns = plan.columns(&context.workpiece.blank);
     let plan = evaluate(context, PlacedPlan { plan, columns }, monitor)?;
-    Ok((plan, EditReport { marks, unfitting }))
+    Ok((plan, EditReport { marks, unapplied, adds_locked }))
 }

@@ -27,7 +27,8 @@
 //! | how closely rows lie | [`RowDensity`] |
 //! | how the plunges of a plan are moved | `motion` |
 //! | a plan with some plunges left out | `subset` |
-//! | a plan edited by hand | `edits`, `edit_pose` |
+//! | a plan edited by hand | `edits`, `edit_pose`, `edit_report` |
+//! | plunges that the user locked | `locked` |
 //! | the finished plan, over several channels, as a program | [`plan`], [`channels`], `program` |
 //! | sectional view through one position | [`inspect`] |
 
@@ -41,12 +42,14 @@ mod cut;
 pub mod cutting_order;
 pub mod cycle;
 mod edit_pose;
+mod edit_report;
 mod edits;
 mod evaluation;
 mod fit_table;
 pub mod inspect;
 pub mod lane;
 pub mod links;
+mod locked;
 mod minimal;
 pub mod monotone;
 mod motion;
@@ -68,7 +71,7 @@ pub mod survey;
 mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError};
-pub use edits::{EditReport, PlungeMark};
+pub use edit_report::{EditReport, NearPlunge, PlungeMark, UnappliedEdit, UnappliedReason};
 pub use plan::{
     AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, Pecking, PlungeMotion, PlungePlan,
     Position, SectionPlan, StopReason, Unevaluated,

@@ -2,8 +2,10 @@
 
 use super::context::PlanContext;
 use super::cycle::{PlacedPlan, PlanError, place_plunges};
-use super::edits::{EditReport, edit_plan};
+use super::edit_report::EditReport;
+use super::edits::edit_plan;
 use super::evaluation::evaluate;
+use super::locked::locked_plunges;
 use super::opening::opening_for;
 use super::plan::PlungePlan;
 use super::row_density::RowDensity;
@@ -31,6 +33,14 @@ impl<'a> Planner<'a> {
     /// As [`Self::new`]; `minimal` places its rows with this `density`.
     pub fn with_rows(workpiece: &'a Workpiece, setup: &'a Setup, density: RowDensity) -> Self {
         Self { context: PlanContext::new(workpiece, setup, density) }
+    }
+
+    /// The same, with those plunges in every plan that `edits` lock: the others are planned around them. Caches of
+    /// sections are then those of plans with the same locks.
+    #[must_use]
+    pub fn keeping_locked(mut self, edits: &[PlungeEdit]) -> Self {
+        self.context.locked = locked_plunges(&self.context, edits);
+        self
     }
 
     /// The workpiece that it plans for.

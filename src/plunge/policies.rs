@@ -13,6 +13,7 @@
 use super::context::PlanContext;
 use super::cut::SectionCut;
 use super::cycle::PlanError;
+use super::locked::cut_waiting;
 use super::opening::opening_section;
 use super::{conventional, minimal, monotone, staircase};
 use crate::cutting::contact::Columns;
@@ -34,7 +35,11 @@ pub(super) fn plan_section(
     match (section.kind, policy) {
         (SectionKind::Opening, _) => opening_section(context, index, columns, monitor),
         (SectionKind::Rest, AxisPolicy::Minimal) => minimal::rest_section(context, index, columns, monitor),
-        (SectionKind::Rest, _) => Ok(SectionCut::empty(section.direction(), columns)),
+        (SectionKind::Rest, _) => {
+            let mut cut = SectionCut::empty(section.direction(), columns);
+            cut_waiting(context, index, context.locked(index), &mut cut, monitor)?;
+            Ok(cut)
+        }
         (SectionKind::Rows, AxisPolicy::Conventional) => {
             conventional::plan_section(context, index, columns, monitor)
         }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::context::PlanContext;
 use super::cut::{PlannedRow, SectionCut, cut_row};
 use super::cycle::PlanError;
+use super::locked::{cut_waiting, lock_into_row};
 use super::plan::DropReason;
 use super::row::{RowMaker, Station};
 use super::section_layout::{RowLayout, StretchLayout, row_ends, row_maker};
@@ -49,10 +50,20 @@ pub(super) fn cut_rows(
         rows => rows?,
     };
     let mut cut = SectionCut::empty(feed, columns);
+    let (mut waiting, closing) = (context.locked(index), &monitor.ignoring_stop());
     for row in rows {
-        let row = cut_row(context, row, tool, max_lift, &mut cut.columns, &monitor.ignoring_stop())?;
-        cut.rows.push(row);
+        let before = cut.columns.len();
+        let row = cut_row(context, row, tool, max_lift, &mut cut.columns, closing)?;
+        let columns = (&mut cut.columns, before);
+        let count = waiting.len();
+        let row = lock_into_row(context, (tool, max_lift), row, columns, &mut waiting, closing)?;
+        if waiting.len() < count {
+            cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
+        } else {
+            cut.rows.push(row);
+        }
     }
+    cut_waiting(context, index, waiting, &mut cut, closing)?;
     Ok(cut)
 }
 

@@ -3,15 +3,58 @@
 use glam::UVec2;
 
 use super::PagePicture;
+use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations};
 use crate::drawing::{scene_of_part, show_plan};
 use crate::error::UserError;
 use crate::gpu::image::draw_png;
-use crate::gpu::{FloorColours, Gpu, Renderer, SceneOptions, View};
+use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
+use crate::io::flank_file::{shown_passes, shown_walls};
+use crate::job::flank::FlankOutcome;
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::stock::surface::fitting_range;
 
 /// Size of the pictures, pixels.
 pub(super) const SIZE: UVec2 = UVec2::new(900, 640);
+
+/// The passes of a flank plan by layer, and its walls by what is left on them. The names of the files begin with
+/// `prefix`.
+///
+/// # Errors
+/// As [`plan_pictures`].
+pub fn flank_pictures(outcome: &FlankOutcome, prefix: &str) -> Result<Vec<PagePicture>, UserError> {
+    let gpu = Gpu::headless()?;
+    let mut renderer = Renderer::new(&gpu);
+    let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
+    let mut pictures = Vec::new();
+    let mut draw = |scene: &Scene, options: &SceneOptions, name: &str, caption: String| {
+        let bytes = draw_png(&gpu, &mut renderer, scene, View::Channel, options, SIZE, false)?;
+        pictures.push(PagePicture { name: format!("{prefix}{name}.png"), bytes, caption });
+        Ok::<(), UserError>(())
+    };
+    let mut scene = scene_of_part(&gpu, part);
+    let layers = plan.layout.layers.len();
+    scene.set_paths(&gpu, &toolpath_lines(&shown_passes(plan), &plan.moves, layers, FlankColours::Layer));
+    let options = SceneOptions::for_colours(FloorColours::Plain);
+    draw(&scene, &options, "passes", "passes by layer: dark next to the hub, light at the top".to_owned())?;
+    let mut scene = scene_of_part(&gpu, part);
+    let (mesh, most) = wall_deviations(part, &shown_walls(plan));
+    let most = most.max(1e-3);
+    scene.set_values(&gpu, mesh);
+    let options = SceneOptions {
+        map: ColourMap::Difference,
+        range_mm: (-most, most),
+        // The blades would hide the coloured walls that lie on them.
+        show_blades: false,
+        ..SceneOptions::for_colours(FloorColours::Walls)
+    };
+    draw(
+        &scene,
+        &options,
+        "walls",
+        format!("walls: stock against the allowance, −{most:.4} to +{most:.4} mm"),
+    )?;
+    Ok(pictures)
+}
 
 /// Stock and interference before and after: those of the conventional plan and of `after`, on one scale. The names
 /// of the files begin with `prefix`.

@@ -1,5 +1,7 @@
 //! Figures of a program in words, the same in documents and on the command line.
 
+use crate::job::PlanOutcome;
+use crate::setup::Goal;
 use crate::verify::Summary;
 
 /// Text for the number of channels of a program.
@@ -29,4 +31,25 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
         channels_text(channels),
         s.feed_time / 60.0,
     )
+}
+
+/// What keeps the plan of `outcome` from its goal, with lengths written by `length` (from mm); `None` where the
+/// goal is met.
+pub fn missed_goal(outcome: &PlanOutcome, length: impl Fn(f64) -> String) -> Option<String> {
+    if !outcome.misses_goal {
+        return None;
+    }
+    let summary = &outcome.after.summary;
+    match outcome.setup.plunge.goal {
+        Goal::Stock { max_time_min: Some(limit) } => Some(format!(
+            "goal cannot be met: the fastest plan takes {:.1} min, the limit is {limit:.1} min",
+            minutes(summary)
+        )),
+        Goal::Time { max_stock } => Some(format!(
+            "goal cannot be met: the plan with the least stock leaves {} above the allowance (95 %), the limit is {}",
+            length(summary.residual_p95 - outcome.setup.allowances.hub_allowance),
+            length(max_stock),
+        )),
+        Goal::Stock { max_time_min: None } | Goal::Balance => None,
+    }
 }

@@ -50,6 +50,19 @@ pub enum PlungeChange {
     Reorder(Option<PlungePose>),
 }
 
+impl PlungeChange {
+    /// Its name, as in setup files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Delete => "delete",
+            Self::Lift(_) => "lift",
+            Self::Lock { .. } => "lock",
+            Self::Move(_) => "move",
+            Self::Reorder(_) => "reorder",
+        }
+    }
+}
+
 /// A move of a plunge over the hub, and a turn of its axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlungeMove {

@@ -16,7 +16,6 @@ mod result;
 mod results;
 mod runs;
 mod setting;
-mod sha256;
 mod shard;
 
 pub use execute::{Execution, Tally, execute};

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 
 use super::file::{StudyAxis, StudyFile};
 use super::result::RESULT_VERSION;
-use super::sha256::sha256_hex;
 use crate::error::{ErrorCode, UserError};
-use crate::io::native::write_native;
 use crate::io::part_file::read_part;
+use crate::io::part_hash::PartHash;
 use crate::io::setup_file::{read_setup_with_defaults, write_setup};
+use crate::io::sha256::sha256_hex;
 use crate::io::table::Scalar;
 use crate::io::{InputError, source};
 use crate::part::Impeller;
@@ -198,7 +198,7 @@ fn read(file: &StudyFile, path: &Scalar) -> Result<StudyPart, InputError> {
     let description = read_part(&path)?;
     let part =
         Impeller::build(&description).map_err(|error| InputError::of_part(&source::name_of(&path), error))?;
-    let hash = sha256_hex(write_native(&description).as_bytes());
+    let hash = PartHash::of(&description).sha256;
     let defaults = Setup::for_part(&part);
     Ok(StudyPart { shown, part: Arc::new(part), hash, defaults })
 }

@@ -82,7 +82,22 @@ impl<'a> Tradeoff<'a> {
         })
     }
 
-    /// The point for `goal`.
+    /// Whether a point meets `goal`.
+    pub fn reaches(&self, goal: Goal) -> bool {
+        match goal {
+            Goal::Stock { max_time_min: Some(minutes) } => {
+                let mut fastest = self.all(|thinning| Some(thinning.len()));
+                fastest.any(|point| !is_longer(point.time_s, 60.0 * minutes))
+            }
+            Goal::Time { max_stock } => {
+                let limit = self.thinnings[0].hub_allowance() + max_stock;
+                self.all(|thinning| thinning.last_within_stock(limit)).next().is_some()
+            }
+            Goal::Stock { max_time_min: None } | Goal::Balance => true,
+        }
+    }
+
+    /// The point for `goal`; where none meets it, the one that comes nearest.
     pub fn choose(&self, goal: Goal) -> TradeoffPoint {
         let first = &self.thinnings[0];
         let chosen = match goal {

@@ -12,7 +12,7 @@ use crate::cutting::contact::Columns;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::{SectionKind, Setup};
+use crate::setup::{PlungePose, SectionKind, Setup};
 use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
@@ -34,6 +34,8 @@ pub struct ThinningInput<'a> {
     pub grid: &'a FloorGrid,
     /// How far plunges may go.
     pub limits: ThinningLimits,
+    /// Plunges that stay: the user locked them.
+    pub locked: &'a [PlungePose],
 }
 
 /// The plunges of a plan in the order in which they can be left out.
@@ -85,7 +87,7 @@ impl<'a> Thinning<'a> {
         let opens =
             |&plunge: &usize| plan.sections[plan.positions[plunge].section].kind == SectionKind::Opening;
         let mut queue: BinaryHeap<QueuedPlunge> = (0..plunges)
-            .filter(|plunge| !opens(plunge))
+            .filter(|plunge| !opens(plunge) && !input.is_locked(*plunge))
             .map(|plunge| candidate(&self.floor, &rows, plunge))
             .collect();
         let mut order = Vec::new();
@@ -187,6 +189,12 @@ impl<'a> Thinning<'a> {
 }
 
 impl ThinningInput<'_> {
+    /// Whether the user locked `plunge`.
+    fn is_locked(&self, plunge: usize) -> bool {
+        let Position { tip, axis, .. } = self.plan.positions[plunge];
+        self.locked.iter().any(|locked| locked.is(&PlungePose { tip, axis }))
+    }
+
     /// Time saved by leaving `plunge` out, s: its cut, its retract, and the links to and from it less the one
     /// that takes their place.
     fn saved_time(&self, rows: &KeptNeighbours, plunge: usize) -> f64 {

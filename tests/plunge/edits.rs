@@ -8,9 +8,9 @@ use vanecut::io::setup_file::{read_setup_bytes, write_setup};
 use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::plunge::{PlungeMark, Position};
+use vanecut::plunge::{Planner, PlungeMark, PlungePlan, Position, UnappliedReason};
 use vanecut::setup::edits::add_edit;
-use vanecut::setup::{AxisPolicy, PlungeChange, PlungeEdit, PlungeMove, PlungePose, Setup};
+use vanecut::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose, Setup};
 
 use super::samples::sample;
 
@@ -32,9 +32,12 @@ fn setup(text: &str) -> Setup {
 fn planned(setup: &Setup, edits: &[PlungeEdit]) -> Result<PlanOutcome, JobError> {
     let mut setup = setup.clone();
     setup.plunge.edits = edits.to_vec();
+    JOB.run(&request(setup), &Monitor::default())
+}
+
+fn request(setup: Setup) -> PlanRequest {
     let policy = setup.plunge.axis;
-    let request = PlanRequest { part: PART.clone(), setup, policy, compare: false, field_cells: 96 };
-    JOB.run(&request, &Monitor::default())
+    PlanRequest { part: PART.clone(), setup, policy, compare: false, field_cells: 96 }
 }
 
 fn pose(position: &Position) -> PlungePose {
@@ -74,7 +77,7 @@ fn a_deleted_plunge_is_gone_and_what_stays_is_measured_again() {
         "the next plunge meets what the deleted one would have cut"
     );
     assert!(outcome.after.summary.time_estimate < found.summary.time_estimate);
-    assert!(outcome.edits.unfitting.is_empty());
+    assert!(outcome.edits.unapplied.is_empty());
 }
 
 #[test]
@@ -167,7 +170,7 @@ fn a_locked_plunge_survives_another_setup_and_other_edits_wait_for_theirs() {
         [lifted, PlungeEdit { plunge: at, whole_row: false, change: lock }, edit(6, PlungeChange::Delete)];
     let outcome = edited(&edits);
     assert_eq!(outcome.edits.mark(3), PlungeMark::Locked(1));
-    assert!(outcome.edits.unfitting.is_empty());
+    assert!(outcome.edits.unapplied.is_empty());
     let mut other = setup(SETUP);
     other.plunge.step = Some(3.1);
     let found = planned(&other, &[]).expect("a plan").after.plan;
@@ -178,21 +181,103 @@ fn a_locked_plunge_survives_another_setup_and_other_edits_wait_for_theirs() {
     assert_eq!(outcome.edits.mark(k), PlungeMark::Locked(1));
     assert_eq!(plan.positions.len(), found.positions.len(), "in place of the plunge that was there");
     assert_eq!(plan.positions[k].row, plan.positions[k + 1].row);
-    assert_eq!(outcome.edits.unfitting, [0, 2], "their plunges are not in this plan");
+    let [first, second] = outcome.edits.unapplied[..] else { panic!("two are for plunges of another plan") };
+    assert_eq!((first.index, second.index), (0, 2));
+    let near = second.nearest.expect("another plunge");
+    let distance = (plan.positions[near.index].tip - edits[2].plunge.tip).norm();
+    assert!(distance > 0.0 && (distance - near.distance).abs() < 1e-12, "{distance} mm");
+    let nearer = plan.positions.iter().any(|p| (p.tip - edits[2].plunge.tip).norm() < distance);
+    assert!(!nearer, "no other is nearer");
+    let reason = second.reason(|mm| format!("{mm:.1} mm"));
+    assert!(reason.starts_with("the plan has no plunge there: the nearest is position "), "{reason}");
+    assert!(reason.ends_with(&format!(", {distance:.1} mm off")), "{reason}");
     let back = edited(&edits);
-    assert!(back.edits.unfitting.is_empty(), "they fit again");
+    assert!(back.edits.unapplied.is_empty(), "they fit again");
+}
+
+/// A plunge that is locked where the planner does not place one leaves other stock than the planner's own:
+/// without regard to that the next core would meet it.
+#[test]
+fn others_are_planned_around_a_locked_plunge() {
+    let mut other = setup(SETUP);
+    other.plunge.step = Some(4.7);
+    let found = planned(&other, &[]).expect("a plan");
+    let of_row = found.after.plan.positions.iter().filter(|position| position.row == 0).count();
+    // In the middle of the first row, far above the floor.
+    let (own, up) = (&found.after.plan.positions[of_row / 2], 12.0);
+    let at = pose(own).lifted(up);
+    let change = PlungeChange::Lock { tool: 1, lift: own.lift + up };
+    let lock = PlungeEdit { plunge: at, whole_row: false, change };
+    let interfering = |plan: &PlungePlan| {
+        let others = plan.positions.iter().filter(|p| !pose(p).is(&at));
+        others.filter(|p| p.evaluation.contact.interferes()).count()
+    };
+    assert_eq!(interfering(&found.after.plan), 0);
+    let planner = Planner::new(&found.workpiece, &found.setup);
+    let (put_in, report) =
+        planner.edit_plunges(&found.after.plan, &[lock], &Monitor::default()).expect("not cancelled");
+    assert!(
+        report.adds_locked && interfering(&put_in) > 0,
+        "the core of the next plunge meets what it leaves"
+    );
+
+    let outcome = planned(&other, &[lock]).expect("a plan");
+    let plan = &outcome.after.plan;
+    let k = plan.positions.iter().position(|p| pose(p).is(&at)).expect("it is kept");
+    assert_eq!(outcome.edits.marks.iter().filter(|mark| mark.is_locked()).count(), 1);
+    assert!(outcome.edits.mark(k).is_locked());
+    assert_eq!(interfering(plan), 0, "the others stop short of what it leaves");
+    let again = planned(&other, &[lock]).expect("a plan");
+    assert_eq!(again.after.plan, *plan, "from the cache");
+    let read = read_setup_bytes(
+        "s.toml",
+        write_setup(&Setup { plunge: again.setup.plunge.clone(), ..other.clone() }).as_bytes(),
+    );
+    let fresh = vanecut::job::run(&request(read.expect("a setup")), &Monitor::default()).expect("a plan");
+    assert_eq!(fresh.after.plan.positions.len(), plan.positions.len());
+    assert_eq!(fresh.after.summary.interfering, outcome.after.summary.interfering);
+}
+
+#[test]
+fn an_edit_that_cannot_be_applied_says_why() {
+    let target = pose(&FOUND.after.plan.positions[2]);
+    let here = |change| edit(5, change);
+    let lost = target.lifted(0.5);
+    let row = |k, change| PlungeEdit { whole_row: true, ..edit(k, change) };
+    let first = pose(&FOUND.after.plan.positions[0]);
+    let edits = [
+        here(PlungeChange::Reorder(Some(lost))),
+        row(1, PlungeChange::Reorder(Some(first))),
+        PlungeEdit { plunge: lost, whole_row: false, change: PlungeChange::Lock { tool: 7, lift: 0.0 } },
+        PlungeEdit { plunge: lost, whole_row: false, change: PlungeChange::Delete },
+    ];
+    let outcome = edited(&edits);
+    let why: Vec<UnappliedReason> = outcome.edits.unapplied.iter().map(|edit| edit.why).collect();
+    assert_eq!(
+        why,
+        [
+            UnappliedReason::NoTarget,
+            UnappliedReason::OwnRow,
+            UnappliedReason::NoTool(7),
+            UnappliedReason::NoPlunge
+        ]
+    );
+    let near = outcome.edits.unapplied[3].nearest.expect("another plunge");
+    assert_eq!(near.index, 2);
+    assert!((near.distance - 0.5).abs() < 1e-9);
+    assert!(outcome.edits.unapplied[2].reason(|mm| mm.to_string()).contains("tool 7"));
 }
 
 #[test]
 fn what_is_far_from_every_plunge_is_locked_in_addition() {
     let far = edit(0, PlungeChange::Lock { tool: 1, lift: 0.0 }).plunge.lifted(40.0);
     let lock =
-        |tool| PlungeEdit { plunge: far, whole_row: false, change: PlungeChange::Lock { tool, lift: 40.0 } };
+        |tool| PlungeEdit { plunge: far, whole_row: false, change: PlungeChange::Lock { tool, lift: 0.0 } };
     let outcome = edited(&[lock(1)]);
     assert_eq!(outcome.after.plan.positions.len(), FOUND.after.plan.positions.len() + 1);
     let outcome = edited(&[lock(7)]);
     assert_eq!(outcome.after.plan.positions.len(), FOUND.after.plan.positions.len());
-    assert_eq!(outcome.edits.unfitting, [0], "no section has tool 7");
+    assert_eq!(outcome.edits.unapplied_indices(), [0], "no section has tool 7");
 }
 
 #[test]
@@ -206,9 +291,7 @@ fn edits_go_through_a_setup_file_and_a_fresh_planner() {
     let mut setup = setup(SETUP);
     setup.plunge.edits = edits;
     let read = read_setup_bytes("s.toml", write_setup(&setup).as_bytes()).expect("a setup");
-    let policy = AxisPolicy::Staircase;
-    let request = PlanRequest { part: PART.clone(), setup: read, policy, compare: false, field_cells: 96 };
-    let fresh = vanecut::job::run(&request, &Monitor::default()).expect("a plan");
+    let fresh = vanecut::job::run(&request(read), &Monitor::default()).expect("a plan");
     assert_eq!(fresh.after.plan, here.after.plan);
     assert_eq!(fresh.before.plan, FOUND.before.plan, "the conventional plan has no edits");
 }

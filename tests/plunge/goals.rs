@@ -1,14 +1,16 @@
 //! Goals of a plan, and the curve of time against stock.
 
-use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, LazyLock};
 
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
-use vanecut::job::{PlanOutcome, PlanRequest, run};
+use vanecut::job::{PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
+use vanecut::part::Impeller;
 use vanecut::plunge::{PlungePlan, RowDensity};
-use vanecut::setup::{AxisPolicy, Goal, Setup};
+use vanecut::report::words::missed_goal;
+use vanecut::setup::{AxisPolicy, Goal, PlungePose, Setup};
 use vanecut::stock::{field_cutters, residual_field};
 use vanecut::toolpath::ClProgram;
 use vanecut::tradeoff::{Thinning, ThinningInput, ThinningLimits};
@@ -26,14 +28,18 @@ fn setup(goal: &str) -> Setup {
 }
 
 fn planned(setup: Setup) -> PlanOutcome {
+    // Goals share the search.
+    static JOB: LazyLock<(PlanJob, Arc<Impeller>)> =
+        LazyLock::new(|| (PlanJob::default(), sample("pump6").into()));
+    let (job, part) = &*JOB;
     let request = PlanRequest {
-        part: sample("pump6").into(),
+        part: Arc::clone(part),
         setup,
         policy: AxisPolicy::Minimal,
         compare: false,
         field_cells: 128,
     };
-    run(&request, &Monitor::default()).expect("a plan")
+    job.run(&request, &Monitor::default()).expect("a plan")
 }
 
 pub static WHOLE: LazyLock<PlanOutcome> = LazyLock::new(|| planned(setup("")));
@@ -100,10 +106,33 @@ fn stock_after_leaving_plunges_out_is_that_of_the_field() {
 
 /// The order in which the plunges of [`WHOLE`] go.
 fn thinned(limits: ThinningLimits) -> Thinning<'static> {
+    thinned_around(limits, &[])
+}
+
+/// The same, where the `locked` plunges stay.
+fn thinned_around(limits: ThinningLimits, locked: &'static [PlungePose]) -> Thinning<'static> {
     let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
     let (setup, blank, grid) = (&WHOLE.setup, &WHOLE.workpiece.blank, &*WHOLE.grid);
-    Thinning::new(ThinningInput { plan, setup, blank, grid, limits }, &Monitor::default())
+    Thinning::new(ThinningInput { plan, setup, blank, grid, limits, locked }, &Monitor::default())
         .expect("not cancelled")
+}
+
+#[test]
+fn locked_plunges_stay() {
+    static LOCKED: LazyLock<Vec<PlungePose>> = LazyLock::new(|| {
+        let thinning = thinned(ThinningLimits::LEAST_TIME);
+        let kept = thinning.kept_without(5);
+        let left_out = thinning.plan().positions.iter().zip(kept).filter(|(_, kept)| !kept);
+        left_out.map(|(p, _)| PlungePose { tip: p.tip, axis: p.axis }).collect()
+    });
+    assert_eq!(LOCKED.len(), 5, "those that go first");
+    let thinning = thinned_around(ThinningLimits::LEAST_TIME, &LOCKED);
+    let kept = thinning.kept_without(thinning.len());
+    let stays = |locked: &PlungePose| {
+        let mut positions = thinning.plan().positions.iter().zip(&kept);
+        positions.any(|(p, kept)| *kept && locked.is(&PlungePose { tip: p.tip, axis: p.axis }))
+    };
+    assert!(LOCKED.iter().all(stays));
 }
 
 #[test]
@@ -136,11 +165,11 @@ fn rows_beside_walls_keep_their_scallop_and_added_plunges_go() {
 
 #[test]
 fn less_time_takes_fewer_rows_and_beats_the_published_rule() {
-    let part = std::sync::Arc::new(sample("impeller532"));
+    let part = Arc::new(sample("impeller532"));
     let planned = |policy: AxisPolicy, goal: &str| {
         let text = format!("[plunge]\n{goal}\n");
         let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("a setup");
-        let part = std::sync::Arc::clone(&part);
+        let part = Arc::clone(&part);
         let request = PlanRequest { part, setup, policy, compare: false, field_cells: 256 };
         run(&request, &Monitor::default()).expect("a plan")
     };
@@ -226,6 +255,40 @@ fn goals_keep_their_limits() {
         assert_eq!(read.plunge.goal, outcome.setup.plunge.goal);
     }
     assert_eq!(balance.setup.plunge.goal, Goal::Balance);
+}
+
+#[test]
+fn a_goal_that_cannot_be_met_is_reported_with_what_is_reached() {
+    let millimetres = |mm: f64| format!("{mm:.3} mm");
+    assert_eq!(missed_goal(&WHOLE, millimetres), None, "the least stock, whatever it takes");
+    let hasty = planned(setup("goal = \"stock\"\nmax_time = 1"));
+    let minutes = hasty.after.summary.time_estimate / 60.0;
+    let expected =
+        format!("goal cannot be met: the fastest plan takes {minutes:.1} min, the limit is 1.0 min");
+    assert_eq!(missed_goal(&hasty, millimetres), Some(expected));
+    assert!(minutes < 0.75 * WHOLE.after.summary.time_estimate / 60.0, "it comes near: {minutes} min");
+    let bare = planned(setup("goal = \"time\"\nmax_stock = 0.001"));
+    let words = missed_goal(&bare, millimetres).expect("no plan leaves as little");
+    let least = bare.after.summary.residual_p95 - bare.setup.allowances.hub_allowance;
+    assert!(words.contains(&format!("leaves {least:.3} mm above")) && words.ends_with("0.001 mm"), "{words}");
+    let roomy = planned(setup("goal = \"time\"\nmax_stock = 9.0"));
+    assert_eq!(missed_goal(&roomy, millimetres), None);
+}
+
+/// The curve takes the plan with fewer rows that the goal has made, and can be cancelled.
+#[test]
+fn the_curve_takes_the_plan_with_fewer_rows_that_the_goal_made() {
+    assert!(WHOLE.sparse.is_none(), "the least stock needs none");
+    let hasty = planned(setup("goal = \"stock\"\nmax_time = 1"));
+    assert!(hasty.sparse.is_some());
+    let anew = PlanOutcome { sparse: None, ..hasty.clone() };
+    let monitor = Monitor::default();
+    let points = hasty.time_stock_points(9, &monitor).expect("not cancelled");
+    assert_eq!(monitor.progress(), 1.0);
+    assert_eq!(points, anew.time_stock_points(9, &Monitor::default()).expect("not cancelled"));
+    let cancelled = Monitor::default();
+    cancelled.cancel();
+    assert!(anew.time_stock_points(9, &cancelled).is_err());
 }
 
 #[test]

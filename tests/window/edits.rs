@@ -4,11 +4,11 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::part_source::PartSource;
-use vanecut::app::tasks::engine::Engine;
 use vanecut::io::project_file::read_project;
 use vanecut::plunge::{PlungeMark, Position};
 
-use crate::harness::{Window, settle, snapshot_view, window};
+use crate::fake::shared_engine;
+use crate::harness::{Window, settle, snapshot_view, window, words};
 
 /// A setup with a small plan.
 const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n\
@@ -19,7 +19,7 @@ const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\nover
 fn planned(folder: &std::path::Path) -> Window {
     let path = folder.join("setup.toml");
     std::fs::write(&path, SETUP).expect("writes");
-    let mut window = window(Engine::default());
+    let mut window = window(shared_engine());
     window.set_size(egui::vec2(1280.0, 800.0));
     window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
     settle(&mut window);
@@ -165,7 +165,18 @@ fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
     assert!(window.state().state().plunge_mark(k).is_locked());
     assert!((now[k].axis - moved.axis).norm() < 1e-12);
     window.get_by_label("2 edits, 1 not applied");
+    let reason = words(&window, "Edit 1, Move: the plan has no plunge there: the nearest is position ");
+    let reason = reason.expect("why it is not applied");
+    assert!(reason.ends_with(" mm off"), "{reason}");
     snapshot_view(&mut window, "edited_by_hand");
+    // The others are planned around it: the plan is made as by the command line.
+    let outcome = &window.state().state().results.planned.as_ref().expect("planned").outcome;
+    assert_eq!(outcome.kept_locked.len(), 1);
+    assert_eq!(outcome.after.summary.interfering, 0);
+    window.get_by_label_contains("Edit 1, Move: ").click();
+    window.run_steps(3);
+    let selected = window.state().state().look.selected.expect("the nearest plunge");
+    assert!(reason.contains(&format!("position {},", selected + 1)), "{reason}: {selected}");
 
     let path = folder.path().join("p.vanecut");
     let ctx = window.ctx.clone();
@@ -174,7 +185,7 @@ fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
     let edited = window.state().state().document.edited.setup.plunge.edits.clone();
     assert_eq!(read_project(&path).expect("reads").setup.plunge.edits, edited);
 
-    select(&mut window, k + 1);
+    assert_eq!(selected, k, "it is the one that was moved and locked");
     click(&mut window, "Remove those");
     window.get_by_label("1 edit");
     click(&mut window, "Unlock");

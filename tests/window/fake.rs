@@ -1,7 +1,7 @@
 //! A fast fake planner whose plan has known faults. The part is real.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use vanecut::app::model::checked::CheckRequest;
 use vanecut::app::tasks::engine::Engine;
@@ -9,7 +9,7 @@ use vanecut::cutting::contact::CoreContact;
 use vanecut::error::ErrorCode;
 use vanecut::geometry::Vector;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use vanecut::job::{JobError, Listener, PlanOutcome, PlanRequest, PolicyResult, Summary};
+use vanecut::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PolicyResult, Summary};
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
@@ -75,6 +75,46 @@ fn cached_flank(request: &FlankRequest, monitor: &Monitor) -> Result<FlankOutcom
     Ok(outcome)
 }
 
+/// First plans that were made, by name of the part and request.
+type FirstPlans = Vec<((String, PlanRequest), Arc<OnceLock<PlanOutcome>>)>;
+static FIRST_PLANS: Mutex<FirstPlans> = Mutex::new(Vec::new());
+
+/// The real planner. Its first plan is shared with other tests that begin with the same one; it reports no
+/// stages.
+pub fn shared_engine() -> Engine {
+    let (job, is_first) = (PlanJob::default(), AtomicBool::new(true));
+    let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        if !is_first.swap(false, Ordering::SeqCst) {
+            return job.run_with_listener(request, monitor, listener);
+        }
+        let place = first_plan(request);
+        let outcome = place.get_or_init(|| {
+            PlanJob::default().run(request, &Monitor::default()).expect("the first plan of a test")
+        });
+        // It belongs to the part that is open.
+        let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
+        Ok(PlanOutcome { workpiece, ..outcome.clone() })
+    };
+    Engine { plan: Arc::new(plan), ..Engine::default() }
+}
+
+/// The place of the first plan for `request`.
+fn first_plan(request: &PlanRequest) -> Arc<OnceLock<PlanOutcome>> {
+    let mut known = FIRST_PLANS.lock().unwrap();
+    let is_it = |(name, other): &(String, PlanRequest)| {
+        *name == request.part.name
+            && other.setup == request.setup
+            && (other.policy, other.compare) == (request.policy, request.compare)
+            && other.field_cells == request.field_cells
+    };
+    if let Some((_, place)) = known.iter().find(|(key, _)| is_it(key)) {
+        return Arc::clone(place);
+    }
+    let place = Arc::new(OnceLock::new());
+    known.push(((request.part.name.clone(), request.clone()), Arc::clone(&place)));
+    place
+}
+
 /// The plan with its first row only, as if the planner was stopped after it.
 fn unfinished(mut outcome: PlanOutcome) -> PlanOutcome {
     let plan = &mut outcome.after.plan;
@@ -136,7 +176,9 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         before: result(AxisPolicy::Conventional),
         after: result(request.policy),
         whole: None,
+        sparse: None,
         density: RowDensity::Dense,
+        misses_goal: false,
         others: if request.compare {
             let other =
                 |policy: &&AxisPolicy| **policy != AxisPolicy::Conventional && **policy != request.policy;
@@ -145,6 +187,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
             Vec::new()
         },
         edits: EditReport::default(),
+        kept_locked: Vec::new(),
         elapsed: 0.084,
     })
 }

@@ -50,6 +50,24 @@ fn save(window: &mut Window, path: &Path) {
     }
 }
 
+/// The setup sheet of the selected operation, written as `sheet.html` into `folder`.
+fn sheet(window: &mut Window, folder: &Path) -> String {
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Export setup sheet…").click();
+    window.run_steps(3);
+    settle(window);
+    let path = folder.join("sheet.html");
+    name_file(window, &path);
+    press_enter(window);
+    if let Some(button) = window.query_by_label("Export anyway") {
+        button.click();
+        window.run_steps(3);
+        settle(window);
+    }
+    std::fs::read_to_string(path).expect("a page")
+}
+
 /// The program as the command line posts it.
 fn posted(window: &Window, program: &ClProgram, machine: &str, control: &str, output: OutputKind) -> String {
     let state = window.state().state();
@@ -88,6 +106,12 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     assert_eq!(text, wanted, "what the command line writes");
     let notice = &state.notice.as_ref().expect("a message").text;
     assert!(notice.contains("blocks for bc-trunnion"), "{notice}");
+    let page = sheet(&mut window, folder.path());
+    assert!(
+        page.contains(
+            "<code>wheel.mpf</code> (NC code for bc-trunnion, control siemens), for all 2 channels"
+        )
+    );
     // A check reads it for the same machine and control.
     window.state_mut().open_path(path);
     settle(&mut window);
@@ -173,6 +197,20 @@ fn the_flank_plan_is_exported_as_well() {
     let program = program.after_opening(outcome.plan.opening.as_ref());
     let target = read_machine(Path::new("ac-trunnion")).unwrap();
     assert_eq!(text, posted(&window, &program, "ac-trunnion", &target.control, target.output));
+
+    // The setup sheet of the selected operation names the program, and no other one.
+    window.state_mut().look_mut().operation = Operation::Flank;
+    let page = sheet(&mut window, folder.path());
+    let control = format!("<code>flank.h</code> (NC code for ac-trunnion, control {})", target.control);
+    assert!(page.contains(&control) && !page.contains(".apt"), "{page}");
+    assert!(page.contains("<h2>Layers</h2>") && page.contains("for one channel"));
+    assert!(page.contains(&format!("<b>T{}</b>", outcome.plan.tool.number)));
+    let rows = page.matches("<tr><td>").count();
+    assert_eq!(rows, outcome.plan.layout.layers.len(), "a row for each layer");
+    for name in ["passes", "walls"] {
+        let picture = folder.path().join(format!("sheet-{name}.png"));
+        assert!(std::fs::metadata(&picture).expect("beside the page").len() > 5_000, "{name}");
+    }
 }
 
 #[test]

@@ -261,11 +261,15 @@ fn a_crash_loses_nothing() {
     };
     let copy = copies().pop().expect("a copy");
     assert_eq!(std::fs::read(&project).expect("reads"), saved, "the project itself is untouched");
-    // Simulates the crash: renames the copy to that of a process that no longer exists.
-    let orphan = recovery.join("4194304999-7.vanecut");
-    std::fs::rename(&copy, &orphan).expect("renames");
+    let mut beside = window(engine.clone());
+    beside.state_mut().set_home(home.clone());
+    beside.run_steps(2);
+    assert!(beside.query_by_label("Recover").is_none(), "its session runs");
+    drop(beside);
+    // The crash: nothing of the first window gets to run any more, and the system unlocks what it held. The next
+    // start, at once, offers the copy.
     drop(first);
-
+    let orphan = copy;
     let mut second = window(engine.clone());
     second.state_mut().set_home(home.clone());
     second.run_steps(2);

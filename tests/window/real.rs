@@ -3,15 +3,15 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::state::Tone;
-use vanecut::app::tasks::engine::Engine;
 use vanecut::plunge::inspect::{CutPlane, section_view_in};
 use vanecut::setup::AxisPolicy;
 
+use crate::fake::shared_engine;
 use crate::harness::{Window, settle, with_sample};
 
 #[test]
 fn the_count_of_interferential_positions_falls_to_none() {
-    let mut window = with_sample(Engine::default());
+    let mut window = with_sample(shared_engine());
     let step = window.get_by_role_and_label(Role::SpinButton, "Step");
     step.set_value_accesskit(7.0);
     window.run_steps(3);
@@ -33,7 +33,7 @@ fn the_count_of_interferential_positions_falls_to_none() {
 
 #[test]
 fn the_timeline_jumps_to_tools_and_sections_and_the_cut_explains_the_worst_contact() {
-    let mut window = with_sample(Engine::default());
+    let mut window = with_sample(shared_engine());
     let tool = |window: &Window| {
         let state = window.state().state();
         let section = state.selected().expect("selected").section;
@@ -83,7 +83,7 @@ fn the_timeline_jumps_to_tools_and_sections_and_the_cut_explains_the_worst_conta
 
 #[test]
 fn conventional_as_the_policy_repairs_nothing() {
-    let mut window = with_sample(Engine::default());
+    let mut window = with_sample(shared_engine());
     window.get_by_role_and_label(Role::ComboBox, "Axis strategy").click();
     window.run_steps(2);
     window.get_by_role_and_label(Role::Button, "Isoparametric").click();

@@ -68,7 +68,7 @@ fn a_click_on_a_plot_selects_the_position_there() {
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1100.0, 760.0));
     window.run_steps(3);
-    let rect = window.get_by_label("α along the row").rect();
+    let rect = window.get_by_label("Lead angle along the row").rect();
     press(&mut window, rect.right_center() - egui::vec2(6.0, 0.0));
     window.run_steps(3);
     let last = window.state().state().position_count() / 2 - 1;

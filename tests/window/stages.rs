@@ -9,17 +9,35 @@ use egui_kittest::kittest::Queryable;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::preview::PreviewPlan;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::io::setup_file::read_setup_bytes;
 use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::setup::AxisPolicy;
 
 use crate::harness::{HANG, Window, settle, snapshot_view, with_sample};
 
+const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 30\ninsert_width = 10\noverhang = 120\n\
+                     [[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.5\n";
+
 /// The real planner, which waits after each stage until the test allows the next.
 fn gated() -> (Engine, Arc<AtomicUsize>) {
+    let (engine, allowed, _) = counted();
+    (engine, allowed)
+}
+
+/// The same, with the number of plans that were begun.
+fn counted() -> (Engine, Arc<AtomicUsize>, Arc<AtomicUsize>) {
     let allowed = Arc::new(AtomicUsize::new(usize::MAX));
-    let (job, gate) = (PlanJob::default(), Arc::clone(&allowed));
+    let begun = Arc::new(AtomicUsize::new(0));
+    let rough = read_setup_bytes("s.toml", SETUP.as_bytes()).expect("a setup");
+    let (job, gate, count) = (PlanJob::default(), Arc::clone(&allowed), Arc::clone(&begun));
     let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        count.fetch_add(1, Ordering::SeqCst);
+        // One tool, so that the plan is small.
+        let mut request = request.clone();
+        request.setup.tools.clone_from(&rough.tools);
+        request.setup.plunge.sections.clone_from(&rough.plunge.sections);
+        let request = &request;
         let reported = AtomicUsize::new(0);
         let listen = |stage: PlanStage| {
             let number = reported.fetch_add(1, Ordering::SeqCst) + 1;
@@ -30,7 +48,7 @@ fn gated() -> (Engine, Arc<AtomicUsize>) {
         };
         job.run_with_listener(request, monitor, Listener::new(&listen))
     };
-    (Engine { plan: Arc::new(plan), ..Engine::default() }, allowed)
+    (Engine { plan: Arc::new(plan), ..Engine::default() }, allowed, begun)
 }
 
 fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
@@ -165,4 +183,44 @@ fn while_a_slider_is_held_something_true_of_the_new_setup_comes_before_the_next_
     settle(&mut window);
     let planned = window.state().state().results.planned.clone().expect("planned");
     assert_eq!(planned.setup.plunge.step, wanted, "the last movement is what is planned in the end");
+}
+
+/// A plan that is far on but would take long is given up for the next movement; what is shown stays what it is.
+#[test]
+fn a_movement_restarts_a_plan_that_does_not_end_soon() {
+    let (engine, allowed, begun) = counted();
+    let mut window = with_sample(engine);
+    let old = window.state().state().results.planned.clone().expect("planned");
+    let rect = window.get_by_role_and_label(Role::Slider, "Step").rect();
+    // Waits before the plan by the policy is judged: most of the work is done.
+    allowed.store(6, Ordering::SeqCst);
+    window.drag_at(rect.left_center() + egui::vec2(4.0, 0.0));
+    window.run_steps(1);
+    window.hover_at(rect.left_center() + egui::vec2(24.0, 0.0));
+    window.run_steps(2);
+    let far_on = |window: &Window| {
+        let (_, progress) = window.state().running_task().unwrap_or_default();
+        progress > 0.8 && coming(window).is_some_and(|(_, judged, _)| judged)
+    };
+    until(&mut window, "most of the plan", far_on);
+    std::thread::sleep(Duration::from_millis(2600));
+    window.step();
+    let before = begun.load(Ordering::SeqCst);
+    assert!(!window.state().state().is_stale(Side::Before) || window.query_by_label("Out of date").is_some());
+    window.hover_at(rect.left_center() + egui::vec2(40.0, 0.0));
+    window.run_steps(2);
+    until(&mut window, "another plan", |_| begun.load(Ordering::SeqCst) > before);
+    let state = window.state().state();
+    assert!(
+        Arc::ptr_eq(state.last_whole_plan(Side::After).expect("old").planned, &old),
+        "the last plan is shown"
+    );
+    window.get_by_label("Out of date");
+    allowed.store(usize::MAX, Ordering::SeqCst);
+    let wanted = window.state().state().document.edited.setup.plunge.step;
+    window.drop_at(rect.left_center() + egui::vec2(40.0, 0.0));
+    window.run_steps(2);
+    settle(&mut window);
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    assert_eq!(planned.setup.plunge.step, wanted);
 }

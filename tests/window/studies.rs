@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::part_source::PartSource;
+use vanecut::io::part_file::read_part;
+use vanecut::io::part_hash::PartHash;
 use vanecut::io::write_setup;
 use vanecut::setup::Setup;
 use vanecut::study::{RESULT_VERSION, RunResult, RunStatus, merge::merge};
@@ -16,12 +19,19 @@ use crate::harness::{Window, click_enabled, press, settle, snapshot_view, window
 /// A run: its name, its step, and time in min and 95th percentile of the stock where it has a plan.
 type StudyRun = (&'static str, f64, Option<(f64, f64)>);
 
+const SAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
+
 const RUNS: [StudyRun; 4] = [
     ("00000000000000a1", 10.0, Some((20.0, 2.0))),
     ("00000000000000a2", 8.0, Some((30.0, 1.0))),
     ("00000000000000a3", 6.0, Some((40.0, 1.5))),
     ("00000000000000a4", 4.0, None),
 ];
+
+/// Hash of the sample part.
+fn hash_of_sample() -> String {
+    PartHash::of(&read_part(Path::new(SAMPLE)).expect("reads")).sha256
+}
 
 /// Writes the results of a study of the sample part; returns its folder.
 pub fn study(folder: &Path) -> PathBuf {
@@ -41,7 +51,7 @@ pub fn study(folder: &Path) -> PathBuf {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             id: id.to_owned(),
             part: "parts/impeller532.toml".to_owned(),
-            part_hash: "0".repeat(64),
+            part_hash: hash_of_sample(),
             varied: serde_json::from_str(&step).expect("a value"),
             setup: write_setup(&setup),
             status: if figures.is_some() { RunStatus::Done } else { RunStatus::Error },
@@ -111,6 +121,11 @@ fn runs_are_sorted_plotted_and_opened_as_plans() {
     window.run_steps(3);
     assert_eq!(listed(&window), ["Run 2", "Run 3", "Run 1", "Run 4"]);
     snapshot_view(&mut window, "study");
+    // What the plot shows of the runs is found once, not at each frame.
+    let passes = window.state().study_passes();
+    window.run_steps(5);
+    assert_eq!(window.state().study_passes(), passes);
+    assert!(passes > 0);
 
     // The slowest run with a plan is at the right.
     let plot = window.get_by_label("Stock 95 % over Time").rect();
@@ -137,6 +152,43 @@ fn runs_are_sorted_plotted_and_opened_as_plans() {
     let state = window.state().state();
     assert_eq!(state.document.edited.setup.plunge.step, Some(8.0));
     assert!(!state.out_of_date() && state.results.planned.is_some(), "it is calculated");
+}
+
+/// The part of a run is known by its content, not by its name.
+#[test]
+fn a_run_is_planned_with_the_part_that_it_had() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = study(folder.path()).join("study.json");
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.set_size(egui::vec2(1280.0, 900.0));
+    // A part of the same name that is another one.
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir_all(&elsewhere).expect("a folder");
+    let text = std::fs::read_to_string(SAMPLE).expect("reads");
+    let other = text.replacen("name = \"", "name = \"other ", 1);
+    assert_ne!(other, text);
+    let same_name = elsewhere.join("impeller532.toml");
+    std::fs::write(&same_name, &other).expect("writes");
+    window.state_mut().open_part(PartSource::File(same_name));
+    settle(&mut window);
+    open(&mut window, path);
+    open_run(&mut window, 2);
+    let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
+    assert_ne!(step(&window), Some(8.0), "not with that part");
+    window.get_by_label_contains("is not found, and the open one is another");
+
+    // With its part beside the study, changed since.
+    let parts = folder.path().join("parts");
+    std::fs::create_dir_all(&parts).expect("a folder");
+    std::fs::write(parts.join("impeller532.toml"), &other).expect("writes");
+    let warned = |window: &Window| {
+        window.query_by_label_contains("the part changed after the study was run").is_some()
+    };
+    assert!(!warned(&window));
+    open_run(&mut window, 2);
+    assert_eq!(step(&window), Some(8.0));
+    assert!(warned(&window));
 }
 
 #[test]

@@ -1,12 +1,18 @@
 //! Time against stock: the goal in the setup, and the curve whose handle sets it.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::part_source::PartSource;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::io::setup_file::read_setup_bytes;
+use vanecut::job::{Listener, PlanJob, PlanRequest};
+use vanecut::monitor::Monitor;
 use vanecut::setup::Goal;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, with_sample};
+use crate::harness::{Window, press, settle, window, with_sample};
 
 fn goal(window: &Window) -> Goal {
     window.state().state().document.edited.setup.plunge.goal
@@ -23,7 +29,7 @@ fn slider(window: &Window) -> (f64, f64, f64) {
 #[test]
 fn the_handle_on_the_curve_sets_the_time_of_a_channel() {
     // The plunges of the fake plan are all needed.
-    let mut window = with_sample(Engine::default());
+    let mut window = with_sample(fake::shared_engine());
     window.set_size(egui::vec2(1280.0, 900.0));
     window.run_steps(3);
     assert_eq!(goal(&window), Goal::default());
@@ -64,6 +70,75 @@ fn the_handle_on_the_curve_sets_the_time_of_a_channel() {
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     window.run_steps(3);
     assert_eq!(goal(&window), Goal::Stock { max_time_min: Some(clicked) }, "one edit, one undo");
+}
+
+/// The fake planner, whose plan of minimal is the real one of a rough setup.
+fn rough() -> Engine {
+    let setup = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n\
+                 [[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.55\n";
+    let rough = read_setup_bytes("s.toml", setup.as_bytes()).expect("a setup");
+    let job = PlanJob::default();
+    let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut request = PlanRequest { compare: false, field_cells: 128, ..request.clone() };
+        request.setup.tools.clone_from(&rough.tools);
+        request.setup.plunge.sections.clone_from(&rough.plunge.sections);
+        job.run_with_listener(&request, monitor, listener)
+    };
+    Engine { plan: Arc::new(plan), ..Engine::default() }
+}
+
+#[test]
+fn the_curve_has_progress_can_be_cancelled_and_is_kept() {
+    let mut window = window(rough());
+    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
+    window.set_size(egui::vec2(1280.0, 900.0));
+    settle(&mut window);
+    window.key_press(egui::Key::G);
+    window.run_steps(2);
+    assert_eq!(window.state().running_task().map(|(name, _)| name), Some("Weighing plunges"));
+    window.get_by_label_contains("Weighing the plunges ");
+    window.get_by_label("Cancel curve").click();
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_label("The curve was cancelled.");
+    assert!(window.query_by_role_and_label(Role::Slider, "Max time per channel").is_none());
+    window.get_by_label("Calculate curve").click();
+    window.run_steps(2);
+    // Esc cancels it as everything that the status bar shows.
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_label("Calculate curve").click();
+    window.run_steps(2);
+    settle(&mut window);
+    let known = slider(&window);
+    // Closed and opened again, it is there at once.
+    for _ in 0..2 {
+        window.key_press(egui::Key::G);
+        window.run_steps(2);
+    }
+    assert_eq!(window.state().running_task(), None);
+    assert_eq!(slider(&window), known);
+
+    assert!(window.query_by_label("Goal cannot be met").is_none());
+    let list = window.get_all_by_role_and_label(Role::ComboBox, "Goal").last();
+    list.expect("beside the curve").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, "Least time").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let field = window.get_all_by_role_and_label(Role::SpinButton, "Max stock").last();
+    field.expect("its limit").set_value_accesskit(0.01);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(goal(&window), Goal::Time { max_stock: 0.01 });
+    window.get_by_label("Goal cannot be met");
+    let outcome = &window.state().state().results.planned.as_ref().expect("planned").outcome;
+    let left = outcome.after.summary.residual_p95 - outcome.setup.allowances.hub_allowance;
+    window.get_by_label(&format!(
+        "Goal cannot be met: the plan with the least stock leaves {left:.2} mm above the allowance (95 %), the \
+         limit is 0.01 mm"
+    ));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::project::Pending;
 use crate::app::App;
@@ -47,7 +48,7 @@ impl App {
 
     /// Plans the run of a row of a study's results.
     pub(in crate::app) fn open_run(&mut self, results: Arc<StudyResults>, row: usize) {
-        let open = self.state.document.part.as_ref().map(|part| part.source.clone());
+        let open = self.state.document.part.as_ref().map(|part| part.hash.clone());
         self.submit_open(OpenTask::Run { results, row, open });
     }
 
@@ -91,6 +92,7 @@ impl App {
             last: self.state.results.planned.clone(),
         };
         self.work.asked = Some(asked);
+        self.work.submitted = Some(Instant::now());
         self.work.planner.submit(task);
     }
 
@@ -105,16 +107,13 @@ impl App {
         if same && enough {
             return;
         }
-        // While a slider is held, let the task finish if it is past half way. Also wait for its first checked
-        // stage: otherwise continuous movement would restart planning before anything is shown.
-        let worth_waiting =
-            self.work.planner.progress().is_some_and(|fraction| {
-                let has_stage =
-                    self.state.results.preview.as_ref().is_some_and(|preview| {
-                        preview.task == self.work.tasks && preview.has_checked_stage()
-                    });
-                !has_stage || fraction > 0.5
-            });
+        // While a slider is held, let the task finish if it soon ends. Also wait for its first checked stage:
+        // otherwise continuous movement would restart planning before anything is shown.
+        let lacks_stage = || {
+            let preview = self.state.results.preview.as_ref();
+            !preview.is_some_and(|p| p.task == self.work.tasks && p.has_checked_stage())
+        };
+        let worth_waiting = self.work.is_planning() && (lacks_stage() || self.work.plan_ends_soon());
         if !(held && worth_waiting) {
             self.submit_plan(held);
         }
@@ -130,9 +129,19 @@ impl App {
         }
     }
 
+    /// Name and progress (0…1) of the running task that the user can cancel.
+    pub fn running_task(&self) -> Option<(&'static str, f64)> {
+        let curve = || self.weighing.progress().map(|fraction| ("Weighing plunges", fraction));
+        self.work.running().or_else(curve)
+    }
+
     /// Stops opening and planning; the planner returns its best plan so far, or nothing at the second call.
     /// Writing takes a moment and is not cancelled.
     pub(in crate::app) fn cancel(&mut self) {
+        // The curve goes on while what the status bar shows is cancelled.
+        if self.work.running().is_none() {
+            self.weighing.cancel();
+        }
         self.work.opener.cancel();
         self.work.planner.stop();
         self.work.flanker.cancel();
@@ -228,6 +237,9 @@ impl App {
             match end {
                 Outcome::Done(written) => {
                     self.state.report_done(written.text);
+                    if let Some((plan, file)) = written.program {
+                        self.state.results.exported.note(plan, file);
+                    }
                     if let Some((path, edited)) = written.project {
                         self.note_saved(ctx, path, edited);
                     }
@@ -268,7 +280,7 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, blank, library, study, is_run, unassigned } = opened;
+        let Opened { part, setup, project, blank, library, study, is_run, changed_part, unassigned } = opened;
         if let Some(results) = study {
             let name = results.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             self.state.report_done(format!("Opened {name}: {} runs", results.table.rows.len()));
@@ -329,6 +341,12 @@ impl App {
         if let Some((path, project)) = project {
             self.take_project(path, &project);
         }
+        if let Some(file) = changed_part {
+            self.state.report_problem(Problem::new(
+                format!("{}: the part changed after the study was run", file.display()),
+                "compare the figures of the plan with those of the run, or run the study again",
+            ));
+        }
         // The first plan of a part starts automatically.
         if new_part || is_run || self.state.results.planned.is_none() {
             self.plan();
@@ -365,11 +383,7 @@ impl App {
             }
             Purpose::ExportNc { operation, .. } => self.export_nc(operation, path),
             Purpose::OpenPost => self.take_post(&path),
-            Purpose::ExportSheet => {
-                if let Some(source) = self.shown_plunges(1) {
-                    self.write(WriteTask::Sheet(path, source));
-                }
-            }
+            Purpose::ExportSheet { operation } => self.export_sheet(operation, path),
             Purpose::SaveAssessment => {
                 if let Some(assessed) = self.assessing.known(&self.state) {
                     let assessed = Arc::clone(assessed);

@@ -36,7 +36,7 @@ impl App {
             C::CheckAgain | C::CloseProgram => {
                 self.state.results.checked.is_some() || self.work.asked_check.is_some()
             }
-            C::ExportNc => !self.planned_operations().is_empty(),
+            C::ExportNc | C::ExportSheet => !self.planned_operations().is_empty(),
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::ExportScene
             | C::SaveSetup
@@ -53,7 +53,6 @@ impl App {
             | C::ExportCl
             | C::ExportClSome
             | C::ExportClAll
-            | C::ExportSheet
             | C::TimeAgainstStock
             | C::BeforeAfter
             | C::SideBySide
@@ -96,7 +95,7 @@ impl App {
             | C::CutRowEarlier
             | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
-            C::Cancel => self.work.running().is_some() || self.state.look.measure.is_some(),
+            C::Cancel => self.running_task().is_some() || self.state.look.measure.is_some(),
             C::Undo => self.state.document.can_undo(),
             C::Redo => self.state.document.can_redo(),
             _ => true,
@@ -106,6 +105,7 @@ impl App {
     /// Executes a command.
     pub(in crate::app) fn run_command(&mut self, ctx: &Context, command: Command) {
         use Command as C;
+        let is_running = self.running_task().is_some();
         let look = &mut self.state.look;
         match command {
             C::NewProject => self.run_guarded(ctx, Pending::New),
@@ -161,8 +161,13 @@ impl App {
             }
             C::ExportNc => self.ask_for_nc_target(),
             C::ExportSheet => {
-                let name = self.suggest_file_name("setup-sheet.html");
-                self.dialogs.open_dialog(ctx, Purpose::ExportSheet, name);
+                let Some(operation) = self.exported_operation() else { return };
+                let name = match operation {
+                    Operation::Flank => "flank-setup-sheet.html",
+                    _ => "setup-sheet.html",
+                };
+                let name = self.suggest_file_name(name);
+                self.dialogs.open_dialog(ctx, Purpose::ExportSheet { operation }, name);
             }
             C::Assess => look.machinability ^= true,
             C::TimeAgainstStock => look.tradeoff ^= true,
@@ -174,7 +179,7 @@ impl App {
                 look.flank.shown = !(look.flank.shown && look.operation == Operation::Flank);
                 look.operation = Operation::Flank;
             }
-            C::Cancel if self.work.running().is_none() => look.measure = None,
+            C::Cancel if !is_running => look.measure = None,
             C::Cancel => self.cancel(),
             C::NextFault => self.state.select_next_fault(true),
             C::PreviousFault => self.state.select_next_fault(false),

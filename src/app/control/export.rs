@@ -13,6 +13,7 @@ use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::Problem;
 use crate::app::model::release::concerns;
 use crate::app::model::state::ShownPlan;
+use crate::app::tasks::documents::SheetTask;
 use crate::app::tasks::files::{SceneTask, WriteTask};
 use crate::app::tasks::programs::{NcTask, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
@@ -85,6 +86,31 @@ impl App {
         roughing.into_iter().chain(flank).collect()
     }
 
+    /// The operation that is exported: the selected one, or else the first that has a plan.
+    pub(in crate::app) fn exported_operation(&self) -> Option<Operation> {
+        let operations = self.planned_operations();
+        let selected = Some(self.state.look.operation).filter(|selected| operations.contains(selected));
+        selected.or(operations.first().copied())
+    }
+
+    /// Writes the setup sheet of the plan of `operation`, which names the programs that were written of it.
+    pub(in crate::app) fn export_sheet(&mut self, operation: Operation, path: PathBuf) {
+        let exported = &self.state.results.exported;
+        let (source, files) = match operation {
+            Operation::Flank => {
+                let Some(outcome) = self.state.results.flank.clone() else { return };
+                let files = exported.of_flank(&outcome);
+                (ProgramSource::Flank(outcome), files)
+            }
+            Operation::Roughing | Operation::Program => {
+                let Some(plunges) = self.shown_plunges(1) else { return };
+                let (channels, files) = exported.of_plunges(&plunges.planned, plunges.policy);
+                (ProgramSource::Plunges(PlungeSource { channels, ..plunges }), files)
+            }
+        };
+        self.write(WriteTask::Sheet(path, SheetTask { source, files }));
+    }
+
     /// Asks where an NC program is to run: on the machine of the setup, or on the one that was asked for last.
     pub(in crate::app) fn ask_for_nc_target(&mut self) {
         let operations = self.planned_operations();
@@ -100,9 +126,7 @@ impl App {
             Ok(target) => target,
             Err(error) => return self.state.report_problem(Problem::from(&error)),
         };
-        let selected = self.state.look.operation;
-        let operation = Some(selected).filter(|selected| operations.contains(selected));
-        let Some(operation) = operation.or(operations.first().copied()) else { return };
+        let Some(operation) = self.exported_operation() else { return };
         let channel_count = self.channel_count();
         let channels = last.map_or(1, |last| last.channels).clamp(1, channel_count);
         self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });

@@ -282,7 +282,7 @@ impl App {
         (look.selected, look.cut_count) = (position, cut);
         look.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         let part = self.state.document.part.as_ref();
-        if part.is_some_and(|part| part.hash != project.part_hash) {
+        if part.is_some_and(|part| part.hash.fnv1a != project.part_hash) {
             self.state.report_problem(Problem::new(
                 format!("{}: the part changed after the project was saved", path.display()),
                 "check setup and variants, then save the project again",
@@ -302,6 +302,18 @@ impl App {
             }
         } else {
             self.note_recent(&path);
+        }
+    }
+
+    /// How often all runs of a study were gone through for its plot.
+    pub fn study_passes(&self) -> usize {
+        self.study.passes()
+    }
+
+    /// The results of a study, while they are shown.
+    pub(in crate::app) fn study_results(&mut self, ui: &Ui) {
+        if let Some((results, row)) = self.study.show(ui) {
+            self.run_guarded(ui.ctx(), Pending::OpenRun(results, row));
         }
     }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::io::part_hash::PartHash;
 use crate::part::Impeller;
 use crate::setup::Setup;
 
@@ -18,8 +19,8 @@ pub struct OpenPart {
     pub impeller: Arc<Impeller>,
     /// Default setup of the part.
     pub defaults: Setup,
-    /// Hash of its description; see [`crate::io::project_file`].
-    pub hash: u64,
+    /// Hashes of its description.
+    pub hash: PartHash,
 }
 
 /// A stored variant of the setup.

@@ -48,8 +48,11 @@ pub enum Purpose {
     },
     /// A post to write NC programs with.
     OpenPost,
-    /// Target of the setup sheet of the shown plunge plan.
-    ExportSheet,
+    /// Target of the setup sheet of an operation: of the shown plunge plan, or the flank plan.
+    ExportSheet {
+        /// Roughing or flank.
+        operation: Operation,
+    },
     /// Target of the page on machinability.
     SaveAssessment,
     /// Target of the glTF scene.
@@ -80,7 +83,8 @@ impl Purpose {
             Self::ExportFlank => "Export flank CL (APT)",
             Self::ExportNc { .. } => "Export NC program",
             Self::OpenPost => "Open post",
-            Self::ExportSheet => "Export setup sheet",
+            Self::ExportSheet { operation: Operation::Flank } => "Export setup sheet of flank",
+            Self::ExportSheet { .. } => "Export setup sheet",
             Self::SaveAssessment => "Save machinability page",
             Self::ExportScene => "Export scene",
             Self::ExportStock => "Export stock",
@@ -92,9 +96,9 @@ impl Purpose {
     /// The operation whose plan is written; `None` for other files.
     pub fn planned_operation(self) -> Option<Operation> {
         match self {
-            Self::ExportCl { .. } | Self::ExportSheet => Some(Operation::Roughing),
+            Self::ExportCl { .. } => Some(Operation::Roughing),
             Self::ExportFlank => Some(Operation::Flank),
-            Self::ExportNc { operation, .. } => Some(operation),
+            Self::ExportNc { operation, .. } | Self::ExportSheet { operation } => Some(operation),
             _ => None,
         }
     }
@@ -109,7 +113,7 @@ impl Purpose {
                 | Self::ExportCl { .. }
                 | Self::ExportFlank
                 | Self::ExportNc { .. }
-                | Self::ExportSheet
+                | Self::ExportSheet { .. }
                 | Self::SaveAssessment
                 | Self::ExportScene
                 | Self::ExportStock
@@ -136,7 +140,7 @@ impl Purpose {
             Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
             Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),
             Self::OpenPost => ("Posts", &["toml"]),
-            Self::ExportSheet | Self::SaveAssessment => ("Pages", &["html"]),
+            Self::ExportSheet { .. } | Self::SaveAssessment => ("Pages", &["html"]),
             Self::CheckProgram => ("Programs", PROGRAM_ENDINGS),
             Self::ExportScene => ("glTF scenes", &["glb"]),
             Self::ExportStock => ("Solids", &["stl", "glb"]),

@@ -157,7 +157,7 @@ impl TableColumn {
             Self::Order => "#",
             Self::Row => "Row",
             Self::Diameter => "D",
-            Self::Alpha => "α °",
+            Self::Alpha => "Lead °",
             Self::Contact => "Contact",
             Self::Hub => "Hub",
             Self::Axes => "Axes",

@@ -4,6 +4,7 @@
 pub mod checked;
 pub mod cutter_colours;
 pub mod document;
+pub mod exported;
 pub mod field_faults;
 pub mod figures;
 pub mod file_purpose;

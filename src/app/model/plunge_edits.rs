@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use crate::plunge::inspect::row_of;
-use crate::plunge::{PlungeMark, PlungePlan};
+use crate::plunge::{PlungeMark, PlungePlan, UnappliedEdit};
 use crate::setup::edits::add_edit;
 use crate::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 
@@ -93,15 +93,15 @@ impl AppState {
         shown.map_or(PlungeMark::Planned, |shown| shown.planned.outcome.edits.mark(k))
     }
 
-    /// Indices of the edits that do nothing in the last plan; `None` until it has all edits of the setup.
-    fn unfitting_edits(&self) -> Option<&[usize]> {
-        Some(&self.plan_with_all_edits()?.outcome.edits.unfitting)
+    /// The edits that do nothing in the last plan, each with the reason; empty until it has all edits of the
+    /// setup.
+    pub fn unapplied_edits(&self) -> &[UnappliedEdit] {
+        self.plan_with_all_edits().map_or(&[], |planned| &planned.outcome.edits.unapplied)
     }
 
-    /// Number of edits of the setup, and of those that do nothing in the last plan.
-    pub fn edit_counts(&self) -> (usize, usize) {
-        let unfitting = self.unfitting_edits().map_or(0, <[usize]>::len);
-        (self.document.edited.setup.plunge.edits.len(), unfitting)
+    /// Number of edits of the setup.
+    pub fn edit_count(&self) -> usize {
+        self.document.edited.setup.plunge.edits.len()
     }
 
     /// The plunges that an edit of the selected one is for.
@@ -229,9 +229,9 @@ impl AppState {
     }
 
     /// Removes the edits that do nothing in the last plan.
-    pub fn remove_unfitting_edits(&mut self) {
-        let Some(unfitting) = self.unfitting_edits().map(<[usize]>::to_vec) else { return };
-        self.remove_edits_at(&unfitting);
+    pub fn remove_unapplied_edits(&mut self) {
+        let removed: Vec<usize> = self.unapplied_edits().iter().map(|edit| edit.index).collect();
+        self.remove_edits_at(&removed);
     }
 
     /// Removes all edits.

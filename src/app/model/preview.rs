@@ -222,9 +222,12 @@ impl PlanPreview {
                 before: result.clone(),
                 after: result,
                 whole: None,
+                sparse: None,
                 density: RowDensity::Dense,
+                misses_goal: false,
                 others: Vec::new(),
                 edits: EditReport::default(),
+                kept_locked: Vec::new(),
                 elapsed: 0.0,
             },
         };

@@ -50,6 +50,14 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     if state.out_of_date() {
         found.push("The setup was edited after this calculation".to_owned());
     }
+    if let Some(missed) = state.missed_goal() {
+        found.push(missed);
+    }
+    match state.unapplied_edits().len() {
+        0 => {}
+        1 => found.push("1 edit by hand is not applied".to_owned()),
+        n => found.push(format!("{n} edits by hand are not applied")),
+    }
     if plan.is_unfinished() {
         found.push("The calculation was cancelled: this is the best plan so far".to_owned());
     }

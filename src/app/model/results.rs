@@ -9,6 +9,7 @@ use crate::job::flank::FlankOutcome;
 use crate::setup::Setup;
 
 use crate::app::model::checked::CheckedProgram;
+use crate::app::model::exported::ExportedPrograms;
 use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::machine::ProgramOnMachine;
@@ -55,6 +56,8 @@ pub struct Results {
     pub on_machine: Option<Result<Arc<ProgramOnMachine>, InputError>>,
     /// The program of the shown plan; `None` until it is known.
     pub listing: Option<Arc<ProgramListing>>,
+    /// The program files that were written.
+    pub exported: ExportedPrograms,
     figures: Vec<(Setup, SetFigures)>,
 }
 

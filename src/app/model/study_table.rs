@@ -115,6 +115,8 @@ pub struct StudyTable {
     pub best: Vec<usize>,
     /// The selected row.
     pub selected: Option<usize>,
+    /// Number of runs without a plan.
+    pub without_plan: usize,
 }
 
 impl StudyTable {
@@ -122,9 +124,11 @@ impl StudyTable {
     pub fn new(results: StudyResults) -> Self {
         let keys = results.keys().into_iter().map(|key| StudyColumn::Key(key.to_owned()));
         let columns = keys.chain([StudyColumn::Status]).chain(SHOWN.map(StudyColumn::Figure)).collect();
+        let rows = 0..results.table.rows.len();
         let mut table = Self {
             columns,
-            order: (0..results.table.rows.len()).collect(),
+            without_plan: rows.clone().filter(|&row| !results.has_plan(row)).count(),
+            order: rows.collect(),
             sort: None,
             axes: [SHOWN[0], SHOWN[1]],
             best: Vec::new(),
@@ -140,8 +144,9 @@ impl StudyTable {
         let descending = matches!(self.sort, Some((last, false)) if last == column);
         self.sort = Some((column, descending));
         let mut order: Vec<usize> = (0..self.results.table.rows.len()).collect();
+        let values: Vec<Option<f64>> = order.iter().map(|&row| self.value(row, column)).collect();
         order.sort_by(|&a, &b| {
-            let (left, right) = (self.value(a, column), self.value(b, column));
+            let (left, right) = (values[a], values[b]);
             // What has no value comes last either way.
             match (left, right) {
                 (Some(left), Some(right)) if descending => right.total_cmp(&left),
@@ -206,6 +211,21 @@ impl StudyTable {
             StudyColumn::Key(key) => key.clone(),
             StudyColumn::Figure(figure) => figure.title(units),
         }
+    }
+
+    /// A run in words: its keys and the figures of the plot.
+    pub fn describe(&self, row: usize, units: DisplayUnits) -> String {
+        let keys = self.columns.iter().filter_map(|column| match column {
+            StudyColumn::Key(key) => {
+                Some(format!("{key} = {}", self.results.field(row, key).unwrap_or_default()))
+            }
+            StudyColumn::Status | StudyColumn::Figure(_) => None,
+        });
+        let figure = |axis: &StudyFigure| {
+            let value = axis.text(self.results.figure(row, axis.name), units);
+            format!("{} {value} {}", axis.head, axis.unit(units))
+        };
+        keys.chain(self.axes.iter().map(figure)).collect::<Vec<_>>().join("\n")
     }
 
     /// The figures of a row on the axes of the plot, in the units in which they are shown.

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::programs::{PlungeSource, plunge_program};
+use super::programs::{ProgramSource, plunge_program};
 use crate::error::UserError;
 use crate::io::InputError;
 use crate::io::apt::{read_apt_bytes, write_apt};
@@ -12,16 +12,32 @@ use crate::job::assess::AssessedPart;
 use crate::monitor::Monitor;
 use crate::report::ReportPage;
 use crate::report::assessment::assessment_page;
-use crate::report::pictures::plan_pictures;
-use crate::report::sheet::{SheetInput, setup_sheet};
+use crate::report::pictures::{flank_pictures, plan_pictures};
+use crate::report::sheet::flank::{FlankSheetInput, flank_sheet};
+use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::verify::{VerifyError, report_plunges};
 
-/// The setup sheet of a plunge plan, to be saved at `path`. Its program is verified as it is written.
+/// Content of a setup sheet.
+pub struct SheetTask {
+    /// The plan.
+    pub source: ProgramSource,
+    /// Its program files.
+    pub files: Vec<ProgramFile>,
+}
+
+/// The setup sheet of a plan, to be saved at `path`. Its program is verified as it is written.
 ///
 /// # Errors
 /// When the pictures cannot be drawn or the program cannot be verified.
-pub(super) fn sheet(path: &Path, source: &PlungeSource) -> Result<ReportPage, InputError> {
+pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputError> {
     let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
+    let source = match &task.source {
+        ProgramSource::Plunges(source) => source,
+        ProgramSource::Flank(outcome) => {
+            let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
+            return Ok(flank_sheet(&FlankSheetInput { outcome, files: &task.files }, pictures));
+        }
+    };
     let outcome = &source.planned.outcome;
     let shown = source.planned.result(source.policy);
     let program = write_apt(&plunge_program(source));
@@ -33,7 +49,8 @@ pub(super) fn sheet(path: &Path, source: &PlungeSource) -> Result<ReportPage, In
         VerifyError::Cancelled(error) => fault(error.into()),
     })?;
     let pictures = plan_pictures(outcome, shown, &prefix(path)).map_err(fault)?;
-    let input = SheetInput { outcome, shown, report: &report, channels: source.channels, files: &[] };
+    let (channels, files) = (source.channels, &*task.files);
+    let input = SheetInput { outcome, shown, report: &report, channels, files };
     Ok(setup_sheet(&input, pictures))
 }
 

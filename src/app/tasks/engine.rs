@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::io::InputError;
+use crate::io::part_hash::PartHash;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::job::{FIELD_CELLS, JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
 use crate::monitor::Monitor;
@@ -15,8 +16,9 @@ use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::{DisplayPlan, program_of};
 use crate::app::model::preview::{PlanPreview, PreviewSlot};
 
-/// Opens a part; returns it with a hash of its description.
-pub type OpenFn = dyn Fn(&PartSource, &Monitor) -> Result<(Arc<Impeller>, u64), InputError> + Send + Sync;
+/// Opens a part; returns it with the hashes of its description.
+pub type OpenFn =
+    dyn Fn(&PartSource, &Monitor) -> Result<(Arc<Impeller>, PartHash), InputError> + Send + Sync;
 /// Plans a part and reports the stages to the listener.
 pub type PlanFn = dyn Fn(&PlanRequest, &Monitor, Listener) -> Result<PlanOutcome, JobError> + Send + Sync;
 

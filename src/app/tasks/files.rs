@@ -8,7 +8,8 @@ use crate::gpu::encode_png;
 use crate::io::InputError;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
-use crate::io::project_file::{EXTENSION, part_hash};
+use crate::io::part_hash::PartHash;
+use crate::io::project_file::EXTENSION;
 use crate::io::setup_file::write_setup_beside;
 use crate::io::shop_tools::{ToolLibrary, write_fusion, write_toml};
 use crate::io::source::read_bytes;
@@ -18,14 +19,16 @@ use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::Impeller;
 use crate::report::ReportPage;
+use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, Setup};
 
 use crate::app::model::document::Edited;
+use crate::app::model::exported::ProgramPlan;
 use crate::app::model::file_purpose::PROGRAM_ENDINGS;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
-use crate::app::tasks::documents::{assessment, sheet};
+use crate::app::tasks::documents::{SheetTask, assessment, sheet};
 use crate::app::tasks::programs::{NcTask, PlungeSource, cl_text, flank_text, nc_text};
 use crate::app::tasks::solid::solid_bytes;
 use crate::job::flank::FlankOutcome;
@@ -57,11 +60,11 @@ pub fn samples() -> Vec<Sample> {
     BUILT_IN.iter().map(|&(name, about, _)| Sample { name, about }).collect()
 }
 
-/// Reads, trims and checks a part; returns it with a hash of its description.
+/// Reads, trims and checks a part; returns it with the hashes of its description.
 ///
 /// # Errors
 /// [`InputError`] when the file cannot be read, the sample does not exist, or the part is invalid.
-pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError> {
+pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, PartHash), InputError> {
     let (file, description) = match source {
         PartSource::File(path) => (path.display().to_string(), read_part(path)?),
         PartSource::Mesh(path, options) => (path.display().to_string(), read_part_with(path, options)?),
@@ -76,7 +79,7 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, u64), InputError
         }
     };
     let impeller = Impeller::build(&description);
-    let hash = part_hash(&description);
+    let hash = PartHash::of(&description);
     impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError::of_part(&file, e))
 }
 
@@ -123,6 +126,8 @@ pub struct Written {
     pub text: String,
     /// Path and content of a project; `None` for other files.
     pub project: Option<(PathBuf, Edited)>,
+    /// What plan a program is of, and its file; `None` for other files.
+    pub program: Option<(ProgramPlan, ProgramFile)>,
 }
 
 /// Content of a glTF scene.
@@ -153,8 +158,8 @@ pub enum WriteTask {
     Scene(PathBuf, SceneTask),
     /// The stock as a solid at a moment. STL or glTF by extension.
     Stock(PathBuf, SolidSource, StockMoment),
-    /// The setup sheet of a plunge plan, with its pictures.
-    Sheet(PathBuf, PlungeSource),
+    /// A setup sheet, with its pictures.
+    Sheet(PathBuf, SheetTask),
     /// The page of an assessment, with its pictures.
     Assessment(PathBuf, Arc<AssessedPart>),
     /// A picture: width, height, RGBA.
@@ -200,12 +205,21 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Project(path, _, edited) => Some((path.clone(), Edited::clone(edited))),
         _ => None,
     };
-    Ok(Written { text: format!("Wrote {}{about}", path.display()), project })
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let program = match task {
+        WriteTask::Cl(_, source) => Some((source.plan(), ProgramFile::apt(name))),
+        WriteTask::Flank(_, outcome) => {
+            Some((ProgramPlan::Flank(Arc::downgrade(outcome)), ProgramFile::apt(name)))
+        }
+        WriteTask::Nc(_, content) => Some((content.source.plan(), content.file(name))),
+        _ => None,
+    };
+    Ok(Written { text: format!("Wrote {}{about}", path.display()), project, program })
 }
 
 fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
     write_all_atomically(&document.files_at(path))?;
-    Ok(Written { text: format!("Wrote {} and its pictures", path.display()), project: None })
+    Ok(Written { text: format!("Wrote {} and its pictures", path.display()), project: None, program: None })
 }
 
 fn scene_bytes(scene: &SceneTask) -> Vec<u8> {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::app::model::part_source::PartSource;
+use crate::io::part_hash::PartHash;
 use crate::setup::Setup;
 use crate::study::StudyResults;
 
@@ -25,8 +26,8 @@ pub(in crate::app) enum OpenTask {
     Library(PathBuf),
     /// Results of a study: its folder, the list in it, or its table.
     Study(PathBuf),
-    /// The run of a row of a study's results, to be planned. `open`: the part that is open.
-    Run { results: Arc<StudyResults>, row: usize, open: Option<PartSource> },
+    /// The run of a row of a study's results, to be planned. `open`: hash of the part that is open.
+    Run { results: Arc<StudyResults>, row: usize, open: Option<PartHash> },
     /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),
 }

@@ -1,6 +1,6 @@
 //! Opening of projects, parts, setups and blanks, on the background thread.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::engine::Engine;
 use super::mesh_nodes::UnassignedRoles;
@@ -12,6 +12,7 @@ use crate::app::model::part_source::PartSource;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
+use crate::io::part_hash::PartHash;
 use crate::io::project_file::{Project, read_project};
 use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
@@ -31,6 +32,8 @@ pub(in crate::app) struct Opened {
     pub study: Option<StudyResults>,
     /// Whether the setup is to be planned even where edits are not.
     pub is_run: bool,
+    /// The part's file, if it is not what the run was planned with.
+    pub changed_part: Option<PathBuf>,
     /// A mesh file whose nodes need roles first.
     pub unassigned: Option<UnassignedRoles>,
 }
@@ -114,41 +117,27 @@ fn open_run(
     engine: &Engine,
     results: &StudyResults,
     row: usize,
-    open: Option<&PartSource>,
+    open: Option<&PartHash>,
     monitor: &Monitor,
 ) -> Result<Opened, InputError> {
     let (path, run) = results.run(row)?;
     let name = path.display().to_string();
     let mut setup = read_setup_bytes(&format!("{name} (setup)"), run.setup.as_bytes())?;
     locate_machine(&mut setup, &path);
-    let file = results.part_file(&run);
-    let of_run = Path::new(&run.part);
-    let is_open = match (open, &file) {
-        (Some(PartSource::File(open) | PartSource::Mesh(open, _)), Some(file)) => {
-            std::path::absolute(open).ok() == std::path::absolute(file).ok()
-        }
-        (Some(PartSource::File(open) | PartSource::Mesh(open, _)), None) => {
-            open.file_name() == of_run.file_name()
-        }
-        // A file of the study may be another part than the sample of its name.
-        (Some(PartSource::Sample(sample)), None) => {
-            of_run.file_stem().is_some_and(|stem| stem.to_string_lossy() == *sample)
-        }
-        (Some(PartSource::Sample(_)), Some(_)) | (None, _) => false,
-    };
     let setup = Some((path, setup));
-    if is_open {
+    if open.is_some_and(|open| open.sha256 == run.part_hash) {
         return Ok(Opened { setup, is_run: true, ..Opened::default() });
     }
-    let Some(file) = file else {
-        let what = format!("the part of this run, {}, is not found", run.part);
-        let help = "open the part first, then the run";
+    let Some(file) = results.part_file(&run) else {
+        let what = format!("the part of this run, {}, is not found, and the open one is another", run.part);
+        let help = "open the part first, as it was when the study was run, then the run";
         return Err(InputError::new(ErrorCode::FileUnreadable, &name, 0, what, help));
     };
-    let source = PartSource::File(file);
+    let source = PartSource::File(file.clone());
     let (impeller, hash) = (engine.open)(&source, monitor)?;
     let mesh = PartMeshes::new(&impeller);
     let defaults = Setup::for_part(&impeller);
+    let changed_part = (hash.sha256 != run.part_hash).then_some(file);
     let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
-    Ok(Opened { part, setup, is_run: true, ..Opened::default() })
+    Ok(Opened { part, setup, is_run: true, changed_part, ..Opened::default() })
 }

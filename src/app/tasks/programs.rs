@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::app::model::exported::ProgramPlan;
 use crate::app::model::figures::format_duration;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::post_target::PostTarget;
@@ -15,6 +16,7 @@ use crate::job::flank::FlankOutcome;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
 use crate::machine::BlankSize;
 use crate::monitor::{Cancelled, Monitor};
+use crate::report::sheet::ProgramFile;
 use crate::setup::AxisPolicy;
 use crate::toolpath::ClProgram;
 
@@ -26,6 +28,32 @@ pub struct PlungeSource {
     pub policy: AxisPolicy,
     /// Number of channels that it mills, from the first on.
     pub channels: usize,
+}
+
+impl PlungeSource {
+    /// The plan of the program.
+    pub(super) fn plan(&self) -> ProgramPlan {
+        ProgramPlan::Plunges(Arc::downgrade(&self.planned), self.policy, self.channels)
+    }
+}
+
+impl ProgramSource {
+    /// The plan of the program.
+    pub(super) fn plan(&self) -> ProgramPlan {
+        match self {
+            Self::Plunges(source) => source.plan(),
+            Self::Flank(outcome) => ProgramPlan::Flank(Arc::downgrade(outcome)),
+        }
+    }
+}
+
+impl NcTask {
+    /// The program as a file of this `name`.
+    pub(super) fn file(&self, name: String) -> ProgramFile {
+        let PostTarget { machine, control, .. } = &self.target;
+        let [machine, control] = [machine, control].map(|name| short_name(name));
+        ProgramFile { name, about: format!("NC code for {machine}, control {control}") }
+    }
 }
 
 /// A program to write as NC code.

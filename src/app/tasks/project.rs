@@ -25,7 +25,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
     });
     Some(Project {
         part: place,
-        part_hash: part.hash,
+        part_hash: part.hash.fnv1a,
         setup: edited.setup.clone(),
         sets: sets.collect(),
         viewpoint: camera.as_ref().map(viewpoint),

@@ -1,7 +1,7 @@
 //! The background threads of the window, with their latest requests.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::Repaint;
 use super::check::CheckError;
@@ -37,10 +37,15 @@ pub(in crate::app) struct Work {
     pub asked_check: Option<CheckRequest>,
     /// Number of the planner's last task.
     pub tasks: u64,
+    /// When it was submitted.
+    pub submitted: Option<Instant>,
 }
 
 /// Interval at which the progress display is updated.
 pub(in crate::app) const PROGRESS_EVERY: Duration = Duration::from_millis(60);
+
+/// Time within which a superseded task may still end before the next one starts.
+const ENDS_SOON: Duration = Duration::from_millis(400);
 
 impl Work {
     /// Starts the threads; each finished task repaints the window.
@@ -74,6 +79,7 @@ impl Work {
             asked_flank: None,
             asked_check: None,
             tasks: 0,
+            submitted: None,
         }
     }
 
@@ -88,6 +94,13 @@ impl Work {
         self.asked = None;
         self.asked_flank = None;
         self.asked_check = None;
+    }
+
+    /// Whether the planner's task is worth waiting for while edits go on: as far as its progress tells, it ends
+    /// soon.
+    pub(in crate::app) fn plan_ends_soon(&self) -> bool {
+        let Some((fraction, submitted)) = self.planner.progress().zip(self.submitted) else { return false };
+        fraction > 0.0 && submitted.elapsed().mul_f64((1.0 - fraction) / fraction) <= ENDS_SOON
     }
 
     /// Whether the planner is running.

@@ -80,7 +80,7 @@ commands! {
         "Writes the shown plan, for as many channels as you say, as an APT cutter-location file" [];
     ExportClAll "Export CL of all channels…"
         "Writes the shown plan, for every channel of the part, as an APT cutter-location file" [];
-    ExportFlank "Export flank CL…"
+    ExportFlank "Export flank CL (APT)…"
         "Writes the flank plan as an APT cutter-location file" [];
     ExportNc "Export NC program…"
         "Writes the plan as NC code for a machine and its control" [CTRL | SHIFT, N];

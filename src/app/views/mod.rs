@@ -25,6 +25,7 @@ mod point_menu;
 pub mod release;
 pub mod roles;
 mod sides;
+pub mod study_plot;
 pub mod study_window;
 mod swatch;
 pub mod theme;

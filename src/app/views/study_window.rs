@@ -2,22 +2,19 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, ComboBox, FontId, Pos2, Rect, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
+use egui::{ComboBox, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 
-use super::theme::{self, Condition};
+use super::study_plot::StudyPlot;
+use super::theme;
 use super::units;
 use crate::app::model::study_table::{SHOWN, StudyColumn, StudyFigure, StudyTable};
 use crate::app::model::units::DisplayUnits;
 use crate::study::StudyResults;
 
-/// Room for the scales at the left and below, and above and at the right, points.
-const MARGIN: [Vec2; 2] = [Vec2::new(48.0, 32.0), Vec2::new(14.0, 10.0)];
 /// Share of the height that the plot takes, and its least height, points.
 const PLOT_SHARE: f32 = 0.42;
 const MIN_PLOT: f32 = 120.0;
-/// Distance from a point within which a click picks it, points.
-const PICK: f32 = 10.0;
 /// Widths of the columns of keys and figures, points.
 const KEY_WIDTH: f32 = 150.0;
 const FIGURE_WIDTH: f32 = 104.0;
@@ -26,6 +23,7 @@ const FIGURE_WIDTH: f32 = 104.0;
 #[derive(Default)]
 pub struct StudyWindow {
     table: Option<StudyTable>,
+    plot: StudyPlot,
     is_open: bool,
 }
 
@@ -33,7 +31,13 @@ impl StudyWindow {
     /// Shows results that were read.
     pub fn take(&mut self, results: StudyResults) {
         self.table = Some(StudyTable::new(results));
+        self.plot = StudyPlot::default();
         self.is_open = true;
+    }
+
+    /// How often the runs were gone through for the plot.
+    pub fn passes(&self) -> usize {
+        self.plot.passes
     }
 
     /// Whether results were opened.
@@ -53,18 +57,18 @@ impl StudyWindow {
         let corner = ui.ctx().content_rect().center() - 0.5 * size;
         let window = egui::Window::new("Study results").open(&mut self.is_open).collapsible(false);
         let window = window.default_pos(corner).default_size(size).min_size([360.0, 300.0]);
-        let wanted = window.show(ui.ctx(), |ui| content(ui, table)).and_then(|shown| shown.inner.flatten());
+        let wanted = window
+            .show(ui.ctx(), |ui| content(ui, table, &mut self.plot))
+            .and_then(|shown| shown.inner.flatten());
         wanted.map(|row| (Arc::clone(&table.results), row))
     }
 }
 
-fn content(ui: &mut Ui, table: &mut StudyTable) -> Option<usize> {
+fn content(ui: &mut Ui, table: &mut StudyTable, figures: &mut StudyPlot) -> Option<usize> {
     let units = units::of(ui);
     head(ui, table);
     let height = (PLOT_SHARE * ui.available_height()).max(MIN_PLOT);
-    if let Some(row) = plot(ui, table, height, units) {
-        table.selected = Some(row);
-    }
+    table.selected = figures.show(ui, table, height, units).or(table.selected);
     let wanted = actions(ui, table, units);
     rows(ui, table, units);
     wanted
@@ -78,10 +82,9 @@ fn head(ui: &mut Ui, table: &mut StudyTable) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(name).strong()).on_hover_text(path);
         let count = results.table.rows.len();
-        let without = (0..count).filter(|&row| !results.has_plan(row)).count();
         let mut text = format!("{count} runs");
-        if without > 0 {
-            text += &format!(", {without} without a plan");
+        if table.without_plan > 0 {
+            text += &format!(", {} without a plan", table.without_plan);
         }
         if let Some(missing) = results.missing.filter(|missing| *missing > 0) {
             text += &format!(", {missing} not finished");
@@ -108,108 +111,6 @@ fn axis_list(ui: &mut Ui, name: &str, axis: &mut StudyFigure) {
     list.response.labelled_by(label.id);
 }
 
-/// Draws the plot; returns the row that was clicked.
-fn plot(ui: &mut Ui, table: &StudyTable, height: f32, units: DisplayUnits) -> Option<usize> {
-    let size = Vec2::new(ui.available_width(), height);
-    let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-    let name = format!("{} over {}", table.axes[1].head, table.axes[0].head);
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
-    let inner = Rect::from_min_max(
-        rect.min + Vec2::new(MARGIN[0].x, MARGIN[1].y),
-        rect.max - Vec2::new(MARGIN[1].x, MARGIN[0].y),
-    );
-    let painter = ui.painter_at(rect);
-    let font = FontId::proportional(theme::MIN_TEXT_SIZE);
-    let weak = ui.visuals().weak_text_color();
-    painter.rect_filled(inner, 2.0, ui.visuals().extreme_bg_color);
-    let places: Vec<(usize, (f64, f64))> =
-        (0..table.results.table.rows.len()).filter_map(|row| Some((row, table.place(row, units)?))).collect();
-    if places.is_empty() {
-        painter.text(inner.center(), Align2::CENTER_CENTER, "No run has these figures", font, weak);
-        return None;
-    }
-    let range = |of: fn(&(f64, f64)) -> f64| {
-        let ends = places
-            .iter()
-            .map(|(_, at)| of(at))
-            .fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
-        let span = (ends.1 - ends.0).max(1e-9 + 0.02 * ends.1.abs());
-        (ends.0 - 0.06 * span, ends.0 + 1.06 * span)
-    };
-    let (across, up) = (range(|at| at.0), range(|at| at.1));
-    let place = |(x, y): (f64, f64)| {
-        let share = |value: f64, (low, high): (f64, f64)| ((value - low) / (high - low)) as f32;
-        Pos2::new(
-            inner.left() + inner.width() * share(x, across),
-            inner.bottom() - inner.height() * share(y, up),
-        )
-    };
-    let decimals = |(low, high): (f64, f64)| match (high - low) / 4.0 {
-        step if step >= 2.0 => 0,
-        step if step >= 0.2 => 1,
-        step if step >= 0.02 => 2,
-        _ => 3,
-    };
-    for k in 0..=4 {
-        let share = f64::from(k) / 4.0;
-        let at = |(low, high): (f64, f64)| low + (high - low) * share;
-        let (x, y) = (at(across), at(up));
-        let below = Pos2::new(place((x, up.0)).x, inner.bottom() + 2.0);
-        painter.text(below, Align2::CENTER_TOP, format!("{x:.*}", decimals(across)), font.clone(), weak);
-        let left = Pos2::new(inner.left() - 4.0, place((across.0, y)).y);
-        painter.text(left, Align2::RIGHT_CENTER, format!("{y:.*}", decimals(up)), font.clone(), weak);
-    }
-    let axes = table.axes.map(|axis| axis.title(units));
-    let below = Pos2::new(inner.center().x, rect.bottom());
-    painter.text(below, Align2::CENTER_BOTTOM, format!("{}; {}", axes[0], axes[1]), font, weak);
-    best_line(&painter, table, &place, units, theme::accent(ui.visuals()));
-    let faulty = |row: usize| table.results.field(row, "status").is_some_and(|status| status != "done");
-    for &(row, at) in &places {
-        let condition = if faulty(row) { Condition::Interfering } else { Condition::Sound };
-        painter.circle_stroke(place(at), 3.5, Stroke::new(1.5, condition.text(ui.visuals())));
-    }
-    if let Some((_, at)) = places.iter().find(|(row, _)| table.selected == Some(*row)) {
-        painter.circle_filled(place(*at), 5.0, theme::accent(ui.visuals()));
-    }
-    let nearest = |to: Pos2| {
-        let distance = |at: &(f64, f64)| place(*at).distance(to);
-        let near = places.iter().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
-        near.filter(|(_, at)| distance(at) <= PICK).map(|(row, _)| *row)
-    };
-    if let Some(row) = response.hover_pos().and_then(nearest) {
-        response.clone().on_hover_text_at_pointer(describe(table, row, units));
-    }
-    response.interact_pointer_pos().filter(|_| response.clicked()).and_then(nearest)
-}
-
-/// Joins the runs that no other beats, part by part.
-fn best_line(
-    painter: &egui::Painter,
-    table: &StudyTable,
-    place: &dyn Fn((f64, f64)) -> Pos2,
-    units: DisplayUnits,
-    colour: egui::Color32,
-) {
-    let part = |row: usize| table.results.field(row, "part").map(str::to_owned);
-    for of_part in table.best.chunk_by(|&a, &b| part(a) == part(b)) {
-        let mut line: Vec<Pos2> =
-            of_part.iter().filter_map(|&row| table.place(row, units)).map(place).collect();
-        line.sort_by(|a, b| a.x.total_cmp(&b.x));
-        painter.line(line, Stroke::new(1.4, colour));
-    }
-}
-
-/// A run in words: its keys and the figures of the plot.
-fn describe(table: &StudyTable, row: usize, units: DisplayUnits) -> String {
-    let keys = table.results.keys().into_iter();
-    let keys = keys.map(|key| format!("{key} = {}", table.results.field(row, key).unwrap_or_default()));
-    let figure = |axis: &StudyFigure| {
-        let value = axis.text(table.results.figure(row, axis.name), units);
-        format!("{} {value} {}", axis.head, axis.unit(units))
-    };
-    keys.chain(table.axes.iter().map(figure)).collect::<Vec<_>>().join("\n")
-}
-
 /// The selected run and what can be done with it; returns the row to be planned.
 fn actions(ui: &mut Ui, table: &StudyTable, units: DisplayUnits) -> Option<usize> {
     let mut wanted = None;
@@ -225,7 +126,7 @@ fn actions(ui: &mut Ui, table: &StudyTable, units: DisplayUnits) -> Option<usize
             None => "Select a run in the plot or the table".to_owned(),
             Some(row) => match table.results.field(row, "error").filter(|error| !error.is_empty()) {
                 Some(error) => error.to_owned(),
-                None => describe(table, row, units).replace('\n', ", "),
+                None => table.describe(row, units).replace('\n', ", "),
             },
         };
         ui.add(egui::Label::new(RichText::new(words).weak()).truncate());

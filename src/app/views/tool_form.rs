@@ -21,7 +21,7 @@ const OVERHANG: FieldSpec = FieldSpec::mm("Stick-out", "Free length from tip to 
 const FLUTES: FieldSpec =
     FieldSpec::mm("Flute length", "Length of the cutting edges; the shank begins there", 0.1, 1000.0);
 const FEED: FieldSpec = FieldSpec::plain("Feed rate", " mm/min", 10_000.0);
-const SPINDLE: FieldSpec = FieldSpec::plain("Spindle speed", " rpm", 100_000.0);
+const SPINDLE: FieldSpec = FieldSpec::plain("Spindle speed", " rev/min", 100_000.0);
 const TEETH: FieldSpec = FieldSpec {
     label: "Teeth",
     tip: "Number of teeth; with it the feed rate of a plunge follows its engagement",

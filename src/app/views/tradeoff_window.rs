@@ -1,7 +1,9 @@
 //! Time against stock: the curve of the plans of `minimal`, with the other policies beside it. The handle on the
 //! curve is the time that a channel may take; the plan follows it.
 
-use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, Ui, Vec2, WidgetInfo};
+use egui::{
+    Align2, Color32, FontId, Pos2, ProgressBar, Rect, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
+};
 
 use super::panels::fields;
 use super::panels::setup::{goal_rows, policy_label};
@@ -18,7 +20,7 @@ const MARGIN: [Vec2; 2] = [Vec2::new(38.0, 32.0), Vec2::new(14.0, 10.0)];
 /// Least height of the plot, points.
 const MIN_HEIGHT: f32 = 120.0;
 /// Height of the lines below the plot, points.
-const BELOW: f32 = 66.0;
+const BELOW: f32 = 84.0;
 /// Radius of the handle, points.
 const HANDLE: f32 = 6.0;
 
@@ -36,10 +38,34 @@ impl App {
         let window = egui::Window::new("Time against stock").open(&mut open).collapsible(false);
         let window = window.default_pos(corner).default_size(size).min_size([300.0, 220.0]);
         let points = self.weighing.points().cloned();
-        let is_busy = self.weighing.is_busy();
-        window.show(ui.ctx(), |ui| show(ui, &mut self.state, points.as_deref(), is_busy));
+        let search = match self.weighing.progress() {
+            Some(progress) => CurveSearch::Running(progress),
+            None if self.weighing.was_cancelled() => CurveSearch::Cancelled,
+            None => CurveSearch::Idle,
+        };
+        let shown = window.show(ui.ctx(), |ui| show(ui, &mut self.state, points.as_deref(), search));
+        match shown.and_then(|shown| shown.inner).flatten() {
+            Some(CurveCommand::Cancel) => self.weighing.cancel(),
+            Some(CurveCommand::Restart) => self.weighing.restart(),
+            None => {}
+        }
         self.state.look.tradeoff = open;
     }
+}
+
+/// State of the search for the curve.
+#[derive(Clone, Copy)]
+enum CurveSearch {
+    Idle,
+    /// With its progress, 0…1.
+    Running(f64),
+    Cancelled,
+}
+
+/// What the user asks of the search.
+enum CurveCommand {
+    Cancel,
+    Restart,
 }
 
 /// A plan as a point: time of a channel in minutes, 95th percentile of the stock in mm.
@@ -49,20 +75,42 @@ fn place_of(point: &TradeoffPoint) -> CurvePlace {
     (point.time_s / 60.0, point.residual_p95)
 }
 
+/// What is shown while there is no curve.
+fn waiting(ui: &mut Ui, state: &AppState, search: CurveSearch) -> Option<CurveCommand> {
+    let is_minimal = state.document.edited.setup.plunge.axis == AxisPolicy::Minimal;
+    ui.horizontal(|ui| match search {
+        CurveSearch::Running(progress) => {
+            let text = format!("Weighing the plunges {:.0} %", 100.0 * progress);
+            ui.add(ProgressBar::new(progress as f32).desired_width(200.0).text(text));
+            ui.button("Cancel curve").clicked().then_some(CurveCommand::Cancel)
+        }
+        CurveSearch::Cancelled => {
+            ui.label("The curve was cancelled.");
+            ui.button("Calculate curve").clicked().then_some(CurveCommand::Restart)
+        }
+        CurveSearch::Idle if is_minimal => {
+            ui.spinner();
+            ui.label("Waiting for the plan…");
+            None
+        }
+        CurveSearch::Idle => {
+            ui.label("Only plans of Min. stock leave a choice between time and stock.");
+            None
+        }
+    })
+    .inner
+}
+
 /// Draws plot, slider and figures; edits the goal of the setup.
-fn show(ui: &mut Ui, state: &mut AppState, points: Option<&[TradeoffPoint]>, is_busy: bool) {
+fn show(
+    ui: &mut Ui,
+    state: &mut AppState,
+    points: Option<&[TradeoffPoint]>,
+    search: CurveSearch,
+) -> Option<CurveCommand> {
     let curve: Vec<CurvePlace> = points.unwrap_or_default().iter().map(place_of).collect();
     let (Some(slowest), Some(fastest)) = (curve.first(), curve.last()) else {
-        ui.horizontal(|ui| {
-            let is_minimal = state.document.edited.setup.plunge.axis == AxisPolicy::Minimal;
-            if is_busy || is_minimal {
-                ui.spinner();
-                ui.label("Weighing the plunges…");
-            } else {
-                ui.label("Only plans of Min. stock leave a choice between time and stock.");
-            }
-        });
-        return;
+        return waiting(ui, state, search);
     };
     let (fastest, slowest) = (fastest.0, slowest.0);
     let goal = state.document.edited.setup.plunge.goal;
@@ -93,11 +141,15 @@ fn show(ui: &mut Ui, state: &mut AppState, points: Option<&[TradeoffPoint]>, is_
         ui.label(text);
     });
     ui.label(words(&curve, handle, state));
+    if let Some(missed) = state.missed_goal() {
+        ui.label(RichText::new(missed).color(Condition::Blocked.text(ui.visuals())));
+    }
     if let Some(minutes) = wanted {
         // The right end of the curve is the plan of the least stock.
         let max_time_min = (minutes < slowest - 1e-9).then(|| (10.0 * minutes).round() / 10.0);
         state.document.edited.setup.plunge.goal = Goal::Stock { max_time_min };
     }
+    None
 }
 
 const TIME_TIP: &str = "How long a channel may take, without tool changes: as much stock as fits that time is left.\n\

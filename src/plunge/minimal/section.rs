@@ -13,6 +13,7 @@ use crate::plunge::context::PlanContext;
 use crate::plunge::cut::{CutRow, PlannedRow, SectionCut, cut_row};
 use crate::plunge::cycle::PlanError;
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
+use crate::plunge::locked::{cut_waiting, lock_into_row};
 use crate::plunge::plan::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::section_layout::{PassageStretch, StretchLayout, row_ends, row_maker};
@@ -191,6 +192,7 @@ fn plan_rows(
     let mut stages = RowStages::default();
     // Found paths are cut even after a stop.
     let closing = &monitor.ignoring_stop();
+    let mut waiting = context.locked(index);
     for (number, layout) in layouts.iter().enumerate() {
         let StretchLayout { stretch, .. } = layout;
         let lambdas = rows_of_stretch(context, layout, tool);
@@ -240,11 +242,15 @@ fn plan_rows(
                 return Ok(false);
             }
             open.extend(OpenRow::new((number, row), best.open()));
+            let before = cut.columns.len();
             cut.columns = best.columns;
-            cut.rows.extend(best.row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
+            let (rule, columns) = ((tool, Some(MAX_LIFT_OF_DEPTH)), (&mut cut.columns, before));
+            let row = lock_into_row(context, rule, best.row, columns, &mut waiting, closing)?;
+            cut.rows.extend(row.split_where_axes_turn(context.setup.plunge.max_axis_change_rad));
             cut.note_missing(lambda, best.missing);
         }
     }
+    cut_waiting(context, index, waiting, cut, closing)?;
     Ok(true)
 }
 

@@ -12,6 +12,7 @@ use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
 use crate::plunge::cycle::PlanError;
+use crate::plunge::locked::cut_waiting;
 use crate::plunge::plan::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
 use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker, section_layout};
@@ -92,6 +93,7 @@ pub(in crate::plunge) fn rest_section(
     let above = Some(rest_threshold(tool_of(context.setup, section.tool)?));
     let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
     let mut cut = SectionCut::empty(section.direction(), columns);
+    cut_waiting(context, index, context.locked(index), &mut cut, &monitor.ignoring_stop())?;
     let wanted =
         ExtraLimits { max_count: left_in_plan, left_in_plan, manner: REST_MILLING, above, rest_from: None };
     add_plunges(context, index, &layouts, &mut cut, wanted, monitor)?;

@@ -1,6 +1,8 @@
-//! The setup sheet of a plan: what one takes to the machine, as HTML that prints to A4.
+//! The setup sheet of a plan: what one takes to the machine, as HTML that prints to A4. Here is that of plunges,
+//! with what all sheets share; [`flank`] has that of flank plans.
 
 mod drawing;
+pub mod flank;
 
 use std::fmt::Write;
 
@@ -10,7 +12,7 @@ use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
-use crate::setup::SectionKind;
+use crate::setup::{SectionKind, Setup, Tool};
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
 
@@ -33,57 +35,102 @@ pub struct SheetInput<'a> {
     pub report: &'a PlungeReport,
     /// Channels of the program.
     pub channels: usize,
-    /// Names of the files of the program; none where it is not written with the sheet.
-    pub files: &'a [String],
+    /// The files of the program; none where it is not written with the sheet.
+    pub files: &'a [ProgramFile],
 }
 
-/// The sheet with `pictures` of its plan.
-pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage {
+/// A file with a plan or its program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramFile {
+    /// Its name.
+    pub name: String,
+    /// What it is: the kind of file, and for which machine and control.
+    pub about: String,
+}
+
+impl ProgramFile {
+    /// An APT file of that name.
+    pub fn apt(name: impl Into<String>) -> Self {
+        Self { name: name.into(), about: "APT".to_owned() }
+    }
+
+    /// The plan itself, in a file of that name.
+    pub fn plan(name: impl Into<String>) -> Self {
+        Self { name: name.into(), about: "plan".to_owned() }
+    }
+}
+
+/// The files in words; `plan` where there are none.
+fn program_files(files: &[ProgramFile], plan: &str) -> String {
+    let of = |file: &ProgramFile| format!("<code>{}</code> ({})", escaped(&file.name), escaped(&file.about));
+    let files: Vec<String> = files.iter().map(of).collect();
+    if files.is_empty() { escaped(plan) } else { files.join(", ") }
+}
+
+/// The part of a sheet.
+struct SheetPart<'a> {
+    workpiece: &'a Workpiece,
+    setup: &'a Setup,
+}
+
+/// The page of a sheet with this `body`, followed by the pictures.
+fn page(part: &SheetPart, body: &str, pictures: Vec<PagePicture>) -> ReportPage {
     let figure = |picture: &PagePicture| {
         let (file, caption) = (escaped(&picture.name), escaped(&picture.caption));
         format!("<figure><img src=\"{file}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n")
     };
-    let name = escaped(&input.outcome.workpiece.part.name);
+    let name = escaped(&part.workpiece.part.name);
     let page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <title>{name}: setup sheet</title>\n\
-         <style>{STYLE}</style></head><body>\n<h1>{name}: setup sheet</h1>\n{}{}{}{}{}{}\
-         <h2>Stock before and after</h2>\n{}</body></html>\n",
-        part_text(input),
-        warnings_text(input),
-        program_text(input),
-        tools_text(input),
-        sections_text(input),
-        policies_text(input.outcome),
+         <style>{STYLE}</style></head><body>\n<h1>{name}: setup sheet</h1>\n{body}{}</body></html>\n",
         pictures.iter().map(figure).collect::<String>(),
     );
     ReportPage { page, pictures }
 }
 
-/// Part, blank and zero point.
-fn part_text(input: &SheetInput) -> String {
-    let Workpiece { part, blank, .. } = &*input.outcome.workpiece;
-    let setup = &input.outcome.setup;
-    let stock = &setup.allowances;
-    let machine = match &setup.machine.file {
-        Some(file) => {
-            format!("{}, tool axis up to {:.0}°", escaped(file), setup.machine.max_axis_tilt_rad.to_degrees())
-        }
-        None => "not named in the setup".to_owned(),
-    };
-    let material = stock.material.as_deref().map_or("not named in the setup".to_owned(), escaped);
-    format!(
-        "<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
-         <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; \
-         Z along the axis. Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, \
-         blades {} mm.</p></div>\n",
-        2.0 * part.rim_radius(),
-        part.blade_count,
-        if part.splitters.is_empty() { "" } else { " and splitters" },
-        drawing::part_svg(part, blank),
-        stock.hub_allowance,
-        stock.blade_allowance,
-    )
+/// The sheet with `pictures` of its plan.
+pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage {
+    let part = SheetPart { workpiece: &input.outcome.workpiece, setup: &input.outcome.setup };
+    let body = [
+        part.text(),
+        warnings_text(input),
+        program_text(input),
+        tools_text(input),
+        sections_text(input),
+        policies_text(input.outcome),
+        "<h2>Stock before and after</h2>\n".to_owned(),
+    ];
+    page(&part, &body.concat(), pictures)
+}
+
+impl SheetPart<'_> {
+    /// Part, blank and zero point.
+    fn text(&self) -> String {
+        let Workpiece { part, blank, .. } = self.workpiece;
+        let setup = self.setup;
+        let stock = &setup.allowances;
+        let machine = match &setup.machine.file {
+            Some(file) => {
+                let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
+                format!("{}, tool axis up to {tilt:.0}°", escaped(file))
+            }
+            None => "not named in the setup".to_owned(),
+        };
+        let material = stock.material.as_deref().map_or("not named in the setup".to_owned(), escaped);
+        format!(
+            "<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
+             <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; \
+             Z along the axis. Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, \
+             blades {} mm.</p></div>\n",
+            2.0 * part.rim_radius(),
+            part.blade_count,
+            if part.splitters.is_empty() { "" } else { " and splitters" },
+            drawing::part_svg(part, blank),
+            stock.hub_allowance,
+            stock.blade_allowance,
+        )
+    }
 }
 
 /// What must be known before the program runs.
@@ -111,7 +158,11 @@ fn warnings_text(input: &SheetInput) -> String {
         warnings.push(format!("{uncut:.1} % of the reachable floor stays uncut."));
     }
     let assumed = plan.sections.iter().filter(|s| s.is_cut() && s.tool.assembly.holder.is_empty());
-    let mut assumed: Vec<u32> = assumed.map(|section| section.tool.number).collect();
+    warning_list(warnings, assumed.map(|section| section.tool.number).collect())
+}
+
+/// The list of `warnings`, with those on the tools whose holder is `assumed`, and what holds for every program.
+fn warning_list(mut warnings: Vec<String>, mut assumed: Vec<u32>) -> String {
     assumed.sort_unstable();
     assumed.dedup();
     for number in assumed {
@@ -132,14 +183,12 @@ const MAX_FAULTS: usize = 5;
 
 /// The files and what `verify` says of the program.
 fn program_text(input: &SheetInput) -> String {
-    let files: Vec<String> =
-        input.files.iter().map(|file| format!("<code>{}</code>", escaped(file))).collect();
     let summary = &input.report.summary;
     let faults = match input.report.verdict.faults.len() {
         0 => "no fault".to_owned(),
         count => format!("{count} faults"),
     };
-    let files = if files.is_empty() { input.shown.plan.policy.name().to_owned() } else { files.join(", ") };
+    let files = program_files(input.files, input.shown.plan.policy.name());
     format!(
         "<h2>Program</h2>\n<p>{files}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
         channels_text(input.channels),
@@ -159,27 +208,29 @@ fn tools_text(input: &SheetInput) -> String {
             continue;
         }
         seen.push(tool.number);
-        let rest = &tool.assembly;
-        let offset =
-            |name: &str, number: Option<u32>| number.map_or(String::new(), |n| format!("<br>{name}{n}"));
-        let _ = writeln!(
-            text,
-            "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{}, insert width {}<br>overhang {} mm<br>\
-             {} rev/min, plunge {} mm/min{}{}</div>",
-            drawing::tool_svg(tool),
-            tool.number,
-            rest.name.as_deref().map_or(String::new(), escaped),
-            tool.diameter,
-            tool.corner_radius,
-            tool.insert_width,
-            tool.overhang,
-            tool.spindle,
-            tool.plunge_feed,
-            offset("H", rest.length_offset),
-            offset("D", rest.diameter_offset),
-        );
+        text += &tool_card(tool, &format!("plunge {} mm/min", tool.plunge_feed));
     }
     text
+}
+
+/// A tool with its drawing and the feed rates of what it cuts.
+fn tool_card(tool: &Tool, feed_rates: &str) -> String {
+    let rest = &tool.assembly;
+    let offset = |name: &str, number: Option<u32>| number.map_or(String::new(), |n| format!("<br>{name}{n}"));
+    format!(
+        "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{}, insert width {}<br>overhang {} mm<br>\
+         {} rev/min, {feed_rates}{}{}</div>\n",
+        drawing::tool_svg(tool),
+        tool.number,
+        rest.name.as_deref().map_or(String::new(), escaped),
+        tool.diameter,
+        tool.corner_radius,
+        tool.insert_width,
+        tool.overhang,
+        tool.spindle,
+        offset("H", rest.length_offset),
+        offset("D", rest.diameter_offset),
+    )
 }
 
 /// The sections in cutting order, with times of one channel and of the wheel.

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use crate::drawing::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::{PlungePlan, Position};
+use crate::report::words::missed_goal;
 use crate::setup::AxisPolicy;
 
 use crate::app::model::document::{Document, Edited, OpenPart};
@@ -128,6 +129,13 @@ impl AppState {
             .planned
             .as_ref()
             .is_some_and(|planned| !planned.setup.equals_except_flank(&self.document.edited.setup))
+    }
+
+    /// What keeps the last plan from the goal of the setup; `None` where it meets it, or is out of date.
+    pub fn missed_goal(&self) -> Option<String> {
+        let planned = self.results.planned.as_ref().filter(|_| !self.out_of_date())?;
+        let text = missed_goal(&planned.outcome, |mm| self.look.units.length(mm, 2))?;
+        Some(text.replacen("goal", "Goal", 1))
     }
 
     /// Replaces the open part and its document; results of the previous part are dropped.

@@ -5,7 +5,8 @@ use egui::{Button, Grid, RichText, Ui};
 use super::fields::{self, FieldSpec};
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
-use crate::setup::PlungeMove;
+use crate::plunge::UnappliedEdit;
+use crate::setup::{PlungeChange, PlungeMove};
 
 const LIFT: FieldSpec = FieldSpec::mm(
     "Lift by",
@@ -126,23 +127,29 @@ fn angle(ui: &mut Ui, radians: &mut f64, spec: &FieldSpec) {
     }
 }
 
-/// How many edits there are, and those that do nothing in this plan, with buttons that remove them.
+/// How many edits there are, and those that do nothing in this plan with the reasons, with buttons that remove
+/// them.
 pub fn counts(ui: &mut Ui, state: &mut AppState) {
-    let (count, unfitting) = state.edit_counts();
+    let count = state.edit_count();
     if count == 0 {
         return;
     }
-    ui.vertical(|ui| {
-        let word = if count == 1 { "edit" } else { "edits" };
-        let text = match unfitting {
-            0 => format!("{count} {word}"),
-            n => format!("{count} {word}, {n} not applied"),
-        };
-        ui.label(RichText::new(text).weak()).on_hover_text(UNFITTING_TIP);
-    });
+    let unapplied = state.unapplied_edits().to_vec();
+    let word = if count == 1 { "edit" } else { "edits" };
+    let text = match unapplied.len() {
+        0 => format!("{count} {word}"),
+        n => format!("{count} {word}, {n} not applied"),
+    };
+    ui.label(RichText::new(text).weak()).on_hover_text(UNAPPLIED_TIP);
+    for edit in unapplied.iter().take(MAX_LISTED) {
+        unapplied_line(ui, state, edit);
+    }
+    if unapplied.len() > MAX_LISTED {
+        ui.label(RichText::new(format!("and {} more", unapplied.len() - MAX_LISTED)).weak());
+    }
     ui.horizontal(|ui| {
-        if unfitting > 0 && ui.small_button("Remove those").on_hover_text(UNFITTING_TIP).clicked() {
-            state.remove_unfitting_edits();
+        if !unapplied.is_empty() && ui.small_button("Remove those").on_hover_text(UNAPPLIED_TIP).clicked() {
+            state.remove_unapplied_edits();
         }
         if ui.small_button("Remove all").on_hover_text("Removes all edits; undo brings them back").clicked() {
             state.remove_edits();
@@ -150,5 +157,37 @@ pub fn counts(ui: &mut Ui, state: &mut AppState) {
     });
 }
 
-const UNFITTING_TIP: &str = "An edit finds its plunge by where it is. When the setup changes and the planner places \
-     other plunges, it waits; locked plunges stay in every plan";
+/// Most edits that are listed with their reason.
+const MAX_LISTED: usize = 6;
+
+/// An edit that is not applied, and why. A click selects the plunge that is nearest to the one it was for.
+fn unapplied_line(ui: &mut Ui, state: &mut AppState, unapplied: &UnappliedEdit) {
+    let Some(edit) = state.document.edited.setup.plunge.edits.get(unapplied.index) else { return };
+    let units = state.look.units;
+    let what = match edit.change {
+        PlungeChange::Delete => "Delete".to_owned(),
+        PlungeChange::Lift(by) => format!("Lift by {}", units.length(by, 2)),
+        PlungeChange::Lock { .. } => "Lock".to_owned(),
+        PlungeChange::Move(_) => "Move".to_owned(),
+        PlungeChange::Reorder(_) => "Other order".to_owned(),
+    };
+    let row = if edit.whole_row { " (row)" } else { "" };
+    let reason = unapplied.reason(|mm| units.length(mm, 2));
+    let text = format!("Edit {}, {what}{row}: {reason}", unapplied.index + 1);
+    let [x, y, z] = [edit.plunge.tip.x, edit.plunge.tip.y, edit.plunge.tip.z].map(|mm| units.number(mm, 2));
+    let tip = format!("Tip of its plunge: {x}, {y}, {z} {}", units.length_unit());
+    match unapplied.nearest {
+        Some(near) => {
+            let tip = format!("{tip}\nClick: select the nearest plunge");
+            if ui.link(text).on_hover_text(tip).clicked() {
+                state.look.select(Some(near.index));
+            }
+        }
+        None => {
+            ui.label(text).on_hover_text(tip);
+        }
+    }
+}
+
+const UNAPPLIED_TIP: &str = "An edit finds its plunge by where it is. When the setup changes and the planner places \
+     other plunges, it waits; locked plunges stay in every plan, and the others are planned around them";

@@ -60,7 +60,7 @@ impl FieldSpec {
             "mm" => Quantity::Length,
             "°" => Quantity::Angle,
             "mm/min" => Quantity::FeedRate,
-            "rpm" => Quantity::SpindleSpeed,
+            "rev/min" => Quantity::SpindleSpeed,
             _ => Quantity::Plain,
         }
     }

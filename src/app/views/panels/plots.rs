@@ -67,7 +67,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     };
     let range = |mm: f64| (true, units.of_mm(mm));
     let curves = [
-        curve("α", "α", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
+        curve("Lead angle", "Lead", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
         curve("Contact", "C", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
         curve("Stock", "St", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
         curve("Step", "Sp", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
@@ -219,7 +219,8 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
             .filter(|range| fits(curve.name, range))
             .unwrap_or_default(),
     };
-    let name = if is_tight || fits(curve.name, &text) { curve.name } else { curve.short };
+    let beside = if is_tight { "" } else { text.as_str() };
+    let name = if fits(curve.name, beside) { curve.name } else { curve.short };
     painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
     let at = rect.right_top() + egui::vec2(-5.0, if is_tight { 3.0 + LINE } else { 3.0 });
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });

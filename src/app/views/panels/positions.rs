@@ -450,7 +450,7 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
     let Some(position) = plan.positions.get(k) else { return };
     let spindle = plan.sections.get(position.section).map_or(0.0, |section| section.tool.spindle);
     ui.label(format!(
-        "α {:.1}°, {}, {spindle:.0} rev/min",
+        "lead {:.1}°, {}, {spindle:.0} rev/min",
         position.alpha_rad.to_degrees(),
         state.look.units.feed(plan.feed_of(k)),
     ));

@@ -144,6 +144,6 @@ fn details(ui: &mut Ui, finding: &ProgramFinding) {
         ));
     }
     if !finding.fault.help.is_empty() {
-        ui.add(Label::new(format!("To do: {}", finding.fault.help)).wrap());
+        ui.add(Label::new(format!("Fix: {}", finding.fault.help)).wrap());
     }
 }

@@ -340,7 +340,7 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
 fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
     let units = units::of(ui);
     let mut facts = vec![
-        format!("α {:.2}°", position.alpha_rad.to_degrees()),
+        format!("lead {:.2}°", position.alpha_rad.to_degrees()),
         format!("tilt in this cut {:.2}°", view.lead_rad.to_degrees()),
     ];
     if view.step > 0.0 {

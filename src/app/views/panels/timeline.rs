@@ -81,7 +81,7 @@ fn axes(ui: &mut Ui, state: &AppState) {
         Some(Err(error)) => line(ui, error.message.clone(), &error.help),
         Some(Ok(plan)) => match (&plan.fault, plan.at(state.timeline_cut())) {
             (Some((what, help)), _) => {
-                line(ui, format!("{}: {what}", plan.machine.name), &format!("{what}\nTo do: {help}"));
+                line(ui, format!("{}: {what}", plan.machine.name), &format!("{what}\nFix: {help}"));
             }
             (None, None) => {
                 ui.label(RichText::new(&plan.machine.name).weak());

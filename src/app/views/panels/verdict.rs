@@ -34,6 +34,10 @@ pub fn show(ui: &mut Ui, state: &AppState) {
             "The calculation was cancelled: the best so far. Floor not cut yet counts as not machined",
         );
     }
+    if let Some(missed) = state.missed_goal() {
+        let text = RichText::new("Goal cannot be met").color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text).on_hover_text(missed);
+    }
     let (planned, units) = (after.planned, state.look.units);
     let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
     interferential(ui, plan, before, after);

@@ -1,0 +1,127 @@
+//! Plans with the edits of the setup: the plan is found without them, which is kept for the next edit, and the
+//! edits apply to it. Where they lock plunges that the planner does not place by itself, the requested plan is
+//! made once more around these, and the edits apply to that one.
+
+use super::goal::{self, MetGoal, WholeInput};
+use super::{FIRST_SHARE, JobError, Listener, PlanCache, PlanOutcome, PlanRequest, measure_residual, plan};
+use crate::error::ErrorCode;
+use crate::monitor::Monitor;
+use crate::plunge::{PlanError, Planner, SectionCache};
+use crate::setup::{AxisPolicy, PlungeChange, PlungeEdit, SetupFault, SetupPlace};
+
+/// Like [`PlanJob::run_with_listener`], with the cache `known`.
+pub(super) fn plan_with_edits(
+    request: &PlanRequest,
+    known: &mut PlanCache,
+    monitor: &Monitor,
+    listener: Listener,
+) -> Result<PlanOutcome, JobError> {
+    let started = std::time::Instant::now();
+    let mut unedited = request.clone();
+    let edits = std::mem::take(&mut unedited.setup.plunge.edits);
+    let locks: Vec<PlungeEdit> =
+        edits.iter().filter(|edit| matches!(edit.change, PlungeChange::Lock { .. })).copied().collect();
+    // Locked plunges may have the plan made twice.
+    let share = if locks.is_empty() { 1.0 } else { 0.5 };
+    let found = match known.unedited(&unedited) {
+        Some(outcome) => outcome,
+        None => {
+            let outcome = plan(&unedited, known, &monitor.span(0.0, share), listener)?;
+            let is_finished = !outcome.after.plan.is_unfinished() && !monitor.is_stopped();
+            known.around = None;
+            known.unedited = is_finished.then(|| (unedited, outcome.clone()));
+            outcome
+        }
+    };
+    let edited = |mut outcome: PlanOutcome| -> Result<PlanOutcome, JobError> {
+        outcome.setup.flank = request.setup.flank.clone();
+        if !edits.is_empty() {
+            outcome.setup.plunge.edits.clone_from(&edits);
+            outcome.apply_edits(monitor)?;
+        }
+        Ok(outcome)
+    };
+    let mut outcome = edited(found.clone())?;
+    if outcome.edits.adds_locked
+        && let Some(around) = known.around(&found, locks, &monitor.span(share, 1.0))?
+    {
+        outcome = edited(around)?;
+    }
+    outcome.elapsed = started.elapsed().as_secs_f64();
+    monitor.report(1.0);
+    Ok(outcome)
+}
+
+impl PlanCache {
+    /// The plan `found` made again around the plunges that `locks` keep; `None` where it is not finished.
+    fn around(
+        &mut self,
+        found: &PlanOutcome,
+        locks: Vec<PlungeEdit>,
+        monitor: &Monitor,
+    ) -> Result<Option<PlanOutcome>, JobError> {
+        if found.after.plan.is_unfinished() || monitor.is_stopped() {
+            return Ok(None);
+        }
+        if let Some((known, outcome)) = &self.around
+            && *known == locks
+        {
+            return Ok(Some(outcome.clone()));
+        }
+        let outcome = found.planned_around(&locks, monitor)?;
+        if let Some(outcome) = &outcome {
+            self.around = Some((locks, outcome.clone()));
+        }
+        Ok(outcome)
+    }
+}
+
+impl PlanOutcome {
+    /// The outcome with the requested plan made again around the plunges that `locks` keep; `None` after a stop.
+    fn planned_around(&self, locks: &[PlungeEdit], monitor: &Monitor) -> Result<Option<Self>, JobError> {
+        let (workpiece, setup) = (&*self.workpiece, &self.setup);
+        let policy = self.after.plan.policy;
+        let planner = Planner::new(workpiece, setup).keeping_locked(locks);
+        let planned =
+            planner.plan_cached(policy, &mut SectionCache::default(), &monitor.span(0.0, FIRST_SHARE));
+        let plan = match planned {
+            Ok(plan) if !plan.is_unfinished() => plan,
+            Err(PlanError::Cancelled(_)) if !monitor.is_stopped() => return Err(JobError::Cancelled),
+            Err(PlanError::Setup(fault)) => return Err(fault.into()),
+            _ => return Ok(None),
+        };
+        let mut outcome = Self { kept_locked: locks.to_vec(), whole: None, sparse: None, ..self.clone() };
+        outcome.after = measure_residual(plan, &self.grid);
+        if policy == AxisPolicy::Minimal {
+            let input = WholeInput { workpiece, setup, plan: &outcome.after.plan, grid: &self.grid, locks };
+            let met = goal::meet_goal(input, &mut SectionCache::default(), &monitor.span(FIRST_SHARE, 1.0))?;
+            let MetGoal { plan, sparse, misses_goal } = met;
+            (outcome.sparse, outcome.misses_goal) = (sparse, misses_goal);
+            if let Some((plan, density)) = plan {
+                let chosen = measure_residual(plan, &self.grid);
+                outcome.whole = Some(std::mem::replace(&mut outcome.after, chosen).plan);
+                outcome.density = density;
+            }
+        }
+        Ok(Some(outcome))
+    }
+
+    /// Applies the edits of the setup to the requested plan.
+    fn apply_edits(&mut self, monitor: &Monitor) -> Result<(), JobError> {
+        let edits = &self.setup.plunge.edits;
+        let planner = Planner::new(&self.workpiece, &self.setup);
+        let (plan, report) = planner.edit_plunges(&self.after.plan, edits, monitor)?;
+        if plan.positions.is_empty() {
+            let what = "the edits delete every plunge of the plan";
+            let fault = SetupFault::new(ErrorCode::NothingMoves, what, "remove some of the edits");
+            return Err(fault.at(SetupPlace::Plunge("edit")).into());
+        }
+        let edited = measure_residual(plan, &self.grid);
+        let found = std::mem::replace(&mut self.after, edited).plan;
+        if found.policy == AxisPolicy::Minimal && self.whole.is_none() {
+            self.whole = Some(found);
+        }
+        self.edits = report;
+        Ok(())
+    }
+}

@@ -1,0 +1,150 @@
+//! The setup sheet of a flank plan: as that of plunges, with its passes by layer.
+
+use std::fmt::Write;
+
+use super::{MAX_FAULTS, ProgramFile, SheetPart, page, program_files, tool_card, warning_list};
+use crate::flank::UncutLength;
+use crate::job::flank::FlankOutcome;
+use crate::report::{PagePicture, ReportPage};
+use crate::setup::{FlankFeedRates, Tool};
+use crate::toolpath::{TOOL_CHANGE_S, Travel};
+
+/// What the sheet shows.
+pub struct FlankSheetInput<'a> {
+    /// The plan, of one channel.
+    pub outcome: &'a FlankOutcome,
+    /// The files of its program; none where it is not written with the sheet.
+    pub files: &'a [ProgramFile],
+}
+
+/// The sheet with `pictures` of its plan.
+pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> ReportPage {
+    let outcome = input.outcome;
+    let part = SheetPart { workpiece: &outcome.workpiece, setup: &outcome.setup };
+    let body = [
+        part.text(),
+        warnings(outcome),
+        program_text(input),
+        tools_text(outcome),
+        layers_text(outcome),
+        "<h2>Passes</h2>\n".to_owned(),
+    ];
+    page(&part, &body.concat(), pictures)
+}
+
+/// The tools in cutting order, each with the feed rates of what it cuts.
+fn tools(outcome: &FlankOutcome) -> Vec<(&Tool, String)> {
+    let plan = &outcome.plan;
+    let FlankFeedRates { step_mm_per_min, slot_mm_per_min, wall_mm_per_min, ramp_mm_per_min } = plan.feeds;
+    let rates = format!(
+        "passes {step_mm_per_min:.0}, in full stock {slot_mm_per_min:.0}, along walls {wall_mm_per_min:.0}, \
+         ramps {ramp_mm_per_min:.0} mm/min"
+    );
+    let opening = plan.opening.iter().map(|opening| {
+        let tool = &opening.tool;
+        (tool, format!("plunges above the shroud, {:.0} mm/min", tool.plunge_feed))
+    });
+    opening.chain([(&plan.tool, rates)]).collect()
+}
+
+fn warnings(outcome: &FlankOutcome) -> String {
+    let plan = &outcome.plan;
+    let mut found: Vec<String> =
+        outcome.faults.iter().take(MAX_FAULTS).map(|fault| format!("Line {}: {fault}", fault.line)).collect();
+    if outcome.faults.len() > MAX_FAULTS {
+        let more = outcome.faults.len() - MAX_FAULTS;
+        found.push(format!("{more} more faults; `vanecut verify` lists them."));
+    }
+    match &outcome.verdict {
+        None => found.push("The program could not be verified.".to_owned()),
+        Some(verdict) => {
+            for (share, what) in [
+                (verdict.unmilled_wall_share, "of the walls is not milled"),
+                (verdict.uncovered.share(), "of the floor keeps more than the scallop height"),
+            ] {
+                if share >= 5e-4 {
+                    found.push(format!("{:.1} % {what}.", 100.0 * share));
+                }
+            }
+        }
+    }
+    let left_out: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
+    if let Some(longest) = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length)) {
+        let UncutLength { layer, why, .. } = longest;
+        found.push(format!(
+            "{left_out:.0} mm of passes are left out; the longest stretch, on layer {}: {why}.",
+            layer + 1
+        ));
+    }
+    let assumed = tools(outcome).into_iter().filter(|(tool, _)| tool.assembly.holder.is_empty());
+    warning_list(found, assumed.map(|(tool, _)| tool.number).collect())
+}
+
+fn program_text(input: &FlankSheetInput) -> String {
+    let outcome = input.outcome;
+    let faults = match (outcome.faults.len(), outcome.verdict.is_some()) {
+        (_, false) => "not verified".to_owned(),
+        (0, true) => "no fault".to_owned(),
+        (count, true) => format!("{count} faults"),
+    };
+    let walls = match &outcome.verdict {
+        Some(verdict) => format!(
+            "Walls: {:.4} mm overcut, {:.4} mm undercut. Least clearance to the hub {:.4} mm, to the blank in \
+             rapids {:.3} mm; axis change up to {:.1}° in a move. ",
+            verdict.max_overcut,
+            verdict.max_undercut,
+            verdict.min_hub_clearance,
+            verdict.min_retract_clearance,
+            verdict.max_axis_change_rad.to_degrees(),
+        ),
+        None => String::new(),
+    };
+    let travel = Travel::of(&outcome.program());
+    let blades = outcome.workpiece.part.blade_count;
+    let minutes = travel.time / 60.0;
+    let count = tools(outcome).len();
+    let changes = TOOL_CHANGE_S / 60.0 * count as f64;
+    format!(
+        "<h2>Program</h2>\n<p>{}, for one channel; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
+         passes, {:.0} mm of links, {:.0} mm in rapid; {minutes:.1} min per channel; the wheel, \
+         {blades} channels and {}, about {:.0} min (accelerations left out).</p>\n",
+        program_files(input.files, "flank plan"),
+        outcome.plan.times.cut_length,
+        outcome.plan.times.link_length,
+        outcome.plan.times.rapid_length,
+        if count == 1 { "one tool change".to_owned() } else { format!("{count} tool changes") },
+        minutes * blades as f64 + changes,
+    )
+}
+
+fn tools_text(outcome: &FlankOutcome) -> String {
+    let cards = tools(outcome).into_iter().map(|(tool, feeds)| tool_card(tool, &feeds));
+    format!("<h2>Tools</h2>\n{}", cards.collect::<String>())
+}
+
+/// The layers from the top down, as they are cut.
+fn layers_text(outcome: &FlankOutcome) -> String {
+    let plan = &outcome.plan;
+    let mut rows = String::new();
+    for (number, layer) in plan.layout.layers.iter().enumerate().rev() {
+        let length: f64 = layer.figures[plan.layout.strategy as usize].length;
+        let left_out = plan.uncut.iter().filter(|u| u.layer == number);
+        // The sum of nothing is -0.
+        let left_out = 0.0 + left_out.map(|u| u.length).sum::<f64>();
+        let _ = write!(
+            rows,
+            "<tr><td>{}</td><td>{}</td><td>{:.2}</td><td>{length:.0}</td><td>{left_out:.0}</td></tr>",
+            number + 1,
+            layer.pass_curves.len(),
+            layer.stepover,
+        );
+    }
+    let note = plan.layout.replacement_note().map(|note| format!("<p>{note}.</p>\n")).unwrap_or_default();
+    format!(
+        "<h2>Layers</h2>\n<p>Strategy {}; layers of {} mm from the hub up, the top one is cut first.</p>\n{note}\
+         <table><thead><tr><th>layer</th><th>passes</th><th>stepover, mm</th><th>length, mm</th>\
+         <th>left out, mm</th></tr></thead><tbody>{rows}</tbody></table>\n",
+        plan.layout.strategy.name(),
+        outcome.setup.flank.layer_depth,
+    )
+}
