@@ -7,8 +7,11 @@ use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
 use crate::setup::{CutDirection, SectionKind, Setup};
-use crate::stock::FloorGrid;
+use crate::stock::{FloorGrid, InaccessibleFloor};
 use crate::verify::{AssemblyDistances, Fault, PlungeReport};
+
+/// Share of the floor from which on a cause of inaccessible floor has a line of its own.
+const MIN_PRINTED_SHARE: f64 = 5e-4;
 
 /// A number, or null if it is not finite. An empty sum is −0; adding 0 makes it 0.
 pub fn number(x: f64) -> Value {
@@ -262,6 +265,30 @@ pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlungeFigures<'a>)>) -> St
         }
     }
     text
+}
+
+/// Inaccessible floor by its causes, for `--json`.
+pub fn inaccessible_list(parts: &[InaccessibleFloor]) -> Value {
+    let object = |part: &InaccessibleFloor| {
+        json!({
+            "wall": part.obstacle.name(),
+            "diameter": number(part.diameter),
+            "from": number(part.from),
+            "to": number(part.to),
+            "share": number(part.share),
+        })
+    };
+    parts.iter().map(object).collect()
+}
+
+/// Text on what makes floor inaccessible; empty without such floor.
+pub fn inaccessible_text(parts: &[InaccessibleFloor]) -> String {
+    let line = |part: &InaccessibleFloor| {
+        let InaccessibleFloor { obstacle, diameter, from, to, share } = part;
+        let (share, words) = (100.0 * share, obstacle.words());
+        format!("inaccessible to D {diameter}: {share:.1} % {words}, s = {from:.2} to {to:.2}\n")
+    };
+    parts.iter().filter(|part| part.share >= MIN_PRINTED_SHARE).map(line).collect()
 }
 
 /// Number of positions of a plan (or of one section) whose axis is limited, per cause; see [`LimitedBy`].

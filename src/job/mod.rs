@@ -5,6 +5,7 @@ pub mod assess;
 mod edited;
 pub mod flank;
 mod goal;
+mod inaccessible;
 pub mod machine_run;
 mod part_cache;
 pub mod post;

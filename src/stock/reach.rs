@@ -93,15 +93,21 @@ impl InaccessibleTables {
         Self { stretches: source.cutters.iter().map(stretch).collect() }
     }
 
-    /// Inaccessible ranges of the floor at `s`; they apply only to floor under a blade.
-    pub(super) fn inaccessible_ranges(&self, s: f64, over: &BladesOverFloor) -> InaccessibleRanges {
-        // Of the cutters nearest to s the smallest reaches furthest.
+    /// The cutter that reaches furthest at `s`: the smallest of those nearest to it.
+    pub(super) fn cutter_at(&self, s: f64) -> Option<&CutterStretch> {
+        self.stretch_at(s).map(|(stretch, _)| stretch)
+    }
+
+    fn stretch_at(&self, s: f64) -> Option<&(CutterStretch, Vec<InaccessibleAngles>)> {
         let order = |a: &CutterStretch, b: &CutterStretch| {
             a.distance_to(s).total_cmp(&b.distance_to(s)).then(a.radius.total_cmp(&b.radius))
         };
-        let Some((_, rows)) = self.stretches.iter().min_by(|a, b| order(&a.0, &b.0)) else {
-            return InaccessibleRanges::default();
-        };
+        self.stretches.iter().min_by(|a, b| order(&a.0, &b.0))
+    }
+
+    /// Inaccessible ranges of the floor at `s`; they apply only to floor under a blade.
+    pub(super) fn inaccessible_ranges(&self, s: f64, over: &BladesOverFloor) -> InaccessibleRanges {
+        let Some((_, rows)) = self.stretch_at(s) else { return InaccessibleRanges::default() };
         let (first, second, share) = rows_beside(s);
         let range = |(face, &foot): (usize, &f64)| {
             let reach = rows[first][face] + (rows[second][face] - rows[first][face]) * share;
@@ -120,7 +126,12 @@ pub(super) struct InaccessibleRanges {
 
 impl InaccessibleRanges {
     pub(super) fn contains(&self, angle: f64) -> bool {
-        self.ranges.iter().any(|range| angle > range.0 && angle < range.1)
+        self.face_over(angle).is_some()
+    }
+
+    /// Number of the wall in whose corner the angle is.
+    pub(super) fn face_over(&self, angle: f64) -> Option<usize> {
+        self.ranges.iter().position(|range| angle > range.0 && angle < range.1)
     }
 }
 

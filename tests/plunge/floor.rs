@@ -8,7 +8,8 @@ use vanecut::part::{BladeDescription, Impeller, SideProbe, Workpiece};
 use vanecut::plunge::Planner;
 use vanecut::setup::{AllowanceSetup, AxisPolicy, Setup};
 use vanecut::stock::{
-    CutterStretch, FloorGrid, FloorSource, field_cutters, residual_field, stretches_of_setup,
+    CutterStretch, FloorGrid, FloorObstacle, FloorSource, InaccessibleFloor, field_cutters,
+    inaccessible_floor, residual_field, statistics, stretches_of_setup,
 };
 
 use super::disc::disc;
@@ -276,6 +277,31 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
         assert!((found - 0.5..found + 0.3).contains(&mask), "{what}");
         println!("{what}");
     }
+}
+
+#[test]
+fn the_causes_of_inaccessible_floor_add_up() {
+    let share_of = |parts: &[InaccessibleFloor]| parts.iter().map(|part| part.share).sum::<f64>();
+    let parts_of = |name: &str, radius: f64| {
+        let workpiece = stock().workpiece_of(sample(name));
+        let cutters = everywhere(radius);
+        let source = FloorSource { workpiece: &workpiece, stock: &stock(), cutters: &cutters };
+        let grid = floor(&workpiece, &cutters);
+        let none = vec![0.0; CELLS * CELLS];
+        let share = f64::from(statistics(&grid, &none, |_| true).unreachable_share);
+        (inaccessible_floor(&source, &grid), share)
+    };
+    let (pump, share) = parts_of("pump6", 6.0);
+    assert!(share > 0.01 && (share_of(&pump) - share).abs() < 1e-5, "{pump:?} of {share}");
+    assert_eq!(pump[0].obstacle, FloorObstacle::SuctionSide, "its blades lean that way: {pump:?}");
+    assert!(pump.iter().all(|part| part.diameter == 12.0 && part.to < part.from), "{pump:?}");
+    // A wheel with splitters.
+    let (wheel, share) = parts_of("impeller9x9", 6.0);
+    assert!((share_of(&wheel) - share).abs() < 1e-5, "{wheel:?} of {share}");
+    let of_splitters = [FloorObstacle::SplitterSuctionSide, FloorObstacle::SplitterPressureSide];
+    assert!(wheel.iter().any(|part| of_splitters.contains(&part.obstacle)), "{wheel:?}");
+    let smaller = parts_of("impeller9x9", 3.0).0;
+    assert!(share_of(&smaller) < 0.7 * share_of(&wheel), "a smaller cutter reaches further");
 }
 
 #[test]
