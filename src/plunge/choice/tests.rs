@@ -226,4 +226,10 @@ fn a_smaller_cutter_with_room_and_length_cuts_the_rest() {
     assert_eq!(rest(&[section(4, 1.0, 0.0)], &tools, &wide), []);
     let short = [tool(1, 30.0), Tool { overhang: 30.0, ..tool(3, 12.0) }, tool(4, 4.0)];
     assert_eq!(rest(&[section(1, 1.0, 0.0)], &short, &wide), [(4, 1.0, 0.0)]);
+    // None of them is long enough for the inlet: what fits is planned.
+    let mut deep = opening(60.0, 60.0);
+    for station in deep.stations.iter_mut().filter(|station| station.s < 0.399) {
+        station.deepest = 250.0;
+    }
+    assert_eq!(rest(&[section(1, 1.0, 0.0)], &tools, &deep), [(3, 1.0, 0.4)]);
 }
