@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::job::{PolicyResult, Summary};
+use crate::machine::MachineTool;
 use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
@@ -12,6 +13,14 @@ use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
 /// Share of the floor from which on a cause of inaccessible floor has a line of its own.
 const MIN_PRINTED_SHARE: f64 = 5e-4;
+
+/// Travel of both rotary axes (rad) by their letters, in degrees.
+pub fn rotary_travel(machine: &MachineTool, travel_rad: [f64; 2]) -> Value {
+    let axes = machine.rotary.iter().zip(travel_rad);
+    axes.map(|(axis, travel)| (axis.letter.to_string(), number(travel.to_degrees())))
+        .collect::<Map<_, _>>()
+        .into()
+}
 
 /// A number, or null if it is not finite. An empty sum is −0; adding 0 makes it 0.
 pub fn number(x: f64) -> Value {

@@ -179,18 +179,12 @@ fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) ->
     let PostRequest { machine, post, output, .. } = request;
     let PostedProgram { motion, written, times } = posted;
     let mut map = Map::new();
-    let travel: Map<String, Value> = (0..2)
-        .map(|i| {
-            let degrees = output::number(motion.rotary_travel[i].to_degrees());
-            (machine.rotary[i].letter.to_string(), degrees)
-        })
-        .collect();
     map.insert("machine".into(), json!(machine.name));
     map.insert("blocks".into(), json!(written.blocks));
     map.insert("positions".into(), json!(written.positions));
     map.insert("time".into(), output::number(posted.time_s()));
     map.insert("time_by_section".into(), times.iter().map(|time| section_object(program, time)).collect());
-    map.insert("rotary_travel".into(), Value::Object(travel));
+    map.insert("rotary_travel".into(), output::rotary_travel(machine, motion.rotary_travel));
     map.insert("rewinds".into(), json!(motion.rewinds));
     map.insert("clear_links".into(), json!(motion.clear_links));
     map.insert("limits_exceeded".into(), json!(0));

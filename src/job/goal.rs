@@ -168,8 +168,6 @@ pub(super) fn meet_goal(
             }
             (plan, made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
         }
-    }
-    if let Goal::Stock { max_time_min: Some(limit) } = goal {
         misses_goal = minutes_of(&plan) > limit;
     }
     drop(tradeoff);

@@ -75,7 +75,7 @@ fn place_of(point: &TradeoffPoint) -> CurvePlace {
     (point.time_s / 60.0, point.residual_p95)
 }
 
-/// What is shown while there is no curve.
+/// The text in place of a missing curve: its progress, or why there is none.
 fn waiting(ui: &mut Ui, state: &AppState, search: CurveSearch) -> Option<CurveCommand> {
     let is_minimal = state.document.edited.setup.plunge.axis == AxisPolicy::Minimal;
     ui.horizontal(|ui| match search {

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::cli::output::number;
+use crate::cli::output::{number, rotary_travel};
 use crate::io::program_file::NcMachine;
 use crate::job::machine_run::MachineRun;
 use crate::machine::{BlankSize, MachineTool, MotionOptions, OutputKind, SectionTime, section_times};
@@ -51,12 +51,8 @@ impl<'a> MachineFigures<'a> {
         let mut map = Map::new();
         map.insert("machine".into(), json!(self.machine.name));
         map.insert("machine_time".into(), number(self.time_s()));
-        let travel = self.run.as_ref().map(|(_, travel)| {
-            let degrees =
-                |i: usize| (self.machine.rotary[i].letter.to_string(), number(travel[i].to_degrees()));
-            (0..2).map(degrees).collect()
-        });
-        map.insert("rotary_travel".into(), travel.map_or(Value::Null, Value::Object));
+        let travel = self.run.as_ref().map(|(_, travel)| rotary_travel(self.machine, *travel));
+        map.insert("rotary_travel".into(), travel.unwrap_or_default());
         map
     }
 

@@ -19,6 +19,9 @@ pub fn rest_threshold(tool: &Tool) -> f64 {
     THICK_RADII * tool.radius()
 }
 
+/// Stretches of a section, each from s to s, from the outlet inwards.
+type RestStretches = Vec<(f64, f64)>;
+
 /// As [`rest_threshold`], for the rest-milling section after section `index` that covers all of it; `None`
 /// where none does.
 ///
@@ -78,9 +81,9 @@ fn rest_tool<'t>(
     tools: &[&'t Tool],
     survey: &Survey,
     rules: &Rules,
-) -> Option<(&'t Tool, Vec<(f64, f64)>)> {
+) -> Option<(&'t Tool, RestStretches)> {
     let whole = section.from - section.to;
-    let mut best: Option<(f64, &Tool, Vec<(f64, f64)>)> = None;
+    let mut best: Option<(f64, &Tool, RestStretches)> = None;
     for tool in tools.iter().filter(|tool| tool.diameter <= MAX_DIAMETER_SHARE * main.diameter) {
         let stretches = fitting_stretches(section, tool, survey, rules);
         let length: f64 = stretches.iter().map(|(from, to)| from - to).sum();
@@ -96,25 +99,20 @@ fn rest_tool<'t>(
 
 /// The stretches of `section`, from s to s, from the outlet inwards, at whose stations `tool` fits; without
 /// those shorter than a section may be, unless that is all of it.
-fn fitting_stretches(section: &SectionSetup, tool: &Tool, survey: &Survey, rules: &Rules) -> Vec<(f64, f64)> {
-    let covered = survey.covered(section.from, section.to);
-    let fits = |i: &usize| rules.fit(tool, &survey.stations[*i]) == ToolFit::Good;
-    if covered.clone().into_iter().all(|i| fits(&i)) {
+fn fitting_stretches(section: &SectionSetup, tool: &Tool, survey: &Survey, rules: &Rules) -> RestStretches {
+    let covered = survey.covered(section.from, section.to).rev();
+    let fits: Vec<(f64, bool)> = covered
+        .map(|i| &survey.stations[i])
+        .map(|station| (station.s.clamp(section.to, section.from), rules.fit(tool, station) == ToolFit::Good))
+        .collect();
+    if fits.iter().all(|(_, fits)| *fits) {
         return vec![(section.from, section.to)];
     }
-    let mut stretches: Vec<(f64, f64)> = Vec::new();
-    let mut before = None;
-    for i in covered.into_iter().rev() {
-        let s = survey.stations[i].s.clamp(section.to, section.from);
-        if !fits(&i) {
-            before = None;
-            continue;
+    let mut stretches = RestStretches::new();
+    for run in fits.chunk_by(|(_, a), (_, b)| a == b) {
+        if let ([(from, true), ..], [.., (to, _)]) = (run, run) {
+            stretches.push((*from, *to));
         }
-        match (before, stretches.last_mut()) {
-            (Some(()), Some(last)) => last.1 = s,
-            _ => stretches.push((s, s)),
-        }
-        before = Some(());
     }
     stretches.retain(|(from, to)| from - to >= MIN_SECTION_S);
     stretches

@@ -72,9 +72,10 @@ pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Resu
 
 /// Whether a line begins or ends a subprogram of LinuxCNC: `O<name> SUB`, `O<name> ENDSUB`.
 fn is_frame_of_sub(line: &str) -> bool {
-    let line = line.to_ascii_uppercase();
-    let named = line.strip_prefix("O<").and_then(|rest| rest.split_once('>'));
-    named.is_some_and(|(_, word)| matches!(word.trim(), "SUB" | "ENDSUB"))
+    let named = line.strip_prefix(['O', 'o']).and_then(|rest| rest.strip_prefix('<')?.split_once('>'));
+    named.is_some_and(|(_, word)| {
+        ["SUB", "ENDSUB"].iter().any(|known| word.trim().eq_ignore_ascii_case(known))
+    })
 }
 
 /// `G68.2 X Y Z I J K`: turned about Z by I, about the new X by J, about the new Z by K.
