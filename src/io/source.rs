@@ -117,9 +117,8 @@ pub fn number(token: &str) -> Result<f64, String> {
     match token.parse::<f64>() {
         Err(_) => Err(format!("{} is not a number", quote_for_message(token))),
         Ok(x) if !x.is_finite() => Err(format!("{} is not a finite number", quote_for_message(token))),
-        Ok(x) if x.abs() > MAX_COORDINATE => {
-            Err(format!("{} is larger than 1,000,000", quote_for_message(token)))
-        }
+        Ok(x) if x > MAX_COORDINATE => Err(format!("{} is larger than 1,000,000", quote_for_message(token))),
+        Ok(x) if x < -MAX_COORDINATE => Err(format!("{} is less than -1,000,000", quote_for_message(token))),
         Ok(x) => Ok(x),
     }
 }

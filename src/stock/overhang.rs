@@ -64,6 +64,13 @@ impl WallNode {
     pub(super) fn is_on_blade(&self) -> bool {
         (0.0..=1.0).contains(&self.u)
     }
+
+    /// Share of the way from this node, on the blade, to `other` beyond one of its edges at which the edge
+    /// is.
+    pub(super) fn share_to_edge(&self, other: &Self) -> f64 {
+        let edge = if other.u > 1.0 { 1.0 } else { 0.0 };
+        ((edge - self.u) / (other.u - self.u)).clamp(0.0, 1.0)
+    }
 }
 
 /// One wall, tabulated.

@@ -17,6 +17,15 @@ pub(super) struct CutterFlank {
     pub(super) rise: f64,
 }
 
+/// How a wall's level lies to the plane of an axis and e.
+#[derive(Clone, Copy, Debug)]
+enum LevelMeeting {
+    /// It crosses the plane.
+    Crossing(LevelCrossing),
+    /// It ends at an edge of the blade beside the plane: the point of the edge (f, d, z), and v.
+    Edge([f64; 3], f64),
+}
+
 /// Where a wall's level crosses the plane of an axis and e, and the wall's slope there.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LevelCrossing {
@@ -55,37 +64,73 @@ impl WallFootFrame {
         &self,
         face: &WallTable,
         level: usize,
-        [slope, at]: [f64; 2],
+        plane: [f64; 2],
         row: &mut usize,
     ) -> Option<LevelCrossing> {
+        match self.meet_level(face, level, plane, row)? {
+            LevelMeeting::Crossing(crossing) => Some(crossing),
+            LevelMeeting::Edge(..) => None,
+        }
+    }
+
+    /// As [`Self::cross_level`]; where the blade ends before the plane, the point of its edge that is nearest
+    /// to it on the level, and `row` stays.
+    fn meet_level(
+        &self,
+        face: &WallTable,
+        level: usize,
+        [slope, at]: [f64; 2],
+        row: &mut usize,
+    ) -> Option<LevelMeeting> {
         let side = |row: usize| {
             let node = &face.row(row)[level];
             let p = self.local(&node.point);
             (p[0] - slope * p[2] - at, p, node)
         };
-        let mut here = side(*row);
+        let mut here_row = *row;
+        let mut here = side(here_row);
+        // The last place on the blade, towards the plane.
+        let mut edge = None;
         loop {
-            let next = if here.0 > 0.0 { row.checked_sub(1) } else { Some(*row + 1).filter(|&k| k < ROWS) }?;
+            if here.2.is_on_blade() {
+                edge = Some(LevelMeeting::Edge(here.1, here.2.v));
+            }
+            let next = if here.0 > 0.0 { here_row.checked_sub(1) } else { Some(here_row + 1) };
+            let Some(next) = next.filter(|&next| next < ROWS) else { return edge };
             let there = side(next);
             if !here.0.is_finite() || !there.0.is_finite() {
-                return None;
+                return edge;
+            }
+            let step: [f64; 3] = std::array::from_fn(|k| there.1[k] - here.1[k]);
+            let between = |share: f64| {
+                let place = std::array::from_fn(|k| here.1[k] + step[k] * share);
+                (place, here.2.v + (there.2.v - here.2.v) * share)
+            };
+            if here.2.is_on_blade() && !there.2.is_on_blade() {
+                let (place, v) = between(here.2.share_to_edge(there.2));
+                edge = Some(LevelMeeting::Edge(place, v));
             }
             if (here.0 > 0.0) != (there.0 > 0.0) {
                 if !(here.2.is_on_blade() && there.2.is_on_blade()) {
-                    return None;
+                    return edge;
                 }
-                let share = here.0 / (here.0 - there.0);
-                let step = std::array::from_fn(|k| there.1[k] - here.1[k]);
-                return Some(LevelCrossing {
-                    d: here.1[1] + step[1] * share,
-                    z: here.1[2] + step[2] * share,
-                    v: here.2.v + (there.2.v - here.2.v) * share,
-                    step,
-                });
+                let ([_, d, z], v) = between(here.0 / (here.0 - there.0));
+                *row = here_row;
+                return Some(LevelMeeting::Crossing(LevelCrossing { d, z, v, step }));
             }
-            (*row, here) = (next, there);
+            (here_row, here) = (next, there);
         }
     }
+}
+
+/// A point of an edge of the blade beside the plane of an axis and e.
+#[derive(Clone, Copy, Debug, Default)]
+struct EdgePoint {
+    /// Distance from the plane, mm.
+    aside: f64,
+    /// Coordinates of its projection onto the plane, mm.
+    d: f64,
+    z: f64,
 }
 
 /// Profile of a wall in the plane of an axis and e, between hub and tip, from below upwards.
@@ -98,15 +143,38 @@ pub(super) struct WallProfile {
     d: [f64; LEVELS],
     /// ∂w/∂f and ∂w/∂z.
     slopes: [[f64; 2]; LEVELS],
+    /// Points of an edge of the blade at levels that end beside the plane, and their number. The flank has to
+    /// clear them as well: beside an outlet under a wall that leans over it there is nothing else above.
+    edges: [EdgePoint; LEVELS],
+    edge_count: usize,
 }
 
 impl WallProfile {
-    /// Profile of `face` in the plane f = `slope`·z of `frame`, whose foot is in table row `row`.
-    pub(super) fn of(frame: &WallFootFrame, face: &WallTable, slope: f64, mut row: usize) -> Self {
+    /// Profile of `face` in the plane f = `slope`·z of `frame`, whose foot is in table row `row`, with edges
+    /// up to `reach` mm beside the plane.
+    pub(super) fn of(
+        frame: &WallFootFrame,
+        face: &WallTable,
+        (slope, reach): (f64, f64),
+        mut row: usize,
+    ) -> Self {
         let mut crossings = [LevelCrossing::default(); LEVELS];
         let mut count = 0;
+        let (mut edges, mut edge_count) = ([EdgePoint::default(); LEVELS], 0);
         for level in 0..LEVELS {
-            let Some(mut here) = frame.cross_level(face, level, [slope, 0.0], &mut row) else { continue };
+            let mut here = match frame.meet_level(face, level, [slope, 0.0], &mut row) {
+                Some(LevelMeeting::Crossing(crossing)) => crossing,
+                Some(LevelMeeting::Edge([f, d, z], v)) => {
+                    let length = 1.0 + slope * slope;
+                    let aside = (f - slope * z) / length.sqrt();
+                    if v <= 1.0 && aside.abs() < reach {
+                        edges[edge_count] = EdgePoint { aside, d, z: (slope * f + z) / length };
+                        edge_count += 1;
+                    }
+                    continue;
+                }
+                None => continue,
+            };
             if count > 0 && here.v > 1.0 {
                 // Clip the profile at the tip.
                 let below = crossings[count - 1];
@@ -124,7 +192,8 @@ impl WallProfile {
                 break;
             }
         }
-        let mut profile = Self { count, z: [0.0; LEVELS], d: [0.0; LEVELS], slopes: [[0.0; 2]; LEVELS] };
+        let zeros = [0.0; LEVELS];
+        let mut profile = Self { count, z: zeros, d: zeros, slopes: [[0.0; 2]; LEVELS], edges, edge_count };
         for k in 0..count {
             let (below, above) = (&crossings[k.saturating_sub(1)], &crossings[(k + 1).min(count - 1)]);
             let rise = above.z - below.z;
@@ -140,10 +209,22 @@ impl WallProfile {
         profile
     }
 
+    /// Whether it has too few points for a slope.
+    pub(super) fn is_empty(&self) -> bool {
+        self.count + self.edge_count < 2
+    }
+
     /// Greatest dw/dz in the plane, from the lowest point and locally.
     pub(super) fn steepest(&self) -> f64 {
         let slope = |a: usize, b: usize| (self.d[b] - self.d[a]) / (self.z[b] - self.z[a]);
-        (1..self.count).map(|k| slope(k - 1, k).max(slope(0, k))).fold(0.0, f64::max)
+        let locally = (1..self.count).map(|k| slope(k - 1, k).max(slope(0, k)));
+        let [d, z] = if self.count > 0 { [self.d[0], self.z[0]] } else { [0.0; 2] };
+        let edges = self.edges().filter(|edge| edge.z > z).map(|edge| (edge.d - d) / (edge.z - z));
+        locally.chain(edges).fold(0.0, f64::max)
+    }
+
+    fn edges(&self) -> impl Iterator<Item = &EdgePoint> {
+        self.edges[..self.edge_count].iter()
     }
 
     /// Distance in d that the flank needs between the wall's point `k` and the axis at equal height, mm.
@@ -175,12 +256,14 @@ impl WallProfile {
                 most = most.max(at(k));
             }
         }
-        most
+        let edges = self.edges().filter(|edge| edge.z >= from);
+        edges.map(|edge| edge.place(flank, 1.0)).fold(most, f64::max)
     }
 
     /// Greatest d of the axis at z = 0 that keeps the flank clear of this opposite wall at and above z =
     /// `from`, mm.
     pub(super) fn furthest_axis(&self, flank: &CutterFlank, from: f64) -> f64 {
+        let edges = self.edges().filter(|edge| edge.z >= from).map(|edge| edge.place(flank, -1.0));
         (0..self.count)
             .filter(|&k| self.z[k] >= from)
             .map(|k| {
@@ -189,6 +272,18 @@ impl WallProfile {
                     - self.axis_gain(k, flank)
                     - flank.tan_phi * self.z[k]
             })
+            .chain(edges)
             .fold(f64::INFINITY, f64::min)
+    }
+}
+
+impl EdgePoint {
+    /// d of the axis at z = 0 with which the flank touches the point, on the side `side` (±1) of it, mm.
+    fn place(&self, flank: &CutterFlank, side: f64) -> f64 {
+        let slope = flank.axis[0] / flank.axis[2];
+        // The cylinder is cut at `aside` from its axis; in the plane that strip is inclined by φ.
+        let half = (flank.reach * flank.reach - self.aside * self.aside).max(0.0).sqrt();
+        let across = half * (1.0 + flank.tan_phi * flank.tan_phi / (1.0 + slope * slope)).sqrt();
+        self.d + side * across - flank.tan_phi * self.z
     }
 }

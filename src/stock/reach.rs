@@ -142,6 +142,13 @@ struct ReachCutter {
     blade_allowance: f64,
 }
 
+impl ReachCutter {
+    /// Distance of the axis from a wall, mm.
+    fn reach(&self) -> f64 {
+        self.radius + self.blade_allowance
+    }
+}
+
 /// The corner between hub and one wall at a row of the tables.
 struct WallCorner<'a> {
     face: &'a WallTable<'a>,
@@ -208,13 +215,13 @@ impl<'a> WallCorner<'a> {
     }
 
     /// Profile of `face` in the plane of the axes with tan α = `slope` along the wall.
-    fn profile(&self, face: &WallTable, slope: f64) -> WallProfile {
-        WallProfile::of(&self.frame, face, slope, self.row)
+    fn profile(&self, face: &WallTable, slope: f64, cutter: &ReachCutter) -> WallProfile {
+        WallProfile::of(&self.frame, face, (slope, cutter.reach()), self.row)
     }
 
     /// Angle about Z from the foot within which the floor is inaccessible, rad.
     fn inaccessible_angle(&self, cutter: &ReachCutter) -> f64 {
-        let upright = self.profile(self.face, 0.0);
+        let upright = self.profile(self.face, 0.0, cutter);
         if upright.steepest() < TOLERANCE {
             return 0.0;
         }
@@ -247,13 +254,15 @@ impl<'a> WallCorner<'a> {
 
     /// Least distance from the foot that a cutter reaches whose axis has tan α = `slope` along the wall, mm.
     fn nearest(&self, cutter: &ReachCutter, slope: f64) -> f64 {
-        let near = self.profile(self.face, slope);
-        if near.count < 2 {
+        let near = self.profile(self.face, slope, cutter);
+        if near.is_empty() {
             return f64::INFINITY;
         }
-        let facing: Vec<WallProfile> = self.facing.iter().map(|face| self.profile(face, slope)).collect();
+        let facing: Vec<WallProfile> =
+            self.facing.iter().map(|face| self.profile(face, slope, cutter)).collect();
         let of = |tan_tilt: f64| self.bottom_begin(cutter, slope, tan_tilt, &near, &facing);
-        let (_, distance) = search::minimum(of, 0.0, 1.2 * near.steepest().clamp(0.0, 4.0), TOLERANCE);
+        let most = 1.2 * near.steepest().clamp(0.0, 4.0);
+        let (_, distance) = search::minimum(of, 0.0, last_finite(of, most), TOLERANCE);
         distance
     }
 
@@ -269,7 +278,7 @@ impl<'a> WallCorner<'a> {
     ) -> f64 {
         let length = (1.0 + slope * slope + tan_tilt * tan_tilt).sqrt();
         let axis = [slope / length, tan_tilt / length, 1.0 / length];
-        let reach = cutter.radius + cutter.blade_allowance;
+        let reach = cutter.reach();
         let bottom = cutter.hub_allowance + self.hub.contact_height(&axis, cutter.radius, reach);
         // Half the width of the disc across the wall, and the rise of its near end.
         let half = (1.0 - axis[1] * axis[1]).sqrt();
@@ -285,6 +294,20 @@ impl<'a> WallCorner<'a> {
         let begin = place + bottom * tan_tilt - cutter.radius * half;
         begin + PENALTY * (lacking - CLEARANCE_TOLERANCE).max(0.0)
     }
+}
+
+/// The last value in 0…`most` at which `f` is finite, found by bisection: with more tilt the bottom is above
+/// the whole wall, and no longer in its corner.
+fn last_finite(f: impl Fn(f64) -> f64, most: f64) -> f64 {
+    let (mut low, mut high) = (0.0, most);
+    if f(most).is_finite() {
+        return most;
+    }
+    while high - low > TOLERANCE {
+        let middle = 0.5 * (low + high);
+        if f(middle).is_finite() { low = middle } else { high = middle }
+    }
+    low
 }
 
 impl LocalHub {
