@@ -240,6 +240,7 @@ mod tests {
         for bad in ["nan", "inf", "1e300", "-1e7", "", "1,5", "0x10"] {
             assert!(number(bad).is_err(), "{bad} must be refused");
         }
+        assert_eq!(number("-1e7"), Err("`-1e7` is less than -1,000,000".to_owned()));
     }
 
     #[test]
