@@ -11,12 +11,14 @@
 //! | [`course`](Pose) | how far a move in joint space strays from the planned one |
 //! | `clear` | links that leave the part |
 //! | [`motion`](machine_program) | the blocks of a program |
+//! | [`calls`](ChannelCalls) | programs that are called once a channel |
 //! | [`time`](section_times) | how long they take |
 //!
 //! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with
 //! all rotary axes at 0. **Machine coordinates** are those of the gauge point (the spindle's nose). Angles
 //! are positions of rotary axes in rad; which way a positive one turns, the machine file says.
 
+mod calls;
 mod choice;
 mod clear;
 mod course;
@@ -29,6 +31,7 @@ mod placement;
 mod reach;
 mod time;
 
+pub use calls::ChannelCalls;
 pub use clear::BlankSize;
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;

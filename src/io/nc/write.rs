@@ -6,7 +6,8 @@ use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::io::apt::section_words;
 use crate::machine::{
-    LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, StepMotion, gauge_length, turned,
+    LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, Pose, StepMotion, gauge_length,
+    turned,
 };
 use crate::toolpath::{ClProgram, ClTool};
 
@@ -352,10 +353,33 @@ impl NcWriter<'_> {
         if self.output == OutputKind::Plane {
             self.turn = Turn::across(post.dialect, &step.pose.axis);
         }
-        self.group("on", Some(step), post.on.get(&self.output).map(Vec::as_slice));
-        self.said = Modal::default();
-        self.step(None, step);
+        let on = post.on.get(&self.output).map(Vec::as_slice).unwrap_or_default();
+        if let Some(above) = self.above_when_called(step) {
+            let turns_not = |line: &&String| !line.contains("{x}") && !line.contains("{y}");
+            let on: Vec<String> = on.iter().filter(turns_not).cloned().collect();
+            self.group("on", Some(step), Some(on.as_slice()));
+            self.said = Modal::default();
+            self.step(None, &above);
+            self.step(Some(&above), step);
+        } else {
+            self.group("on", Some(step), Some(on));
+            self.said = Modal::default();
+            self.step(None, step);
+        }
         self.group("ready", Some(step), None);
+    }
+
+    /// Where a called program whose control holds the tip begins: above the approach, at the upper limit of Z. The
+    /// offset turns from call to call, and positions of the axes in X and Y before TCP is on would turn with it.
+    fn above_when_called(&self, step: &MachineStep) -> Option<MachineStep> {
+        if !self.post.is_called || !matches!(self.output, OutputKind::TcpAngles | OutputKind::TcpVectors) {
+            return None;
+        }
+        let length = gauge_length(self.machine, &self.tool(step));
+        let [x, y, z] = self.machine.joints(&step.pose.tip, &step.pose.angles, length);
+        let top = self.machine.linear[2].limits.1.max(z);
+        let tip = self.machine.tip(&[x, y, top], &step.pose.angles, length);
+        Some(MachineStep { pose: Pose { tip, ..step.pose }, ..*step })
     }
 
     /// To the retract position.

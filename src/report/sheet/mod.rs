@@ -99,9 +99,14 @@ pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage
         tools_text(input),
         sections_text(input),
         policies_text(input.outcome),
-        "<h2>Stock before and after</h2>\n".to_owned(),
+        heading_of(&pictures, "Stock before and after"),
     ];
     page(&part, &body.concat(), pictures)
+}
+
+/// The heading over `pictures`, if there are any: a program without a renderer draws none.
+fn heading_of(pictures: &[PagePicture], title: &str) -> String {
+    if pictures.is_empty() { String::new() } else { format!("<h2>{title}</h2>\n") }
 }
 
 impl SheetPart<'_> {
@@ -192,7 +197,7 @@ fn program_text(input: &SheetInput) -> String {
     format!(
         "<h2>Program</h2>\n<p>{files}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
         channels_text(input.channels),
-        escaped(&clearances_text(summary, input.channels)),
+        escaped(clearances_text(summary, input.channels).trim_end()).replace('\n', "<br>"),
     )
 }
 
