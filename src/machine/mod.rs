@@ -12,6 +12,7 @@
 //! | `clear` | links that leave the part |
 //! | [`motion`](machine_program) | the blocks of a program |
 //! | [`calls`](ChannelCalls) | programs that are called once a channel |
+//! | [`table`](MachineTable) | tools that meet the table |
 //! | [`time`](section_times) | how long they take |
 //!
 //! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with
@@ -29,6 +30,7 @@ mod model;
 mod motion;
 mod placement;
 mod reach;
+mod table;
 mod time;
 
 pub use calls::ChannelCalls;
@@ -43,4 +45,5 @@ pub use model::{
 };
 pub use motion::{MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program};
 pub use placement::PlacedPart;
+pub use table::MachineTable;
 pub use time::{SectionTime, block_times, section_times};

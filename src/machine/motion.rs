@@ -7,6 +7,7 @@ use super::course::{Pose, even_turn, mixed_angles};
 use super::fault::MotionFault;
 use super::model::{MachineTool, OutputKind, TurnLink};
 use super::placement::PlacedPart;
+use super::table::table_contact;
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 use crate::monitor::Monitor;
@@ -173,6 +174,16 @@ pub fn machine_program(
     }
     maker.leave();
     maker.measure();
+    if let Some(contact) = table_contact(machine, &maker.out.steps, &program.tools, &maker.lengths) {
+        let line = program.moves.get(maker.out.steps[contact.step].source).map_or(0, |step| step.line);
+        let tool = program.tools.get(contact.tool).map_or(0, |tool| tool.number);
+        return Err(MotionFault::MeetsTable {
+            line,
+            tool,
+            is_holder: contact.is_holder,
+            depth: contact.depth,
+        });
+    }
     Ok(maker.out)
 }
 

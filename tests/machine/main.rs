@@ -11,4 +11,5 @@ mod limits;
 mod planned;
 mod programs;
 mod round_trips;
+mod table;
 mod times;
