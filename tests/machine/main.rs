@@ -8,6 +8,7 @@ mod faults;
 mod figures;
 mod kinematics;
 mod limits;
+mod placement;
 mod planned;
 mod programs;
 mod round_trips;
