@@ -76,14 +76,15 @@ pub fn post_program(
     let placed = PlacedPart::new(&machine.part, *inlet_up);
     let mut options = MotionOptions::new(*output, post.format.angle_decimals);
     options.blank = *blank;
-    let motion = machine_program(machine, &placed, program, &options, monitor).map_err(|fault| {
-        match (machine.rotary[0].limits, given.rotary[0].limits) {
-            (Some((low, high)), Some(of_given)) if (low, high) != of_given => {
+    let run = |machine: &MachineTool| machine_program(machine, &placed, program, &options, monitor);
+    let motion =
+        run(machine).map_err(|fault| match called.as_ref().map(|called| called.rotary[0].limits) {
+            // Alone the program would run.
+            Some(Some((low, high))) if given.rotary[0].limits != Some((low, high)) && run(given).is_ok() => {
                 PostFault::Words(no_room(given.rotary[0].letter, high - low, &fault))
             }
             _ => PostFault::Motion(fault),
-        }
-    })?;
+        })?;
     for turn in calls.iter().flat_map(|calls| given.unlike_calls(*calls)) {
         let part = PartPlacement { clock_rad: machine.part.clock_rad + turn, ..machine.part.clone() };
         let placed = PlacedPart::new(&part, *inlet_up);

@@ -1,13 +1,13 @@
 //! Writes the motion of a machine as an NC program.
 
 use super::format::NumberFormat;
+use super::plane::TiltedPlane;
 use super::post::{Dialect, Post};
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::io::apt::section_words;
 use crate::machine::{
     LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, Pose, StepMotion, gauge_length,
-    turned,
 };
 use crate::toolpath::{ClProgram, ClTool};
 
@@ -73,7 +73,7 @@ pub fn write_nc(
         blocks: 0,
         positions: 0,
         said: Modal::default(),
-        turn: Turn::default(),
+        plane: TiltedPlane::default(),
         rounding_error: 0.0,
         row: 0,
     };
@@ -137,56 +137,6 @@ struct Modal {
     inverse: bool,
 }
 
-/// The tilted plane that is on.
-#[derive(Clone, Copy)]
-struct Turn {
-    angles: [f64; 3],
-    /// Directions of X, Y and Z of the plane.
-    frame: [Vector; 3],
-}
-
-impl Default for Turn {
-    fn default() -> Self {
-        Self { angles: [0.0; 3], frame: [Vector::x(), Vector::y(), Vector::z()] }
-    }
-}
-
-impl Turn {
-    /// The plane across `axis`, by the angles that a control of this dialect takes.
-    fn across(dialect: Dialect, axis: &Vector) -> Self {
-        let tilt = axis.z.clamp(-1.0, 1.0).acos();
-        let (angles, turns) = match dialect {
-            // Spatial angles: about Z, then the new Y, then the new X.
-            Dialect::Heidenhain => {
-                let about_z = axis.y.atan2(axis.x);
-                ([0.0, tilt, about_z], [(Vector::z(), about_z), (Vector::y(), tilt), (Vector::z(), 0.0)])
-            }
-            // Axis by axis: about X, then the new Y, then the new Z.
-            Dialect::Siemens => {
-                let about_y = axis.x.clamp(-1.0, 1.0).asin();
-                let about_x = (-axis.y).atan2(axis.z);
-                (
-                    [about_x, about_y, 0.0],
-                    [(Vector::x(), about_x), (Vector::y(), about_y), (Vector::z(), 0.0)],
-                )
-            }
-            // Euler angles: about Z, the new X, the new Z.
-            _ => {
-                let about_z = axis.x.atan2(-axis.y);
-                let turns = [(Vector::z(), about_z), (Vector::x(), tilt), (Vector::z(), -about_z)];
-                ([about_z, tilt, -about_z], turns)
-            }
-        };
-        let frame = [Vector::x(), Vector::y(), Vector::z()]
-            .map(|v| turns.iter().rev().fold(v, |v, (axis, angle)| turned(axis, *angle, &v)));
-        Self { angles, frame }
-    }
-
-    fn coordinates(&self, p: &Point) -> Point {
-        Point::new(self.frame[0].dot(&p.coords), self.frame[1].dot(&p.coords), self.frame[2].dot(&p.coords))
-    }
-}
-
 struct NcWriter<'a> {
     program: &'a ClProgram,
     machine: &'a MachineTool,
@@ -197,7 +147,7 @@ struct NcWriter<'a> {
     blocks: usize,
     positions: usize,
     said: Modal,
-    turn: Turn,
+    plane: TiltedPlane,
     rounding_error: f64,
     /// Rows of the plan already named.
     row: usize,
@@ -276,7 +226,9 @@ impl NcWriter<'_> {
                     words.join(" ")
                 });
                 for (i, word) in ["p1", "p2", "p3"].into_iter().enumerate() {
-                    put(word, &|w| w.format().text(w.turn.angles[i].to_degrees(), w.format().angle_decimals));
+                    put(word, &|w| {
+                        w.format().text(w.plane.angles[i].to_degrees(), w.format().angle_decimals)
+                    });
                 }
             }
             self.line(&filled);
@@ -286,7 +238,7 @@ impl NcWriter<'_> {
     /// Where X and Y stand above the approach: in the plane, or of the joints.
     fn above(&self, step: &MachineStep) -> [f64; 3] {
         if self.output == OutputKind::Plane {
-            return self.turn.coordinates(&step.pose.tip).coords.into();
+            return self.plane.coordinates(&step.pose.tip).coords.into();
         }
         self.joints(step)
     }
@@ -351,7 +303,7 @@ impl NcWriter<'_> {
             self.group("tool", Some(step), None);
         }
         if self.output == OutputKind::Plane {
-            self.turn = Turn::across(post.dialect, &step.pose.axis);
+            self.plane = TiltedPlane::across(post.dialect, &step.pose.axis);
         }
         let on = post.on.get(&self.output).map(Vec::as_slice).unwrap_or_default();
         if let Some(above) = self.above_when_called(step) {
@@ -399,7 +351,7 @@ impl NcWriter<'_> {
         let pose = &step.pose;
         let at: Point = match self.output {
             OutputKind::TcpAngles | OutputKind::TcpVectors => pose.tip,
-            OutputKind::Plane => self.turn.coordinates(&pose.tip),
+            OutputKind::Plane => self.plane.coordinates(&pose.tip),
             OutputKind::Joints => Point::from(Vector::from(self.joints(step))),
         };
         // All linear axes first, then the rotary ones or the vector.
