@@ -10,7 +10,7 @@ use vanecut::machine::{ChannelCalls, MachineTool, OutputKind};
 use vanecut::monitor::Monitor;
 use vanecut::toolpath::Motion;
 
-use super::programs::{MACHINES, machine, plunges, read_back, sweeps};
+use super::programs::{MACHINES, machine, plunges, read_back, tilted};
 
 fn called(
     machine: &MachineTool,
@@ -166,8 +166,11 @@ fn heads_are_refused_where_axes_are_named() {
         let (output, machine) = (OutputKind::TcpVectors, head.clone());
         let request =
             PostRequest { machine, post: post.clone(), output, inlet_up: false, blank: None, calls };
-        let mut program = sweeps();
-        program.moves.truncate(61);
+        let mut program = plunges();
+        program.moves.truncate(3);
+        for step in &mut program.moves {
+            step.axis = tilted(30.0, 0.0);
+        }
         post_program(&program, &request, &Monitor::default())
     };
     let alone = posted(Some(ChannelCalls::Channels(1)));

@@ -48,6 +48,7 @@ fn no_other_positions_take_less_time() {
     for name in MACHINES {
         let mut machine = machine(name);
         machine.links.turn = TurnLink::Clear;
+        let mut choices = 0;
         for round in 0..12 {
             let axes: Vec<Vector> = (0..6)
                 .map(|k| {
@@ -96,9 +97,10 @@ fn no_other_positions_take_less_time() {
                     tried.push((cost + more, sequence));
                 }
             }
-            assert!(candidates.iter().all(|of_axis| of_axis.len() >= 2), "{name}: there is a choice");
+            choices += candidates.iter().map(|of_axis| of_axis.len() - 1).sum::<usize>();
             // Positions are rounded to 1e-4°.
             assert!((of_chosen - least).abs() < 1e-4, "{name} {round}: {of_chosen} s, {least} s can be had");
         }
+        assert!(choices > 12, "{name}: {choices} to choose from");
     }
 }

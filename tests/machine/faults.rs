@@ -91,12 +91,23 @@ fn programs_lack_nothing() {
 }
 
 /// Whether a changed program is seen to be another one: it is refused, an axis is beyond its limits, a cut has no
-/// feed rate or runs as a link, or ends elsewhere.
+/// feed rate, runs as a link, ends elsewhere, or is made with another tool.
 fn is_caught(machine: &MachineTool, control: &str, program: &ClProgram, text: &str) -> bool {
     let Ok(reading) = read_back(machine, control, text) else { return true };
     let no_rate = reading.program.moves.iter().any(|m| m.motion == Motion::Feed(None));
     let differs = largest_difference(program, &reading).map_or(true, |(tip, axis)| tip > 1e-3 || axis > 1e-4);
-    no_rate || differs || !reading.overruns.is_empty()
+    // Cuts with another tool end at the same places.
+    let tools = |program: &ClProgram| {
+        let mut used: Vec<u32> = Vec::new();
+        for step in program.moves.iter().filter(|m| m.motion != Motion::Rapid) {
+            let number = step.tool.map_or(0, |tool| program.tools[tool].number);
+            if used.last() != Some(&number) {
+                used.push(number);
+            }
+        }
+        used
+    };
+    no_rate || differs || !reading.overruns.is_empty() || tools(program) != tools(&reading.program)
 }
 
 /// The words of a line that are numbers: where the number is, and its value.
