@@ -29,11 +29,8 @@ fn run() -> Result<(), String> {
     for line in std::io::stdin().lock().lines() {
         let line = line.map_err(|error| error.to_string())?;
         let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
-        let Ok([x, y, z, first, second]) =
-            numbers.as_deref().map_err(|_| ()).and_then(|n| n.try_into().map_err(|_| ()))
-        else {
-            return Err(format!("not five numbers: {line}"));
-        };
+        let numbers = numbers.map_err(|_| format!("not numbers: {line}"))?;
+        let [x, y, z, first, second] = numbers[..] else { return Err(format!("not five numbers: {line}")) };
         let tip = Point::from(Vector::new(x, y, z));
         let angles = [f64::to_radians(first), f64::to_radians(second)];
         let [x, y, z] = machine.joints(&tip, &angles, length);
