@@ -304,3 +304,16 @@ fn policies_text(outcome: &PlanOutcome) -> String {
          <tbody>{rows}</tbody></table>\n"
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_stands_over_pictures_only() {
+        assert_eq!(heading_of(&[], "Passes"), "");
+        let picture =
+            PagePicture { name: "before.png".to_owned(), bytes: Vec::new(), caption: "before".to_owned() };
+        assert_eq!(heading_of(&[picture], "Passes"), "<h2>Passes</h2>\n");
+    }
+}
