@@ -188,7 +188,8 @@ fn a_mode_left_out_is_always_caught() {
                 _ => &["M428", "M429"],
             };
             let tool: &[&str] = match control {
-                "heidenhain" => &["TOOL CALL", "M3", "M30"],
+                // `END PGM` is an end, too.
+                "heidenhain" => &["TOOL CALL", "M3"],
                 _ => &["M6", "M3", "M30"],
             };
             for word in on_and_off.iter().chain(tool) {
