@@ -222,7 +222,8 @@ error_codes! {
             "No tool reaches down to the hub.",
             "Give more `overhang`.";
         AssemblyCollides "assembly-collides",
-            "The shank or the holder of every plunge would come too near to part or blank.",
+            "The shank or the holder of every plunge would come too near to part or blank, or a tool meets the table of \
+             the machine.",
             "Give a thinner shank or holder, or more overhang.";
         NoFreeAxis "no-free-axis",
             "No plunge has an axis that blades, tilt limits and the machine allow.",

@@ -301,7 +301,7 @@ pub fn inaccessible_text(parts: &[InaccessibleFloor]) -> String {
 }
 
 /// Number of positions of a plan (or of one section) whose axis is limited, per cause; see [`LimitedBy`].
-fn limited_counts(plan: &PlungePlan, section: Option<usize>) -> [(LimitedBy, usize); 3] {
+fn limited_counts(plan: &PlungePlan, section: Option<usize>) -> [(LimitedBy, usize); 4] {
     LimitedBy::ALL.map(|held| {
         let ours = |p: &&Position| p.limited_by == Some(held) && section.is_none_or(|s| p.section == s);
         (held, plan.positions.iter().filter(ours).count())
@@ -318,9 +318,10 @@ pub fn limited_text(plan: &PlungePlan, edited: bool) -> String {
     let counts = limited_counts(plan, None);
     let lifted = plan.positions.iter().filter(|p| p.lift > 0.02).count();
     let mut text = String::new();
-    if counts.iter().any(|(_, count)| *count > 0) {
-        let words: Vec<String> =
-            counts.iter().map(|(held, count)| format!("{count} limited by {}", held.words())).collect();
+    let limited = counts.iter().filter(|(_, count)| *count > 0);
+    let words: Vec<String> =
+        limited.map(|(held, count)| format!("{count} limited by {}", held.words())).collect();
+    if !words.is_empty() {
         text += &format!("positions not at the axis that leaves least: {}\n", words.join(", "));
     }
     if lifted > 0 {

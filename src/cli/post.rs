@@ -13,7 +13,7 @@ use crate::io::plan_file::read_plan_bytes;
 use crate::io::setup_file::read_setup;
 use crate::io::write_atomically;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::{BlankSize, MachineTool, MotionFault, OutputKind, SectionTime};
+use crate::machine::{BlankSize, ChannelCalls, MachineTool, MotionFault, OutputKind, SectionTime};
 use crate::monitor::Monitor;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
@@ -24,6 +24,8 @@ struct PostSource {
     /// Whether the inlet points to +Z in the part frame.
     inlet_up: bool,
     blank: Option<BlankSize>,
+    /// How often it is called as a subprogram.
+    calls: ChannelCalls,
     /// File name for messages.
     name: String,
     /// Whether the lines of its moves are those of the file; in plans they are the numbers of the moves.
@@ -70,7 +72,9 @@ pub fn run(args: &PostArgs) -> Result<(), Failure> {
     if let Some(path) = &args.setup {
         fill_tools(&mut source.program, &read_setup(path, &Setup::default())?.tools);
     }
-    let request = PostRequest { machine, post, output, inlet_up: source.inlet_up, blank: source.blank };
+    let calls = args.subprogram.then_some(source.calls);
+    let request =
+        PostRequest { machine, post, output, inlet_up: source.inlet_up, blank: source.blank, calls };
     let posted = post_program(&source.program, &request, &Monitor::default());
     let posted = posted.map_err(|fault| match fault {
         PostFault::Motion(fault) => refused(args, &request.machine, &source, &fault),
@@ -123,15 +127,16 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         }
         // Tools come from the inlet: their axes point to its side.
         let up: f64 = program.moves.iter().map(|m| m.axis.z).sum();
-        return Ok(PostSource { program, inlet_up: up >= 0.0, blank: None, name, has_lines: true });
+        let calls = ChannelCalls::Unknown;
+        return Ok(PostSource { program, inlet_up: up >= 0.0, blank: None, calls, name, has_lines: true });
     }
-    let (mut program, part, setup) = if is_flank(&bytes) {
+    let (mut program, part, setup, channels) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
         let missing = || Failure::input(ErrorCode::PlanFile, "has no tool", "plan it again").at(&name);
-        (stored.program().ok_or_else(missing)?, stored.part, stored.setup)
+        (stored.program().ok_or_else(missing)?, stored.part, stored.setup, 1)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
-        (stored.program(&Monitor::default())?, stored.part, stored.setup)
+        (stored.program(&Monitor::default())?, stored.part, stored.setup, stored.channels)
     };
     if program.moves.is_empty() {
         let what = "the plan has no positions";
@@ -147,6 +152,8 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         program,
         inlet_up,
         blank: Some(BlankSize::of(&part, &setup.allowances)),
+        // A program of several channels is not turned on from channel to channel.
+        calls: ChannelCalls::Channels(if channels > 1 { 1 } else { part.blade_count }),
         name,
         has_lines: false,
     })
@@ -192,6 +199,10 @@ fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) ->
     map.insert("largest_axis_error".into(), output::number(motion.axis_error_rad.to_degrees()));
     map.insert("control".into(), json!(post.name));
     map.insert("output".into(), json!(output.name()));
+    if let Some(calls) = request.calls {
+        map.insert("calls".into(), json!(calls.count()));
+        map.insert("call_turn".into(), json!(calls.turn_rad().map(f64::to_degrees)));
+    }
     map
 }
 
@@ -228,6 +239,15 @@ fn text(args: &PostArgs, request: &PostRequest, program: &ClProgram, posted: &Po
         motion.clear_links,
         motion.rewinds
     );
+    if let Some((count, turn)) = request.calls.and_then(|calls| calls.count().zip(calls.turn_rad())) {
+        text += &match count {
+            1 => "to be called once\n".to_owned(),
+            _ => format!(
+                "to be called {count} times, the offset turned on by {:.4}° each time\n",
+                turn.to_degrees()
+            ),
+        };
+    }
     text += &format!(
         "largest error of the tip {:.4} mm, of the axis {:.4}°\n",
         posted.tip_error(),

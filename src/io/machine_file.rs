@@ -9,8 +9,8 @@ use super::table::{Located, NumberRange, TomlDocument, TomlTable};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::machine::{
-    AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,
-    TurnLink,
+    AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTable, MachineTool, OutputKind, PartPlacement,
+    RotaryAxis, TurnLink,
 };
 
 /// The machines that come with the program: name and text.
@@ -78,6 +78,7 @@ pub fn read_machine_bytes(name: &str, bytes: &[u8]) -> Result<MachineTool, Input
         "corner_time",
         "linear",
         "rotary",
+        "table",
         "part",
         "links",
     ])?;
@@ -102,6 +103,7 @@ pub fn read_machine_bytes(name: &str, bytes: &[u8]) -> Result<MachineTool, Input
         holder_length: root.number_or("holder_length", LENGTH, 100.0)?,
         block_time_s: root.number_or("block_time", SECONDS, 0.001)?,
         corner_time_s: root.number_or("corner_time", NumberRange::Above(0.0, 10.0), 0.01)?,
+        table: table_of(&root)?,
         part: placement(&root)?,
         links: links(&root, slowest)?,
     })
@@ -255,6 +257,15 @@ fn rotary_axis(table: &TomlTable<'_>) -> Result<RotaryAxis, InputError> {
         acceleration: table.number_or("acceleration", POSITIVE, 1000.0)?.to_radians(),
         jerk: table.number("jerk", POSITIVE)?.map_or(f64::INFINITY, |x| x.value.to_radians()),
     })
+}
+
+fn table_of(root: &TomlTable<'_>) -> Result<Option<MachineTable>, InputError> {
+    let Some(table) = root.table("table")? else { return Ok(None) };
+    table.check_keys(&["radius", "top"])?;
+    let radius =
+        required(&table, "radius", table.number("radius", NumberRange::Above(0.0, MAX_LENGTH))?)?.value;
+    let top = table.number_or("top", NumberRange::Between(-MAX_LENGTH, MAX_LENGTH), 0.0)?;
+    Ok(Some(MachineTable { radius, top }))
 }
 
 fn placement(root: &TomlTable<'_>) -> Result<PartPlacement, InputError> {

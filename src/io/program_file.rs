@@ -57,7 +57,14 @@ pub fn read_program_bytes(
     setup: &Setup,
 ) -> Result<ProgramReading, InputError> {
     let Some(target) = target.filter(|_| !is_apt(bytes)) else {
-        let program = read_apt_bytes(name, bytes)?;
+        let program = read_apt_bytes(name, bytes).map_err(|error| match is_apt(bytes) {
+            true => error,
+            // Without a word of APT it may be NC code, which says nothing without its machine.
+            false => InputError {
+                help: "give an APT program, or NC code with the --machine it is posted for".to_owned(),
+                ..error
+            },
+        })?;
         return Ok(ProgramReading { program, overruns: Vec::new(), on_machine: None });
     };
     let machine = read_machine(target.machine)?;

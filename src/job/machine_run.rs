@@ -2,10 +2,14 @@
 //! names, or by those that `post` chooses.
 
 use crate::machine::{
-    MachineProgram, MachineTool, MotionFault, MotionOptions, PlacedPart, Pose, machine_program,
+    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind, PlacedPart, Pose,
+    machine_program,
 };
 use crate::monitor::Monitor;
 use crate::toolpath::{ClProgram, Move};
+
+/// Decimals of the rotary positions that a control chooses itself for vectors and planes, degrees.
+const CHOSEN_DECIMALS: usize = 4;
 
 /// The motion of a program, with the pose at the end of each of its moves.
 #[derive(Clone, Debug)]
@@ -30,6 +34,27 @@ impl MachineRun {
         let poses: Vec<_> = program.moves.iter().zip(angles).map(pose).collect();
         let motion = MachineProgram::of_poses(program, &poses);
         Some(Self { poses, motion })
+    }
+
+    /// The motion of NC code that was read: by the rotary positions (rad) that it names, one for each move; where
+    /// it leaves them to the control, by those that `post` would choose for tool vectors.
+    ///
+    /// # Errors
+    /// When the code names no positions and the machine cannot run it, or on a cancel.
+    pub fn as_read(
+        machine: &MachineTool,
+        placed: &PlacedPart,
+        program: &ClProgram,
+        angles: &[Option<[f64; 2]>],
+        blank: BlankSize,
+        monitor: &Monitor,
+    ) -> Result<Self, MotionFault> {
+        if let Some(run) = Self::by_angles(placed, program, angles) {
+            return Ok(run);
+        }
+        let mut options = MotionOptions::new(OutputKind::TcpVectors, CHOSEN_DECIMALS);
+        options.blank = Some(blank);
+        Self::chosen(machine, placed, program, &options, monitor)
     }
 
     /// The motion that `post` makes with `options`.

@@ -1,10 +1,10 @@
 //! The posting job that window and command line share: from a program to NC code of a control, with its times.
 
-use crate::error::UserError;
+use crate::error::{ErrorCode, UserError};
 use crate::io::nc::{NcProgram, Post, write_nc};
 use crate::machine::{
-    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind, PlacedPart, SectionTime,
-    machine_program, section_times,
+    BlankSize, ChannelCalls, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind,
+    PartPlacement, PlacedPart, SectionTime, machine_program, section_times,
 };
 use crate::monitor::Monitor;
 use crate::toolpath::ClProgram;
@@ -22,6 +22,8 @@ pub struct PostRequest {
     pub inlet_up: bool,
     /// Extent of the blank; absent: what the moves say.
     pub blank: Option<BlankSize>,
+    /// How often another program calls this one; absent: not at all.
+    pub calls: Option<ChannelCalls>,
 }
 
 /// NC code, and the motion that it makes.
@@ -68,12 +70,40 @@ pub fn post_program(
     request: &PostRequest,
     monitor: &Monitor,
 ) -> Result<PostedProgram, PostFault> {
-    let PostRequest { machine, post, output, inlet_up, blank } = request;
+    let PostRequest { machine: given, post, output, inlet_up, blank, calls } = request;
+    let called = calls.map(|calls| given.for_calls(calls, *output)).transpose().map_err(PostFault::Words)?;
+    let machine = called.as_ref().unwrap_or(given);
     let placed = PlacedPart::new(&machine.part, *inlet_up);
     let mut options = MotionOptions::new(*output, post.format.angle_decimals);
     options.blank = *blank;
-    let motion = machine_program(machine, &placed, program, &options, monitor).map_err(PostFault::Motion)?;
+    let run = |machine: &MachineTool| machine_program(machine, &placed, program, &options, monitor);
+    let motion =
+        run(machine).map_err(|fault| match called.as_ref().map(|called| called.rotary[0].limits) {
+            // Alone the program would run.
+            Some(Some((low, high))) if given.rotary[0].limits != Some((low, high)) && run(given).is_ok() => {
+                PostFault::Words(no_room(given.rotary[0].letter, high - low, &fault))
+            }
+            _ => PostFault::Motion(fault),
+        })?;
+    for turn in calls.iter().flat_map(|calls| given.unlike_calls(*calls)) {
+        let part = PartPlacement { clock_rad: machine.part.clock_rad + turn, ..machine.part.clone() };
+        let placed = PlacedPart::new(&part, *inlet_up);
+        machine_program(machine, &placed, program, &options, monitor).map_err(PostFault::Motion)?;
+    }
     let written = write_nc(program, machine, &motion, post, *output).map_err(PostFault::Words)?;
     let times = section_times(machine, program, &motion);
     Ok(PostedProgram { motion, written, times })
+}
+
+/// The fault of a called program that the machine cannot run with the `room` (rad) that all calls leave to the axis
+/// which turns the part on.
+fn no_room(letter: char, room: f64, fault: &MotionFault) -> UserError {
+    let fault = fault.explained();
+    let what =
+        format!("of {letter} the calls leave {:.0}° to the program: {}", room.to_degrees(), fault.message);
+    UserError::new(
+        ErrorCode::AxisLimits,
+        what,
+        "post all channels (plan --channels all) without --subprogram",
+    )
 }

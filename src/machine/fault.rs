@@ -38,6 +38,17 @@ pub enum MotionFault {
         /// Tolerance, in words.
         tolerance: String,
     },
+    /// A tool meets the table.
+    MeetsTable {
+        /// Line of the move.
+        line: usize,
+        /// Number of the tool.
+        tool: u32,
+        /// Whether it is the holder, not the cutter.
+        is_holder: bool,
+        /// How far it is below the table's upper face, mm.
+        depth: f64,
+    },
     /// The program lacks something that a control needs.
     Lacks {
         /// Line of the move.
@@ -89,6 +100,15 @@ impl MotionFault {
                 ),
                 "add positions there",
             ),
+            Self::MeetsTable { tool, is_holder, depth, .. } => UserError::new(
+                ErrorCode::AssemblyCollides,
+                format!(
+                    "the {} of tool {tool} would go {depth:.1} mm below the upper face of the table",
+                    if *is_holder { "holder" } else { "cutter" }
+                ),
+                "raise the part ([part] origin of the machine file), give the tool more overhang, or plan with a \
+                 smaller max_axis_tilt",
+            ),
             Self::Lacks { error, .. } => error.clone(),
             Self::Cancelled => Cancelled.into(),
         }
@@ -100,6 +120,7 @@ impl MotionFault {
             Self::OutOfLimits { line, .. }
             | Self::TurnsBack { line, .. }
             | Self::CannotFollow { line, .. }
+            | Self::MeetsTable { line, .. }
             | Self::Lacks { line, .. } => *line,
             Self::Cancelled => 0,
         }

@@ -11,12 +11,15 @@
 //! | [`course`](Pose) | how far a move in joint space strays from the planned one |
 //! | `clear` | links that leave the part |
 //! | [`motion`](machine_program) | the blocks of a program |
+//! | [`calls`](ChannelCalls) | programs that are called once a channel |
+//! | [`table`](MachineTable) | tools that meet the table |
 //! | [`time`](section_times) | how long they take |
 //!
 //! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with
 //! all rotary axes at 0. **Machine coordinates** are those of the gauge point (the spindle's nose). Angles
 //! are positions of rotary axes in rad; which way a positive one turns, the machine file says.
 
+mod calls;
 mod choice;
 mod clear;
 mod course;
@@ -27,8 +30,10 @@ mod model;
 mod motion;
 mod placement;
 mod reach;
+mod table;
 mod time;
 
+pub use calls::ChannelCalls;
 pub use clear::BlankSize;
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
@@ -40,4 +45,5 @@ pub use model::{
 };
 pub use motion::{MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program};
 pub use placement::PlacedPart;
+pub use table::MachineTable;
 pub use time::{SectionTime, block_times, section_times};

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::table::MachineTable;
 use crate::geometry::{Point, Vector};
 
 /// One of the three linear axes. Machine coordinates are those of the gauge point with all rotary axes at 0.
@@ -159,6 +160,8 @@ pub struct MachineTool {
     /// Time over which the control rounds a corner between two blocks: the speed of an axis may jump by its
     /// acceleration times this, s.
     pub corner_time_s: f64,
+    /// The table that carries the part, if the machine file gives it.
+    pub table: Option<MachineTable>,
     /// How the part lies on the table.
     pub part: PartPlacement,
     /// Links.

@@ -7,6 +7,7 @@ use super::course::{Pose, even_turn, mixed_angles};
 use super::fault::MotionFault;
 use super::model::{MachineTool, OutputKind, TurnLink};
 use super::placement::PlacedPart;
+use super::table::table_contact;
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
 use crate::monitor::Monitor;
@@ -173,6 +174,16 @@ pub fn machine_program(
     }
     maker.leave();
     maker.measure();
+    if let Some(contact) = table_contact(machine, &maker.out.steps, &program.tools, &maker.lengths) {
+        let line = program.moves.get(maker.out.steps[contact.step].source).map_or(0, |step| step.line);
+        let tool = program.tools.get(contact.tool).map_or(0, |tool| tool.number);
+        return Err(MotionFault::MeetsTable {
+            line,
+            tool,
+            is_holder: contact.is_holder,
+            depth: contact.depth,
+        });
+    }
     Ok(maker.out)
 }
 
@@ -275,9 +286,10 @@ impl MotionMaker<'_> {
                     let error = UserError::new(ErrorCode::ControlOutput, what, help);
                     return Err(MotionFault::Lacks { line, error });
                 }
-                self.split(from, pose, (self.options.tip_tolerance, self.options.axis_tolerance_rad), line)?
-                    .into_iter()
-                    .for_each(|pose| self.push(StepMotion::Feed(rate), pose, tool, source));
+                let tolerance = (self.options.tip_tolerance, self.options.axis_tolerance_rad);
+                let (poses, stray) = self.split(from, pose, tolerance, line)?;
+                self.out.axis_error_rad = self.out.axis_error_rad.max(stray);
+                poses.into_iter().for_each(|pose| self.push(StepMotion::Feed(rate), pose, tool, source));
                 Ok(())
             }
         }
@@ -321,7 +333,7 @@ impl MotionMaker<'_> {
         }
         if self.machine.links.turn == TurnLink::Feed && stray <= MAX_LINK_STRAY {
             // Past a pole there may be no way with the tip held: then the tool leaves the part.
-            if let Ok(poses) = self.split(from, to, LINK_TOLERANCE, line) {
+            if let Ok((poses, _)) = self.split(from, to, LINK_TOLERANCE, line) {
                 poses.into_iter().for_each(|pose| self.push(StepMotion::Link, pose, tool, source));
                 return Ok(());
             }
@@ -335,14 +347,15 @@ impl MotionMaker<'_> {
         Ok(())
     }
 
-    /// The poses of a move, its end last, so close that tip and axis keep to `tolerance` (mm, rad).
+    /// The poses of a move, its end last, so close that tip and axis keep to `tolerance` (mm, rad), and the
+    /// largest angle by which they leave the even turn, rad.
     fn split(
         &self,
         from: Pose,
         to: Pose,
         tolerance: (f64, f64),
         line: usize,
-    ) -> Result<Vec<Pose>, MotionFault> {
+    ) -> Result<(Vec<Pose>, f64), MotionFault> {
         let length = self.lengths.get(self.before.map_or(0, |b| b.1)).copied().unwrap_or_default();
         let close = |a: &Pose, b: &Pose| match self.options.output {
             OutputKind::TcpVectors | OutputKind::Plane => true,
@@ -354,7 +367,7 @@ impl MotionMaker<'_> {
                         || self.machine.tip_stray(a, b, length) <= SAFE_SHARE * tolerance.0)
             }
         };
-        let mut out = Vec::new();
+        let (mut out, mut largest) = (Vec::new(), 0.0);
         // A stack instead of recursion: ends still to reach, the nearest on top.
         let mut waiting = vec![(to, 0)];
         let mut at = from;
@@ -368,22 +381,28 @@ impl MotionMaker<'_> {
                 let tolerance = format!("{} mm and {:.2}°", tolerance.0, tolerance.1.to_degrees());
                 return Err(MotionFault::CannotFollow { line, tolerance });
             }
+            let (middle, stray) = self.middle(&at, &end, tolerance.1);
+            largest = f64::max(largest, stray);
             waiting.push((end, depth + 1));
-            waiting.push((self.middle(&at, &end, tolerance.1), depth + 1));
+            waiting.push((middle, depth + 1));
         }
-        Ok(out)
+        Ok((out, largest))
     }
 
-    /// The pose half-way between two: the mean rotary positions where they keep to the turn, otherwise the
-    /// nearest solution of its direction.
-    fn middle(&self, from: &Pose, to: &Pose, tolerance: f64) -> Pose {
+    /// The pose half-way between two, and the angle by which its axis leaves the even turn, rad: the mean rotary
+    /// positions where they keep to the turn, otherwise the nearest solution of its direction. Where the axis
+    /// keeps to the turn all the way and only the tip strays, the way from one solution to the other may be
+    /// meant: beside a pole no other positions in between lead there.
+    fn middle(&self, from: &Pose, to: &Pose, tolerance: f64) -> (Pose, f64) {
         let grid = |angle: f64| (angle / self.options.angle_step_rad).round() * self.options.angle_step_rad;
         let tip = from.tip + (to.tip - from.tip) * 0.5;
         let axis = even_turn(&from.axis, &to.axis, 0.5);
         let mean = mixed_angles(&from.angles, &to.angles, 0.5).map(grid);
         let held = self.machine.tool_axis(&mean);
-        if held.angle(&axis) <= 0.25 * tolerance {
-            return Pose { tip, axis: held, angles: mean };
+        let stray = self.machine.axis_stray((&from.axis, from.angles), (&to.axis, to.angles));
+        if stray <= SAFE_SHARE * tolerance || held.angle(&axis) <= 0.25 * tolerance {
+            let off = held.cross(&axis).norm().min(1.0).asin();
+            return (Pose { tip, axis: held, angles: mean }, off);
         }
         let (solutions, count) = self.machine.solve(&axis);
         let near = |angle: f64, mean: f64| {
@@ -397,7 +416,7 @@ impl MotionMaker<'_> {
             .map(|s| [s.first.map_or(mean[0], |a| near(a, mean[0])), near(s.second, mean[1])])
             .filter(|a| self.machine.rotary.iter().zip(a).all(|(axis, a)| axis.allows(*a)))
             .min_by(|a, b| away(a).total_cmp(&away(b)));
-        Pose { tip, axis, angles: best.map_or(mean, |a| a.map(grid)) }
+        (Pose { tip, axis, angles: best.map_or(mean, |a| a.map(grid)) }, 0.0)
     }
 
     /// Measures how far tip and axis leave their course under feed.
@@ -406,7 +425,7 @@ impl MotionMaker<'_> {
         if !joints && self.options.output != OutputKind::TcpAngles {
             return;
         }
-        let (mut tip, mut axis) = (0.0, 0.0);
+        let (mut tip, mut axis) = (0.0, self.out.axis_error_rad);
         for pair in self.out.steps.windows(2) {
             let [a, b] = pair else { continue };
             if !matches!(b.motion, StepMotion::Feed(_)) || a.pose.angles == b.pose.angles {

@@ -218,11 +218,13 @@ pub enum LimitedBy {
     AxisChange,
     /// The core would meet stock, at this position or a later one.
     Contact,
+    /// The machine does not reach that axis.
+    Machine,
 }
 
 impl LimitedBy {
     /// All variants.
-    pub const ALL: [Self; 3] = [Self::Walls, Self::AxisChange, Self::Contact];
+    pub const ALL: [Self; 4] = [Self::Walls, Self::AxisChange, Self::Contact, Self::Machine];
 
     /// Key in files.
     pub fn name(self) -> &'static str {
@@ -230,6 +232,7 @@ impl LimitedBy {
             Self::Walls => "walls",
             Self::AxisChange => "axis_change",
             Self::Contact => "contact",
+            Self::Machine => "machine",
         }
     }
 
@@ -239,6 +242,7 @@ impl LimitedBy {
             Self::Walls => "walls",
             Self::AxisChange => "axis change",
             Self::Contact => "contact",
+            Self::Machine => "the machine",
         }
     }
 }
@@ -325,11 +329,14 @@ pub enum DropReason {
     Shank,
     /// The holder would come too near to the part or the blank.
     Holder,
+    /// The axis is beyond the reach of the machine.
+    Machine,
 }
 
 impl DropReason {
     /// All variants.
-    pub const ALL: [Self; 5] = [Self::Blades, Self::Contact, Self::Overhang, Self::Shank, Self::Holder];
+    pub const ALL: [Self; 6] =
+        [Self::Blades, Self::Contact, Self::Overhang, Self::Shank, Self::Holder, Self::Machine];
 
     /// Key in files.
     pub fn name(self) -> &'static str {
@@ -339,6 +346,7 @@ impl DropReason {
             Self::Overhang => "overhang",
             Self::Shank => "shank",
             Self::Holder => "holder",
+            Self::Machine => "machine",
         }
     }
 
@@ -350,6 +358,7 @@ impl DropReason {
             Self::Overhang => "for which the tool is too short",
             Self::Shank => "whose shank comes too near to part or blank",
             Self::Holder => "whose holder comes too near to part or blank",
+            Self::Machine => "whose axis the machine does not reach",
         }
     }
 }

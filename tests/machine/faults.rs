@@ -90,62 +90,128 @@ fn programs_lack_nothing() {
     assert_eq!(fault.explained().code, ErrorCode::ControlOutput, "{fault}");
 }
 
-/// One sign, one offset, a missing F, a missing H, TCP left on: each is seen in what is read back.
+/// Whether a changed program is seen to be another one: it is refused, an axis is beyond its limits, a cut has no
+/// feed rate, runs as a link, ends elsewhere, or is made with another tool.
+fn is_caught(machine: &MachineTool, control: &str, program: &ClProgram, text: &str) -> bool {
+    let Ok(reading) = read_back(machine, control, text) else { return true };
+    let no_rate = reading.program.moves.iter().any(|m| m.motion == Motion::Feed(None));
+    let differs = largest_difference(program, &reading).map_or(true, |(tip, axis)| tip > 1e-3 || axis > 1e-4);
+    // Cuts with another tool end at the same places.
+    let tools = |program: &ClProgram| {
+        let mut used: Vec<u32> = Vec::new();
+        for step in program.moves.iter().filter(|m| m.motion != Motion::Rapid) {
+            let number = step.tool.map_or(0, |tool| program.tools[tool].number);
+            if used.last() != Some(&number) {
+                used.push(number);
+            }
+        }
+        used
+    };
+    no_rate || differs || !reading.overruns.is_empty() || tools(program) != tools(&reading.program)
+}
+
+/// The words of a line that are numbers: where the number is, and its value.
+fn numbers_of(line: &str) -> Vec<(std::ops::Range<usize>, f64)> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    for word in line.split(' ') {
+        let address = word.len() - word.trim_start_matches(|c: char| c.is_ascii_uppercase()).len();
+        // Siemens writes A3=0.5.
+        let address = word.find('=').map_or(address, |sign| sign + 1);
+        let is_axis = ["X", "Y", "Z", "A", "B", "C", "TX", "TY", "TZ", "I", "J", "K", "A3=", "B3=", "C3="]
+            .contains(&&word[..address]);
+        if let (true, Ok(value)) = (is_axis, word[address..].parse()) {
+            found.push((at + address..at + word.len(), value));
+        }
+        at += word.len() + 1;
+    }
+    found
+}
+
+/// In every third cut: each sign turned, each number moved, and each F left out, one at a time.
 #[test]
-fn changed_programs_are_caught() {
+fn a_changed_number_of_a_cut_is_always_caught() {
     let program = plunges();
+    for name in ["ac-trunnion", "bc-head"] {
+        let machine = machine(name);
+        for (control, kinds) in OUTPUTS {
+            for &output in kinds {
+                let text = posted(&machine, &program, control, output).text;
+                assert!(!is_caught(&machine, control, &program, &text));
+                let lines: Vec<&str> = text.lines().collect();
+                let cuts = (0..lines.len()).filter(|&k| lines[k].contains(" F240"));
+                let mut tried = 0;
+                for cut in cuts.step_by(3) {
+                    let mut check = |what: &str, line: String| {
+                        let mut lines = lines.clone();
+                        lines[cut] = &line;
+                        let case =
+                            format!("{name} {control} {}: {what}: {} → {line}", output.name(), lines[cut]);
+                        assert!(is_caught(&machine, control, &program, &lines.join("\n")), "{case}");
+                        tried += 1;
+                    };
+                    for (range, value) in numbers_of(lines[cut]) {
+                        let (head, tail) = (&lines[cut][..range.start], &lines[cut][range.end..]);
+                        if value.abs() > 0.01 {
+                            check("sign", format!("{head}{:.4}{tail}", -value));
+                        }
+                        check("offset", format!("{head}{:.4}{tail}", value + 0.1));
+                    }
+                    check("no F", lines[cut].split(" F").next().unwrap().to_owned());
+                }
+                assert!(tried > 40, "{control}: {tried}");
+            }
+        }
+    }
+}
+
+/// A mode that is left on, an offset that is not there, a spindle that stands: each line that sets one is left out.
+#[test]
+fn a_mode_left_out_is_always_caught() {
+    let program = plunges();
+    let machine = machine("ac-trunnion");
     for (control, kinds) in OUTPUTS {
         for &output in kinds {
-            let machine = machine("ac-trunnion");
             let text = posted(&machine, &program, control, output).text;
-            let caught = |text: &str| match read_back(&machine, control, text) {
-                Err(_) => true,
-                Ok(reading) => {
-                    let no_rate = reading.program.moves.iter().any(|m| m.motion == Motion::Feed(None));
-                    let differs = largest_difference(&program, &reading)
-                        .map_or(true, |(tip, axis)| tip > 1e-3 || axis > 1e-4);
-                    no_rate || differs || !reading.overruns.is_empty()
-                }
-            };
-            let case = |what: &str| format!("{control} {}: {what}", output.name());
-            assert!(!caught(&text), "{}", case("unchanged"));
-            // A line in the middle that moves X while cutting or linking.
             let lines: Vec<&str> = text.lines().collect();
-            let cut = (lines.len() / 2..lines.len())
-                .find(|&k| lines[k].contains(" F240") && lines[k].contains('Z'))
-                .unwrap();
-            let replaced = |k: usize, line: &str| {
-                let mut lines = lines.clone();
-                lines[k] = line;
-                lines.join("\n")
+            let on_and_off: &[&str] = match (control, output) {
+                ("heidenhain", OutputKind::Plane) => &["PLANE SPATIAL", "PLANE RESET"],
+                ("heidenhain", _) => &["M128", "M129"],
+                ("siemens", OutputKind::Plane) => &["CYCLE800(0", "CYCLE800()"],
+                ("siemens", OutputKind::Joints) => &[],
+                ("siemens", _) => &["TRAORI", "TRAFOOF"],
+                ("fanuc", OutputKind::Plane) => &["G68.2", "G69"],
+                ("fanuc" | "haas" | "linuxcnc", OutputKind::Joints) => &["G43"],
+                ("fanuc", OutputKind::TcpVectors) => &["G43.5", "G49"],
+                ("fanuc", _) => &["G43.4", "G49"],
+                ("haas", _) => &["G234", "G49"],
+                _ => &["M428", "M429"],
             };
-            // The sign of the last coordinate before the feed rate, and that coordinate moved by a tenth.
-            let at = lines[cut].find('Z').unwrap();
-            let (head, tail) = lines[cut].split_at(at + 1);
-            let end = tail.find(' ').unwrap_or(tail.len());
-            let z: f64 = tail[..end].parse().unwrap();
-            for (what, z) in [("sign", -z), ("offset", z + 0.1)] {
-                let line = format!("{head}{z:.4}{}", &tail[end..]);
-                assert!(caught(&replaced(cut, &line)), "{}", case(what));
+            let tool: &[&str] = match control {
+                // `END PGM` is an end, too.
+                "heidenhain" => &["TOOL CALL", "M3"],
+                _ => &["M6", "M3", "M30"],
+            };
+            for word in on_and_off.iter().chain(tool) {
+                let ends = |line: &str| line.split(' ').any(|part| part == *word);
+                let says = |line: &&str| match word.starts_with('M') {
+                    true => ends(line),
+                    false => {
+                        line.contains(word)
+                            && !line.contains("G80")
+                            && (*word != "G43" || !line.contains("G43."))
+                    }
+                };
+                let places: Vec<usize> = (0..lines.len()).filter(|&k| says(&lines[k])).collect();
+                assert!(!places.is_empty(), "{control} {}: no {word}", output.name());
+                for place in places {
+                    let without: Vec<&str> =
+                        (0..lines.len()).filter(|&k| k != place).map(|k| lines[k]).collect();
+                    let case =
+                        format!("{control} {}: without line {}: {}", output.name(), place + 1, lines[place]);
+                    assert!(is_caught(&machine, control, &program, &without.join("\n")), "{case}");
+                }
             }
-            // Without its F a cut runs at the rate of links, or has none.
-            let line = lines[cut].split(" F").next().unwrap();
-            assert!(caught(&replaced(cut, line)), "{}", case("no F"));
-            let post = read_post(control).unwrap();
-            let off = match (control, output) {
-                (_, OutputKind::Joints) => continue,
-                ("heidenhain", OutputKind::Plane) => "PLANE RESET STAY",
-                ("heidenhain", _) => "M129",
-                ("siemens", OutputKind::Plane) => "CYCLE800()",
-                ("siemens", _) => "TRAFOOF",
-                ("fanuc", OutputKind::Plane) => "G69",
-                ("linuxcnc", _) => "M429",
-                _ => "G49",
-            };
-            assert!(post.outputs().any(|kind| kind == output));
-            let without: Vec<&str> = lines.iter().copied().filter(|line| !line.ends_with(off)).collect();
-            assert!(without.len() < lines.len(), "{}", case(off));
-            assert!(caught(&without.join("\n")), "{}", case("left on"));
         }
     }
 }

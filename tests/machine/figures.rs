@@ -14,8 +14,8 @@ use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::machine_run::MachineRun;
 use vanecut::job::{PlanRequest, Summary, run};
 use vanecut::machine::{
-    MachineProgram, MachineTool, MotionOptions, OutputKind, PlacedPart, SectionTime, machine_program,
-    section_times,
+    BlankSize, MachineProgram, MachineTool, MotionOptions, OutputKind, PlacedPart, SectionTime,
+    machine_program, section_times,
 };
 use vanecut::monitor::Monitor;
 use vanecut::part::{Impeller, Workpiece};
@@ -182,6 +182,34 @@ fn figures_of_plunges_are_those_of_the_program() {
                 let links = [meant, read].map(|s| s.time_estimate - s.feed_time);
                 assert!(links[1] >= links[0] && read.rapid_length >= meant.rapid_length, "{case}: {links:?}");
                 assert!(read.min_retract_clearance > meant.min_retract_clearance - 0.01, "{case}");
+            }
+        }
+    }
+}
+
+/// One rule for the window and `verify`: code that names rotary positions has these; for vectors they are chosen
+/// without looking at what the machine file gives as output.
+#[test]
+fn the_axes_of_code_that_was_read() {
+    let program = super::programs::plunges();
+    for name in MACHINES {
+        for output in [OutputKind::TcpAngles, OutputKind::TcpVectors] {
+            let mut machine = machine(name);
+            let nc = super::programs::posted(&machine, &program, "fanuc", output);
+            let reading = super::programs::read_back(&machine, "fanuc", &nc.text).unwrap();
+            let placed = super::programs::placed(&machine);
+            let blank = BlankSize { radius: 120.0, z: (-80.0, 20.0) };
+            let mut run = |kind: OutputKind| {
+                machine.output = kind;
+                let (program, angles) = (&reading.program, &reading.angles);
+                MachineRun::as_read(&machine, &placed, program, angles, blank, &Monitor::default()).unwrap()
+            };
+            let (as_angles, as_joints) = (run(OutputKind::TcpAngles), run(OutputKind::Joints));
+            assert_eq!(as_angles.poses, as_joints.poses, "{name} {}", output.name());
+            assert!(as_angles.poses.iter().all(Option::is_some), "{name} {}", output.name());
+            if output == OutputKind::TcpAngles {
+                let named = as_angles.poses.iter().zip(&reading.angles);
+                assert!(named.into_iter().all(|(pose, angles)| pose.map(|pose| pose.angles) == *angles));
             }
         }
     }

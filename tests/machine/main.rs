@@ -2,10 +2,15 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
+mod calls;
+mod choice;
 mod faults;
 mod figures;
 mod kinematics;
 mod limits;
+mod placement;
+mod planned;
 mod programs;
 mod round_trips;
+mod table;
 mod times;

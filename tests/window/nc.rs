@@ -79,6 +79,7 @@ fn posted(window: &Window, program: &ClProgram, machine: &str, control: &str, ou
         output,
         inlet_up: part.out_of_inlet().z > 0.0,
         blank: Some(BlankSize::of(part, &outcome.setup.allowances)),
+        calls: None,
     };
     post_program(program, &request, &Monitor::default()).expect("runs").written.text
 }

@@ -270,6 +270,7 @@ fn nc_program(window: &Window) -> String {
         machine,
         inlet_up: part.out_of_inlet().z > 0.0,
         blank: Some(BlankSize::of(part, &planned.outcome.setup.allowances)),
+        calls: None,
     };
     post_program(&program, &request, &Monitor::default()).expect("it runs").written.text
 }

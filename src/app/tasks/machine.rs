@@ -62,17 +62,17 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
     let placed = PlacedPart::of(&machine.part, part);
     let blank = BlankSize::of(part, allowances);
     let (program, steps) = request.program.moves();
-    let named = match &request.program {
-        TimelineProgram::Checked(checked) => checked.angles.as_deref(),
-        _ => None,
-    };
-    let run = match named.and_then(|angles| MachineRun::by_angles(&placed, &program, angles)) {
-        Some(run) => Ok(run),
-        None => {
+    let monitor = Monitor::default();
+    let run = match &request.program {
+        TimelineProgram::Checked(checked) if checked.angles.is_some() => {
+            let angles = checked.angles.as_deref().unwrap_or_default();
+            MachineRun::as_read(&machine, &placed, &program, angles, blank, &monitor)
+        }
+        _ => {
             let post = read_post(&machine.control)?;
             let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
             options.blank = Some(blank);
-            MachineRun::chosen(&machine, &placed, &program, &options, &Monitor::default())
+            MachineRun::chosen(&machine, &placed, &program, &options, &monitor)
         }
     };
     let (poses, fault) = match run {

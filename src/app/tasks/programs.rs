@@ -14,7 +14,7 @@ use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::BlankSize;
+use crate::machine::{BlankSize, ChannelCalls};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
 use crate::setup::AxisPolicy;
@@ -129,6 +129,10 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
         output: *output,
         inlet_up: part.out_of_inlet().z > 0.0,
         blank: Some(BlankSize::of(part, &setup.allowances)),
+        calls: is_subprogram.then_some(ChannelCalls::Channels(match &content.source {
+            ProgramSource::Plunges(source) if source.channels > 1 => 1,
+            _ => part.blade_count,
+        })),
     };
     post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
         PostFault::Motion(motion) => fault(motion.line(), motion.explained()),

@@ -5,14 +5,11 @@ use serde_json::{Map, Value, json};
 use crate::cli::output::{number, rotary_travel};
 use crate::io::program_file::NcMachine;
 use crate::job::machine_run::MachineRun;
-use crate::machine::{BlankSize, MachineTool, MotionOptions, OutputKind, SectionTime, section_times};
+use crate::machine::{BlankSize, MachineTool, SectionTime, section_times};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
-
-/// Decimals of the rotary positions that a control chooses itself for vectors and planes, degrees.
-const CHOSEN_DECIMALS: usize = 4;
 
 /// Figures of a program on its machine.
 pub(super) struct MachineFigures<'a> {
@@ -31,11 +28,8 @@ impl<'a> MachineFigures<'a> {
         setup: &Setup,
     ) -> Self {
         let NcMachine { machine, placed, angles } = on_machine;
-        let run = MachineRun::by_angles(placed, program, angles).or_else(|| {
-            let mut options = MotionOptions::new(OutputKind::TcpVectors, CHOSEN_DECIMALS);
-            options.blank = Some(BlankSize::of(&workpiece.part, &setup.allowances));
-            MachineRun::chosen(machine, placed, program, &options, &Monitor::default()).ok()
-        });
+        let blank = BlankSize::of(&workpiece.part, &setup.allowances);
+        let run = MachineRun::as_read(machine, placed, program, angles, blank, &Monitor::default()).ok();
         let run = run.map(|run| (section_times(machine, program, &run.motion), run.motion.rotary_travel));
         Self { machine, run }
     }

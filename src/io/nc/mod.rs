@@ -6,6 +6,7 @@
 //! through the chain of axes and comes out as a [`ClProgram`](crate::toolpath::ClProgram).
 
 mod format;
+mod plane;
 pub mod post;
 mod read;
 mod write;

@@ -79,6 +79,8 @@ pub struct Post {
     pub(super) on: BTreeMap<OutputKind, Vec<String>>,
     /// Blocks that switch it off.
     pub(super) off: BTreeMap<OutputKind, Vec<String>>,
+    /// Whether another program calls what it writes.
+    pub(super) is_called: bool,
 }
 
 impl Post {
@@ -104,6 +106,7 @@ impl Post {
         };
         self.blocks.insert("start", start);
         self.blocks.insert("end", end);
+        self.is_called = true;
         Ok(self)
     }
 }
@@ -174,6 +177,7 @@ pub fn read_post_bytes(name: &str, bytes: &[u8]) -> Result<Post, InputError> {
             blocks: BTreeMap::new(),
             on: BTreeMap::new(),
             off: BTreeMap::new(),
+            is_called: false,
         },
         _ => {
             return Err(root

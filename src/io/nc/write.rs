@@ -1,12 +1,13 @@
 //! Writes the motion of a machine as an NC program.
 
 use super::format::NumberFormat;
+use super::plane::TiltedPlane;
 use super::post::{Dialect, Post};
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Point, Vector};
 use crate::io::apt::section_words;
 use crate::machine::{
-    LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, StepMotion, gauge_length, turned,
+    LINEAR_NAMES, MachineProgram, MachineStep, MachineTool, OutputKind, Pose, StepMotion, gauge_length,
 };
 use crate::toolpath::{ClProgram, ClTool};
 
@@ -72,7 +73,7 @@ pub fn write_nc(
         blocks: 0,
         positions: 0,
         said: Modal::default(),
-        turn: Turn::default(),
+        plane: TiltedPlane::default(),
         rounding_error: 0.0,
         row: 0,
     };
@@ -136,56 +137,6 @@ struct Modal {
     inverse: bool,
 }
 
-/// The tilted plane that is on.
-#[derive(Clone, Copy)]
-struct Turn {
-    angles: [f64; 3],
-    /// Directions of X, Y and Z of the plane.
-    frame: [Vector; 3],
-}
-
-impl Default for Turn {
-    fn default() -> Self {
-        Self { angles: [0.0; 3], frame: [Vector::x(), Vector::y(), Vector::z()] }
-    }
-}
-
-impl Turn {
-    /// The plane across `axis`, by the angles that a control of this dialect takes.
-    fn across(dialect: Dialect, axis: &Vector) -> Self {
-        let tilt = axis.z.clamp(-1.0, 1.0).acos();
-        let (angles, turns) = match dialect {
-            // Spatial angles: about Z, then the new Y, then the new X.
-            Dialect::Heidenhain => {
-                let about_z = axis.y.atan2(axis.x);
-                ([0.0, tilt, about_z], [(Vector::z(), about_z), (Vector::y(), tilt), (Vector::z(), 0.0)])
-            }
-            // Axis by axis: about X, then the new Y, then the new Z.
-            Dialect::Siemens => {
-                let about_y = axis.x.clamp(-1.0, 1.0).asin();
-                let about_x = (-axis.y).atan2(axis.z);
-                (
-                    [about_x, about_y, 0.0],
-                    [(Vector::x(), about_x), (Vector::y(), about_y), (Vector::z(), 0.0)],
-                )
-            }
-            // Euler angles: about Z, the new X, the new Z.
-            _ => {
-                let about_z = axis.x.atan2(-axis.y);
-                let turns = [(Vector::z(), about_z), (Vector::x(), tilt), (Vector::z(), -about_z)];
-                ([about_z, tilt, -about_z], turns)
-            }
-        };
-        let frame = [Vector::x(), Vector::y(), Vector::z()]
-            .map(|v| turns.iter().rev().fold(v, |v, (axis, angle)| turned(axis, *angle, &v)));
-        Self { angles, frame }
-    }
-
-    fn coordinates(&self, p: &Point) -> Point {
-        Point::new(self.frame[0].dot(&p.coords), self.frame[1].dot(&p.coords), self.frame[2].dot(&p.coords))
-    }
-}
-
 struct NcWriter<'a> {
     program: &'a ClProgram,
     machine: &'a MachineTool,
@@ -196,7 +147,7 @@ struct NcWriter<'a> {
     blocks: usize,
     positions: usize,
     said: Modal,
-    turn: Turn,
+    plane: TiltedPlane,
     rounding_error: f64,
     /// Rows of the plan already named.
     row: usize,
@@ -275,7 +226,9 @@ impl NcWriter<'_> {
                     words.join(" ")
                 });
                 for (i, word) in ["p1", "p2", "p3"].into_iter().enumerate() {
-                    put(word, &|w| w.format().text(w.turn.angles[i].to_degrees(), w.format().angle_decimals));
+                    put(word, &|w| {
+                        w.format().text(w.plane.angles[i].to_degrees(), w.format().angle_decimals)
+                    });
                 }
             }
             self.line(&filled);
@@ -285,7 +238,7 @@ impl NcWriter<'_> {
     /// Where X and Y stand above the approach: in the plane, or of the joints.
     fn above(&self, step: &MachineStep) -> [f64; 3] {
         if self.output == OutputKind::Plane {
-            return self.turn.coordinates(&step.pose.tip).coords.into();
+            return self.plane.coordinates(&step.pose.tip).coords.into();
         }
         self.joints(step)
     }
@@ -350,12 +303,35 @@ impl NcWriter<'_> {
             self.group("tool", Some(step), None);
         }
         if self.output == OutputKind::Plane {
-            self.turn = Turn::across(post.dialect, &step.pose.axis);
+            self.plane = TiltedPlane::across(post.dialect, &step.pose.axis);
         }
-        self.group("on", Some(step), post.on.get(&self.output).map(Vec::as_slice));
-        self.said = Modal::default();
-        self.step(None, step);
+        let on = post.on.get(&self.output).map(Vec::as_slice).unwrap_or_default();
+        if let Some(above) = self.above_when_called(step) {
+            let turns_not = |line: &&String| !line.contains("{x}") && !line.contains("{y}");
+            let on: Vec<String> = on.iter().filter(turns_not).cloned().collect();
+            self.group("on", Some(step), Some(on.as_slice()));
+            self.said = Modal::default();
+            self.step(None, &above);
+            self.step(Some(&above), step);
+        } else {
+            self.group("on", Some(step), Some(on));
+            self.said = Modal::default();
+            self.step(None, step);
+        }
         self.group("ready", Some(step), None);
+    }
+
+    /// Where a called program whose control holds the tip begins: above the approach, at the upper limit of Z. The
+    /// offset turns from call to call, and positions of the axes in X and Y before TCP is on would turn with it.
+    fn above_when_called(&self, step: &MachineStep) -> Option<MachineStep> {
+        if !self.post.is_called || !matches!(self.output, OutputKind::TcpAngles | OutputKind::TcpVectors) {
+            return None;
+        }
+        let length = gauge_length(self.machine, &self.tool(step));
+        let [x, y, z] = self.machine.joints(&step.pose.tip, &step.pose.angles, length);
+        let top = self.machine.linear[2].limits.1.max(z);
+        let tip = self.machine.tip(&[x, y, top], &step.pose.angles, length);
+        Some(MachineStep { pose: Pose { tip, ..step.pose }, ..*step })
     }
 
     /// To the retract position.
@@ -375,7 +351,7 @@ impl NcWriter<'_> {
         let pose = &step.pose;
         let at: Point = match self.output {
             OutputKind::TcpAngles | OutputKind::TcpVectors => pose.tip,
-            OutputKind::Plane => self.turn.coordinates(&pose.tip),
+            OutputKind::Plane => self.plane.coordinates(&pose.tip),
             OutputKind::Joints => Point::from(Vector::from(self.joints(step))),
         };
         // All linear axes first, then the rotary ones or the vector.

@@ -4,6 +4,7 @@
 //! The lead angle is the inclination of the axis from the hub normal along the row, positive towards the
 //! uncut side. The tilt angle is that across the row.
 
+use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use super::axes::{AxisFrame, LEAD_STEP_DEG, LEAD_STEPS, LeadGrid, RowFrame};
@@ -302,6 +303,34 @@ impl CandidateMaker<'_> {
         }
         let slack = if is_wall(self.maker.lambda) { DRAFT_SLACK } else { 0.0 };
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
+    }
+
+    /// Whether an axis at one of every `stride` lead angles of `stage`, beyond the machine's limits but clear of
+    /// the blades, would cost less than `cost`, mm.
+    pub fn machine_forbids_below(&self, cost: f64, stage: &CandidateStage, stride: usize) -> bool {
+        if self.machine.max_axis_tilt_rad >= PI {
+            return false;
+        }
+        let AxisFrame { conventional, frame, zero_lead, reference, grid, .. } = &stage.frame;
+        let forbidden = |ends: &AxisEnds| {
+            let (_, axis) = self.maker.lane.line(ends);
+            axis.angle(reference) <= self.max_tilt_rad
+                && self.machine.excess_tilt_rad(self.maker.part, &axis) > 0.0
+        };
+        (0..stage.lead_count())
+            .step_by(stride)
+            .flat_map(|j| {
+                let tilt = grid.lead(j, self.fineness);
+                let place = (conventional.s_hub, frame, zero_lead);
+                self.axes(zero_lead.s_shroud_at_lead(tilt), place, ZERO_TILT_SHARES)
+            })
+            .flatten()
+            .filter(forbidden)
+            .map(|ends| self.candidate(self.maker.lower_to_hub(ends), &stage.floor))
+            .any(|candidate| {
+                candidate.cost(0.0, self.scale) < cost
+                    && self.finished.clears(&self.maker.cutter(&candidate.station), self.blade_allowance)
+            })
     }
 
     /// Whether the cutter of a station is longer than its depth in the blank, and shank and holder are clear.

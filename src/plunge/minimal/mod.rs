@@ -7,6 +7,7 @@
 //! Finally single plunges are added where the rows left the most (lazy greedy).
 
 mod axes;
+mod axis_limits;
 mod candidate;
 mod crossing;
 mod extras;

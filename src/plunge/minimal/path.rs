@@ -3,16 +3,16 @@
 
 use rayon::prelude::*;
 
+use super::axis_limits::AxisLimits;
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
 use super::row_path::{PathStep, RowPath};
 use super::section::MAX_LIFT_OF_DEPTH;
 use super::stages::{RowStages, StageAt};
 use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
-use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::assembly::DropCause;
-use crate::plunge::plan::{DropReason, LimitedBy};
+use crate::plunge::plan::DropReason;
 use crate::plunge::row::Station;
 
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
@@ -34,8 +34,6 @@ const MIN_SAVED_SHARE: f64 = 0.02;
 /// [`CandidateMaker::scale`]: floor out of the reach of the row adds much to the bound and says nothing about
 /// the path.
 const ACCEPTED_EXCESS: f64 = 0.2;
-/// Saving of another axis from which on a position is reported as limited, mm.
-const MIN_REPORTED_SAVING: f64 = 0.02;
 /// Margin added to lifts found with the few lines of the search, mm.
 pub(super) const LIFT_MARGIN: f64 = 0.01;
 
@@ -464,7 +462,11 @@ impl PathSearch<'_> {
             && let Some(state) = &states[k][j]
         {
             let before = state.before.and_then(|(k, j)| states[k][j]).map(|s| s.candidate.station.axis);
-            let held = places[k].1.as_ref().and_then(|place| self.limited_by(place, state, before, stride));
+            let held = places[k].1.as_ref().and_then(|place| {
+                let limits =
+                    AxisLimits { candidates: &self.candidates, max_turn_rad: self.max_axis_change_rad };
+                limits.what_limits(place, (&state.candidate, state.lift), before, stride)
+            });
             let station = Station { limited_by: held, ..state.candidate.station };
             let (s, counts) = (station.ends.s_hub, counts(station.ends.s_hub));
             let PathState { candidate, lift, .. } = *state;
@@ -480,29 +482,5 @@ impl PathSearch<'_> {
         }
         path.steps.reverse();
         path
-    }
-
-    /// What keeps a state from the cheapest candidate of its stage.
-    fn limited_by(
-        &self,
-        place: &CandidateStage,
-        state: &PathState,
-        before: Option<Vector>,
-        stride: usize,
-    ) -> Option<LimitedBy> {
-        let cost = |c: &RowCandidate| c.cost(0.0, self.candidates.scale);
-        let index = place.cheapest(self.candidates.scale, stride)?;
-        let cheapest = place.candidate(index)?;
-        if state.lift == 0.0 && cost(&state.candidate) <= cost(cheapest) + MIN_REPORTED_SAVING {
-            return None;
-        }
-        let turn = |before: Vector| before.angle(&cheapest.station.axis);
-        Some(if self.candidates.cleared(place, index).is_none_or(|c| cost(&c) >= cost(&state.candidate)) {
-            LimitedBy::Walls
-        } else if before.is_some_and(|before| turn(before) > self.max_axis_change_rad) {
-            LimitedBy::AxisChange
-        } else {
-            LimitedBy::Contact
-        })
     }
 }

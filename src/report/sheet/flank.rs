@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{MAX_FAULTS, ProgramFile, SheetPart, page, program_files, tool_card, warning_list};
+use super::{MAX_FAULTS, ProgramFile, SheetPart, heading_of, page, program_files, tool_card, warning_list};
 use crate::flank::UncutLength;
 use crate::job::flank::FlankOutcome;
 use crate::report::{PagePicture, ReportPage};
@@ -27,7 +27,7 @@ pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> Repor
         program_text(input),
         tools_text(outcome),
         layers_text(outcome),
-        "<h2>Passes</h2>\n".to_owned(),
+        heading_of(&pictures, "Passes"),
     ];
     page(&part, &body.concat(), pictures)
 }

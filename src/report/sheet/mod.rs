@@ -99,9 +99,14 @@ pub fn setup_sheet(input: &SheetInput, pictures: Vec<PagePicture>) -> ReportPage
         tools_text(input),
         sections_text(input),
         policies_text(input.outcome),
-        "<h2>Stock before and after</h2>\n".to_owned(),
+        heading_of(&pictures, "Stock before and after"),
     ];
     page(&part, &body.concat(), pictures)
+}
+
+/// The heading over `pictures`, if there are any: a program without a renderer draws none.
+fn heading_of(pictures: &[PagePicture], title: &str) -> String {
+    if pictures.is_empty() { String::new() } else { format!("<h2>{title}</h2>\n") }
 }
 
 impl SheetPart<'_> {
@@ -192,7 +197,7 @@ fn program_text(input: &SheetInput) -> String {
     format!(
         "<h2>Program</h2>\n<p>{files}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
         channels_text(input.channels),
-        escaped(&clearances_text(summary, input.channels)),
+        escaped(clearances_text(summary, input.channels).trim_end()).replace('\n', "<br>"),
     )
 }
 
@@ -298,4 +303,17 @@ fn policies_text(outcome: &PlanOutcome) -> String {
          <th>deepest contact, mm</th><th>stock mean / 95 %, mm</th><th>uncut, %</th><th>min</th></tr></thead>\
          <tbody>{rows}</tbody></table>\n"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_heading_stands_over_pictures_only() {
+        assert_eq!(heading_of(&[], "Passes"), "");
+        let picture =
+            PagePicture { name: "before.png".to_owned(), bytes: Vec::new(), caption: "before".to_owned() };
+        assert_eq!(heading_of(&[picture], "Passes"), "<h2>Passes</h2>\n");
+    }
 }

@@ -1,0 +1,92 @@
+//! How the part lies on the table: turned about Z, its origin elsewhere, its inlet up or down.
+
+use vanecut::geometry::{Point, Vector};
+use vanecut::io::nc::read_post;
+use vanecut::machine::{OutputKind, PlacedPart, gauge_length};
+
+use super::programs::{MACHINES, OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back};
+
+/// A part turned about the axis of its table stands, after C has turned as much, as it did before: all other axes
+/// are the same.
+#[test]
+fn a_turned_part_turns_the_table_alone() {
+    let post = read_post("fanuc").unwrap();
+    let program = plunges();
+    for name in ["ac-trunnion", "bc-trunnion", "b-head-c-table", "nutating-table"] {
+        let joints = |clock: f64| {
+            let mut machine = machine(name);
+            machine.part.clock_rad = clock;
+            // Whole turns of C do not matter here.
+            machine.rotary[0].limits = None;
+            let motion = moved(&machine, &program, &post, OutputKind::TcpAngles).unwrap();
+            let at = |k: usize| {
+                let step = motion.steps.iter().find(|step| step.source == 3 * k + 1).unwrap();
+                let length = gauge_length(&machine, &program.tools[step.tool]);
+                let [c, tilt] = step.pose.angles;
+                (machine.joints(&step.pose.tip, &step.pose.angles, length), c, tilt)
+            };
+            // The first plunges; near the pole, and with both solutions to choose from, others may differ.
+            (1..6).map(at).collect::<Vec<_>>()
+        };
+        let clock = 37f64.to_radians();
+        for ((xyz, c, tilt), (turned_xyz, turned_c, turned_tilt)) in
+            joints(0.0).into_iter().zip(joints(clock))
+        {
+            // The other solution tilts the other way: then the table has turned by half a turn more.
+            let same = (tilt - turned_tilt).abs() < 1e-5;
+            let turn = vanecut::geometry::wrap_angle(turned_c - c - clock);
+            if !same {
+                continue;
+            }
+            assert!(turn.abs() < 1e-5, "{name}: C turns by {} instead of {clock}", turned_c - c);
+            let off = (Vector::from(xyz) - Vector::from(turned_xyz)).norm();
+            assert!(off < 1e-2, "{name}: {xyz:?} {turned_xyz:?}");
+        }
+    }
+}
+
+#[test]
+fn a_part_that_lies_elsewhere_comes_back() {
+    let program = plunges();
+    for name in MACHINES {
+        let mut machine = machine(name);
+        machine.part.clock_rad = -73f64.to_radians();
+        machine.part.origin = Point::new(40.0, -25.0, 130.0);
+        for (control, kinds) in OUTPUTS {
+            for &output in kinds {
+                let case = format!("{name} {control} {}", output.name());
+                let nc = posted(&machine, &program, control, output);
+                let reading = read_back(&machine, control, &nc.text).expect(&case);
+                let (tip, axis) = largest_difference(&program, &reading).expect(&case);
+                assert!(tip <= 1e-3 && axis <= 1e-4, "{case}: {tip} mm, {axis}°");
+                // Read for the same machine with the part turned otherwise, the cuts are elsewhere.
+                let mut other = machine.clone();
+                other.part.clock_rad = 0.0;
+                let reading = read_back(&other, control, &nc.text).expect(&case);
+                assert!(largest_difference(&program, &reading).is_err(), "{case}");
+            }
+        }
+    }
+}
+
+/// The side that the machine wants up is up, whichever way the part is drawn.
+#[test]
+fn the_inlet_is_where_the_machine_wants_it() {
+    for inlet_up in [true, false] {
+        let mut part = machine("ac-trunnion").part;
+        part.inlet_up = inlet_up;
+        part.clock_rad = 0.4;
+        for drawn_up in [true, false] {
+            let placed = PlacedPart::new(&part, drawn_up);
+            let out_of_inlet = Vector::new(0.0, 0.0, if drawn_up { 1.0 } else { -1.0 });
+            let out = placed.vector_in_program(&out_of_inlet);
+            assert_eq!(out.z > 0.0, inlet_up);
+            let (p, v) = (Point::new(3.0, -8.0, 21.0), Vector::new(0.6, 0.0, 0.8));
+            assert!((placed.point_in_part(&placed.point_in_program(&p)) - p).norm() < 1e-12);
+            assert!((placed.vector_in_part(&placed.vector_in_program(&v)) - v).norm() < 1e-12);
+            // It is turned, not mirrored.
+            let [x, y, z] = [Vector::x(), Vector::y(), Vector::z()].map(|v| placed.vector_in_program(&v));
+            assert!((x.cross(&y) - z).norm() < 1e-12);
+        }
+    }
+}
