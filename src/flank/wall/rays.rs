@@ -1,6 +1,6 @@
 //! Sweep of a tool axis, taken from the centre of the round end on, from station to station.
 
-use super::swept::least_between;
+use super::swept::lower_bound_between;
 use crate::geometry::{Point, Vector, search};
 
 /// A tool axis from the centre of the round end on.
@@ -156,7 +156,7 @@ impl RaySweep {
             let Some(motion) = &self.motions[k] else { continue };
             let (Some(a), Some(b)) = (&rays[k], &rays[k + 1]) else { continue };
             let ends = [a, b].map(|ray| ray.distance_and_rate(point, motion));
-            if least_between(ends, motion.bend) < distance.min(limit) {
+            if lower_bound_between(ends, motion.bend) < distance.min(limit) {
                 let least = search::minimum(|share| a.towards(b, share).distance(point), 0.0, 1.0, 1e-3).1;
                 distance = distance.min(least);
             }
@@ -193,7 +193,7 @@ mod tests {
             let far = [a, b].map(|ray| (point - ray.low).norm().max(ray.from)).into_iter().fold(0.0, f64::max);
             let motion = RayMotion::new(&a, &b, far + (b.low - a.low).norm());
             let ends = [&a, &b].map(|ray| ray.distance_and_rate(&point, &motion));
-            let bound = least_between(ends, motion.bend);
+            let bound = lower_bound_between(ends, motion.bend);
             let at = |k: i32| a.towards(&b, f64::from(k) / 200.0).distance(&point);
             let least = (0..=200).map(at).fold(f64::INFINITY, f64::min);
             prop_assert!(bound <= least + 1e-9, "{} of {}", bound, least);

@@ -141,7 +141,7 @@ pub(super) fn deviations(
 
 /// Lower bound on [0, 1] of a function with these (value, slope) at both ends, whose second derivative is
 /// nowhere less than −`bend`.
-pub(super) fn least_between([(start, rate), (end, end_rate)]: [(f64, f64); 2], bend: f64) -> f64 {
+pub(super) fn lower_bound_between([(start, rate), (end, end_rate)]: [(f64, f64); 2], bend: f64) -> f64 {
     // Less the parabola ½ · bend · x · (1 − x), which is 0 at both ends, it is convex: above its tangents.
     let (falling, rising) = (rate - 0.5 * bend, end_rate + 0.5 * bend);
     if falling >= 0.0 || rising <= 0.0 {
@@ -202,7 +202,7 @@ fn nearest(lines: &[AxisLine], axes: &[Vector], from: usize, point: &Point, is_b
         };
         let travel = low.norm();
         let far = (point - lines[i].low).norm() + travel;
-        least_between([end(i), end(i + 1)], bend_of_distance(travel, turn.norm(), far))
+        lower_bound_between([end(i), end(i + 1)], bend_of_distance(travel, turn.norm(), far))
     };
     let around = |i: usize| [i.checked_sub(1), Some(i).filter(|&i| i < last)].into_iter().flatten();
     let own = (is_bowed && from != here.0).then(|| around(from)).into_iter().flatten();
