@@ -13,6 +13,7 @@ use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
 use crate::error::ErrorCode;
 use crate::flank::FlankPlan;
+use crate::flank::curves::WIDEST_GAP;
 use crate::io::apt::write_apt;
 use crate::io::flank_file::write_flank;
 use crate::io::setup_file::parse_flank_strategy;
@@ -230,6 +231,11 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     map
 }
 
+/// A gap in stepovers; gaps are measured only up to the widest that counts.
+fn gap_text(gap: f64) -> String {
+    if gap < WIDEST_GAP - 1e-9 { format!("{gap:.3}") } else { format!("≥{WIDEST_GAP:.3}") }
+}
+
 fn text(outcome: &FlankOutcome) -> String {
     let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let curves = &plan.layout;
@@ -252,10 +258,7 @@ fn text(outcome: &FlankOutcome) -> String {
         let figures = &curves.totals[scheme as usize];
         let measured = scheme != FlankStrategy::Isoparametric || scheme == curves.strategy;
         let (gap, wide) = if measured {
-            (
-                format!("{:.3}", figures.coverage.largest_gap),
-                format!("{:.3}", 100.0 * curves.wide_share(scheme)),
-            )
+            (gap_text(figures.coverage.largest_gap), format!("{:.3}", 100.0 * curves.wide_share(scheme)))
         } else {
             ("-".to_owned(), "-".to_owned())
         };
@@ -285,8 +288,12 @@ fn text(outcome: &FlankOutcome) -> String {
     if let Some(verdict) = &outcome.verdict {
         text += &walls_text(verdict);
         text += &format!(
-            "{:.2} % of the floor keeps more stock than the scallop height\n",
-            100.0 * verdict.uncovered.share()
+            "{:.2} % of the floor keeps more stock than the scallop height: {:.2} % fillet beside blades, \
+             {:.2} % inaccessible, {:.2} % gaps of the program\n",
+            100.0 * verdict.uncovered.share(),
+            100.0 * verdict.uncovered.fillet,
+            100.0 * verdict.uncovered.no_axis,
+            100.0 * verdict.uncovered.gap,
         );
     }
     text += &format!(

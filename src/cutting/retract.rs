@@ -42,6 +42,8 @@ impl<'a> RetractSurface<'a> {
     }
 }
 
+/// Radius of the flat part of a bottom below which it is a point, that of a ball cutter, mm.
+const MIN_FLAT: f64 = 1e-9;
 /// Largest number of steps of the alternating projection.
 const MAX_PROJECTIONS: usize = 8;
 
@@ -77,6 +79,9 @@ impl NearBottom {
             (clearance, foot)
         };
         distance(centre);
+        if flat < MIN_FLAT {
+            return Self { clearance: nearest.clearance - cutter.corner_radius, ..nearest };
+        }
         let half_way = Circle::new(&centre, &cutter.axis, 0.5 * flat);
         for i in 0..8 {
             distance(half_way.point_and_derivative((std::f64::consts::FRAC_PI_4 * f64::from(i)).sin_cos()).0);
@@ -128,6 +133,12 @@ impl NearBottom {
 /// Minimum distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
 pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
     NearBottom::of(cutter, blank).clearance
+}
+
+/// Whether a cutter's bottom enters the blank: [`bottom_clearance`] is negative. Faster where it is far away.
+pub fn bottom_is_inside(cutter: &CutterSolid, blank: &Blank) -> bool {
+    let centre = cutter.tip + cutter.axis * cutter.corner_radius;
+    !blank.is_far(Meridional::of(&centre), cutter.radius) && bottom_clearance(cutter, blank) < 0.0
 }
 
 /// Maximum number of retract steps.

@@ -22,10 +22,13 @@ const COUNT_SLACK: f64 = 0.05;
 /// Nodes of the chart per stepover, and the limits of their spacing, mm.
 const NODES_PER_STEPOVER: f64 = 6.0;
 const NODE_SPACING: [f64; 2] = [0.05, 1.0];
+/// Distance of an offset from the straight lines of which it is made where a wall is extended, in stepovers:
+/// half of what is tolerated of the distance of an offset from its wall.
+const EXTENSION_SAG: f64 = 0.01;
 /// A gap counts as wide above this multiple of the stepover.
 const WIDE: f64 = 1.02;
 /// Gaps are measured up to this multiple of the stepover.
-const WIDEST_GAP: f64 = 2.5;
+pub const WIDEST_GAP: f64 = 2.5;
 
 /// Why the planning of passes failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -282,7 +285,8 @@ impl LayoutInputs<'_> {
     /// The walls on `layer`, traced `raised` mm above it.
     fn borders(&self, layer: &LayerSurface, raised: f64) -> Option<LayerWalls> {
         let Workpiece { part, channel, .. } = self.workpiece;
-        LayerWalls::of(part, channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised)
+        let sag = EXTENSION_SAG * stepover(self.tool, self.setup.flank.scallop_height, 0.0);
+        LayerWalls::of(part, channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised, sag)
     }
 
     fn beyond(&self) -> f64 {

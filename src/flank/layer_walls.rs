@@ -58,8 +58,8 @@ const MAX_ANGLE_TO_MERIDIAN: f64 = 60.0 * PI / 180.0;
 /// Radius below which a ray beyond the ends of the layer stops, in the least radius of these ends: where the
 /// straight extension of a layer comes to the axis of rotation, a geodesic turns ever faster.
 const NEAR_AXIS: f64 = 0.1;
-/// Spacing of the points of an extension, mm.
-const EXTENSION_STEP: f64 = 2.0;
+/// Least and largest spacing of the points of an extension, mm.
+const EXTENSION_STEPS: [f64; 2] = [0.02, 2.0];
 
 impl LayerWall {
     /// A wall through `points`. Rays leave to the left of the line for a `side` of 1, to the right for −1.
@@ -159,13 +159,15 @@ impl LayerWalls {
     /// The walls of `channel` on `layer`, each extended as a geodesic by `beyond` mm past the ends of the
     /// layer, and further where its rays need that to cover the whole channel. They are traced `raised` mm
     /// above the layer: at the height of the centre of a ball end, whose distance from the wall is what
-    /// counts. `None` where a wall does not cross the layer.
+    /// counts. Between two rays an offset of an extension is at most about `sag` mm beside a straight line.
+    /// `None` where a wall does not cross the layer.
     pub fn of(
         part: &Impeller,
         channel: &Channel,
         layer: &LayerSurface,
         beyond: f64,
         raised: f64,
+        sag: f64,
     ) -> Option<Self> {
         let [a, b] = &channel.full.walls;
         let low = trace_flank(layer, a.side(), raised)?;
@@ -181,7 +183,7 @@ impl LayerWalls {
         }
         let numbered = channel.splitters.iter().enumerate();
         let splitters = numbered.filter_map(|(number, walls)| {
-            trace_splitter(layer, (number, walls), (&low, &high), beyond, raised)
+            trace_splitter(layer, (number, walls), (&low, &high), beyond, raised, sag)
         });
         let splitters = splitters.collect();
         let reach = |line: &[LayerPoint], end: usize, x: f64| {
@@ -191,10 +193,10 @@ impl LayerWalls {
             beyond + slope * width
         };
         let ends = |line: &[LayerPoint]| [reach(line, 0, layer.from), reach(line, line.len() - 1, layer.to)];
-        let turning = [&low, &high].into_iter().any(|line| turns_back(layer, line, ends(line)[0]));
+        let turning = [&low, &high].into_iter().any(|line| turns_back(layer, line, ends(line)[0], sag));
         let max_turn_rad = if turning { MAX_ANGLE_TO_MERIDIAN } else { FRAC_PI_2 };
         let wall = |line: &[LayerPoint], blade: &BladeSide, flank: &BladeSide, side: f64| {
-            let points = extended(layer, line, ends(line), max_turn_rad);
+            let points = extended(layer, line, ends(line), max_turn_rad, sag);
             if !turning {
                 return LayerWall::new(layer, points, side);
             }
@@ -271,6 +273,15 @@ fn trace_nose(
     points
 }
 
+/// Number of steps of an extension of `length` mm: a straight line of x and y as long as a step is at most
+/// `sag` mm beside a geodesic, also where the rays from the steps come to the least radius of the layer.
+fn extension_steps(layer: &LayerSurface, length: f64, sag: f64) -> f64 {
+    let min_radius = layer.radius(layer.from).0.min(layer.radius(layer.to).0);
+    let step = (8.0 * sag * min_radius).sqrt();
+    let [least, most] = EXTENSION_STEPS;
+    (length / step.clamp(least, most)).ceil().max(1.0)
+}
+
 /// Length (mm) and initial heading (rad) of the extension ahead of a line that ends `reach` mm beyond the end
 /// of the layer.
 fn ahead_of(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> (f64, f64) {
@@ -280,9 +291,9 @@ fn ahead_of(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> (f64, f64)
 
 /// Whether a geodesic ahead of a line turns back within `reach` mm of the end of the layer. Ahead of strongly
 /// wrapped walls, on a layer that narrows, it does and would run through the channel.
-fn turns_back(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> bool {
+fn turns_back(layer: &LayerSurface, line: &[LayerPoint], reach: f64, sag: f64) -> bool {
     let (length, mut heading) = ahead_of(layer, line, reach);
-    let steps = (length / EXTENSION_STEP).ceil().max(1.0);
+    let steps = extension_steps(layer, length, sag);
     let mut at = line[0];
     (0..steps as usize).any(|_| {
         (at, heading) = layer.geodesic(at, heading, length / steps);
@@ -297,17 +308,18 @@ fn extended(
     line: &[LayerPoint],
     reach: [f64; 2],
     max_turn_rad: f64,
+    sag: f64,
 ) -> Vec<LayerPoint> {
     let n = line.len();
     let (behind, back) = ahead_of(layer, line, reach[0]);
     let run = |from: LayerPoint, heading: f64, length: f64| {
-        let steps = (length / EXTENSION_STEP).ceil().max(1.0) as usize;
-        (1..=steps)
-            .map(|k| layer.geodesic(from, heading, length * k as f64 / steps as f64).0)
+        let steps = extension_steps(layer, length, sag);
+        (1..=steps as usize)
+            .map(|k| layer.geodesic(from, heading, length * k as f64 / steps).0)
             .collect::<Vec<LayerPoint>>()
     };
     let mut points = if max_turn_rad < FRAC_PI_2 {
-        let steps = (behind / EXTENSION_STEP).ceil().max(1.0);
+        let steps = extension_steps(layer, behind, sag);
         let mut at = (line[0], back);
         let next = |_| {
             let turn = wrap_angle(at.1 - PI).clamp(-max_turn_rad, max_turn_rad);
@@ -341,6 +353,7 @@ fn trace_splitter(
     (low, high): (&[LayerPoint], &[LayerPoint]),
     beyond: f64,
     raised: f64,
+    sag: f64,
 ) -> Option<LayerSplitter> {
     let lines = || (0..=NOSED_LINES).map(|i| (i as f64 / NOSED_LINES as f64).powi(2));
     let near = |p: &LayerPoint| 0.5 * (y_at(low, p.x) + y_at(high, p.x));
@@ -365,9 +378,9 @@ fn trace_splitter(
             _ => end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]),
         };
         let length = beyond + (layer.to - line[n - 1].x).max(0.0) / heading.cos().max(0.3);
-        let steps = (length / EXTENSION_STEP).ceil().max(1.0) as usize;
-        let run = (1..=steps)
-            .map(|k| layer.geodesic(line[n - 1], heading, length * k as f64 / steps as f64).0)
+        let steps = extension_steps(layer, length, sag);
+        let run = (1..=steps as usize)
+            .map(|k| layer.geodesic(line[n - 1], heading, length * k as f64 / steps).0)
             .collect::<Vec<_>>();
         [line, &run].concat()
     };

@@ -7,6 +7,7 @@
 
 mod clearance;
 mod fit;
+mod rays;
 mod stations;
 mod strip;
 mod swept;

@@ -213,6 +213,20 @@ impl Blank {
         project(&self.shroud, point, warm, self.single.1)
     }
 
+    /// Whether `point` is further than `distance` mm from everything that is solid before the first cut; where
+    /// that takes a search, false.
+    pub fn is_far(&self, point: Meridional, distance: f64) -> bool {
+        if self.nose.as_ref().is_some_and(|nose| !nose.is_beyond(point, distance)) {
+            return false;
+        }
+        if let Some(outline) = &self.outline {
+            return outline.signed_distance(point).0 > distance;
+        }
+        let ends = self.ends_depth(point);
+        // Between the lines of both ends, the shroud alone is in the way to the solid below it.
+        ends < -distance || ends >= 0.0 && self.on_shroud(point, None).1 > distance
+    }
+
     /// Whether `point` is solid before the first cut: under the shroud and between the ends, blank or hub
     /// body. `warm` holds the arc length on the shroud of the last call as a warm start.
     pub fn is_solid(&self, point: Meridional, warm: &mut Option<f64>) -> bool {

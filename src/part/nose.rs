@@ -37,15 +37,20 @@ impl HubNose {
     /// Distance from `point` to the nose with its nearest point, if it is less than `limit` mm; negative
     /// inside.
     pub(super) fn nearer_than(&self, point: Meridional, limit: f64) -> Option<(f64, Meridional)> {
-        let dz = (self.z_range.0 - point.z).max(point.z - self.z_range.1).max(0.0);
-        let dr = (point.r - self.r_max).max(0.0);
-        if dr * dr + dz * dz >= limit * limit {
+        if self.is_beyond(point, limit) {
             return None;
         }
         let feet = self.outline.windows(2).map(|pair| point.nearest_on_segment(pair[0], pair[1]));
         let nearest = feet.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let is_inside = self.contains(point);
         (is_inside || nearest.0 < limit).then_some(if is_inside { (-nearest.0, nearest.1) } else { nearest })
+    }
+
+    /// Whether `point` is `distance` mm or more from the box around the nose.
+    pub(super) fn is_beyond(&self, point: Meridional, distance: f64) -> bool {
+        let dz = (self.z_range.0 - point.z).max(point.z - self.z_range.1).max(0.0);
+        let dr = (point.r - self.r_max).max(0.0);
+        dr * dr + dz * dz >= distance * distance
     }
 
     /// Whether `point` is in the nose: the number of pieces outside of it in r is odd.

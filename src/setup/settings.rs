@@ -175,7 +175,9 @@ impl Setup {
         let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);
         let unit = round_down(usual.max(USUAL_ALLOWANCE * diameter / LARGE_DIAMETER));
         let channel = Channel::of(part);
-        let passages = [&channel.full].into_iter().chain(&channel.beside_splitter);
+        // Beside one splitter these are the same.
+        let at_outlet = if channel.splitters.len() > 1 { channel.passages_at_outlet() } else { Vec::new() };
+        let passages = [&channel.full].into_iter().chain(&channel.beside_splitter).chain(&at_outlet);
         let widths: Vec<PassageWidth> = passages.map(|passage| PassageWidth::new(part, passage)).collect();
         let (mut width, mut height) = (f64::INFINITY, f64::INFINITY);
         for i in 0..=STATIONS {

@@ -86,8 +86,9 @@ impl RowBounds {
     pub(super) fn verdicts(&self, cutter: &FieldCutter, stock: &RowStock) -> RowVerdicts {
         let mut verdicts = RowVerdicts { reached: [0; TILE], swept: [0; TILE], untouched: [0; TILE] };
         for row in 0..TILE {
-            let [foot, normal, span] =
-                [&self.foot, &self.normal, &self.span].map(|v| [v[0][row], v[1][row], v[2][row]]);
+            // No closures over arrays in this innermost loop: not every build inlines them.
+            let (foot, normal) = (in_row(&self.foot, row), in_row(&self.normal, row));
+            let span = in_row(&self.span, row);
             let ray = Meeting::new(foot, normal, cutter);
             let reach = self.radius[row] + self.max_blank[row] * self.spread[row] + REACH_MARGIN;
             let grown = ray.raised(reach).entry(square(cutter.radius + reach));
@@ -141,6 +142,12 @@ impl RowStock {
             greatest(std::array::from_fn(|lane| heights[lane] - (middle + lane_parameter(lane) * tilt)));
         self.highest[row] = greatest(*heights);
     }
+}
+
+/// The vector of one row.
+#[inline(always)]
+fn in_row(vectors: &[LaneRow<f32>; 3], row: usize) -> [f32; 3] {
+    [vectors[0][row], vectors[1][row], vectors[2][row]]
 }
 
 /// Parameter of a lane along its row, −1…1.

@@ -78,7 +78,7 @@ pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualFiel
         .map(|(down, heights)| {
             let mut seen = Vec::new();
             for across in 0..bins.across {
-                let mut tile = Tile::load(grid, unit, down, across);
+                let mut tile = Tile::load(grid, unit, down, across, true);
                 seen.extend(bins.cutters_of(down, across).iter().map(|&k| tile.cut(&cutters[k as usize])));
                 store(&tile.height, heights, across, grid.columns);
             }
@@ -127,10 +127,12 @@ struct Tile {
     floor_cells: LaneRow<u32>,
     stock: RowStock,
     bounds: RowBounds,
+    /// Whether the cells that a cutter sweeps are counted, also where it removes nothing.
+    counts_swept: bool,
 }
 
 impl Tile {
-    fn load(grid: &FloorGrid, unit: VolumeUnit, down: usize, across: usize) -> Self {
+    fn load(grid: &FloorGrid, unit: VolumeUnit, down: usize, across: usize, counts_swept: bool) -> Self {
         let zero = [[0.0; TILE]; TILE];
         let (mut point, mut normal, mut blank, mut units) = ([zero; 3], [zero; 3], zero, zero);
         let mut floor = [[0; TILE]; TILE];
@@ -160,6 +162,7 @@ impl Tile {
             height: blank,
             floor,
             units,
+            counts_swept,
         }
     }
 
@@ -171,8 +174,9 @@ impl Tile {
             if verdicts.reached[row] == 0 {
                 continue;
             }
-            let sweeps_all = verdicts.swept[row] != 0;
-            if sweeps_all {
+            // Where swept cells are not counted, a row is as one that is counted already.
+            let sweeps_all = verdicts.swept[row] != 0 || !self.counts_swept;
+            if sweeps_all && self.counts_swept {
                 sums.swept_cells += self.floor_cells[row];
             }
             if !(sweeps_all && verdicts.untouched[row] != 0) {

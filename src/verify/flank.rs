@@ -348,7 +348,9 @@ impl<'a> FlankVerifier<'a> {
         };
         let looks: Vec<StepResult> =
             (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;
-        self.cache.extend(steps.iter().zip(&looks).map(|(step, look)| (step_key(step), look.clone())));
+        let is_new: Vec<bool> = known.iter().map(Option::is_none).collect();
+        let new = steps.iter().zip(&looks).zip(is_new).filter(|(_, is_new)| *is_new);
+        self.cache.extend(new.map(|((step, look), _)| (step_key(step), look.clone())));
         Ok(looks)
     }
 

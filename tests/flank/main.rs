@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod fixed_axis;
+mod holders;
 mod mixed;
 mod parts;
 mod plan;

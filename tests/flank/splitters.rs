@@ -13,7 +13,7 @@ use vanecut::io::flank_file::{read_flank_bytes, write_flank};
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Channel, Impeller, PartDescription};
+use vanecut::part::{Channel, Impeller, PartDescription, PassageWidth};
 use vanecut::setup::{FlankStrategy, Setup};
 
 /// Angle of all blades from the meridional direction, degrees.
@@ -74,6 +74,23 @@ fn planned(description: &PartDescription, strategy: FlankStrategy) -> FlankOutco
 static BALANCED: LazyLock<FlankOutcome> = LazyLock::new(|| planned(&wheel(&NESTED), FlankStrategy::Balanced));
 
 #[test]
+fn default_allowances_suit_the_passage_between_two_splitters() {
+    let built = |splitters: &[(f64, f64)]| Impeller::build(&wheel(splitters)).expect("an impeller");
+    let allowance = |part: &Impeller| Setup::for_part(part).allowances.blade_allowance;
+    // The second splitter is close beside the first, which begins further upstream.
+    let part = built(&[(0.5, 0.35), (0.44, 0.6)]);
+    let passages = Channel::of(&part).passages_at_outlet();
+    let narrowest = |passage| {
+        let width = PassageWidth::new(&part, passage);
+        (60..=100).map(|s| width.min_width(f64::from(s) / 100.0)).fold(f64::INFINITY, f64::min)
+    };
+    let narrowest = passages.iter().map(narrowest).fold(f64::INFINITY, f64::min);
+    let wide = allowance(&built(&[(0.5, 0.35)]));
+    assert!(0.1 * narrowest < wide, "{narrowest} mm is too wide to matter beside {wide}");
+    assert!(allowance(&part) <= 0.1 * narrowest, "{} in {narrowest} mm", allowance(&part));
+}
+
+#[test]
 fn a_region_is_divided_where_a_splitter_begins_in_it() {
     let nested = vec![
         Region::INLET,
@@ -94,7 +111,7 @@ fn a_region_is_divided_where_a_splitter_begins_in_it() {
     for (splitters, expected) in [(&NESTED[..], nested), (&SIDE_BY_SIDE[..], side_by_side)] {
         let part = Impeller::build(&wheel(splitters)).expect("an impeller");
         let layer = LayerSurface::at_height(&part, 3.0).expect("a layer");
-        let borders = LayerWalls::of(&part, &Channel::of(&part), &layer, 20.0, 0.0).expect("walls");
+        let borders = LayerWalls::of(&part, &Channel::of(&part), &layer, 20.0, 0.0, 0.03).expect("walls");
         let stretches = borders.regions(layer.from, layer.to);
         assert_eq!(stretches.iter().map(|s| s.region).collect::<Vec<_>>(), expected);
         for stretch in &stretches {

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use vanecut::error::ErrorCode;
+use vanecut::flank::LayoutInputs;
 use vanecut::flank::choice::choose_tool;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::part_file::{read_part, read_part_bytes};
@@ -145,4 +146,42 @@ fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
     assert_eq!(chosen(vec![short.clone(), thick]), 3, "the thick one, as the thin one is short");
     assert_eq!(chosen(vec![short.clone(), cutter(4, 3.0, 20.0)]), 1, "none is longer");
     assert_eq!(chosen(vec![short, cutter(5, 4.0, 60.0)]), 1, "what fills the passage does not help");
+}
+
+/// A wheel with six blades, its diameter 200 mm times `scale`.
+fn radial_wheel(scale: f64) -> Impeller {
+    let line = |points: &[[f64; 2]]| {
+        format!("{:?}", points.iter().map(|p| p.map(|x| x * scale)).collect::<Vec<_>>())
+    };
+    let span = |span: f64, angle: f64| {
+        format!(
+            "[[main.span]]\nspan = {span}\nleading_edge = 0.0\ntheta_leading_edge = 0.0\n\
+             angle = [[0.0, {angle}], [1.0, 50.0]]\nthickness = [[0.0, {0}], [1.0, {0}]]\n",
+            1.6 * scale
+        )
+    };
+    let text = format!(
+        "name = \"radial\"\nblades = 6\n[hub]\ncontrol = {}\n[shroud]\ncontrol = {}\n{}{}",
+        line(&[[32.0, 9.0], [32.0, -25.0], [50.0, -54.0], [80.0, -54.0], [100.0, -54.0]]),
+        line(&[[53.0, 16.0], [53.0, -14.0], [62.0, -38.0], [80.0, -43.5], [100.0, -45.0]]),
+        span(0.0, 45.0),
+        span(1.0, 60.0),
+    );
+    let description = read_part_bytes("radial.toml", text.as_bytes(), "toml");
+    Impeller::build(&description.expect("readable")).expect("an impeller")
+}
+
+#[test]
+fn small_wheels_are_covered_as_large_ones_are() {
+    for scale in [1.0, 0.1] {
+        let part = radial_wheel(scale);
+        let setup = Setup::for_part(&part);
+        let workpiece = setup.allowances.workpiece_of(part);
+        let tool = choose_tool(&workpiece, &setup, flank_cutters()).expect("a tool").tool;
+        let source = LayoutInputs { workpiece: &workpiece, setup: &setup, tool: &tool };
+        let layout = source.plan(&Monitor::default()).expect("passes");
+        let gap = layout.totals[FlankStrategy::Balanced as usize].coverage.largest_gap;
+        let wide = layout.wide_share(FlankStrategy::Balanced);
+        assert!(gap < 1.1 && wide < 1e-3, "D {}: {gap:.3} stepovers, {wide:.4}", 200.0 * scale);
+    }
 }

@@ -4,10 +4,11 @@
 use rayon::prelude::*;
 
 use super::fit::{AxisLine, FittedAxis};
+use super::rays::{AxisRay, RaySweep};
 use super::strip::WallStrip;
 use super::swept::MapColumn;
 use super::{MAX_STATION_TURN, MIN_WALL_TOLERANCE, WallFit, obstacles};
-use crate::geometry::{CutterSolid, Point, Vector, search};
+use crate::geometry::{CutterSolid, Point};
 use crate::part::{BladeSide, SideProbe};
 
 /// Shares of the way from the axis of the whole wall to that of the strip that are tried where another blade
@@ -25,6 +26,8 @@ const BETWEEN_TOLERANCE: f64 = 2e-5;
 const OWN_MARGIN: f64 = 1e-4;
 /// Distance of a point of a side from itself that rounding may cause, mm.
 const SAME_SIDE: f64 = 1e-6;
+/// Added to the distance from which on a ray counts no more, mm: more than rounding takes from it.
+const LIMIT_MARGIN: f64 = 1e-9;
 
 impl WallFit<'_> {
     /// Moves the axes of the strip of `layer` towards those of the whole wall `beside` them where another
@@ -87,24 +90,32 @@ impl WallFit<'_> {
             near.map_or(0.0, |near| wanted - near.distance)
         };
         let mut shifted = vec![0.0; lines.len()];
+        // Lacking at the stations and on the way to the next; measured anew where an axis was shifted.
+        let mut ends = vec![0.0; lines.len()];
+        let mut between = vec![0.0; lines.len().saturating_sub(1)];
+        let mut is_new = vec![true; lines.len()];
         for _ in 0..OWN_SHIFTS {
-            let ends: Vec<f64> = lines.par_iter().map(|line| lacking(line, wanted)).collect();
-            let on_the_way = |pair: &[AxisLine]| {
-                let at = |share: f64| lacking(&pair[0].towards(&pair[1], share), wanted - BETWEEN_TOLERANCE);
-                BETWEEN.into_iter().map(at).fold(0.0, f64::max)
-            };
-            let between: Vec<f64> = lines.par_windows(2).map(on_the_way).collect();
-            let mut any = false;
+            let here = &*lines;
+            ends.par_iter_mut().enumerate().filter(|(k, _)| is_new[*k]).for_each(|(k, lacks)| {
+                *lacks = lacking(&here[k], wanted);
+            });
+            let moved = |(k, _): &(usize, &mut f64)| is_new[*k] || is_new[*k + 1];
+            between.par_iter_mut().enumerate().filter(moved).for_each(|(k, lacks)| {
+                let at =
+                    |share: f64| lacking(&here[k].towards(&here[k + 1], share), wanted - BETWEEN_TOLERANCE);
+                *lacks = BETWEEN.into_iter().map(at).fold(0.0, f64::max);
+            });
+            is_new.fill(false);
             for (k, line) in lines.iter_mut().enumerate() {
                 let around = [k.checked_sub(1), Some(k)].into_iter().flatten().filter_map(|k| between.get(k));
                 let out = around.fold(ends[k], |out, &lacking| f64::max(out, lacking));
                 if out > 0.0 && shifted[k] + out <= MAX_OWN_SHIFT * self.face.reach {
                     line.shift(&self.face, self.places[k], out + OWN_MARGIN);
                     shifted[k] += out + OWN_MARGIN;
-                    any = true;
+                    is_new[k] = true;
                 }
             }
-            if !any {
+            if !is_new.contains(&true) {
                 break;
             }
         }
@@ -145,7 +156,8 @@ impl WallFit<'_> {
         let all = lines.iter().enumerate().map(with_rays);
         let all: Vec<_> = all.map(|(layer, rays)| (layer, RaySweep::new(rays, &points))).collect();
         for below in [false, true] {
-            for (layer, rays) in &all {
+            // From above: a point is nearest to the axes of its own strip; those further down hardly matter then.
+            for (layer, rays) in all.iter().rev() {
                 let strip = &self.strips[*layer];
                 if !below && !self.has_rays(strip) {
                     continue;
@@ -157,102 +169,13 @@ impl WallFit<'_> {
                         if below == formed || below && !deviation.is_finite() {
                             continue;
                         }
-                        let left = rays.distance(column.station, point) - self.face.reach;
+                        let limit = *deviation + self.face.reach + LIMIT_MARGIN;
+                        let left = rays.distance_below(limit, column.station, point) - self.face.reach;
                         *deviation = deviation.min(left);
                     }
                 });
             }
         }
-    }
-}
-
-/// A tool axis from the centre of the round end on.
-#[derive(Clone, Copy)]
-struct AxisRay {
-    /// Point of the axis near the hub, unit direction, and position of the centre along it from there, mm.
-    low: Point,
-    axis: Vector,
-    from: f64,
-}
-
-impl AxisRay {
-    fn distance(&self, point: &Point) -> f64 {
-        let d = point - self.low;
-        (d - self.axis * d.dot(&self.axis).max(self.from)).norm()
-    }
-
-    /// The ray to which a controller interpolates between this one and `next`.
-    fn towards(&self, next: &Self, share: f64) -> Self {
-        Self {
-            low: self.low + (next.low - self.low) * share,
-            axis: (self.axis + (next.axis - self.axis) * share).normalize(),
-            from: self.from + (next.from - self.from) * share,
-        }
-    }
-}
-
-/// The sweep of an axis from ray to ray.
-struct RaySweep {
-    /// By station; `None` where the cutter misses the layer.
-    rays: Vec<Option<AxisRay>>,
-    /// By station, the most by which the rays from the first on may have come nearer to a point of the wall,
-    /// mm; beside a missing ray [`MISSING`].
-    travel: Vec<f64>,
-}
-
-/// Travel from or to a missing ray, mm: more than any distance on a part.
-const MISSING: f64 = 1e6;
-
-impl RaySweep {
-    /// The sweep of `rays` along a wall with these `points`.
-    fn new(rays: Vec<Option<AxisRay>>, points: &[Point]) -> Self {
-        let centre = points.first().copied().unwrap_or_else(Point::origin);
-        let radius = points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
-        let mut travel = vec![0.0; rays.len()];
-        for k in 1..rays.len() {
-            let step = match (&rays[k - 1], &rays[k]) {
-                // The point of the next ray that is nearest to a point of the wall is at most that far along
-                // it.
-                (Some(a), Some(b)) => {
-                    let along = b.from.max((b.low - centre).norm() + radius);
-                    (b.low - a.low).norm() + (b.axis - a.axis).norm() * along + (b.from - a.from).abs()
-                }
-                _ => MISSING,
-            };
-            travel[k] = travel[k - 1] + step;
-        }
-        Self { rays, travel }
-    }
-
-    /// Distance of a point at station `from`, mm; infinite where there is no ray.
-    fn distance(&self, from: usize, point: &Point) -> f64 {
-        let rays = &self.rays;
-        let at = |k: usize| rays[k].map_or(f64::INFINITY, |ray| ray.distance(point));
-        // Inclined axes have several that are locally nearest. Those that cannot have come near enough yet
-        // are passed over.
-        let (mut near, mut distance) = (from, at(from));
-        let mut k = 0;
-        while k < rays.len() {
-            let here = at(k);
-            if here < distance {
-                (near, distance) = (k, here);
-            }
-            let reached = self.travel[k] + if here.is_finite() { here - distance } else { 0.0 };
-            k += 1;
-            while k < rays.len() && self.travel[k] < reached {
-                k += 1;
-            }
-        }
-        if distance.is_infinite() {
-            return distance;
-        }
-        let segment = |k: usize| {
-            let (a, b) = (rays[k]?, (*rays.get(k + 1)?)?);
-            Some(search::minimum(|share: f64| a.towards(&b, share).distance(point), 0.0, 1.0, 1e-3).1)
-        };
-        let around = |k: usize| [k.checked_sub(1), Some(k)].into_iter().flatten();
-        let own = (from != near).then(|| around(from)).into_iter().flatten();
-        around(near).chain(own).filter_map(segment).fold(distance, f64::min)
     }
 }
 

@@ -4,6 +4,7 @@
 use rayon::prelude::*;
 
 use super::fit::{AxisLine, OffsetSide};
+use super::rays::bend_of_distance;
 use super::{CORRECTIONS, DISTANCE_TOLERANCE};
 use crate::geometry::{Point, Vector, search};
 
@@ -138,6 +139,18 @@ pub(super) fn deviations(
         .collect()
 }
 
+/// Lower bound on [0, 1] of a function with these (value, slope) at both ends, whose second derivative is
+/// nowhere less than −`bend`.
+pub(super) fn lower_bound_between([(start, rate), (end, end_rate)]: [(f64, f64); 2], bend: f64) -> f64 {
+    // Less the parabola ½ · bend · x · (1 − x), which is 0 at both ends, it is convex: above its tangents.
+    let (falling, rising) = (rate - 0.5 * bend, end_rate + 0.5 * bend);
+    if falling >= 0.0 || rising <= 0.0 {
+        return if falling >= 0.0 { start } else { end };
+    }
+    let meet = ((end - rising - start) / (falling - rising)).clamp(0.0, 1.0);
+    if meet.is_nan() { f64::NEG_INFINITY } else { start + falling * meet }
+}
+
 /// On a bowed wall every n-th axis is a seed of the search for the nearest.
 const SEED_STEP: usize = 8;
 
@@ -177,10 +190,27 @@ fn nearest(lines: &[AxisLine], axes: &[Vector], from: usize, point: &Point, is_b
         };
         search::minimum(along, 0.0, 1.0, SHARE_TOLERANCE).1.sqrt()
     };
+    // No less than the distance in a segment, without a search.
+    let bound = |i: usize| {
+        let (low, turn) = (lines[i + 1].low - lines[i].low, axes[i + 1] - axes[i]);
+        let end = |k: usize| {
+            let (axis, d) = (&axes[k], point - lines[k].low);
+            let height = d.dot(axis);
+            let away = d - axis * height;
+            let distance = away.norm();
+            (distance, -away.dot(&(low + turn * height)) / distance.max(1e-12))
+        };
+        let travel = low.norm();
+        let far = (point - lines[i].low).norm() + travel;
+        lower_bound_between([end(i), end(i + 1)], bend_of_distance(travel, turn.norm(), far))
+    };
     let around = |i: usize| [i.checked_sub(1), Some(i).filter(|&i| i < last)].into_iter().flatten();
     let own = (is_bowed && from != here.0).then(|| around(from)).into_iter().flatten();
     let mut least = (here.1, here.0.min(last - 1));
     for i in around(here.0).chain(own) {
+        if bound(i) >= least.0 {
+            continue;
+        }
         let distance = within(i);
         if distance < least.0 {
             least = (distance, i);

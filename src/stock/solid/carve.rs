@@ -86,11 +86,13 @@ pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], re
     let found: Vec<Vec<Contact>> = tasks
         .into_par_iter()
         .map_init(
-            || vec![Vec::new(); TILE * TILE],
-            |rays, (direction, u, v, tile, bin)| {
+            || (vec![Vec::new(); TILE * TILE], vec![NO_STOCK; TILE * TILE]),
+            |(rays, ends), (direction, u, v, tile, bin)| {
                 tile.load(rays);
+                rays.iter().zip(ends.iter_mut()).for_each(|(spans, ends)| *ends = ends_of(spans));
+                let (found, changes) = (Vec::new(), 0);
                 let mut carver =
-                    TileCarver { lattice, direction, u, v, rays, found: Vec::new(), resolved, changes: 0 };
+                    TileCarver { lattice, direction, u, v, rays, ends, found, resolved, changes };
                 let (mut range, mut changed) = (tile.range(), false);
                 for &index in bin {
                     changed |= carver.apply(&pieces[index as usize], &mut range);
@@ -122,6 +124,17 @@ pub fn deepest(mut found: Vec<Contact>) -> Vec<Contact> {
     found
 }
 
+/// Ends of the stock of a ray that has none.
+const NO_STOCK: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// Where the stock of a ray begins and ends.
+fn ends_of(spans: &[Span]) -> (f64, f64) {
+    match (spans.first(), spans.last()) {
+        (Some(head), Some(tail)) => (head.from, tail.to),
+        _ => NO_STOCK,
+    }
+}
+
 /// The rays of a tile while pieces are applied to them.
 struct TileCarver<'a> {
     lattice: &'a Lattice,
@@ -130,6 +143,8 @@ struct TileCarver<'a> {
     u: usize,
     v: usize,
     rays: &'a mut [Vec<Span>],
+    /// Of each ray where its stock begins and ends; [`NO_STOCK`] where it has none.
+    ends: &'a mut [(f64, f64)],
     found: Vec<Contact>,
     resolved: f64,
     /// Number of pieces that removed stock.
@@ -150,14 +165,19 @@ impl TileCarver<'_> {
         let extent = on_rays.extent();
         let mut changed = false;
         for i in 0..TILE {
-            let row: [f64; 3] = std::array::from_fn(|k| first[k] + i as f64 * steps.0[k]);
+            let row = moved(&first, i, &steps.0);
             for j in reach.rays(&row, &steps.1, TILE) {
-                let spans = &mut self.rays[i * TILE + j];
-                let (Some(head), Some(tail)) = (spans.first(), spans.last()) else { continue };
-                let origin: [f64; 3] = std::array::from_fn(|k| row[k] + j as f64 * steps.1[k]);
-                let (from, to) = (head.from, tail.to);
+                let (from, to) = self.ends[i * TILE + j];
+                if from > to {
+                    continue;
+                }
+                let origin = moved(&row, j, &steps.1);
                 // Most rays are clear already where the cutter comes along.
                 let (least, most) = extent.on_ray(&origin);
+                if from > most || to < least {
+                    continue;
+                }
+                let spans = &mut self.rays[i * TILE + j];
                 if spans.iter().all(|span| span.from > most || span.to < least) {
                     continue;
                 }
@@ -176,6 +196,7 @@ impl TileCarver<'_> {
                             // The stock lies on the other side of the cutter's surface.
                             SpanEnd::new(&-on_rays.normal(&origin, t, share), piece.number)
                         });
+                        self.ends[i * TILE + j] = ends_of(spans);
                     }
                     Action::Check(part) => {
                         for span in spans.iter() {
@@ -200,16 +221,18 @@ impl TileCarver<'_> {
         }
         self.changes += u32::from(changed);
         if changed && self.changes.is_multiple_of(REFRESH) {
-            *range = self
-                .rays
-                .iter()
-                .filter_map(|spans| Some((spans.first()?.from, spans.last()?.to)))
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (from, to)| {
-                    (low.min(from), high.max(to))
-                });
+            *range =
+                self.ends.iter().fold(NO_STOCK, |(low, high), &(from, to)| (low.min(from), high.max(to)));
         }
         changed
     }
+}
+
+/// `point` moved by `count` steps.
+#[inline(always)]
+fn moved(point: &[f64; 3], count: usize, step: &[f64; 3]) -> [f64; 3] {
+    let count = count as f64;
+    [point[0] + count * step[0], point[1] + count * step[1], point[2] + count * step[2]]
 }
 
 /// Records stock between two points of a ray in a part of a tool.

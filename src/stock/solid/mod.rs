@@ -53,8 +53,8 @@ const TURN_TOLERANCE: f64 = 0.06;
 const RUN_TOLERANCE: f64 = 0.04;
 /// Depth of contact that the model resolves, in spacings: less is not reported.
 const RESOLVED: f64 = 0.5;
-/// Pieces applied between two checks of the monitor.
-const CHUNK: usize = 1 << 14;
+/// Pieces applied between two checks of the monitor, and at least between two states that are kept.
+const CHUNK: usize = 1 << 12;
 /// Spans that fit the memory allowed.
 const MAX_SPANS: usize = lattice::MAX_BYTES as usize / (2 * size_of::<Span>());
 

@@ -88,8 +88,7 @@ impl Reach {
     pub fn rays(&self, origin: &[f64; 3], step: &[f64; 3], count: usize) -> std::ops::Range<usize> {
         let (mut first, mut last) = (0.0f64, count as f64 - 1.0);
         for (unit, least, most) in &self.bounds {
-            let dot = |v: &[f64; 3]| unit[0] * v[0] + unit[1] * v[1] + unit[2] * v[2];
-            let (at, rate) = (dot(origin), dot(step));
+            let (at, rate) = (dot(unit, origin), dot(unit, step));
             if rate.abs() > TINY {
                 let (p, q) = ((least - at) / rate, (most - at) / rate);
                 first = first.max(p.min(q));
@@ -100,6 +99,11 @@ impl Reach {
         }
         if first > last { 0..0 } else { first.ceil() as usize..(last.floor() + 1.0) as usize }
     }
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// Bounds of what a piece can sweep of a ray: the cylinder around it, cut off at the planes of its ends.
@@ -136,8 +140,8 @@ impl Extent {
             (low, high) = ((back - half - at) / self.across, (front + half - at) / self.across);
         }
         if self.rise.abs() > TINY {
-            let ends = [self.heights.0, self.heights.1].map(|height| (height - origin[2]) / self.rise);
-            (low, high) = (low.max(ends[0].min(ends[1])), high.min(ends[0].max(ends[1])));
+            let (p, q) = ((self.heights.0 - origin[2]) / self.rise, (self.heights.1 - origin[2]) / self.rise);
+            (low, high) = (low.max(p.min(q)), high.min(p.max(q)));
         }
         (low, high)
     }

@@ -3,7 +3,7 @@
 use super::gouge::{StepClearance, StepSurroundings};
 use super::steps::CutterStep;
 use crate::cutting::assembly::AssemblyClearance;
-use crate::cutting::retract::bottom_clearance;
+use crate::cutting::retract::{bottom_clearance, bottom_is_inside};
 use crate::part::Blank;
 
 /// Result of a step.
@@ -44,7 +44,7 @@ pub(super) fn examine_step(
         let tool = &around.tools[step.tool];
         let within = |share: &f64| {
             let (tip, axis) = step.at(*share);
-            bottom_clearance(&tool.holder(tip, axis), blank) < 0.0
+            bottom_is_inside(&tool.holder(tip, axis), blank)
         };
         // The holder is far above the cut: its middle and end represent the whole step.
         look.holder_inside = [0.5, 1.0].into_iter().filter(within).collect();
