@@ -204,8 +204,7 @@ impl App {
         }
     }
 
-    /// From now on the 3D views are only drawn by [`Self::draw_waiting_pictures`], for windows that are seldom
-    /// looked at; used by tests.
+    /// From now on only [`Self::draw_waiting_pictures`] draws the 3D views; used by tests.
     pub fn wait_to_draw_pictures(&mut self) {
         if let Some(pictures) = &mut self.pictures {
             pictures.wait_to_draw();
