@@ -204,6 +204,20 @@ impl App {
         }
     }
 
+    /// From now on only [`Self::draw_waiting_pictures`] draws the 3D views; used by tests.
+    pub fn wait_to_draw_pictures(&mut self) {
+        if let Some(pictures) = &mut self.pictures {
+            pictures.wait_to_draw();
+        }
+    }
+
+    /// Draws the 3D views of the last frame.
+    pub fn draw_waiting_pictures(&mut self) {
+        if let Some(pictures) = &mut self.pictures {
+            pictures.draw_waiting();
+        }
+    }
+
     /// The solid stock that a side shows; `None` while the layer is hidden or nothing is computed yet.
     pub fn solid(&self, side: Side) -> Option<&SolidPicture> {
         self.solids[side].shown().map(|picture| &**picture)

@@ -109,6 +109,11 @@ pub struct Renderer {
     generation: u64,
 }
 
+/// A size that the device can draw.
+fn clamped(gpu: &Gpu, size: UVec2) -> UVec2 {
+    size.clamp(UVec2::ONE, UVec2::splat(gpu.device.limits().max_texture_dimension_2d))
+}
+
 /// Whether a layer is drawn opaque.
 fn is_opaque(layer: DrawGroup, options: &SceneOptions) -> bool {
     match layer {
@@ -277,8 +282,7 @@ impl Renderer {
         size: UVec2,
         samples: u32,
     ) {
-        let most = gpu.device.limits().max_texture_dimension_2d;
-        let size = size.clamp(UVec2::ONE, UVec2::splat(most));
+        let size = clamped(gpu, size);
         let samples = if samples >= 4 { 4 } else { 1 };
         self.ensure_target(gpu, size, samples);
         let set = usize::from(samples == 4);
@@ -516,6 +520,11 @@ impl Renderer {
         self.cutters.write(gpu, &instances);
         self.cutter_caps.write(gpu, &caps);
         self.cutter_lines.write(gpu, &lines);
+    }
+
+    /// Creates the texture of a picture of `size` pixels that is drawn later.
+    pub fn reserve(&mut self, gpu: &Gpu, size: UVec2) {
+        self.ensure_target(gpu, clamped(gpu, size), 1);
     }
 
     fn ensure_target(&mut self, gpu: &Gpu, size: UVec2, samples: u32) {

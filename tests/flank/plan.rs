@@ -97,7 +97,7 @@ fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
         let inside: Vec<LayerPoint> =
             offset.into_iter().filter(|p| (layer.from + 8.0..layer.to - 8.0).contains(&p.x)).collect();
         assert!(inside.len() > 10);
-        for p in inside.iter().step_by(inside.len() / 4) {
+        for p in inside.iter().step_by(inside.len() / 2) {
             // The nearest points of a dense sampling of the wall: candidates by straight distance, then every
             // fifth of them by path.
             let dense =

@@ -359,16 +359,18 @@ fn programs_after_others_are_judged_as_by_themselves() {
     let mut made = made(3);
     // The holder of a short cutter meets stock.
     made.tool.overhang = 25.0;
-    let passes: Vec<&Vec<Place>> = made.walls.iter().chain(&made.inner).collect();
-    let length = passes[0].len() + 2;
-    let program =
-        |count: usize, change: &dyn Fn(&mut Vec<Move>)| made.program(passes[..count].iter().copied(), change);
+    // The middle of each pass: walls first, then what lies between them.
+    let middle = |pass: &Vec<Place>| pass[pass.len() / 3..2 * pass.len() / 3].to_vec();
+    let passes: Vec<Vec<Place>> = made.walls.iter().chain(&made.inner).map(middle).collect();
+    // The first move of the pass between the walls that comes last in the first program, and of the one after it.
+    let starts = [2, 3].map(|count: usize| passes[..count].iter().map(|pass| pass.len() + 2).sum::<usize>());
+    let program = |count: usize, change: &dyn Fn(&mut Vec<Move>)| made.program(&passes[..count], change);
     let programs = [
         program(3, &|_| {}),
         // Goes on where the first one ends.
-        program(5, &|_| {}),
-        program(5, &|moves| drop(moves.drain(3 * length + 60..3 * length + 90))),
-        program(5, &|moves| moves[length + 100].motion = Motion::Rapid),
+        program(4, &|_| {}),
+        program(4, &|moves| drop(moves.drain(starts[1] + 20..starts[1] + 30))),
+        program(4, &|moves| moves[starts[0] + 30].motion = Motion::Rapid),
     ];
     let mut verifier = FlankVerifier::new(&made.workpiece, &made.setup);
     for program in &programs {

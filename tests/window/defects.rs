@@ -9,18 +9,8 @@ use vanecut::job::{Listener, PlanRequest};
 use vanecut::monitor::Monitor;
 
 use crate::fake;
-use crate::harness::{Window, settle, window, with_sample};
+use crate::harness::{Window, pixels_in, settle, window, with_sample};
 use crate::roles::{open_with_roles, wheel};
-
-/// The pixels of a part of the window, RGBA.
-fn pixels_in(window: &mut Window, rect: egui::Rect) -> Vec<[u8; 4]> {
-    let picture = window.render().expect("the window can be drawn");
-    let (width, bytes) = (picture.width() as usize, picture.as_raw());
-    let (rows, columns) =
-        (rect.top() as usize..rect.bottom() as usize, rect.left() as usize..rect.right() as usize);
-    let pixel = |i: usize, j: usize| std::array::from_fn(|k| bytes[4 * (i * width + j) + k]);
-    rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| pixel(i, j)).collect()
-}
 
 /// Number of pixels of a label that have the ink of a condition.
 fn inked(window: &mut Window, label: &str, condition: Condition) -> usize {

@@ -10,20 +10,23 @@ use vanecut::app::tasks::engine::Engine;
 /// A window of 900 × 600 points.
 pub type Window = Harness<'static, App>;
 
-/// Opens a window over `engine`.
+/// Opens a window over `engine`. Its 3D views are drawn for snapshots and by [`pixels_in`] only: on the software
+/// driver they would take most of the time.
 pub fn window(engine: Engine) -> Window {
     scaled(engine, 1.0)
 }
 
 /// The same on a screen with `scale` pixels per point.
 pub fn scaled(engine: Engine, scale: f32) -> Window {
-    Harness::builder()
+    let mut window: Window = Harness::builder()
         .with_size([900.0, 600.0])
         .with_pixels_per_point(scale)
         .with_theme(egui::Theme::Dark)
         .with_render_cursor(false)
         .wgpu_setup(vulkan())
-        .build_eframe(|cc| App::with_engine(cc, engine))
+        .build_eframe(|cc| App::with_engine(cc, engine));
+    window.state_mut().wait_to_draw_pictures();
+    window
 }
 
 /// The test harness's own setup without the fallback to OpenGL, which draws different pixels.
@@ -91,7 +94,19 @@ pub fn snapshot_view(window: &mut Window, name: &str) {
 
 fn snapshot(window: &mut Window, name: &str, (threshold, pixels): (f32, usize)) {
     let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
+    window.state_mut().draw_waiting_pictures();
     window.snapshot_options(name, &options);
+}
+
+/// The pixels of a part of the window, RGBA, row by row.
+pub fn pixels_in(window: &mut Window, rect: egui::Rect) -> Vec<[u8; 4]> {
+    window.state_mut().draw_waiting_pictures();
+    let picture = window.render().expect("the window can be drawn");
+    let (width, bytes) = (picture.width() as usize, picture.as_raw());
+    let rows = rect.top() as usize..rect.bottom() as usize;
+    let columns = rect.left() as usize..rect.right() as usize;
+    let pixel = |i: usize, j: usize| std::array::from_fn(|k| bytes[4 * (i * width + j) + k]);
+    rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| pixel(i, j)).collect()
 }
 
 /// Clicks the left button at a point of the window.

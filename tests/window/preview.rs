@@ -8,7 +8,7 @@ use vanecut::job::{JobError, Listener, PlanRequest};
 use vanecut::monitor::Monitor;
 
 use crate::fake;
-use crate::harness::{Window, settle, with_sample};
+use crate::harness::{Window, pixels_in, settle, with_sample};
 
 /// The fake planner, whose fields have no stock anywhere; its plunges are as ever.
 fn without_heights() -> Engine {
@@ -41,12 +41,7 @@ fn floor_of(engine: Engine, source: PreviewSource) -> Window {
 fn pixels(window: &mut Window) -> Vec<[u8; 4]> {
     settle(window);
     let rect = window.get_by_label("3D view").rect().shrink(70.0);
-    let picture = window.render().expect("the window can be drawn");
-    let (width, bytes) = (picture.width() as usize, picture.as_raw());
-    let rows = rect.top() as usize..rect.bottom() as usize;
-    let columns = rect.left() as usize..rect.right() as usize;
-    let pixel = |i: usize, j: usize| std::array::from_fn(|k| bytes[4 * (i * width + j) + k]);
-    rows.flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| pixel(i, j)).collect()
+    pixels_in(window, rect)
 }
 
 /// Number of pixels that differ visibly.

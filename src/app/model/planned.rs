@@ -58,6 +58,11 @@ impl<T> PerSide<T> {
     pub fn iter(&self) -> impl Iterator<Item = &T> {
         [&self.before, &self.after].into_iter()
     }
+
+    /// The same, to change them.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        [&mut self.before, &mut self.after].into_iter()
+    }
 }
 
 impl<T> Index<Side> for PerSide<T> {

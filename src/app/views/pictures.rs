@@ -35,6 +35,8 @@ pub struct Pictures {
     mesh: Option<PartMeshes>,
     sides: PerSide<Option<SidePicture>>,
     source: PreviewSource,
+    /// Whether pictures are only drawn by [`Self::draw_waiting`].
+    wait: bool,
     /// The kernel, compiled when the first part is shown; `None` inside if the device rejected it.
     kernel: OnceCell<Option<Arc<ResidualKernel>>>,
 }
@@ -51,6 +53,7 @@ impl Pictures {
             mesh: None,
             sides: PerSide::default(),
             source,
+            wait: false,
             kernel: OnceCell::new(),
         }
     }
@@ -77,6 +80,22 @@ impl Pictures {
     pub fn set_preview_source(&mut self, source: PreviewSource) {
         self.source = source;
         self.sides = PerSide::default();
+    }
+
+    /// From now on pictures are only drawn by [`Self::draw_waiting`]: those of a window that is seldom looked
+    /// at.
+    pub fn wait_to_draw(&mut self) {
+        self.wait = true;
+        for picture in self.sides.iter_mut().flatten() {
+            picture.wait();
+        }
+    }
+
+    /// Draws the pictures that wait.
+    pub fn draw_waiting(&mut self) {
+        for picture in self.sides.iter_mut().flatten() {
+            picture.draw_waiting();
+        }
     }
 
     /// The kernel, if it is to draw.
@@ -116,7 +135,11 @@ impl Pictures {
     pub fn side(&mut self, side: Side) -> Option<&mut SidePicture> {
         if self.sides[side].is_none() {
             let mesh = self.mesh.as_ref()?;
-            self.sides[side] = Some(SidePicture::new(&self.egui, &self.gpu, mesh, self.kernel()));
+            let mut picture = SidePicture::new(&self.egui, &self.gpu, mesh, self.kernel());
+            if self.wait {
+                picture.wait();
+            }
+            self.sides[side] = Some(picture);
         }
         self.sides[side].as_mut()
     }

@@ -45,6 +45,15 @@ struct Drawn {
     generation: u64,
 }
 
+/// A picture that is drawn when it is looked at.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    camera: Camera,
+    options: SceneOptions,
+    size: [u32; 2],
+    moving: bool,
+}
+
 /// A picture of one side.
 pub struct SidePicture {
     egui: RenderState,
@@ -68,6 +77,9 @@ pub struct SidePicture {
     /// Texture id in egui, and the generation of the renderer's texture it refers to.
     texture: Option<(TextureId, u64)>,
     drawn: Option<Drawn>,
+    /// Whether pictures wait for [`Self::draw_waiting`], and the one that does.
+    waits: bool,
+    waiting: Option<Waiting>,
     generation: u64,
 }
 
@@ -94,7 +106,21 @@ impl SidePicture {
             stock_floor: kernel.map(StockFloor::new),
             texture: None,
             drawn: None,
+            waits: false,
+            waiting: None,
             generation: 0,
+        }
+    }
+
+    /// From now on a picture is only drawn by [`Self::draw_waiting`].
+    pub(super) fn wait(&mut self) {
+        self.waits = true;
+    }
+
+    /// Draws the picture that waits, if one does.
+    pub(super) fn draw_waiting(&mut self) {
+        if let Some(Waiting { camera, options, size, moving }) = self.waiting.take() {
+            self.draw(camera, options, size, moving);
         }
     }
 
@@ -150,6 +176,24 @@ impl SidePicture {
         size: [u32; 2],
         moving: bool,
     ) -> Option<TextureId> {
+        if !self.waits {
+            return self.draw(camera, options, size, moving);
+        }
+        self.waiting = Some(Waiting { camera, options, size, moving });
+        if self.texture.is_none() {
+            self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu)).reserve(&self.gpu, size.into());
+            self.register_texture(wgpu::FilterMode::Nearest);
+        }
+        self.texture.map(|(id, _)| id)
+    }
+
+    fn draw(
+        &mut self,
+        camera: Camera,
+        options: SceneOptions,
+        size: [u32; 2],
+        moving: bool,
+    ) -> Option<TextureId> {
         let samples = if moving { 1 } else { 4 };
         let options = SceneOptions { draft: moving, ..options };
         let whole = size;
@@ -164,8 +208,14 @@ impl SidePicture {
         let renderer = self.renderer.get_or_insert_with(|| Renderer::new(&self.gpu));
         renderer.render(&self.gpu, &self.scene, &camera, &options, size.into(), samples);
         self.drawn = Some(look);
-        let view = renderer.view()?;
-        let filter = if coarse { wgpu::FilterMode::Linear } else { wgpu::FilterMode::Nearest };
+        self.register_texture(if coarse { wgpu::FilterMode::Linear } else { wgpu::FilterMode::Nearest });
+        self.texture.map(|(id, _)| id)
+    }
+
+    /// Tells egui of the texture of the renderer, unless it knows it.
+    fn register_texture(&mut self, filter: wgpu::FilterMode) {
+        let Some(renderer) = &self.renderer else { return };
+        let Some(view) = renderer.view() else { return };
         let device = &self.egui.device;
         let mut egui = self.egui.renderer.write();
         let id = match self.texture {
@@ -177,12 +227,11 @@ impl SidePicture {
             None => egui.register_native_texture(device, view, filter),
         };
         self.texture = Some((id, renderer.generation()));
-        self.texture.map(|(id, _)| id)
     }
 
-    /// Whether anything was drawn yet.
+    /// Whether anything was drawn yet, or waits to be.
     pub fn has_drawn(&self) -> bool {
-        self.drawn.is_some()
+        self.drawn.is_some() || self.waiting.is_some()
     }
 
     /// Whether the stock that is drawn is computed on the device.
