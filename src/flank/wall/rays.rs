@@ -4,7 +4,7 @@ use super::swept::lower_bound_between;
 use crate::geometry::{Point, Vector, search};
 
 /// A tool axis from the centre of the round end on.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct AxisRay {
     /// Point of the axis near the hub, unit direction, and position of the centre along it from there, mm.
     pub(super) low: Point,
