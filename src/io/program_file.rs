@@ -7,6 +7,7 @@ use super::apt::read_apt_bytes;
 use super::machine_file::read_machine;
 use super::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
 use super::tool_library::{flank_cutters, plunge_cutters};
+use crate::error::ErrorCode;
 use crate::machine::{MachineTool, PlacedPart};
 use crate::part::Impeller;
 use crate::setup::{Setup, Tool};
@@ -57,13 +58,13 @@ pub fn read_program_bytes(
     setup: &Setup,
 ) -> Result<ProgramReading, InputError> {
     let Some(target) = target.filter(|_| !is_apt(bytes)) else {
-        let program = read_apt_bytes(name, bytes).map_err(|error| match is_apt(bytes) {
-            true => error,
+        let program = read_apt_bytes(name, bytes).map_err(|error| match error.code {
             // Without a word of APT it may be NC code, which says nothing without its machine.
-            false => InputError {
+            ErrorCode::NothingMoves | ErrorCode::AptStatement if !is_apt(bytes) => InputError {
                 help: "give an APT program, or NC code with the --machine it is posted for".to_owned(),
                 ..error
             },
+            _ => error,
         })?;
         return Ok(ProgramReading { program, overruns: Vec::new(), on_machine: None });
     };
