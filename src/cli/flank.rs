@@ -12,8 +12,8 @@ use super::verify::flank::walls_text;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
 use crate::error::ErrorCode;
-use crate::flank::FlankPlan;
 use crate::flank::curves::WIDEST_GAP;
+use crate::flank::{FlankPlan, UncutLength};
 use crate::io::apt::write_apt;
 use crate::io::flank_file::write_flank;
 use crate::io::setup_file::parse_flank_strategy;
@@ -317,9 +317,44 @@ fn text(outcome: &FlankOutcome) -> String {
     for height in &curves.empty {
         text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");
     }
-    for left in &plan.uncut {
-        text +=
-            &format!("left out: {:.1} mm of passes of layer {}, {}\n", left.length, left.layer + 1, left.why);
+    text + &left_out_text(&plan.uncut)
+}
+
+/// Passes that were left out, by layer and reason, a line each.
+fn left_out_text(uncut: &[UncutLength]) -> String {
+    let mut sums: Vec<(usize, &str, f64)> = Vec::new();
+    for left in uncut {
+        match sums.iter_mut().find(|(layer, why, _)| (*layer, *why) == (left.layer, left.why)) {
+            Some((.., length)) => *length += left.length,
+            None => sums.push((left.layer, left.why, left.length)),
+        }
     }
-    text
+    let line = |(layer, why, length): (usize, &str, f64)| {
+        let length = if length < 0.1 { "less than 0.1".to_owned() } else { format!("{length:.1}") };
+        format!("left out: {length} mm of passes of layer {}, {why}\n", layer + 1)
+    };
+    sums.into_iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flank::region::Region;
+
+    #[test]
+    fn passes_left_out_are_summed_by_layer_and_reason() {
+        let left = |layer, length, why| UncutLength { layer, region: Region::INLET, length, why };
+        let uncut = [
+            left(1, 0.04, "a blade is too near"),
+            left(0, 3.0, "a blade is too near"),
+            left(1, 1.2, "a blade is too near"),
+            left(1, 0.02, "too short"),
+        ];
+        assert_eq!(
+            left_out_text(&uncut),
+            "left out: 1.2 mm of passes of layer 2, a blade is too near\n\
+             left out: 3.0 mm of passes of layer 1, a blade is too near\n\
+             left out: less than 0.1 mm of passes of layer 2, too short\n"
+        );
+    }
 }
