@@ -1,4 +1,5 @@
-//! Machine coordinates of poses: `cargo run --example joints -- MACHINE.toml LENGTH < poses`, with poses as lines of
+//! Machine coordinates of poses: `cargo run --example joints -- MACHINE.toml LENGTH < poses`, with poses as
+//! lines of
 //! `x y z first second` (tip in program coordinates, mm; positions of both rotary axes, degrees) for a tool of
 //! LENGTH mm. Prints X Y Z of the spindle nose, mm.
 
@@ -25,7 +26,7 @@ fn run() -> Result<(), String> {
         return Err("usage: joints MACHINE LENGTH < poses".to_owned());
     };
     let machine = read_machine(Path::new(file)).map_err(|error| error.to_string())?;
-    let length: f64 = length.parse().map_err(|_| format!("{length} is no length"))?;
+    let length: f64 = length.parse().map_err(|_| format!("`{length}` is not a length"))?;
     for line in std::io::stdin().lock().lines() {
         let line = line.map_err(|error| error.to_string())?;
         let numbers: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();

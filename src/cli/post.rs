@@ -152,8 +152,7 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         program,
         inlet_up,
         blank: Some(BlankSize::of(&part, &setup.allowances)),
-        // A program of several channels is not turned on from channel to channel.
-        calls: ChannelCalls::Channels(if channels > 1 { 1 } else { part.blade_count }),
+        calls: ChannelCalls::of(channels, part.blade_count),
         name,
         has_lines: false,
     })

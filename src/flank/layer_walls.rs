@@ -282,6 +282,13 @@ fn extension_steps(layer: &LayerSurface, length: f64, sag: f64) -> f64 {
     (length / step.clamp(least, most)).ceil().max(1.0)
 }
 
+/// The geodesic of `length` mm that leaves `from` at `heading` (rad), in steps of an extension, without
+/// `from`.
+fn extension(layer: &LayerSurface, from: LayerPoint, heading: f64, length: f64, sag: f64) -> Vec<LayerPoint> {
+    let steps = extension_steps(layer, length, sag);
+    (1..=steps as usize).map(|k| layer.geodesic(from, heading, length * k as f64 / steps).0).collect()
+}
+
 /// Length (mm) and initial heading (rad) of the extension ahead of a line that ends `reach` mm beyond the end
 /// of the layer.
 fn ahead_of(layer: &LayerSurface, line: &[LayerPoint], reach: f64) -> (f64, f64) {
@@ -312,12 +319,7 @@ fn extended(
 ) -> Vec<LayerPoint> {
     let n = line.len();
     let (behind, back) = ahead_of(layer, line, reach[0]);
-    let run = |from: LayerPoint, heading: f64, length: f64| {
-        let steps = extension_steps(layer, length, sag);
-        (1..=steps as usize)
-            .map(|k| layer.geodesic(from, heading, length * k as f64 / steps).0)
-            .collect::<Vec<LayerPoint>>()
-    };
+    let run = |from: LayerPoint, heading: f64, length: f64| extension(layer, from, heading, length, sag);
     let mut points = if max_turn_rad < FRAC_PI_2 {
         let steps = extension_steps(layer, behind, sag);
         let mut at = (line[0], back);
@@ -378,11 +380,7 @@ fn trace_splitter(
             _ => end_heading(layer, [line[n - 1], line[n - 2], line[n - 3]]),
         };
         let length = beyond + (layer.to - line[n - 1].x).max(0.0) / heading.cos().max(0.3);
-        let steps = extension_steps(layer, length, sag);
-        let run = (1..=steps as usize)
-            .map(|k| layer.geodesic(line[n - 1], heading, length * k as f64 / steps).0)
-            .collect::<Vec<_>>();
-        [line, &run].concat()
+        [line, &extension(layer, line[n - 1], heading, length, sag)].concat()
     };
     let (facing_low, facing_high) = (ahead(&facing_low), ahead(&facing_high));
     let mut points: Vec<LayerPoint> = facing_low.iter().rev().copied().collect();

@@ -36,8 +36,8 @@ impl MachineRun {
         Some(Self { poses, motion })
     }
 
-    /// The motion of NC code that was read: by the rotary positions (rad) that it names, one for each move; where
-    /// it leaves them to the control, by those that `post` would choose for tool vectors.
+    /// The motion of NC code that was read: by the rotary positions (rad) that it names, one for each move;
+    /// where it leaves them to the control, by those that `post` would choose for tool vectors.
     ///
     /// # Errors
     /// When the code names no positions and the machine cannot run it, or on a cancel.

@@ -3,8 +3,8 @@
 use crate::error::{ErrorCode, UserError};
 use crate::io::nc::{NcProgram, Post, write_nc};
 use crate::machine::{
-    BlankSize, ChannelCalls, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind,
-    PartPlacement, PlacedPart, SectionTime, machine_program, section_times,
+    BlankSize, ChannelCalls, INSTEAD_OF_CALLS, MachineProgram, MachineTool, MotionFault, MotionOptions,
+    OutputKind, PartPlacement, PlacedPart, SectionTime, machine_program, section_times,
 };
 use crate::monitor::Monitor;
 use crate::toolpath::ClProgram;
@@ -95,15 +95,11 @@ pub fn post_program(
     Ok(PostedProgram { motion, written, times })
 }
 
-/// The fault of a called program that the machine cannot run with the `room` (rad) that all calls leave to the axis
-/// which turns the part on.
+/// The fault of a called program that the machine could run alone, but not within the part (`room`, rad) of
+/// the range of the axis that turns the part which the other calls do not need.
 fn no_room(letter: char, room: f64, fault: &MotionFault) -> UserError {
     let fault = fault.explained();
     let what =
-        format!("of {letter} the calls leave {:.0}° to the program: {}", room.to_degrees(), fault.message);
-    UserError::new(
-        ErrorCode::AxisLimits,
-        what,
-        "post all channels (plan --channels all) without --subprogram",
-    )
+        format!("the calls leave the program {:.0}° of {letter}: {}", room.to_degrees(), fault.message);
+    UserError::new(ErrorCode::AxisLimits, what, INSTEAD_OF_CALLS)
 }

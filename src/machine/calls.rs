@@ -23,6 +23,12 @@ pub enum ChannelCalls {
 }
 
 impl ChannelCalls {
+    /// Those of a program for `channels` channels of a part with `channel_count`: one of several channels is
+    /// called once, as it is not turned on from channel to channel.
+    pub fn of(channels: usize, channel_count: usize) -> Self {
+        Self::Channels(if channels > 1 { 1 } else { channel_count })
+    }
+
     /// Number of calls, if it is known.
     pub fn count(self) -> Option<usize> {
         match self {
@@ -56,13 +62,13 @@ impl MachineTool {
         (1..count).map(move |call| TAU * call as f64 / count as f64)
     }
 
-    /// The machine as a program that is called once a channel has it: its first rotary axis turns the part on from
-    /// call to call, in positive direction, and keeps within its limits in the last one too. All else is the
-    /// same in each call.
+    /// The machine as a program that is called once a channel has it: its first rotary axis turns the part on
+    /// from call to call, in positive direction, and keeps within its limits in the last one too. All else is
+    /// the same in each call.
     ///
     /// # Errors
     /// When no table turns the part about its axis, and the program names positions of the axes, or when the
-    /// axis has no room left.
+    /// range of the axis is too small for all calls.
     pub fn for_calls(&self, calls: ChannelCalls, output: OutputKind) -> Result<Self, UserError> {
         let turn = calls.whole_turn_rad();
         if turn == 0.0 {
@@ -79,7 +85,7 @@ impl MachineTool {
                  the offset of a called program",
                 self.name, self.rotary[0].letter, self.rotary[1].letter
             );
-            return Err(UserError::new(ErrorCode::AxisLimits, what, INSTEAD));
+            return Err(UserError::new(ErrorCode::AxisLimits, what, INSTEAD_OF_CALLS));
         }
         let mut machine = self.clone();
         if let Some((low, high)) = first.limits {
@@ -89,7 +95,7 @@ impl MachineTool {
                     "{letter} turns the part by {:.1}° from call to call in all, and has {range:.0}°",
                     turn.to_degrees()
                 );
-                return Err(UserError::new(ErrorCode::AxisLimits, what, INSTEAD));
+                return Err(UserError::new(ErrorCode::AxisLimits, what, INSTEAD_OF_CALLS));
             }
             machine.rotary[0].limits = Some((low, high - turn));
         }
@@ -98,4 +104,4 @@ impl MachineTool {
 }
 
 /// What to do instead of calling a program.
-const INSTEAD: &str = "post all channels (plan --channels all) without --subprogram";
+pub const INSTEAD_OF_CALLS: &str = "post all channels (plan --channels all) without --subprogram";

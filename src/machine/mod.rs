@@ -33,7 +33,7 @@ mod reach;
 mod table;
 mod time;
 
-pub use calls::ChannelCalls;
+pub use calls::{ChannelCalls, INSTEAD_OF_CALLS};
 pub use clear::BlankSize;
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;

@@ -389,10 +389,10 @@ impl MotionMaker<'_> {
         Ok((out, largest))
     }
 
-    /// The pose half-way between two, and the angle by which its axis leaves the even turn, rad: the mean rotary
-    /// positions where they keep to the turn, otherwise the nearest solution of its direction. Where the axis
-    /// keeps to the turn all the way and only the tip strays, the way from one solution to the other may be
-    /// meant: beside a pole no other positions in between lead there.
+    /// The pose half-way between two, and the angle by which its axis leaves the even turn, rad: the mean
+    /// rotary positions where they keep to the turn, otherwise the nearest solution of its direction. Where
+    /// the axis keeps to the turn all the way and only the tip strays, the way from one solution to the other
+    /// may be meant: beside a pole no other positions in between lead there.
     fn middle(&self, from: &Pose, to: &Pose, tolerance: f64) -> (Pose, f64) {
         let grid = |angle: f64| (angle / self.options.angle_step_rad).round() * self.options.angle_step_rad;
         let tip = from.tip + (to.tip - from.tip) * 0.5;

@@ -35,8 +35,8 @@ pub(super) struct TableContact {
     pub depth: f64,
 }
 
-/// The first contact of a motion with the table; `tools` are those of its program, `lengths` theirs from the gauge
-/// point to the tip, mm.
+/// The first contact of a motion with the table; `tools` are those of its program, `lengths` theirs from the
+/// gauge point to the tip, mm.
 pub(super) fn table_contact(
     machine: &MachineTool,
     steps: &[MachineStep],
@@ -85,7 +85,8 @@ impl ToolBody<'_> {
         lowest - self.tool.diameter < self.centre.z
     }
 
-    /// The deepest place below the upper face, within the table's radius: whether it is on the holder, and how deep.
+    /// The deepest place below the upper face, within the table's radius: whether it is on the holder, and
+    /// how deep.
     fn contact(&self, pose: &Pose) -> Option<(bool, f64)> {
         let overhang = self.tool.overhang.unwrap_or(self.length).min(self.length);
         let slant = (1.0 - pose.axis.z * pose.axis.z).max(0.0).sqrt();

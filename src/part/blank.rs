@@ -213,8 +213,8 @@ impl Blank {
         project(&self.shroud, point, warm, self.single.1)
     }
 
-    /// Whether `point` is further than `distance` mm from everything that is solid before the first cut; where
-    /// that takes a search, false.
+    /// Whether `point` is further than `distance` mm from everything that is solid before the first cut;
+    /// where that takes a search, false.
     pub fn is_far(&self, point: Meridional, distance: f64) -> bool {
         if self.nose.as_ref().is_some_and(|nose| !nose.is_beyond(point, distance)) {
             return false;

@@ -218,8 +218,8 @@ pub(super) fn raise_to_allowance(context: &PlanContext, mut cutter: CutterSolid)
     (cutter, hub_clearance)
 }
 
-/// The cutter of a station with its measured clearances to the finished part, if the machine reaches its axis.
-/// Lifts the bottom where it violates the hub allowance by rounding.
+/// The cutter of a station with its measured clearances to the finished part, if the machine reaches its
+/// axis. Lifts the bottom where it violates the hub allowance by rounding.
 fn place_cutter(context: &PlanContext, station: &Station, tool: &Tool) -> Result<PlacedCutter, DropReason> {
     if context.setup.machine.excess_tilt_rad(&context.workpiece.part, &station.axis) > 0.0 {
         return Err(DropReason::Machine);

@@ -362,7 +362,8 @@ fn programs_after_others_are_judged_as_by_themselves() {
     // The middle of each pass: walls first, then what lies between them.
     let middle = |pass: &Vec<Place>| pass[pass.len() / 3..2 * pass.len() / 3].to_vec();
     let passes: Vec<Vec<Place>> = made.walls.iter().chain(&made.inner).map(middle).collect();
-    // The first move of the pass between the walls that comes last in the first program, and of the one after it.
+    // The first move of the pass between the walls that comes last in the first program, and of the one after
+    // it.
     let starts = [2, 3].map(|count: usize| passes[..count].iter().map(|pass| pass.len() + 2).sum::<usize>());
     let program = |count: usize, change: &dyn Fn(&mut Vec<Move>)| made.program(&passes[..count], change);
     let programs = [

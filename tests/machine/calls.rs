@@ -37,7 +37,8 @@ fn refusal(result: Result<PostedProgram, PostFault>) -> String {
     error.message.clone()
 }
 
-/// A subprogram makes the cuts of the program, in five controls. It chooses no work offset, and ends with a return.
+/// A subprogram makes the cuts of the program, in five controls. It chooses no work offset, and ends with a
+/// return.
 #[test]
 fn subprograms_return() {
     let machine = machine("ac-trunnion");

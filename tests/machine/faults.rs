@@ -90,8 +90,8 @@ fn programs_lack_nothing() {
     assert_eq!(fault.explained().code, ErrorCode::ControlOutput, "{fault}");
 }
 
-/// Whether a changed program is seen to be another one: it is refused, an axis is beyond its limits, a cut has no
-/// feed rate, runs as a link, ends elsewhere, or is made with another tool.
+/// Whether a changed program is seen to be another one: it is refused, an axis is beyond its limits, a cut
+/// has no feed rate, runs as a link, ends elsewhere, or is made with another tool.
 fn is_caught(machine: &MachineTool, control: &str, program: &ClProgram, text: &str) -> bool {
     let Ok(reading) = read_back(machine, control, text) else { return true };
     let no_rate = reading.program.moves.iter().any(|m| m.motion == Motion::Feed(None));
@@ -165,7 +165,8 @@ fn a_changed_number_of_a_cut_is_always_caught() {
     }
 }
 
-/// A mode that is left on, an offset that is not there, a spindle that stands: each line that sets one is left out.
+/// A mode that is left on, an offset that is not there, a spindle that stands: each line that sets one is
+/// left out.
 #[test]
 fn a_mode_left_out_is_always_caught() {
     let program = plunges();

@@ -187,8 +187,8 @@ fn figures_of_plunges_are_those_of_the_program() {
     }
 }
 
-/// One rule for the window and `verify`: code that names rotary positions has these; for vectors they are chosen
-/// without looking at what the machine file gives as output.
+/// One rule for the window and `verify`: code that names rotary positions has these; for vectors they are
+/// chosen without looking at what the machine file gives as output.
 #[test]
 fn the_axes_of_code_that_was_read() {
     let program = super::programs::plunges();

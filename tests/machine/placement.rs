@@ -6,8 +6,8 @@ use vanecut::machine::{OutputKind, PlacedPart, gauge_length};
 
 use super::programs::{MACHINES, OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back};
 
-/// A part turned about the axis of its table stands, after C has turned as much, as it did before: all other axes
-/// are the same.
+/// A part turned about the axis of its table stands, after C has turned as much, as it did before: all other
+/// axes are the same.
 #[test]
 fn a_turned_part_turns_the_table_alone() {
     let post = read_post("fanuc").unwrap();

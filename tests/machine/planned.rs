@@ -18,8 +18,8 @@ use super::programs::machine;
 const SETUP: &str = "[plunge]\nstep = 12\nstepover = 14\n[[plunge.section]]\ntool = 52\nfrom = 1\nto = 0\n\
     [[tool]]\nnumber = 52\ndiameter = 12\ncorner_radius = 0.8\ninsert_width = 4\noverhang = 60\n";
 
-/// Plans pump6 for `machine` by all policies and posts the plans; returns how many plunges are left out for it, and
-/// how many are limited by it.
+/// Plans pump6 for `machine` by all policies and posts the plans; returns how many plunges are left out for
+/// it, and how many are limited by it.
 fn check(machine: &MachineTool) -> (usize, usize) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
     let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");

@@ -123,8 +123,9 @@ fn joint_moves_keep_the_tip_on_its_line() {
     }
 }
 
-/// A cut that passes the pole by less than a hundredth of a degree turns the first axis by half a turn. Where that has no room
-/// the other solution leads on: within the tolerance of the axis, so the tip has to be held meanwhile.
+/// A cut that passes the pole by less than a hundredth of a degree turns the first axis by half a turn. Where
+/// its limits forbid that, the program changes to the other solution: within the tolerance of the axis, so
+/// the tip has to be held meanwhile.
 #[test]
 fn the_tip_is_held_while_axes_change_over_beside_the_pole() {
     let mut program = sweeps();

@@ -22,7 +22,8 @@ fn plunge(tilt: f64, height: f64) -> ClProgram {
     program
 }
 
-/// A flat plunge outside of the table's edge does not meet it, nor one above it; the depth is that of the lowest place.
+/// A flat plunge outside of the table's edge does not meet it, nor one above it; the depth is that of the
+/// lowest place.
 #[test]
 fn a_tool_below_the_upper_face_is_refused() {
     let post = read_post("fanuc").unwrap();
@@ -34,7 +35,8 @@ fn a_tool_below_the_upper_face_is_refused() {
         // The part's origin is 60 mm above the machine's.
         machine.table = Some(MachineTable { radius: 300.0, top: 0.0 });
         assert_eq!(fault(&machine, &plunge(80.0, 10.0)), None, "{name}");
-        // Level, with its axis 5 mm above the table: the cutter of 20 mm is 5 mm below its face, the holder 15.
+        // Level, with its axis 5 mm above the table: the cutter of 20 mm is 5 mm below its face, the holder
+        // 15.
         let level = plunge(90.0 - 1e-6, -55.0);
         let Some(MotionFault::MeetsTable { tool, is_holder, depth, .. }) = fault(&machine, &level) else {
             panic!("{name}: {:?}", fault(&machine, &level));

@@ -280,8 +280,8 @@ fn twisted_walls_agree_with_cutters_put_into_their_corners() {
     }
 }
 
-/// A wheel whose blades lean by 45° and more at the outlet: in the plane across the foot of a wall near the rim
-/// the blade ends before it is as high as the bottom of an inclined cutter.
+/// A wheel whose blades lean by 45° and more at the outlet: in the plane across the foot of a wall near the
+/// rim the blade ends before it is as high as the bottom of an inclined cutter.
 const LEANING_OUTLET: &str = r#"
 blades = 9
 hub = { control = [[22, -50], [22, -22.5], [44, 0], [80, 0]] }

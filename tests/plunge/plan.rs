@@ -330,7 +330,8 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     assert_eq!(holding, sections, "nothing that cuts has changed");
     assert!(higher.positions.iter().all(|p| p.evaluation.retract_clearance >= 5.0 - 1e-6), "but links have");
 
-    // The last section mills the rest of another one, and no longer along all of it: that one takes more itself.
+    // The last section mills the rest of another one, and no longer along all of it: that one takes more
+    // itself.
     let last = setup.plunge.sections[sections - 1].clone();
     let covered = setup.plunge.sections.iter().position(|section| section.to == last.to).expect("itself");
     assert!(last.kind == SectionKind::Rest && covered < sections - 1, "{:?}", setup.plunge.sections);

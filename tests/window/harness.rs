@@ -10,8 +10,8 @@ use vanecut::app::tasks::engine::Engine;
 /// A window of 900 × 600 points.
 pub type Window = Harness<'static, App>;
 
-/// Opens a window over `engine`. Its 3D views are drawn for snapshots and by [`pixels_in`] only: on the software
-/// driver they would take most of the time.
+/// Opens a window over `engine`. Its 3D views are drawn for snapshots and by [`pixels_in`] only: on the
+/// software driver they would take most of the time.
 pub fn window(engine: Engine) -> Window {
     scaled(engine, 1.0)
 }

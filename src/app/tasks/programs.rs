@@ -123,16 +123,17 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
     if *is_subprogram {
         post = post.into_subprogram().map_err(|error| fault(0, error))?;
     }
+    let channels = match &content.source {
+        ProgramSource::Plunges(source) => source.channels,
+        _ => 1,
+    };
     let request = PostRequest {
         machine: read_machine(Path::new(machine))?,
         post,
         output: *output,
         inlet_up: part.out_of_inlet().z > 0.0,
         blank: Some(BlankSize::of(part, &setup.allowances)),
-        calls: is_subprogram.then_some(ChannelCalls::Channels(match &content.source {
-            ProgramSource::Plunges(source) if source.channels > 1 => 1,
-            _ => part.blade_count,
-        })),
+        calls: is_subprogram.then(|| ChannelCalls::of(channels, part.blade_count)),
     };
     post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
         PostFault::Motion(motion) => fault(motion.line(), motion.explained()),

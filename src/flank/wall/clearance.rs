@@ -156,7 +156,8 @@ impl WallFit<'_> {
         let all = lines.iter().enumerate().map(with_rays);
         let all: Vec<_> = all.map(|(layer, rays)| (layer, RaySweep::new(rays, &points))).collect();
         for below in [false, true] {
-            // From above: a point is nearest to the axes of its own strip; those further down hardly matter then.
+            // From above: a point is nearest to the axes of its own strip; those further down hardly matter
+            // then.
             for (layer, rays) in all.iter().rev() {
                 let strip = &self.strips[*layer];
                 if !below && !self.has_rays(strip) {

@@ -73,8 +73,8 @@ impl RayMotion {
 const MAX_TURN: f64 = 0.5;
 
 /// Bound on the negative second derivative of the distance of a point from a line, by the share of the way
-/// from one line to the next: while it moves by `travel` mm without turning, the distance is convex. `turn` is
-/// the length of the difference of its unit directions, `far` the greatest distance of the point from the
+/// from one line to the next: while it moves by `travel` mm without turning, the distance is convex. `turn`
+/// is the length of the difference of its unit directions, `far` the greatest distance of the point from the
 /// point of the line that moves straight, mm.
 pub(super) fn bend_of_distance(travel: f64, turn: f64, far: f64) -> f64 {
     // At most 2 · travel · |a′| + far · (|a″| + |a′|²) for the unit direction a. With turns up to MAX_TURN,
@@ -125,8 +125,8 @@ impl RaySweep {
         Self { rays, motions, travel, max_dip }
     }
 
-    /// Distance of a point at station `from`, mm, where it is less than `limit`; else `limit` or more. Infinite
-    /// where there is no ray.
+    /// Distance of a point at station `from`, mm, where it is less than `limit`; else `limit` or more.
+    /// Infinite if no station has a ray.
     pub(super) fn distance_below(&self, limit: f64, from: usize, point: &Point) -> f64 {
         let rays = &self.rays;
         let at = |k: usize| rays[k].as_ref().map_or(f64::INFINITY, |ray| ray.distance(point));

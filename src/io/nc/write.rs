@@ -321,8 +321,9 @@ impl NcWriter<'_> {
         self.group("ready", Some(step), None);
     }
 
-    /// Where a called program whose control holds the tip begins: above the approach, at the upper limit of Z. The
-    /// offset turns from call to call, and positions of the axes in X and Y before TCP is on would turn with it.
+    /// Where a called program whose control holds the tip begins: above the approach, at the upper limit of
+    /// Z. The offset turns from call to call, and positions of the axes in X and Y before TCP is on would
+    /// turn with it.
     fn above_when_called(&self, step: &MachineStep) -> Option<MachineStep> {
         if !self.post.is_called || !matches!(self.output, OutputKind::TcpAngles | OutputKind::TcpVectors) {
             return None;

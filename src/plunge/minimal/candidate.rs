@@ -305,8 +305,8 @@ impl CandidateMaker<'_> {
         self.finished.clears(&self.maker.cutter(station), self.blade_allowance - slack)
     }
 
-    /// Whether an axis at one of every `stride` lead angles of `stage`, beyond the machine's limits but clear of
-    /// the blades, would cost less than `cost`, mm.
+    /// Whether an axis at one of every `stride` lead angles of `stage`, beyond the machine's limits but clear
+    /// of the blades, would cost less than `cost`, mm.
     pub fn machine_forbids_below(&self, cost: f64, stage: &CandidateStage, stride: usize) -> bool {
         if self.machine.max_axis_tilt_rad >= PI {
             return false;
