@@ -37,6 +37,7 @@ pub fn point_object(result: &PolicyResult) -> Value {
     let s = &result.summary;
     json!({
         "time_estimate": number(s.time_estimate),
+        "machine_time": s.machine_time.map(|time| number(time.total_s)),
         "positions": s.positions,
         "interferential": s.interfering,
         "residual_mean": number(s.residual_mean),
@@ -57,8 +58,10 @@ pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
             100.0 * s.uncut_share,
         )
     };
+    let machine = outcome.clock.machine().filter(|_| outcome.after.summary.machine_time.is_some());
+    let on_machine = machine.map_or(String::new(), |machine| format!(" on {}", machine.name));
     let mut text = format!(
-        "\ntime against stock, one channel\n{:<12} {:>9} {:>10} {:>13} {:>16} {:>12}\n",
+        "\ntime against stock, one channel{on_machine}\n{:<12} {:>9} {:>10} {:>13} {:>16} {:>12}\n",
         "plan", "time, min", "positions", "interfering", "stock mean/95 %", "uncut, %"
     );
     for (number, point) in curve.iter().enumerate() {

@@ -17,6 +17,7 @@ mod edits;
 mod explain;
 mod failure;
 mod flank;
+mod machine_figures;
 mod open;
 mod output;
 mod plan;

@@ -8,7 +8,7 @@ use super::args::MeshArgs;
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::part_file::read_part_with;
-use crate::io::setup_file::{line_of_place, read_setup_with_defaults};
+use crate::io::setup_file::{line_of_place, locate_machine, read_setup_with_defaults};
 use crate::io::source::{MAX_BYTES, name_of, read_bytes};
 use crate::part::{Impeller, PartDescription};
 use crate::setup::{Setup, SetupFault};
@@ -64,7 +64,8 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
         return Ok(OpenSetup { setup: defaults, name: part_path.display().to_string(), bytes: Vec::new() });
     };
     let (name, bytes) = named_bytes(path)?;
-    let setup = read_setup_with_defaults(&name, &bytes, &defaults)?;
+    let mut setup = read_setup_with_defaults(&name, &bytes, &defaults)?;
+    locate_machine(&mut setup, path);
     let opened = OpenSetup { setup, name, bytes };
     opened.setup.allowances.check_blank(part).map_err(|fault| opened.failure(fault))?;
     Ok(opened)

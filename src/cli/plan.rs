@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::args::PlanArgs;
 use super::curve::{check_policy, curve_text, point_object, time_stock_curve};
 use super::edits::{unapplied_objects, unapplied_text};
+use super::machine_figures::MachineFigures;
 use super::open::OpenSetup;
 use super::output::{PlungeFigures, SectionFigures};
 use super::watch::run_with_progress;
@@ -62,6 +63,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let report =
         report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default())
             .map_err(|error| Failure::of_verify(&name, error))?;
+    let on_machine = MachineFigures::of_plan(&outcome.clock, &written);
     if args.report {
         let files = [ProgramFile::plan("plan.json"), ProgramFile::apt("plunge.apt")];
         let sheet =
@@ -73,12 +75,13 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let curve = count.map(|count| time_stock_curve(&outcome, usize::from(count)));
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
+        object.extend(on_machine.iter().flat_map(MachineFigures::keys));
         if let Some(Ok(curve)) = &curve {
             object.insert("pareto".into(), curve.iter().map(point_object).collect());
         }
         print_stdout(&format!("{}\n", Value::Object(object)))?;
     } else {
-        print_stdout(&plan_text(&outcome, &report, channels, args))?;
+        print_stdout(&plan_text(&outcome, &report, on_machine.as_ref(), channels, args))?;
         if let Some(Ok(curve)) = &curve {
             print_stdout(&curve_text(curve, &outcome))?;
         }
@@ -211,7 +214,13 @@ fn written_figures<'a>(
     }
 }
 
-fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args: &PlanArgs) -> String {
+fn plan_text(
+    outcome: &PlanOutcome,
+    report: &PlungeReport,
+    on_machine: Option<&MachineFigures>,
+    channels: usize,
+    args: &PlanArgs,
+) -> String {
     let part = &outcome.workpiece.part;
     let plan = &outcome.after.plan;
     let mut text = format!(
@@ -263,6 +272,7 @@ fn plan_text(outcome: &PlanOutcome, report: &PlungeReport, channels: usize, args
         };
     }
     text += &words::clearances_text(&report.summary, channels);
+    text += &on_machine.map_or(String::new(), MachineFigures::text);
     text += &output::assembly_text(&report.verdict.assembly);
     text += &output::convergence_text(plan);
     text += &output::limited_text(plan, edits > 0);

@@ -1,13 +1,13 @@
 //! `vanecut verify`.
 
 pub(super) mod flank;
-mod machine;
 
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
 use super::args::VerifyArgs;
+use super::machine_figures::MachineFigures;
 use super::output::PlungeFigures;
 use super::watch::run_with_progress;
 use super::{Failure, MAX_SHOWN, open, output, print_stdout};
@@ -54,7 +54,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         (plunge_object(part, &report), plunge_text(&report), report.verdict.faults)
     };
     if let Some(on_machine) = &on_machine {
-        let figures = machine::MachineFigures::of(on_machine, &program, &workpiece, setup);
+        let figures = MachineFigures::of(on_machine, &program, &workpiece, setup);
         map.extend(figures.keys());
         text += &figures.text();
     }

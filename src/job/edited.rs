@@ -91,14 +91,15 @@ impl PlanOutcome {
             _ => return Ok(None),
         };
         let mut outcome = Self { kept_locked: locks.to_vec(), whole: None, sparse: None, ..self.clone() };
-        outcome.after = measure_residual(plan, &self.grid);
+        outcome.after = measure_residual(plan, &self.grid, &self.clock);
         if policy == AxisPolicy::Minimal {
-            let input = WholeInput { workpiece, setup, plan: &outcome.after.plan, grid: &self.grid, locks };
+            let (plan, grid, clock) = (&outcome.after.plan, &self.grid, &self.clock);
+            let input = WholeInput { workpiece, setup, plan, grid, locks, clock };
             let met = goal::meet_goal(input, &mut SectionCache::default(), &monitor.span(FIRST_SHARE, 1.0))?;
             let MetGoal { plan, sparse, misses_goal } = met;
             (outcome.sparse, outcome.misses_goal) = (sparse, misses_goal);
             if let Some((plan, density)) = plan {
-                let chosen = measure_residual(plan, &self.grid);
+                let chosen = measure_residual(plan, &self.grid, &self.clock);
                 outcome.whole = Some(std::mem::replace(&mut outcome.after, chosen).plan);
                 outcome.density = density;
             }
@@ -116,7 +117,7 @@ impl PlanOutcome {
             let fault = SetupFault::new(ErrorCode::NothingMoves, what, "remove some of the edits");
             return Err(fault.at(SetupPlace::Plunge("edit")).into());
         }
-        let edited = measure_residual(plan, &self.grid);
+        let edited = measure_residual(plan, &self.grid, &self.clock);
         let found = std::mem::replace(&mut self.after, edited).plan;
         if found.policy == AxisPolicy::Minimal && self.whole.is_none() {
             self.whole = Some(found);

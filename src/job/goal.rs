@@ -8,8 +8,7 @@ use crate::part::Workpiece;
 use crate::plunge::{PlanError, Planner, PlungePlan, RowDensity, SectionCache};
 use crate::setup::{AxisPolicy, Goal, PlungeEdit, PlungePose, Setup};
 use crate::stock::FloorGrid;
-use crate::toolpath::{ClProgram, Travel};
-use crate::tradeoff::{Thinning, ThinningInput, ThinningLimits, Tradeoff, TradeoffPoint};
+use crate::tradeoff::{PlanClock, Thinning, ThinningInput, ThinningLimits, Tradeoff, TradeoffPoint};
 
 /// Cells along each side of the floor on which plunges are weighed; the grid of the figures is finer.
 const CELLS: usize = 256;
@@ -27,6 +26,7 @@ pub(super) struct WholeInput<'a> {
     pub grid: &'a FloorGrid,
     /// Edits whose locked plunges the plan was made around; none of them is left out.
     pub locks: &'a [PlungeEdit],
+    pub clock: &'a PlanClock,
 }
 
 /// The plan that a goal asks for.
@@ -49,14 +49,15 @@ struct WholePlan<'a> {
     locks: &'a [PlungeEdit],
     /// The plunges of `locks`.
     locked: Vec<PlungePose>,
+    clock: &'a PlanClock,
 }
 
 impl<'a> WholePlan<'a> {
     /// The plan of `input`, weighed on `grid`.
     fn new(input: WholeInput<'a>, grid: &'a FloorGrid) -> Self {
-        let WholeInput { workpiece, setup, plan, locks, .. } = input;
+        let WholeInput { workpiece, setup, plan, locks, clock, .. } = input;
         let locked = locks.iter().map(|edit| edit.plunge).collect();
-        Self { workpiece, setup, plan, grid, locks, locked }
+        Self { workpiece, setup, plan, grid, locks, locked, clock }
     }
 
     /// The order in which the plunges of `plan`, of the same channel, go within `limits`.
@@ -66,8 +67,9 @@ impl<'a> WholePlan<'a> {
         limits: ThinningLimits,
         monitor: &Monitor,
     ) -> Result<Thinning<'a>, Cancelled> {
-        let (setup, blank, grid, locked) = (self.setup, &self.workpiece.blank, self.grid, &self.locked);
-        Thinning::new(ThinningInput { plan, setup, blank, grid, limits, locked }, monitor)
+        let Self { workpiece, setup, grid, locked, clock, .. } = self;
+        let blank = &workpiece.blank;
+        Thinning::new(ThinningInput { plan, setup, blank, grid, limits, locked, clock }, monitor)
     }
 
     /// The plan of `minimal` with fewer rows, for less time than thinning reaches; `None` where it is not
@@ -157,7 +159,7 @@ pub(super) fn meet_goal(
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
     if let Goal::Stock { max_time_min: Some(limit) } = goal {
         for _ in 0..MAX_ROUNDS {
-            let minutes = minutes_of(&plan);
+            let minutes = minutes_of(&plan, input.clock);
             if minutes <= limit {
                 break;
             }
@@ -168,15 +170,15 @@ pub(super) fn meet_goal(
             }
             (plan, made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
         }
-        misses_goal = minutes_of(&plan) > limit;
+        misses_goal = minutes_of(&plan, input.clock) > limit;
     }
     drop(tradeoff);
     Ok(MetGoal { plan: Some((plan, density_of(made_at.plan))), sparse, misses_goal })
 }
 
 /// Time of a plan, min.
-fn minutes_of(plan: &PlungePlan) -> f64 {
-    Travel::of(&ClProgram::of_plan("", plan)).time / 60.0
+fn minutes_of(plan: &PlungePlan, clock: &PlanClock) -> f64 {
+    clock.time_s(plan) / 60.0
 }
 
 /// The cells of `grid` on which plunges are weighed.
@@ -191,11 +193,11 @@ impl PlanOutcome {
     /// # Errors
     /// [`PlanError::Cancelled`] when `monitor` is cancelled.
     pub fn time_stock_curve(&self, count: usize, monitor: &Monitor) -> Result<Vec<PolicyResult>, PlanError> {
+        let clock = &self.clock;
         self.with_tradeoff(monitor, |whole, tradeoff| {
-            let made = tradeoff
-                .points(count)
-                .into_iter()
-                .map(|point| Ok(measure_residual(whole.plan_at(tradeoff, point, monitor)?, &self.grid)));
+            let made = tradeoff.points(count).into_iter().map(|point| {
+                Ok(measure_residual(whole.plan_at(tradeoff, point, monitor)?, &self.grid, clock))
+            });
             made.collect()
         })?
     }
@@ -222,7 +224,8 @@ impl PlanOutcome {
         let plan = self.whole.as_ref().unwrap_or(&self.after.plan);
         let grid = weighing_grid(&self.grid);
         let (workpiece, setup, locks) = (&*self.workpiece, &self.setup, &*self.kept_locked);
-        let whole = WholePlan::new(WholeInput { workpiece, setup, plan, grid: &self.grid, locks }, &grid);
+        let input = WholeInput { workpiece, setup, plan, grid: &self.grid, locks, clock: &self.clock };
+        let whole = WholePlan::new(input, &grid);
         let sparse = match &self.sparse {
             Some(sparse) => Some(Arc::clone(sparse)),
             None => {

@@ -14,6 +14,7 @@ mod starved;
 pub mod worker;
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 pub use crate::verify::Summary;
@@ -25,6 +26,7 @@ pub use stage::{Listener, PlanStage};
 use rayon::prelude::*;
 
 use crate::error::{ErrorCode, UserError};
+use crate::io::machine_file::read_machine;
 use crate::io::tool_library::plunge_cutters;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
@@ -38,6 +40,7 @@ use crate::stock::{
     FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
 };
 use crate::toolpath::ClProgram;
+use crate::tradeoff::PlanClock;
 
 /// Cells of the residual field along s and λ with which results are reported; fine enough that one is well
 /// below a pixel with the channel fitted to the view.
@@ -103,6 +106,8 @@ pub struct PlanOutcome {
     /// The edits of the setup whose locked plunges `after` was planned around; empty where the planner places
     /// all of them by itself.
     pub kept_locked: Vec<PlungeEdit>,
+    /// What tells the time of plans: on the machine of the setup, if it gives one.
+    pub clock: Arc<PlanClock>,
     /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
@@ -312,6 +317,7 @@ fn plan_sections(
         reasons: reasons.clone(),
     });
     let planner = Planner::new(workpiece, &setup);
+    let clock = Arc::new(clock_of(&setup, workpiece));
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.
     let closing = &monitor.ignoring_stop();
@@ -324,7 +330,7 @@ fn plan_sections(
     };
     let measured = |plan: PlungePlan, grid: &Arc<FloorGrid>| -> Result<PolicyResult, PlanError> {
         closing.check()?;
-        let result = measure_residual(plan, grid);
+        let result = measure_residual(plan, grid, &clock);
         listener.notify(|| PlanStage::Measured(Arc::clone(grid), result.clone()));
         Ok(result)
     };
@@ -398,11 +404,12 @@ fn plan_sections(
     // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
     let (mut whole, mut density, mut met) = (None, RowDensity::Dense, MetGoal::default());
     if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal) {
-        let input = WholeInput { workpiece, setup: &setup, plan: &minimal.plan, grid: &grid, locks: &[] };
+        let (plan, clock) = (&minimal.plan, &clock);
+        let input = WholeInput { workpiece, setup: &setup, plan, grid: &grid, locks: &[], clock };
         met = goal::meet_goal(input, &mut known.sparse, for_goal)?;
         if let Some((plan, rows)) = met.plan.take() {
             density = rows;
-            whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid)).plan);
+            whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid, clock)).plan);
         }
     }
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {
@@ -427,6 +434,7 @@ fn plan_sections(
         others,
         edits: EditReport::default(),
         kept_locked: Vec::new(),
+        clock,
         elapsed,
     })
 }
@@ -475,9 +483,18 @@ fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
     }
 }
 
+/// The clock of plans with `setup`. A setup whose machine file is gone, as within a plan that was sent without it,
+/// is planned all the same: its times are those without a machine.
+fn clock_of(setup: &Setup, workpiece: &Workpiece) -> PlanClock {
+    let machine = setup.machine.file.as_deref().and_then(|file| read_machine(Path::new(file)).ok());
+    machine.map_or_else(PlanClock::default, |machine| {
+        PlanClock::on_machine(machine, workpiece, &setup.allowances)
+    })
+}
+
 /// Computes the residual stock and the summary of a plan.
-fn measure_residual(plan: PlungePlan, grid: &FloorGrid) -> PolicyResult {
+fn measure_residual(plan: PlungePlan, grid: &FloorGrid, clock: &PlanClock) -> PolicyResult {
     let field = residual_field(grid, &field_cutters(&plan));
-    let summary = Summary::of(&plan, grid, &field);
+    let summary = Summary { machine_time: clock.machine_time(&plan), ..Summary::of(&plan, grid, &field) };
     PolicyResult { plan, field, summary }
 }

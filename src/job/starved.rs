@@ -37,6 +37,7 @@ pub(super) fn from_inlet(
         Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => return Err(cancelled.into()),
         _ => return Ok(None),
     };
-    let is_better = measure_residual(plan, &outcome.grid).summary.uncut_share <= MUCH_LESS * uncut;
+    let is_better =
+        measure_residual(plan, &outcome.grid, &outcome.clock).summary.uncut_share <= MUCH_LESS * uncut;
     Ok(is_better.then_some(turned))
 }

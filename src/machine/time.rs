@@ -41,6 +41,31 @@ impl SectionTime {
     }
 }
 
+/// Time of a program on its machine, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MachineTime {
+    /// All of it, with accelerations and tool changes.
+    pub total_s: f64,
+    /// Of it, the tool changes.
+    pub tool_changes_s: f64,
+}
+
+impl MachineTime {
+    /// That of all `sections` of a program.
+    pub fn of_sections(sections: &[SectionTime]) -> Self {
+        Self {
+            total_s: sections.iter().map(SectionTime::total_s).sum(),
+            tool_changes_s: sections.iter().map(|section| section.tool_change_s).sum(),
+        }
+    }
+
+    /// That of `channels` such channels, cut tool by tool: each tool is changed once.
+    pub fn of_channels(self, channels: usize) -> Self {
+        let Self { total_s, tool_changes_s } = self;
+        Self { total_s: (total_s - tool_changes_s) * channels as f64 + tool_changes_s, tool_changes_s }
+    }
+}
+
 /// A block: what its axes do.
 struct Block {
     /// Length, and highest speed along it.

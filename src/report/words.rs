@@ -9,9 +9,9 @@ pub fn channels_text(count: usize) -> String {
     if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
 }
 
-/// Time of a plan, min.
+/// Best known time of a plan, min.
 pub fn minutes(summary: &Summary) -> f64 {
-    summary.time_estimate / 60.0
+    summary.time_s() / 60.0
 }
 
 /// Text on clearances, axis change, lengths and time of a program of `channels` channels.
@@ -27,7 +27,7 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
         s.max_axis_change_rad.to_degrees(),
         s.cut_length,
         s.rapid_length,
-        minutes(s),
+        s.time_estimate / 60.0,
         channels_text(channels),
         s.feed_time / 60.0,
     )

@@ -8,6 +8,7 @@
 //!
 //! | file | contents |
 //! |---|---|
+//! | `clock` | how long a plan takes |
 //! | `floor` | the stock that plunges leave, and what each of them is worth |
 //! | `limits` | how far a plan may be thinned |
 //! | `cores` | which plunges make the way for the core of which |
@@ -16,6 +17,7 @@
 //! | `thinning` | the order in which plunges are left out |
 //! | `curve` | points of the curve, and the one that a goal asks for |
 
+mod clock;
 mod cores;
 mod curve;
 mod floor;
@@ -24,6 +26,7 @@ mod neighbours;
 mod thinning;
 mod walls;
 
+pub use clock::PlanClock;
 pub use curve::{Tradeoff, TradeoffPoint};
 pub use limits::ThinningLimits;
 pub use thinning::{Thinning, ThinningInput};

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
+use super::clock::PlanClock;
 use super::cores::Cores;
 use super::floor::{FloorChange, ThinnedFloor};
 use super::limits::ThinningLimits;
@@ -14,7 +15,6 @@ use crate::part::Blank;
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::{PlungePose, SectionKind, Setup};
 use crate::stock::{FloorGrid, ResidualStatistics, field_cutters, statistics};
-use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
 /// Time that leaving a plunge out saves at least, s: a divisor.
 const MIN_SAVED: f64 = 1e-3;
@@ -36,6 +36,8 @@ pub struct ThinningInput<'a> {
     pub limits: ThinningLimits,
     /// Plunges that stay: the user locked them.
     pub locked: &'a [PlungePose],
+    /// What tells the time of plans.
+    pub clock: &'a PlanClock,
 }
 
 /// The plunges of a plan in the order in which they can be left out.
@@ -178,7 +180,7 @@ impl<'a> Thinning<'a> {
         let kept = self.kept_without(count);
         let positions =
             plan.positions.iter().zip(kept).filter(|(_, kept)| *kept).map(|(p, _)| p.clone()).collect();
-        Travel::of(&ClProgram::of_plan("", &PlungePlan { positions, ..plan.clone() })).time
+        self.input.clock.time_s(&PlungePlan { positions, ..plan.clone() })
     }
 
     /// Stock that stays when the first `count` plunges are left out.
@@ -208,10 +210,10 @@ impl ThinningInput<'_> {
         };
         let (previous, next) = (same_tool(rows.before(plunge)), same_tool(rows.after(plunge)));
         let link = |a: Option<&Position>, b: Option<&Position>| {
-            a.zip(b).map_or(0.0, |(a, b)| (a.evaluation.retract - b.evaluation.retract).norm())
+            a.zip(b).map_or(0.0, |(a, b)| self.clock.link_s(a, b))
         };
         let links = link(previous, Some(position)) + link(Some(position), next) - link(previous, next);
-        60.0 * (depth / tool.plunge_feed + (depth + links) / RAPID_MM_PER_MIN)
+        60.0 * (depth / tool.plunge_feed + depth / self.clock.link_rate()) + links
     }
 }
 

@@ -3,6 +3,7 @@
 use super::JudgedCut;
 use crate::cutting::contact::CoreContact;
 use crate::geometry::Vector;
+use crate::machine::MachineTime;
 use crate::plunge::{PlungePlan, Position};
 use crate::stock::statistics::statistics_of_channels;
 use crate::stock::{FloorGrid, ResidualField};
@@ -45,6 +46,9 @@ pub struct Summary {
     pub time_estimate: f64,
     /// Of it, the time under feed, s.
     pub feed_time: f64,
+    /// Time on the machine of the setup; `None` without one, where it cannot run the whole plan, and for sections
+    /// and programs, of which only their plan's is known.
+    pub machine_time: Option<MachineTime>,
     /// Positions blocked by the blades, including those that were left out; `None` for a program, which does
     /// not contain them.
     pub blocked: Option<usize>,
@@ -100,6 +104,17 @@ impl<'a> CutFigures<'a> {
 }
 
 impl Summary {
+    /// The best known time, s: on the machine of the setup, or else the estimate.
+    pub fn time_s(&self) -> f64 {
+        self.machine_time.map_or(self.time_estimate, |time| time.total_s)
+    }
+
+    /// The same for a wheel of `channels` such channels, cut tool by tool.
+    pub fn time_of_wheel_s(&self, channels: usize) -> f64 {
+        let on_machine = self.machine_time.map(|time| time.of_channels(channels).total_s);
+        on_machine.unwrap_or(self.time_estimate * channels as f64)
+    }
+
     /// Figures of the whole plan.
     pub fn of(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
         let travel = Travel::of(&ClProgram::of_plan("", plan));
@@ -156,6 +171,7 @@ impl Summary {
             rapid_length: travel.rapid,
             time_estimate: travel.time,
             feed_time: travel.feed_time,
+            machine_time: None,
             blocked: None,
         }
     }

@@ -113,7 +113,8 @@ fn thinned(limits: ThinningLimits) -> Thinning<'static> {
 fn thinned_around(limits: ThinningLimits, locked: &'static [PlungePose]) -> Thinning<'static> {
     let plan = WHOLE.whole.as_ref().expect("some plunges are not worth their time");
     let (setup, blank, grid) = (&WHOLE.setup, &WHOLE.workpiece.blank, &*WHOLE.grid);
-    Thinning::new(ThinningInput { plan, setup, blank, grid, limits, locked }, &Monitor::default())
+    let clock = &*WHOLE.clock;
+    Thinning::new(ThinningInput { plan, setup, blank, grid, limits, locked, clock }, &Monitor::default())
         .expect("not cancelled")
 }
 

@@ -188,6 +188,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         },
         edits: EditReport::default(),
         kept_locked: Vec::new(),
+        clock: Default::default(),
         elapsed: 0.084,
     })
 }
@@ -321,6 +322,7 @@ fn summary(plan: &PlungePlan, mean: f64) -> Summary {
         rapid_length: 4000.0,
         time_estimate: 1080.0,
         feed_time: 1056.0,
+        machine_time: None,
         blocked: Some(plan.positions.iter().filter(|p| p.blocked.is_some()).count()),
     }
 }

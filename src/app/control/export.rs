@@ -67,8 +67,8 @@ impl App {
     /// Asks how many channels a program is for, while that is due.
     pub(in crate::app) fn ask_channels(&mut self, ui: &Ui) {
         let shown = self.state.last_whole_plan(self.state.look.side);
-        let time = shown.map(|shown| shown.planned.result(shown.policy).summary.time_estimate);
-        if let Some(channels) = self.channels_dialog.show(ui, time) {
+        let plan = shown.map(|shown| &shown.planned.result(shown.policy).summary);
+        if let Some(channels) = self.channels_dialog.show(ui, plan) {
             self.ask_for_cl_file(ui.ctx(), channels);
         }
     }

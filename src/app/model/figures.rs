@@ -42,10 +42,22 @@ pub fn format_duration(seconds: f64) -> String {
     }
 }
 
-/// Time of one channel, and of the whole wheel of `channels` channels; from seconds.
-pub fn format_times(seconds: f64, channels: usize) -> String {
-    let wheel = format_duration(seconds * channels as f64);
-    format!("{} per channel, {wheel} wheel", format_duration(seconds))
+/// Time of one channel, and of the whole wheel; from seconds.
+pub fn format_times(channel_s: f64, wheel_s: f64) -> String {
+    format!("{} per channel, {} wheel", format_duration(channel_s), format_duration(wheel_s))
+}
+
+/// Time of a plunge plan for one channel, and for the whole wheel of `channels` channels.
+pub fn format_plan_times(summary: &Summary, channels: usize) -> String {
+    format_times(summary.time_s(), summary.time_of_wheel_s(channels))
+}
+
+/// What [`format_plan_times`] counts.
+pub fn times_tip(summary: &Summary) -> &'static str {
+    match summary.machine_time {
+        Some(_) => "On the machine of the setup, with accelerations and tool changes",
+        None => "From plunge feed rates and rapids; without tool changes",
+    }
 }
 
 /// Time as h:mm:ss, from seconds.

@@ -228,6 +228,7 @@ impl PlanPreview {
                 others: Vec::new(),
                 edits: EditReport::default(),
                 kept_locked: Vec::new(),
+                clock: Arc::default(),
                 elapsed: 0.0,
             },
         };

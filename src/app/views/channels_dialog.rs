@@ -3,6 +3,7 @@
 use egui::{DragValue, Modal, RichText, Ui};
 
 use crate::app::model::figures::format_duration;
+use crate::job::Summary;
 
 /// The dialog.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,8 +23,8 @@ impl ChannelsDialog {
         self.asked.is_some()
     }
 
-    /// Draws it; returns the number of channels once. `time`: that of one channel, s.
-    pub fn show(&mut self, ui: &Ui, time: Option<f64>) -> Option<usize> {
+    /// Draws it; returns the number of channels once. `plan`: the plan of one channel.
+    pub fn show(&mut self, ui: &Ui, plan: Option<&Summary>) -> Option<usize> {
         let (chosen, count) = self.asked.as_mut()?;
         let (mut save, mut cancel) = (false, false);
         let modal = Modal::new(egui::Id::unique("channels")).show(ui.ctx(), |ui| {
@@ -35,9 +36,10 @@ impl ChannelsDialog {
                 ui.add(DragValue::new(chosen).range(1..=*count)).labelled_by(label.id);
                 ui.label(format!("of {count}, from the first on"));
             });
-            if let Some(time) = time {
-                let whole = format_duration(time * *chosen as f64);
-                ui.label(RichText::new(format!("Time {whole}, without tool changes")).weak());
+            if let Some(plan) = plan {
+                let whole = format_duration(plan.time_of_wheel_s(*chosen));
+                let changes = if plan.machine_time.is_some() { "with" } else { "without" };
+                ui.label(RichText::new(format!("Time {whole}, {changes} tool changes")).weak());
             }
             ui.add_space(8.0);
             ui.horizontal(|ui| {

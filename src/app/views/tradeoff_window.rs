@@ -120,7 +120,7 @@ fn show(
     };
     // The handle stands at what is asked for, else at what the plan takes.
     let planned = state.results.planned.as_ref().map(|planned| &planned.outcome);
-    let now = planned.map_or(slowest, |outcome| outcome.after.summary.time_estimate / 60.0);
+    let now = planned.map_or(slowest, |outcome| outcome.after.summary.time_s() / 60.0);
     let handle = limit.unwrap_or(now).clamp(fastest, slowest);
     let others: Vec<Marker> = planned.map(|outcome| markers(&outcome.policies())).unwrap_or_default();
     let first = planned.and_then(|outcome| outcome.setup.tools.first()).cloned();
@@ -152,7 +152,8 @@ fn show(
     None
 }
 
-const TIME_TIP: &str = "How long a channel may take, without tool changes: as much stock as fits that time is left.\n\
+const TIME_TIP: &str = "How long a channel may take, on the machine if the setup names one (else without tool changes and\n\
+     accelerations): as much stock as fits that time is left.\n\
      At the right end: whatever the least stock takes";
 
 /// The plan of another policy in the plot.
@@ -167,7 +168,7 @@ fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
     other
         .map(|result| Marker {
             name: policy_label(result.plan.policy),
-            at: (result.summary.time_estimate / 60.0, result.summary.residual_p95),
+            at: (result.summary.time_s() / 60.0, result.summary.residual_p95),
             interferes: result.summary.interfering > 0,
         })
         .collect()

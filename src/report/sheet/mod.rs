@@ -5,11 +5,13 @@ mod drawing;
 pub mod flank;
 
 use std::fmt::Write;
+use std::path::Path;
 
 use super::html::escaped;
 use super::words::{channels_text, clearances_text, minutes};
 use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
+use crate::machine::SectionTime;
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
 use crate::setup::{SectionKind, Setup, Tool};
@@ -118,7 +120,8 @@ impl SheetPart<'_> {
         let machine = match &setup.machine.file {
             Some(file) => {
                 let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
-                format!("{}, tool axis up to {tilt:.0}°", escaped(file))
+                let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
+                format!("{}, tool axis up to {tilt:.0}°", escaped(&name))
             }
             None => "not named in the setup".to_owned(),
         };
@@ -241,6 +244,7 @@ fn tool_card(tool: &Tool, feed_rates: &str) -> String {
 /// The sections in cutting order, with times of one channel and of the wheel.
 fn sections_text(input: &SheetInput) -> String {
     let (outcome, shown) = (input.outcome, input.shown);
+    let on_machine = outcome.clock.section_times(&shown.plan);
     let mut rows = String::new();
     let mut tool_changes: usize = 0;
     let mut last = None;
@@ -264,20 +268,32 @@ fn sections_text(input: &SheetInput) -> String {
             summary.positions,
             summary.residual_mean,
             summary.residual_p95,
-            minutes(&summary),
+            match &on_machine {
+                Some(times) => section_minutes(times, index),
+                None => minutes(&summary),
+            },
         );
     }
     let blades = outcome.workpiece.part.blade_count;
-    let change = TOOL_CHANGE_S / 60.0 * tool_changes as f64;
     let one = minutes(&shown.summary);
+    let wheel = shown.summary.time_of_wheel_s(blades) / 60.0;
+    let (wheel, what) = match outcome.clock.machine().filter(|_| shown.summary.machine_time.is_some()) {
+        Some(machine) => (wheel, format!("on {} with accelerations", escaped(&machine.name))),
+        None => (wheel + TOOL_CHANGE_S / 60.0 * tool_changes as f64, "accelerations left out".to_owned()),
+    };
     format!(
         "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
          <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\
          <tbody>{rows}</tbody></table>\n\
          <p>One channel {one:.1} min; the wheel, {blades} channels and {tool_changes} tool changes, \
-         about {:.0} min (accelerations left out).</p>\n",
-        one * blades as f64 + change,
+         about {wheel:.0} min ({what}).</p>\n",
     )
+}
+
+/// Time of section `index` of a plan on its machine, min.
+fn section_minutes(times: &[SectionTime], index: usize) -> f64 {
+    let own = times.iter().filter(|time| time.section == Some(index + 1));
+    own.map(SectionTime::total_s).sum::<f64>() / 60.0
 }
 
 /// The policies beside each other.

@@ -54,7 +54,8 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     ui.separator();
     figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     ui.separator();
-    let times = format_times(outcome.plan.times.total(), outcome.workpiece.part.blade_count);
+    let (time, channels) = (outcome.plan.times.total(), outcome.workpiece.part.blade_count);
+    let times = format_times(time, time * channels as f64);
     figure(ui, "Time", times, "From feed rates and rapids");
 }
 

@@ -11,22 +11,25 @@ use crate::app::views::theme::Condition;
 
 /// State of an operation, in words and as a condition.
 fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
-    let (time, faults, is_stale) = match operation {
+    let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
+    let (times, faults, is_stale) = match operation {
         Operation::Roughing => {
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
             let summary = &shown.planned.result(shown.policy).summary;
-            (summary.time_estimate, summary.interfering, state.out_of_date())
+            let times = times(summary.time_s(), summary.time_of_wheel_s(channels));
+            (times, summary.interfering, state.out_of_date())
         }
         Operation::Program => {
             let Some(checked) = &state.results.checked else {
                 let words = if running { "checking…" } else { "not checked" };
                 return (words.to_owned(), None);
             };
-            (checked.time, checked.findings.len(), state.program_is_stale())
+            (format_duration(checked.time), checked.findings.len(), state.program_is_stale())
         }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };
-            (outcome.plan.times.total(), outcome.faults.len(), state.flank_is_stale())
+            let time = outcome.plan.times.total();
+            (times(time, time * channels as f64), outcome.faults.len(), state.flank_is_stale())
         }
     };
     if running {
@@ -36,17 +39,13 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
     } else if faults > 0 {
         (format!("{faults} faults"), Some(Condition::Interfering))
     } else {
-        (times(state, operation, time), Some(Condition::Sound))
+        (times, Some(Condition::Sound))
     }
 }
 
-/// Time of a channel, and of the wheel; a checked program has its own number of channels.
-fn times(state: &AppState, operation: Operation, time: f64) -> String {
-    let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
-    match operation {
-        Operation::Program => format_duration(time),
-        _ => format!("{}, wheel {}", format_duration(time), format_duration(time * channels as f64)),
-    }
+/// Time of a channel, and of the wheel; from seconds. A checked program has its own number of channels.
+fn times(channel_s: f64, wheel_s: f64) -> String {
+    format!("{}, wheel {}", format_duration(channel_s), format_duration(wheel_s))
 }
 
 fn unplanned(running: bool) -> (String, Option<Condition>) {

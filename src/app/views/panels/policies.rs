@@ -6,7 +6,7 @@ use crate::job::Summary;
 use crate::setup::AxisPolicy;
 
 use super::setup::policy_label;
-use crate::app::model::figures::{format_percent, format_residual, format_times};
+use crate::app::model::figures::{format_percent, format_plan_times, format_residual, times_tip};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
@@ -53,6 +53,5 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary, channels: usize) {
             ui.label(RichText::new(figure).weak()).on_hover_text(tip);
         }
     });
-    let tip = "From plunge feed rates and rapids; without tool changes";
-    ui.label(RichText::new(format_times(summary.time_estimate, channels)).weak()).on_hover_text(tip);
+    ui.label(RichText::new(format_plan_times(summary, channels)).weak()).on_hover_text(times_tip(summary));
 }

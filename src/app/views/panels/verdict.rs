@@ -6,7 +6,9 @@ use crate::job::Summary;
 use crate::plunge::{DropReason, PlungePlan};
 use crate::verify::falls_short;
 
-use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, format_residual, format_times};
+use crate::app::model::figures::{
+    MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, times_tip,
+};
 use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::{self, Condition};
@@ -88,8 +90,8 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     figure(
         ui,
         "Time",
-        format_times(after.time_estimate, planned.outcome.workpiece.part.blade_count),
-        "From plunge feed rates and rapids; without tool changes",
+        format_plan_times(after, planned.outcome.workpiece.part.blade_count),
+        times_tip(after),
     );
 }
 

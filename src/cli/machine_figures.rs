@@ -1,15 +1,16 @@
-//! What `vanecut verify` says of an NC program on its machine: the time by all axes, and their travel.
+//! What `vanecut plan` and `vanecut verify` say of a program on its machine: the time by all axes, and their travel.
 
 use serde_json::{Map, Value, json};
 
 use crate::cli::output::{number, rotary_travel};
 use crate::io::program_file::NcMachine;
 use crate::job::machine_run::MachineRun;
-use crate::machine::{BlankSize, MachineTool, SectionTime, section_times};
+use crate::machine::{BlankSize, MachineProgram, MachineTool, SectionTime, section_times};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
+use crate::tradeoff::PlanClock;
 
 /// Figures of a program on its machine.
 pub(super) struct MachineFigures<'a> {
@@ -30,7 +31,16 @@ impl<'a> MachineFigures<'a> {
         let NcMachine { machine, placed, angles } = on_machine;
         let blank = BlankSize::of(&workpiece.part, &setup.allowances);
         let run = MachineRun::as_read(machine, placed, program, angles, blank, &Monitor::default()).ok();
-        let run = run.map(|run| (section_times(machine, program, &run.motion), run.motion.rotary_travel));
+        Self::of_motion(machine, program, run.map(|run| run.motion).as_ref())
+    }
+
+    /// The figures of a planned program by the rotary positions that `post` would choose; `None` without a machine.
+    pub(super) fn of_plan(clock: &'a PlanClock, program: &ClProgram) -> Option<Self> {
+        Some(Self::of_motion(clock.machine()?, program, clock.motion(program).as_ref()))
+    }
+
+    fn of_motion(machine: &'a MachineTool, program: &ClProgram, motion: Option<&MachineProgram>) -> Self {
+        let run = motion.map(|motion| (section_times(machine, program, motion), motion.rotary_travel));
         Self { machine, run }
     }
 
