@@ -48,17 +48,18 @@ pub fn point_object(result: &PolicyResult) -> Value {
 
 /// The curve as a table, with the other policies beside it.
 pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
+    // Where it runs the plan that was asked for, others may be beyond its limits.
+    let machine = outcome.clock.machine().filter(|_| outcome.after.summary.machine_time.is_some());
     let line = |name: &str, s: &Summary| {
         format!(
             "{name:<12} {:>9.1} {:>10} {:>13} {:>16} {:>12.1}\n",
-            minutes(s),
+            if machine.is_some() && s.machine_time.is_none() { f64::NAN } else { minutes(s) },
             s.positions,
             s.interfering,
             format!("{:.2} / {:.2}", s.residual_mean, s.residual_p95),
             100.0 * s.uncut_share,
         )
     };
-    let machine = outcome.clock.machine().filter(|_| outcome.after.summary.machine_time.is_some());
     let on_machine = machine.map_or(String::new(), |machine| format!(" on {}", machine.name));
     let mut text = format!(
         "\ntime against stock, one channel{on_machine}\n{:<12} {:>9} {:>10} {:>13} {:>16} {:>12}\n",

@@ -60,7 +60,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let written = write_apt(&outcome.program());
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
     write_all_atomically(&[
-        (json.clone(), write_flank(&description, &outcome.setup, plan).as_bytes()),
+        (json.clone(), write_flank(&description, &setup.as_stored(&outcome.setup), plan).as_bytes()),
         (apt.clone(), written.as_bytes()),
     ])?;
     if args.report {

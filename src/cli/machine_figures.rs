@@ -60,6 +60,14 @@ impl<'a> MachineFigures<'a> {
         map
     }
 
+    /// The same where the machine is not known.
+    pub(super) fn no_keys() -> Map<String, Value> {
+        ["machine", "machine_time", "rotary_travel"]
+            .map(|key| (key.to_owned(), Value::Null))
+            .into_iter()
+            .collect()
+    }
+
     /// A line of text.
     pub(super) fn text(&self) -> String {
         let name = &self.machine.name;

@@ -43,9 +43,19 @@ pub struct OpenSetup {
     /// Name for messages; that of the part if there is no setup file.
     name: String,
     bytes: Vec<u8>,
+    /// The machine file as the setup names it; that of `setup` is located.
+    machine_file: Option<String>,
 }
 
 impl OpenSetup {
+    /// `setup`, made of this one, as it is stored in a plan: the machine file is named as it was given, since a plan
+    /// is also read elsewhere.
+    pub fn as_stored(&self, setup: &Setup) -> Setup {
+        let mut stored = setup.clone();
+        stored.machine.file.clone_from(&self.machine_file);
+        stored
+    }
+
     /// The failure for a setup fault found while planning, with the line of the setup file.
     pub fn failure(&self, fault: SetupFault) -> Failure {
         let line = line_of_place(&self.bytes, &fault.place);
@@ -61,12 +71,14 @@ impl OpenSetup {
 pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<OpenSetup, Failure> {
     let defaults = Setup::for_part(part);
     let Some(path) = path else {
-        return Ok(OpenSetup { setup: defaults, name: part_path.display().to_string(), bytes: Vec::new() });
+        let name = part_path.display().to_string();
+        return Ok(OpenSetup { setup: defaults, name, bytes: Vec::new(), machine_file: None });
     };
     let (name, bytes) = named_bytes(path)?;
     let mut setup = read_setup_with_defaults(&name, &bytes, &defaults)?;
+    let machine_file = setup.machine.file.clone();
     locate_machine(&mut setup, path);
-    let opened = OpenSetup { setup, name, bytes };
+    let opened = OpenSetup { setup, name, bytes, machine_file };
     opened.setup.allowances.check_blank(part).map_err(|fault| opened.failure(fault))?;
     Ok(opened)
 }

@@ -170,6 +170,7 @@ pub fn plan_object(
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
     map.insert("feed_time".into(), number(s.feed_time));
+    map.append(&mut machine_time_key(s));
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), figures.if_planned(|plan| limited_object(&limited_counts(plan, None))));
     map.insert("settled".into(), figures.if_planned(|plan| json!(plan.converged)));
@@ -185,8 +186,14 @@ pub fn comparison_object(figures: &PlungeFigures, reasons: &[Option<String>]) ->
     let mut map = residual_keys(&figures.summary);
     map.insert("positions".into(), json!(figures.summary.positions));
     map.insert("blocked".into(), json!(figures.summary.blocked));
+    map.append(&mut machine_time_key(&figures.summary));
     map.insert("by_section".into(), by_section(figures, reasons));
     Value::Object(map)
+}
+
+/// The time of a plan on its machine, where it is known.
+fn machine_time_key(s: &Summary) -> Map<String, Value> {
+    s.machine_time.map(|time| ("machine_time".to_owned(), number(time.total_s))).into_iter().collect()
 }
 
 fn by_section(figures: &PlungeFigures, reasons: &[Option<String>]) -> Value {

@@ -26,7 +26,7 @@ use crate::plunge::RowDensity;
 use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::report::words;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, Setup};
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
 use crate::job::FIELD_CELLS;
@@ -48,7 +48,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     args.pareto.map(|_| check_policy(policy)).transpose()?;
     let outcome = plan_with_progress(part, &setup, policy, true)?;
     let after = &outcome.after;
-    let text = write_plan(&description, &outcome.setup, &after.plan, channels);
+    let text = write_plan(&description, &setup.as_stored(&outcome.setup), &after.plan, channels);
     let program = outcome.program_for_channels(after, channels, &Monitor::default())?;
     let program = write_apt(&program);
     create_directory(&args.output)?;
@@ -75,7 +75,11 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let curve = count.map(|count| time_stock_curve(&outcome, usize::from(count)));
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
-        object.extend(on_machine.iter().flat_map(MachineFigures::keys));
+        let keys = on_machine.as_ref().map(MachineFigures::keys);
+        object.extend(
+            keys.or_else(|| unread_machine(&outcome.setup).map(|_| MachineFigures::no_keys()))
+                .unwrap_or_default(),
+        );
         if let Some(Ok(curve)) = &curve {
             object.insert("pareto".into(), curve.iter().map(point_object).collect());
         }
@@ -125,6 +129,13 @@ pub fn plan_with_progress(
         JobError::Cancelled => Cancelled.into(),
         JobError::Setup(fault) => setup.failure(fault),
     })
+}
+
+/// Text on the machine file of a setup, which is not needed where `max_axis_tilt` stands beside it, and could not be
+/// read; `None` without one.
+fn unread_machine(setup: &Setup) -> Option<String> {
+    let file = setup.machine.file.as_deref()?;
+    Some(format!("the machine file {file} cannot be read: times are those without a machine\n"))
 }
 
 fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
@@ -272,7 +283,10 @@ fn plan_text(
         };
     }
     text += &words::clearances_text(&report.summary, channels);
-    text += &on_machine.map_or(String::new(), MachineFigures::text);
+    text += &match on_machine {
+        Some(figures) => figures.text(),
+        None => unread_machine(&outcome.setup).unwrap_or_default(),
+    };
     text += &output::assembly_text(&report.verdict.assembly);
     text += &output::convergence_text(plan);
     text += &output::limited_text(plan, edits > 0);

@@ -231,7 +231,9 @@ impl PlanCache {
         let (known, outcome) = self.unedited.as_ref()?;
         let is_same = known.setup.equals_except_flank(&request.setup)
             && (known.policy, known.field_cells) == (request.policy, request.field_cells)
-            && known.compare == request.compare;
+            && known.compare == request.compare
+            // Its file may have changed since.
+            && outcome.clock.machine() == clock_of(&request.setup, &outcome.workpiece).machine();
         is_same.then(|| outcome.clone())
     }
 }
@@ -401,6 +403,17 @@ fn plan_sections(
             JudgedPlan::Evaluated(plan) => measured(plan, &grid),
         })
         .collect::<Result<Vec<PolicyResult>, _>>()?;
+    let mut before = before;
+    let asked = others.iter().find(|result| result.plan.policy == request.policy).unwrap_or(&before);
+    let clock = match (clock.machine(), asked.summary.machine_time) {
+        (Some(_), None) => {
+            for result in others.iter_mut().chain([&mut before]) {
+                result.summary.machine_time = None;
+            }
+            Arc::new(clock.after_refusal())
+        }
+        _ => clock,
+    };
     // The search of `minimal` adds plunges as long as they remove anything; the goal says which are worth it.
     let (mut whole, mut density, mut met) = (None, RowDensity::Dense, MetGoal::default());
     if let Some(minimal) = others.iter_mut().find(|result| result.plan.policy == AxisPolicy::Minimal) {

@@ -1,7 +1,7 @@
 //! How long a plan takes: on a machine by all of its axes, without one by feed rates and rapids alone.
 
 use crate::machine::{
-    BlankSize, MachineProgram, MachineTime, MachineTool, MotionOptions, OutputKind, PlacedPart, SectionTime,
+    BlankSize, MachineProgram, MachineTime, MachineTool, MotionOptions, PlacedPart, SectionTime,
     machine_program, section_times,
 };
 use crate::monitor::Monitor;
@@ -25,18 +25,20 @@ struct PlacedMachine {
     machine: MachineTool,
     placed: PlacedPart,
     blank: BlankSize,
+    /// Whether the machine cannot run the plan that was asked for: then no plan is timed on it.
+    refuses: bool,
     /// Rate of the slower rotary axis, rad/s.
     turn_rad_per_s: f64,
 }
 
 impl PlanClock {
-    /// The clock of `workpiece` on `machine`, as the machine file lays it.
+    /// The clock of `workpiece` on `machine`, in the position that the machine file gives.
     pub fn on_machine(machine: MachineTool, workpiece: &Workpiece, allowances: &AllowanceSetup) -> Self {
         let placed = PlacedPart::of(&machine.part, &workpiece.part);
         let blank = BlankSize::of(&workpiece.part, allowances);
         let turn_rad_per_s =
             machine.rotary.iter().map(|axis| axis.rapid_rad_per_s).fold(f64::INFINITY, f64::min);
-        Self { machine: Some(PlacedMachine { machine, placed, blank, turn_rad_per_s }) }
+        Self { machine: Some(PlacedMachine { machine, placed, blank, refuses: false, turn_rad_per_s }) }
     }
 
     /// The machine.
@@ -44,14 +46,19 @@ impl PlanClock {
         self.machine.as_ref().map(|on| &on.machine)
     }
 
-    /// The motion of `program`, of the same part, on the machine with tips and rotary positions as `post` chooses
-    /// them; `None` without a machine, and where it cannot run the whole program.
+    /// The clock once the machine has refused the plan that was asked for: times of all plans are then told without
+    /// it, so that they can be compared.
+    pub fn after_refusal(&self) -> Self {
+        let machine = self.machine.clone();
+        Self { machine: machine.map(|on| PlacedMachine { refuses: true, ..on }) }
+    }
+
+    /// The motion of `program`, of the same part, on the machine as `post` makes it with the output of the machine
+    /// file; `None` without a machine, and where it cannot run the whole program.
     pub fn motion(&self, program: &ClProgram) -> Option<MachineProgram> {
-        let PlacedMachine { machine, placed, blank, .. } = self.machine.as_ref()?;
-        let options = MotionOptions {
-            blank: Some(*blank),
-            ..MotionOptions::new(OutputKind::TcpAngles, ANGLE_DECIMALS)
-        };
+        let PlacedMachine { machine, placed, blank, .. } = self.machine.as_ref().filter(|on| !on.refuses)?;
+        let options =
+            MotionOptions { blank: Some(*blank), ..MotionOptions::new(machine.output, ANGLE_DECIMALS) };
         machine_program(machine, placed, program, &options, &Monitor::default()).ok()
     }
 
@@ -67,10 +74,11 @@ impl PlanClock {
         self.section_times(plan).map(|times| MachineTime::of_sections(&times))
     }
 
-    /// Time of `plan`, s: on the machine if it can run the plan, else without accelerations and tool changes.
+    /// Time of `plan`, s: on the machine, where one that it cannot run takes for ever; without a machine without
+    /// accelerations and tool changes.
     pub fn time_s(&self, plan: &PlungePlan) -> f64 {
-        match self.machine_time(plan) {
-            Some(time) => time.total_s,
+        match self.machine.as_ref().filter(|on| !on.refuses) {
+            Some(_) => self.machine_time(plan).map_or(f64::INFINITY, |time| time.total_s),
             None => Travel::of(&ClProgram::of_plan("", plan)).time,
         }
     }
@@ -80,11 +88,11 @@ impl PlanClock {
         self.machine.as_ref().map_or(RAPID_MM_PER_MIN, |on| on.machine.links.rate)
     }
 
-    /// Time of the link between two positions, s, by the slower of its way and its turn; those that leave the part
-    /// take longer.
+    /// Time of the link between two positions, s: the longer of that of its length and that of the angle between
+    /// the tool axes at the rate of the slower rotary axis. Links that leave the part take longer.
     pub(super) fn link_s(&self, from: &Position, to: &Position) -> f64 {
-        let way = (from.evaluation.retract - to.evaluation.retract).norm() / self.link_rate() * 60.0;
-        let turn = |on: &PlacedMachine| from.axis.angle(&to.axis) / on.turn_rad_per_s;
-        self.machine.as_ref().map_or(way, |on| way.max(turn(on)))
+        let along = (from.evaluation.retract - to.evaluation.retract).norm() / self.link_rate() * 60.0;
+        let turning = |on: &PlacedMachine| from.axis.angle(&to.axis) / on.turn_rad_per_s;
+        self.machine.as_ref().map_or(along, |on| along.max(turning(on)))
     }
 }

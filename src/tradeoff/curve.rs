@@ -156,7 +156,7 @@ impl Thinning<'_> {
     }
 
     /// The least number of plunges to leave out for a time of at most `time_s`; all that can be where that is
-    /// not enough. Bisection: time falls with every plunge that goes.
+    /// not enough. Bisection: time falls with nearly every plunge that goes; on a machine a new link may take longer.
     fn first_within_time(&self, time_s: f64) -> usize {
         let too_long = |count: usize| is_longer(self.time_without(count), time_s);
         if too_long(0) { (self.last_where(too_long) + 1).min(self.len()) } else { 0 }

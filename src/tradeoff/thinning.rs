@@ -1,7 +1,8 @@
 //! The order in which plunges are left out of a plan: lazy greedy.
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
+use std::sync::{Mutex, PoisonError};
 
 use super::clock::PlanClock;
 use super::cores::Cores;
@@ -49,6 +50,8 @@ pub struct Thinning<'a> {
     uncut_share: f64,
     /// Plunges that can be left out, the first one first.
     order: Vec<usize>,
+    /// Times that were told, by the number of plunges left out.
+    times_s: Mutex<HashMap<usize, f64>>,
 }
 
 impl<'a> Thinning<'a> {
@@ -61,7 +64,8 @@ impl<'a> Thinning<'a> {
         let floor = ThinnedFloor::new(input.grid, &cutters, input.setup.allowances.hub_allowance);
         let cores = Cores::new(input.plan, input.blank);
         let uncut_share = floor.uncut_share_with(0.0);
-        let mut thinning = Self { input, floor, cores, uncut_share, order: Vec::new() };
+        let mut thinning =
+            Self { input, floor, cores, uncut_share, order: Vec::new(), times_s: Mutex::default() };
         thinning.find_order(monitor)?;
         Ok(thinning)
     }
@@ -176,6 +180,11 @@ impl<'a> Thinning<'a> {
 
     /// Time of the plan without the first `count` plunges, s, before links are raised anew.
     pub fn time_without(&self, count: usize) -> f64 {
+        let mut times_s = self.times_s.lock().unwrap_or_else(PoisonError::into_inner);
+        *times_s.entry(count).or_insert_with(|| self.find_time_without(count))
+    }
+
+    fn find_time_without(&self, count: usize) -> f64 {
         let plan = self.input.plan;
         let kept = self.kept_without(count);
         let positions =

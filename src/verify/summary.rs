@@ -109,6 +109,11 @@ impl Summary {
         self.machine_time.map_or(self.time_estimate, |time| time.total_s)
     }
 
+    /// The same of each further channel, for which no tool is changed, s.
+    pub fn time_of_further_channel_s(&self) -> f64 {
+        self.machine_time.map_or(self.time_estimate, |time| time.total_s - time.tool_changes_s)
+    }
+
     /// The same for a wheel of `channels` such channels, cut tool by tool.
     pub fn time_of_wheel_s(&self, channels: usize) -> f64 {
         let on_machine = self.machine_time.map(|time| time.of_channels(channels).total_s);

@@ -25,8 +25,7 @@ fn figures_of(summary: &Summary) -> SetFigures {
         residual_mean: summary.residual_mean,
         residual_p95: summary.residual_p95,
         uncut_share: summary.uncut_share,
-        // Of each further channel: the tools of a wheel are changed once.
-        time: summary.time_of_wheel_s(2) - summary.time_s(),
+        time: summary.time_of_further_channel_s(),
     }
 }
 

@@ -316,7 +316,7 @@ const MAX_TIME: FieldSpec = FieldSpec {
     decimals: 1,
     ..FieldSpec::mm(
         "Max time",
-        "How long a channel may take, without tool changes.\n\
+        "How long a channel may take: on the machine if the setup names one, else without tool changes.\n\
          Smaller: fewer plunges, but more stock on the hub",
         0.1,
         100_000.0,

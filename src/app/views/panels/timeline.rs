@@ -154,7 +154,7 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
 
 /// What the clock counts; `whole`: time at the end of the timeline, s.
 fn clock_tip(state: &AppState, whole: f64) -> String {
-    let from = "from feed rates and rapids; without tool changes";
+    let from = "from feed rates and rapids; without tool changes and accelerations";
     if state.look.operation == Operation::Program {
         return format!("Time of the program up to here, {from}");
     }

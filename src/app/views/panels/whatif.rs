@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         ("Pos.", "Number of plunges"),
         ("Interf.", "Plunges whose core meets stock"),
         (stock_head, "Residual stock on the hub: mean and 95th percentile"),
-        ("Wheel", "Time of all channels, from plunge feed rates and rapids; without tool changes"),
+        ("Wheel", "Time of all channels, without tool changes; on the machine if the setup names one"),
     ];
     row(ui, |ui, k| {
         let (head, tip) = heads[k];
