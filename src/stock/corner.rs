@@ -34,6 +34,9 @@ const DRAFT_ERROR: f64 = 0.05;
 const PENALTY: f64 = 4.0;
 /// Clearance that may be missing or left, mm.
 const CLEARANCE_TOLERANCE: f64 = 0.01;
+/// By which the border is put nearer to the wall than the search found it, in radii: what no plan can cut has to
+/// be so, and the search may miss the best pose by little.
+const BORDER_RADII: f64 = 0.005;
 /// Angle to the limit, and distance to an opposite wall in radii, at which a pose is limited by it.
 const LIMIT_ANGLE: f64 = std::f64::consts::PI / 180.0;
 /// See [`LIMIT_ANGLE`].
@@ -184,7 +187,11 @@ impl<'a> WallCorner<'a> {
     /// The floor beside the foot that is inaccessible, and why.
     pub(super) fn inaccessible_strip(&self) -> InaccessibleStrip {
         // Where no pose cuts any floor of this row, it counts as accessible.
-        let strip = |pose: CornerPose| InaccessibleStrip { angle: pose.begin, limit: self.limit_of(&pose) };
+        let margin = BORDER_RADII * self.cutter.radius / self.hub.radius();
+        let strip = |pose: CornerPose| InaccessibleStrip {
+            angle: (pose.begin - margin).max(0.0),
+            limit: self.limit_of(&pose),
+        };
         self.best_pose().map_or(InaccessibleStrip::NONE, strip)
     }
 
@@ -345,14 +352,14 @@ impl<'a> WallCorner<'a> {
         let along_around = self.around.dot(axis);
         let half = (1.0 - along_around * along_around).sqrt().max(1e-3);
         let outwards = (self.around - axis * along_around) / half;
-        let sideways = axis.cross(&outwards);
+        let along = axis.cross(&outwards);
         let radius = self.hub.radius();
         let least = self.cutter.radius * half / radius;
         let mut turn = least;
         for _ in 0..STEPS {
             // The frame of the cutter turned.
             let angle = self.sign * turn;
-            let [x, y, h] = [&sideways, &outwards, axis].map(|direction| rotate_vector_z(direction, angle));
+            let [x, y, h] = [&along, &outwards, axis].map(|direction| rotate_vector_z(direction, angle));
             let tip = rotate_z(tip, angle);
             let lacking = self.wall.iter().fold(f64::NEG_INFINITY, |most, point| {
                 let off = point - tip;
