@@ -105,9 +105,9 @@ mod tests {
             for piece in [(a, b.min(low)), (a.max(high), b)] {
                 if piece.0 < piece.1 {
                     if kept.len() < MAX_INTERVALS {
-                        kept.push(piece)
+                        kept.push(piece);
                     } else {
-                        kept[MAX_INTERVALS - 1].1 = piece.1
+                        kept[MAX_INTERVALS - 1].1 = piece.1;
                     }
                 }
             }
