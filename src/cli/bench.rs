@@ -147,6 +147,7 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
         workpiece: &outcome.workpiece,
         stock: &outcome.setup.allowances,
         cutters: &stretches_of(&plan.sections),
+        max_tilt_rad: outcome.setup.plunge.max_tilt_rad,
     };
     let grid = FloorGrid::new(&source, 1024);
     let cutters: Vec<_> = field_cutters(plan).into_iter().cycle().take(1000).collect();

@@ -184,6 +184,7 @@ fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -
         workpiece: &workpiece,
         stock: &setup.allowances,
         cutters: &stretches_of(&plan.sections),
+        max_tilt_rad: setup.plunge.max_tilt_rad,
     };
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let field = residual_field(&grid, &field_cutters(plan));

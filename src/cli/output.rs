@@ -8,7 +8,7 @@ use crate::part::Impeller;
 use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
 use crate::setup::{CutDirection, SectionKind, Setup};
-use crate::stock::{FloorGrid, InaccessibleFloor};
+use crate::stock::{CornerLimit, FloorGrid, InaccessibleFloor};
 use crate::verify::{AssemblyDistances, Fault, PlungeReport};
 
 /// Share of the floor from which on a cause of inaccessible floor has a line of its own.
@@ -288,6 +288,8 @@ pub fn inaccessible_list(parts: &[InaccessibleFloor]) -> Value {
     let object = |part: &InaccessibleFloor| {
         json!({
             "wall": part.obstacle.name(),
+            "limit": part.limit.map(CornerLimit::name),
+            "tool": part.tool,
             "diameter": number(part.diameter),
             "from": number(part.from),
             "to": number(part.to),
@@ -300,9 +302,12 @@ pub fn inaccessible_list(parts: &[InaccessibleFloor]) -> Value {
 /// Text on what makes floor inaccessible; empty without such floor.
 pub fn inaccessible_text(parts: &[InaccessibleFloor]) -> String {
     let line = |part: &InaccessibleFloor| {
-        let InaccessibleFloor { obstacle, diameter, from, to, share } = part;
+        let InaccessibleFloor { obstacle, limit, tool, diameter, from, to, share } = part;
         let (share, words) = (100.0 * share, obstacle.words());
-        format!("inaccessible to D {diameter}: {share:.1} % {words}, s = {from:.2} to {to:.2}\n")
+        let limit = limit.map_or_else(String::new, |limit| format!(", {}", limit.words()));
+        format!(
+            "inaccessible to tool {tool} (D {diameter}): {share:.1} % {words}{limit}, s = {from:.2} to {to:.2}\n"
+        )
     };
     parts.iter().filter(|part| part.share >= MIN_PRINTED_SHARE).map(line).collect()
 }

@@ -191,7 +191,7 @@ fn plan_json(
     let policies = outcome.policies().into_iter();
     let policies = policies.map(|result| (result.plan.policy.name().to_owned(), compared(result)));
     map.insert("policies".into(), Value::Object(policies.collect()));
-    map.insert("inaccessible".into(), output::inaccessible_list(&outcome.inaccessible_floor()));
+    map.insert("inaccessible".into(), output::inaccessible_list(&outcome.inaccessible_floor));
     map.insert("edits".into(), json!(outcome.setup.plunge.edits.len()));
     map.insert("edits_unfitting".into(), json!(outcome.edits.unapplied.len()));
     map.insert("edits_not_applied".into(), unapplied_objects(outcome));
@@ -256,7 +256,7 @@ fn plan_text(
     } else {
         text += &format!("{} as written:\n", plan.policy.name());
     }
-    text += &output::inaccessible_text(&outcome.inaccessible_floor());
+    text += &output::inaccessible_text(&outcome.inaccessible_floor);
     text += &output::reasons_text(plan, &outcome.reasons);
     text += &output::added_text(plan);
     let edits = outcome.setup.plunge.edits.len();

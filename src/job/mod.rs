@@ -5,7 +5,6 @@ pub mod assess;
 mod edited;
 pub mod flank;
 mod goal;
-mod inaccessible;
 pub mod machine_run;
 mod part_cache;
 pub mod post;
@@ -37,7 +36,8 @@ use crate::plunge::{
 };
 use crate::setup::{AxisPolicy, Goal, PlungeEdit, Setup, SetupFault};
 use crate::stock::{
-    FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of_setup,
+    FloorGrid, FloorSource, InaccessibleFloor, ResidualField, field_cutters, residual_field,
+    stretches_of_setup,
 };
 use crate::toolpath::ClProgram;
 use crate::tradeoff::PlanClock;
@@ -86,6 +86,8 @@ pub struct PlanOutcome {
     pub reasons: Vec<Option<String>>,
     /// Floor grid of all fields.
     pub grid: Arc<FloorGrid>,
+    /// What makes floor inaccessible, whichever the policy, the largest share first.
+    pub inaccessible_floor: Vec<InaccessibleFloor>,
     /// Conventional plan.
     pub before: PolicyResult,
     /// Plan by the requested policy and goal.
@@ -352,14 +354,20 @@ fn plan_sections(
     // The other policies take most of the time.
     monitor.report(0.1);
     let ready = OnceLock::new();
-    let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>), PlanError> {
+    let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>, Vec<InaccessibleFloor>), PlanError> {
         let cutters = stretches_of_setup(&setup);
-        let source = FloorSource { workpiece, stock: &setup.allowances, cutters: &cutters };
-        let grid = Arc::new(FloorGrid::new(&source, request.field_cells));
+        let source = FloorSource {
+            workpiece,
+            stock: &setup.allowances,
+            cutters: &cutters,
+            max_tilt_rad: setup.plunge.max_tilt_rad,
+        };
+        let (grid, inaccessible_floor) = FloorGrid::with_causes(&source, request.field_cells);
+        let grid = Arc::new(grid);
         let result = measured(before, &grid)?;
         // Cannot fail: this is the only place that sets it.
         let _ = ready.set(Arc::clone(&grid));
-        Ok((result, grid))
+        Ok((result, grid, inaccessible_floor))
     };
     let wanted = |policy: &&AxisPolicy| {
         **policy != AxisPolicy::Conventional && (request.compare || **policy == request.policy)
@@ -395,7 +403,7 @@ fn plan_sections(
     };
     let (before, asked) = rayon::join(conventional, asked);
     known.policies.extend(policies);
-    let ((before, grid), asked) = (before?, asked?);
+    let ((before, grid, inaccessible_floor), asked) = (before?, asked?);
     let mut others = asked
         .into_iter()
         .map(|judged| match judged {
@@ -438,6 +446,7 @@ fn plan_sections(
         setup,
         reasons,
         grid,
+        inaccessible_floor,
         before,
         after,
         whole,

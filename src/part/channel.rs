@@ -129,6 +129,24 @@ impl Wall {
         &self.whole
     }
 
+    /// Angles about Z of the ends of the ruling between `s[0]` on the hub and `s[1]` on the shroud, each moved
+    /// by `offset` mm along the surface of hub or shroud, in the direction of increasing θ where it is
+    /// positive, rad. `None` where the wall does not extend to these s.
+    pub fn ruling_offset(&self, part: &Impeller, s: [f64; 2], offset: f64) -> Option<[f64; 2]> {
+        let (foot, top) = (self.at(part, s[0], 0.0)?, self.at(part, s[1], 1.0)?);
+        let moved = |r: f64, theta_s: f64, length: f64| {
+            let slope = r * theta_s / length;
+            offset * (1.0 + slope * slope).sqrt().min(MAX_STEEPNESS) / r.max(1e-6)
+        };
+        let [hub, shroud] = [part.hub.point(s[0]).r, part.shroud.point(s[1]).r];
+        Some([
+            foot.theta + moved(hub, foot.theta_s, part.hub.length()),
+            foot.theta
+                + wrap_angle(top.theta - foot.theta)
+                + moved(shroud, top.theta_s, part.shroud.length()),
+        ])
+    }
+
     /// Whether `place` is on the blade itself and not on its linear extension beyond LE or TE.
     pub fn is_blade_at(&self, place: &WallPoint) -> bool {
         const TOLERANCE_U: f64 = 0.02;

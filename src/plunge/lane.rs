@@ -395,8 +395,6 @@ impl<'a> Lane<'a> {
     /// The ends of the wall's ruling, each moved by R + allowance along the surface of hub or shroud. `None`
     /// where the wall does not extend to these s, or the channel is too low.
     fn plain_offset(&self, wall: usize, s_hub: f64, s_shroud: f64) -> Option<AxisEnds> {
-        let foot = self.passage.walls[wall].at(self.part, s_hub, 0.0)?;
-        let top = self.passage.walls[wall].at(self.part, s_shroud, 1.0)?;
         // Where the channel is hardly higher than the allowance the direction from M to W is undefined.
         let (hub, shroud) = (self.part.hub.at(s_hub), self.part.shroud.point(s_shroud));
         let (rise_r, rise_z) = (shroud.r - hub.point.r, shroud.z - hub.point.z);
@@ -404,19 +402,10 @@ impl<'a> Lane<'a> {
         if height < MIN_HEIGHTS * self.hub_allowance {
             return None;
         }
-        let reach = self.radius + self.blade_allowance;
-        let offset = |r: f64, theta_s: f64, length: f64| {
-            let slope = r * theta_s / length;
-            reach * (1.0 + slope * slope).sqrt().min(4.0) / r.max(1e-6) * self.inward_sign(wall)
-        };
-        let (r_hub, r_shroud) = (hub.point.r, shroud.r);
-        let theta_shroud = foot.theta + wrap_angle(top.theta - foot.theta);
-        Some(AxisEnds {
-            s_hub,
-            s_shroud,
-            theta_hub: foot.theta + offset(r_hub, foot.theta_s, self.part.hub.length()),
-            theta_shroud: theta_shroud + offset(r_shroud, top.theta_s, self.part.shroud.length()),
-        })
+        let reach = (self.radius + self.blade_allowance) * self.inward_sign(wall);
+        let [theta_hub, theta_shroud] =
+            self.passage.walls[wall].ruling_offset(self.part, [s_hub, s_shroud], reach)?;
+        Some(AxisEnds { s_hub, s_shroud, theta_hub, theta_shroud })
     }
 
     /// Both wall axes at the same s; `None` where a wall does not extend to these s or the cutter does not

@@ -53,16 +53,20 @@ pub(super) fn raise_links<E: Sync>(
     };
     let bottom = |k| if monitor.is_cancelled() { [NearBottom::NOWHERE; 2] } else { links.bottoms_at(k) };
     links.bottoms = (0..plan.positions.len()).into_par_iter().map(bottom).collect();
-    // Clearance of each link, mm.
-    let mut kept = Vec::new();
+    // Clearance of each link and what it lacks, mm, with its ends raised as in `seen`.
+    let mut looks = vec![(safety, 0.0); numbers.len()];
+    let mut seen: Option<Vec<f64>> = None;
     for _ in 0..MAX_ITERATIONS {
         monitor.check()?;
-        let lift = |&k: &usize| if monitor.is_cancelled() { (safety, 0.0) } else { links.needed_lift(k) };
-        let looks: Vec<(f64, f64)> = numbers.par_iter().map(lift).collect();
+        let is_stale = |k: usize| seen.as_ref().is_none_or(|seen| seen[k..=k + 1] != links.raised[k..=k + 1]);
+        looks.par_iter_mut().zip(&numbers).for_each(|(look, &k)| {
+            if is_stale(k) && !monitor.is_cancelled() {
+                *look = links.needed_lift(k);
+            }
+        });
         monitor.check()?;
         let low: Vec<usize> =
             numbers.iter().zip(&looks).filter(|(_, (_, lift))| *lift > 0.0).map(|(&k, _)| k).collect();
-        kept = looks.into_iter().map(|(clearance, _)| clearance).collect();
         if low.is_empty() {
             break;
         }
@@ -73,11 +77,12 @@ pub(super) fn raise_links<E: Sync>(
         if links.raised == before {
             break;
         }
+        seen = Some(before);
     }
     let mut raised: Vec<(Point, f64)> =
         (0..plan.positions.len()).into_par_iter().map(|k| links.clear_retract(k)).collect();
-    for (k, kept) in numbers.into_iter().zip(kept) {
-        raised[k].1 = raised[k].1.min(kept);
+    for (k, (clearance, _)) in numbers.into_iter().zip(looks) {
+        raised[k].1 = raised[k].1.min(clearance);
     }
     monitor.check()?;
     Ok(raised)

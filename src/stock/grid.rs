@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::obstacles::{InaccessibleFloor, inaccessible_floor};
 use super::overhang::WallTables;
 use super::reach::{CutterStretch, InaccessibleTables};
 use crate::geometry::{Meridional, search};
@@ -17,6 +18,8 @@ pub struct FloorSource<'a> {
     pub stock: &'a AllowanceSetup,
     /// Ranges of s and the cutters used there. Without any, the whole floor counts as reachable.
     pub cutters: &'a [CutterStretch],
+    /// Largest angle of an axis from the isoparametric one, rad.
+    pub max_tilt_rad: f64,
 }
 
 /// Cells over the hub floor of one channel, `rows` along s (row 0 at s = 0, the leading edge;
@@ -91,6 +94,11 @@ impl FloorGrid {
 
     /// The floor of a channel in `cells` × `cells`.
     pub fn new(source: &FloorSource, cells: usize) -> Self {
+        Self::with_causes(source, cells).0
+    }
+
+    /// As [`Self::new`], with its inaccessible floor by causes, the largest share first.
+    pub fn with_causes(source: &FloorSource, cells: usize) -> (Self, Vec<InaccessibleFloor>) {
         let cells = cells.max(1);
         let count = cells * cells;
         let mut grid = Self {
@@ -121,7 +129,8 @@ impl FloorGrid {
                 GridRow { points, normals, blank_heights, areas, floor, reachable }
                     .fill(source, &walls, &reach, s);
             });
-        grid
+        let causes = inaccessible_floor(source, &grid, &walls, &reach);
+        (grid, causes)
     }
 
     /// s of the middle of row `row`.

@@ -6,15 +6,16 @@ use crate::plunge::{PlungePlan, Position, SectionPlan};
 use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
 
 mod bounds;
+mod corner;
 pub mod cover;
 pub mod excess;
 pub mod field;
 pub mod grid;
+mod hub_patch;
 pub mod levels;
 pub(crate) mod meeting;
 pub mod obstacles;
 mod overhang;
-mod profile;
 pub mod reach;
 pub mod solid;
 pub mod statistics;
@@ -25,7 +26,7 @@ pub(crate) mod trace;
 pub use field::{FieldCache, FieldCutter, ResidualField, residual_field};
 pub use grid::{FloorGrid, FloorSource};
 pub use levels::{FieldProgram, FloorLevel, FloorLevels};
-pub use obstacles::{FloorObstacle, InaccessibleFloor, inaccessible_floor};
+pub use obstacles::{CornerLimit, FloorObstacle, InaccessibleFloor};
 pub use reach::CutterStretch;
 pub use statistics::{ResidualStatistics, statistics};
 pub use tiles::TileBins;
@@ -41,7 +42,9 @@ pub fn field_cutters<E>(plan: &PlungePlan<E>) -> Vec<FieldCutter> {
 /// resolved. Those of another kind do not count: the rows define which floor is reachable.
 pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
     let radius = |number: u32| setup.tools.iter().find(|tool| tool.number == number).map(Tool::radius);
-    let stretch = |s: &SectionSetup| Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)? });
+    let stretch = |s: &SectionSetup| {
+        Some(CutterStretch { from: s.from, to: s.to, radius: radius(s.tool)?, tool: s.tool })
+    };
     setup
         .plunge
         .sections
@@ -53,6 +56,9 @@ pub fn stretches_of_setup(setup: &Setup) -> Vec<CutterStretch> {
 
 /// As [`stretches_of_setup`], of the sections of a plan or program.
 pub fn stretches_of(sections: &[SectionPlan]) -> Vec<CutterStretch> {
-    let stretch = |s: &SectionPlan| CutterStretch { from: s.from, to: s.to, radius: s.tool.radius() };
+    let stretch = |s: &SectionPlan| {
+        let tool = &s.tool;
+        CutterStretch { from: s.from, to: s.to, radius: tool.radius(), tool: tool.number }
+    };
     sections.iter().filter(|section| section.kind == SectionKind::Rows).map(stretch).collect()
 }

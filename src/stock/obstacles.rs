@@ -54,12 +54,47 @@ impl FloorObstacle {
     }
 }
 
+/// What keeps a cutter from getting nearer to the foot of a wall that leans over it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CornerLimit {
+    /// The largest angle of its axis from the isoparametric one: with more it would get nearer.
+    MaxTilt,
+    /// The wall on the other side of the passage.
+    OppositeWall,
+    /// Only hub and wall, as its bottom is wide: a smaller cutter would get nearer.
+    Cutter,
+}
+
+impl CornerLimit {
+    /// Its value in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MaxTilt => "max_tilt",
+            Self::OppositeWall => "opposite_wall",
+            Self::Cutter => "cutter",
+        }
+    }
+
+    /// What limits the cutter, for users.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::MaxTilt => "limited by max_tilt",
+            Self::OppositeWall => "limited by the opposite wall",
+            Self::Cutter => "limited by the cutter's diameter",
+        }
+    }
+}
+
 /// Inaccessible floor with the same cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InaccessibleFloor {
     /// What is in the way.
     pub obstacle: FloorObstacle,
-    /// Diameter of the cutter that works there, mm.
+    /// What keeps the cutter from getting nearer to that wall; `None` where no wall is in the way.
+    pub limit: Option<CornerLimit>,
+    /// Number of the tool that works there.
+    pub tool: u32,
+    /// Diameter of its cutter, mm.
     pub diameter: f64,
     /// s of its end nearest to the outlet.
     pub from: f64,
@@ -70,11 +105,14 @@ pub struct InaccessibleFloor {
     pub share: f64,
 }
 
-/// The inaccessible floor of `grid`, which was made of `source`, by its causes, the largest share first.
-pub fn inaccessible_floor(source: &FloorSource, grid: &FloorGrid) -> Vec<InaccessibleFloor> {
-    let workpiece = source.workpiece;
-    let walls = WallTables::new(&workpiece.part, &workpiece.channel, source.stock.blade_allowance);
-    let reach = InaccessibleTables::new(source, &walls);
+/// The inaccessible floor of `grid`, which was made of `source` with `walls` and `reach`, by its causes, the
+/// largest share first.
+pub(super) fn inaccessible_floor(
+    source: &FloorSource,
+    grid: &FloorGrid,
+    walls: &WallTables,
+    reach: &InaccessibleTables,
+) -> Vec<InaccessibleFloor> {
     let half_row = 0.5 / grid.rows as f64;
     let mut found: Vec<InaccessibleFloor> = Vec::new();
     let mut floor_area = 0.0;
@@ -83,7 +121,7 @@ pub fn inaccessible_floor(source: &FloorSource, grid: &FloorGrid) -> Vec<Inacces
         let over = walls.blades_over(s);
         let covered = reach.inaccessible_ranges(s, &over);
         let cell_angle = over.width.abs() / grid.columns as f64;
-        let diameter = reach.cutter_at(s).map_or(0.0, |cutter| 2.0 * cutter.radius);
+        let (tool, diameter) = reach.cutter_at(s).map_or((0, 0.0), |c| (c.tool, 2.0 * c.radius));
         for column in 0..grid.columns {
             let cell = row * grid.columns + column;
             if !grid.floor[cell] {
@@ -97,14 +135,19 @@ pub fn inaccessible_floor(source: &FloorSource, grid: &FloorGrid) -> Vec<Inacces
             let holds_stock = f64::from(grid.blank_heights[cell]) > source.stock.hub_allowance;
             let face = covered.face_over((column as f64 + 0.5) * cell_angle).filter(|_| holds_stock);
             let obstacle = face.map_or(FloorObstacle::HubAllowance, FloorObstacle::of_face);
-            let same = |part: &&mut InaccessibleFloor| (part.obstacle, part.diameter) == (obstacle, diameter);
+            let limit = face.map(|face| reach.limit_at(s, face));
+            let same = |part: &&mut InaccessibleFloor| {
+                (part.obstacle, part.limit, part.tool) == (obstacle, limit, tool)
+            };
             let (from, to) = (s + half_row, s - half_row);
             match found.iter_mut().find(same) {
                 Some(part) => {
                     (part.from, part.to) = (part.from.max(from), part.to.min(to));
                     part.share += area;
                 }
-                None => found.push(InaccessibleFloor { obstacle, diameter, from, to, share: area }),
+                None => {
+                    found.push(InaccessibleFloor { obstacle, limit, tool, diameter, from, to, share: area });
+                }
             }
         }
     }

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Meridional, Point, wrap_angle};
+use crate::geometry::{Meridional, Point, Vector, wrap_angle};
 use crate::part::{Channel, Impeller, Wall, passage_angle};
 
 /// Rows of the tables, at the midpoints of equal intervals of s.
@@ -65,11 +65,23 @@ impl WallNode {
         (0.0..=1.0).contains(&self.u)
     }
 
-    /// Share of the way from this node, on the blade, to `other` beyond one of its edges at which the edge
-    /// is.
-    pub(super) fn share_to_edge(&self, other: &Self) -> f64 {
-        let edge = if other.u > 1.0 { 1.0 } else { 0.0 };
-        ((edge - self.u) / (other.u - self.u)).clamp(0.0, 1.0)
+    /// Whether this is on the blade and not above its tip.
+    fn is_inside(&self) -> bool {
+        self.is_on_blade() && self.v <= 1.0
+    }
+
+    /// Share of the way from this node, on the blade, to `other` at which the edge is if that is beyond one,
+    /// else 1.
+    fn share_to_edge(&self, other: &Self) -> f64 {
+        match (0.0..=1.0).contains(&other.u) {
+            true => 1.0,
+            false => ((f64::from(other.u > 1.0) - self.u) / (other.u - self.u)).clamp(0.0, 1.0),
+        }
+    }
+
+    /// As [`Self::share_to_edge`], for the tip of the blade.
+    fn share_to_tip(&self, other: &Self) -> f64 {
+        if other.v > 1.0 { ((1.0 - self.v) / (other.v - self.v)).clamp(0.0, 1.0) } else { 1.0 }
     }
 }
 
@@ -81,6 +93,8 @@ pub(super) struct WallTable<'a> {
     pub(super) opening_sign: f64,
     /// [`LEVELS`] per row.
     nodes: Vec<WallNode>,
+    /// Its points on the blade.
+    points: Vec<Point>,
 }
 
 impl<'a> WallTable<'a> {
@@ -89,7 +103,32 @@ impl<'a> WallTable<'a> {
         nodes.par_chunks_mut(LEVELS).enumerate().for_each(|(row, nodes)| {
             tabulate(part, wall, s_of_row(row), blade_allowance, nodes);
         });
-        Self { wall, opening_sign: opens, nodes }
+        let points = points_on_blade(&nodes);
+        Self { wall, opening_sign: opens, nodes, points }
+    }
+
+    /// Points of the wall on the blade.
+    pub(super) fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// Direction of the foot of the wall along the hub at table row `row`, mm per row or two.
+    pub(super) fn trace_at(&self, row: usize) -> Vector {
+        let here = self.row(row)[0].point;
+        let beside = |row: usize| Some(self.row(row)[0].point).filter(|p| p.x.is_finite());
+        let before = row.checked_sub(1).and_then(beside).unwrap_or(here);
+        let after = (row + 1 < ROWS).then(|| beside(row + 1)).flatten().unwrap_or(here);
+        after - before
+    }
+
+    /// Whether the wall is over the floor of the passage anywhere above its foot in table row `row`.
+    pub(super) fn leans_over(&self, row: usize) -> bool {
+        self.row(row).iter().any(|node| node.is_on_blade() && node.turn * self.opening_sign > 1e-6)
+    }
+
+    /// The wall.
+    pub(super) fn wall(&self) -> &'a Wall {
+        self.wall
     }
 
     /// The levels of table row `row`, foot first.
@@ -110,6 +149,28 @@ impl<'a> WallTable<'a> {
             if there { foot + between(a.turn, b.turn) + margin } else { f64::NAN }
         })
     }
+}
+
+/// The nodes of a table that are on the blade, and where its edges and its tip are between nodes.
+fn points_on_blade(nodes: &[WallNode]) -> Vec<Point> {
+    let mut points = Vec::new();
+    for (k, node) in nodes.iter().enumerate() {
+        if node.is_inside() {
+            points.push(node.point);
+        }
+        let (row, level) = (k / LEVELS, k % LEVELS);
+        let after = (row + 1 < ROWS).then(|| &nodes[k + LEVELS]);
+        let above = (level + 1 < LEVELS).then(|| &nodes[k + 1]);
+        for next in [after, above].into_iter().flatten() {
+            if next.point.x.is_finite() && node.is_inside() != next.is_inside() {
+                let (inside, outside) = if node.is_inside() { (node, next) } else { (next, node) };
+                let share = inside.share_to_edge(outside).min(inside.share_to_tip(outside));
+                points.push(inside.point + (outside.point - inside.point) * share);
+            }
+        }
+    }
+    points.retain(|point| point.x.is_finite());
+    points
 }
 
 fn tabulate(part: &Impeller, wall: &Wall, s: f64, blade_allowance: f64, nodes: &mut [WallNode]) {
@@ -179,6 +240,24 @@ impl<'a> WallTables<'a> {
             (_, other) => other % 2 == 1 && other < index,
         };
         (0..self.faces.len()).filter(move |other| *other != index).filter(is_facing).map(|k| &self.faces[k])
+    }
+
+    /// The wall across the passage from the foot of wall `index` at `s`, the nearest of those that face it.
+    pub(super) fn opposite(&self, index: usize, s: f64) -> Option<&WallTable<'a>> {
+        let pitch = self.part.pitch();
+        let theta = |face: &WallTable| Some(face.wall.at(self.part, s, 0.0)?.theta);
+        let own = &self.faces[index];
+        let foot = theta(own)?;
+        let is_there = |face: &&WallTable| {
+            let of_splitter = self.faces.iter().position(|f| std::ptr::eq(f, *face)).filter(|&k| k >= 2);
+            of_splitter.is_none_or(|k| s >= self.splitter_s[(k - 2) / 2])
+        };
+        let turn = |face: &WallTable| match own.opening_sign > 0.0 {
+            true => Some(passage_angle(foot, theta(face)?, pitch).abs()),
+            false => Some(passage_angle(theta(face)?, foot, pitch).abs()),
+        };
+        let found = self.facing(index).filter(is_there).filter_map(|face| Some((turn(face)?, face)));
+        found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, face)| face)
     }
 
     /// The blades over the floor at `s`.

@@ -1,5 +1,7 @@
 //! Which plunges the core of another one relies on.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use crate::cutting::contact::{Columns, PLANNED_CONTACT, PlungeColumn, core_contact_by, core_interferes};
@@ -17,8 +19,9 @@ pub(super) struct Cores<'a> {
     /// Whether the core met stock in the whole plan already.
     met_before: Vec<bool>,
     /// The kept plunges that clear the way of each core, ascending: while they stay, the others make no
-    /// difference to it. Found with the last test of that core, as the watched literals of a solver are.
-    needed: Vec<Vec<u32>>,
+    /// difference to it. Found with the first test of that core and anew with each later one, as the watched
+    /// literals of a solver are. Most cores are near no plunge that a goal would leave out.
+    needed: Vec<OnceLock<Vec<u32>>>,
 }
 
 /// A core that stays free, by its number, and the plunges that it needs then.
@@ -37,11 +40,8 @@ impl<'a> Cores<'a> {
             }
         }
         let met_before = plan.positions.iter().map(|p| p.evaluation.contact.interferes()).collect();
-        let mut cores = Self { blank, columns, before, after, met_before, needed: Vec::new() };
-        let all = |_| true;
-        cores.needed =
-            (0..cores.columns.len()).into_par_iter().map(|core| cores.contact(core, all).1).collect();
-        cores
+        let needed = columns.as_slice().iter().map(|_| OnceLock::new()).collect();
+        Self { blank, columns, before, after, met_before, needed }
     }
 
     /// The columns of the plunges that are `kept`.
@@ -64,7 +64,7 @@ impl<'a> Cores<'a> {
         let found = self.free_without(plunge, kept)?;
         kept[plunge] = false;
         for (core, needed) in found {
-            self.needed[core] = needed;
+            self.needed[core] = OnceLock::from(needed);
         }
         Ok(())
     }
@@ -73,12 +73,12 @@ impl<'a> Cores<'a> {
     fn free_without(&self, plunge: usize, kept: &[bool]) -> Result<Vec<FreeCore>, usize> {
         let stays = |number: usize| kept[number] && number != plunge;
         let needs = |core: &usize| {
-            kept[*core]
-                && !self.met_before[*core]
-                && self.needed[*core].binary_search(&(plunge as u32)).is_ok()
+            // As long as it is not known none of the plunges near the core has been left out.
+            let needed = || self.needed[*core].get_or_init(|| self.contact(*core, |number| kept[number]).1);
+            kept[*core] && !self.met_before[*core] && needed().binary_search(&(plunge as u32)).is_ok()
         };
         let concerned: Vec<usize> =
-            self.after[plunge].iter().map(|&later| later as usize).filter(needs).collect();
+            self.after[plunge].par_iter().map(|&later| later as usize).filter(needs).collect();
         let meets = |core: &usize| {
             let (_, near) = self.near(*core, stays);
             core_interferes(&self.columns.as_slice()[*core], near.into_iter(), self.blank)

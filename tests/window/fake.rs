@@ -173,6 +173,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         workpiece: Arc::clone(&workpiece),
         setup,
         grid: Arc::clone(&grid),
+        inaccessible_floor: Vec::new(),
         before: result(AxisPolicy::Conventional),
         after: result(request.policy),
         whole: None,

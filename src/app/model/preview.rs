@@ -219,6 +219,7 @@ impl PlanPreview {
                 setup,
                 reasons,
                 grid,
+                inaccessible_floor: Vec::new(),
                 before: result.clone(),
                 after: result,
                 whole: None,

@@ -197,18 +197,18 @@ impl Neighbours {
         self.columns.len()
     }
 
-    /// What the gathered plunges leave of `left`; stops as soon as further ones change nothing relevant.
+    /// Removes from `left` what the gathered plunges cut; stops as soon as further ones change nothing relevant.
     /// `note` gets the numbers of those that mattered, 0 for the latest.
     ///
     /// The order of the plunges does not matter. Those that did are moved to the front: the next line is
     /// mostly beside this one, and the same few plunges leave nothing of it.
     pub fn cut_line(
         &mut self,
-        mut left: LineRemainder,
+        left: &mut LineRemainder,
         line: &CoreLine,
         deep: f64,
         mut note: impl FnMut(usize),
-    ) -> LineRemainder {
+    ) {
         let mut front = 0;
         for index in 0..self.columns.len() {
             if left.is_complete(deep) {
@@ -220,18 +220,16 @@ impl Neighbours {
                 front += 1;
             }
         }
-        left
     }
 
-    /// What the plunges cut after the gathered ones leave of `left`, as [`Self::cut_line`].
-    pub fn cut_line_by_passed(&self, mut left: LineRemainder, line: &CoreLine, deep: f64) -> LineRemainder {
+    /// Removes from `left` what the plunges after the gathered ones cut, as [`Self::cut_line`].
+    pub fn cut_line_by_passed(&self, left: &mut LineRemainder, line: &CoreLine, deep: f64) {
         for crossed in &self.passed {
             if left.is_complete(deep) {
                 break;
             }
             left.remove(crossed, line);
         }
-        left
     }
 
     /// Lowest height at which the line enters removed stock, mm, infinite if it does not, and the number of

@@ -42,7 +42,8 @@ pub fn engagement(whole: &PlungeColumn, earlier: Earlier, blank: &Blank) -> Enga
         let phi = std::f64::consts::TAU * number as f64 / LINES as f64;
         let line = near.frame().line(LINES_AT * whole.cutter.radius, phi);
         *away = (line.origin - whole.cutter.tip).normalize();
-        let left = near.cut_line(LineRemainder::whole(whole.top), &line, f64::INFINITY, |_| {});
+        let mut left = LineRemainder::whole(whole.top);
+        near.cut_line(&mut left, &line, f64::INFINITY, |_| {});
         let open = &left.open[..left.count];
         for (level, engaged) in engaged.iter_mut().enumerate() {
             let h = height(level);

@@ -314,20 +314,28 @@ impl<'a> StockLines<'a> {
     /// (first entry into removed stock, highest stock) on the line, mm above the bottom; infinite and 0 where
     /// there is none. Where no stock is left, an entry below `deep` may be any such value.
     fn on_line(&mut self, line: &CoreLine, deep: f64) -> (f64, f64) {
-        let left = self.near.cut_line_by_passed(LineRemainder::whole(self.top), line, deep);
-        let left = match &mut self.removed {
-            Some(removed) => self.near.cut_line(left, line, deep, |number| removed[number] = true),
-            None => self.near.cut_line(left, line, deep, |_| {}),
-        };
+        let mut left = LineRemainder::whole(self.top);
+        self.near.cut_line_by_passed(&mut left, line, deep);
+        match &mut self.removed {
+            Some(removed) => self.near.cut_line(&mut left, line, deep, |number| removed[number] = true),
+            None => self.near.cut_line(&mut left, line, deep, |_| {}),
+        }
         (left.first, self.highest(&left, line))
     }
 
     /// As [`Self::on_line`], for line `number` of the cache.
     fn on_cached_line(&mut self, number: usize, line: &CoreLine, deep: f64) -> (f64, f64) {
         let Some(kept) = &mut self.kept else { return self.on_line(line, deep) };
-        let (near, whole) = (&mut *self.near, LineRemainder::whole(self.top));
-        let gathered = *kept[number].get_or_insert_with(|| near.cut_line(whole, line, deep, |_| {}));
-        let left = near.cut_line_by_passed(gathered, line, deep);
+        let gathered = kept[number].get_or_insert_with(|| {
+            let mut left = LineRemainder::whole(self.top);
+            self.near.cut_line(&mut left, line, deep, |_| {});
+            left
+        });
+        if gathered.is_complete(deep) {
+            return (gathered.first, 0.0);
+        }
+        let mut left = *gathered;
+        self.near.cut_line_by_passed(&mut left, line, deep);
         (left.first, self.highest(&left, line))
     }
 

@@ -143,8 +143,8 @@ impl Search<'_> {
             self.smaller.push(Neighbours::of(&self.column, columns.iter()));
         }
         let line = self.exact.frame().line_at(x, y);
-        let whole = LineRemainder::whole(self.column.top);
-        let left = self.smaller[divisions].cut_line(whole, &line, f64::INFINITY, |_| {});
+        let mut left = LineRemainder::whole(self.column.top);
+        self.smaller[divisions].cut_line(&mut left, &line, f64::INFINITY, |_| {});
         Cell { x, y, divisions, at_most: self.near_blank(&left, &line, reach) }
     }
 
@@ -170,7 +170,8 @@ impl Search<'_> {
             return 0.0;
         }
         let line = self.exact.frame().line_at(cell.x, cell.y);
-        let left = self.exact.cut_line(LineRemainder::whole(self.column.top), &line, f64::INFINITY, |_| {});
+        let mut left = LineRemainder::whole(self.column.top);
+        self.exact.cut_line(&mut left, &line, f64::INFINITY, |_| {});
         let highest = |&(low, high): &(f64, f64)| {
             self.blank.highest_inside(&line.origin, &line.axis, low, high, &mut self.warm)
         };

@@ -113,6 +113,7 @@ enum Cleared {
 struct Answers {
     cleared: OnceLock<Cleared>,
     is_long_enough: OnceLock<bool>,
+    column: OnceLock<PlungeColumn>,
 }
 
 /// The candidates of one stage.
@@ -420,6 +421,16 @@ impl CandidateMaker<'_> {
         *place.answers[lead][tilt].is_long_enough.get_or_init(|| {
             self.cleared(place, index).is_some_and(|cleared| self.is_long_enough(&cleared.station))
         })
+    }
+
+    /// As [`Self::column`], for candidate `index` of `place` as [`Self::cleared`] has it.
+    pub fn cleared_column(
+        &self,
+        place: &CandidateStage,
+        (lead, tilt): CandidateIndex,
+        cleared: &RowCandidate,
+    ) -> PlungeColumn {
+        *place.answers[lead][tilt].column.get_or_init(|| self.column(&cleared.station))
     }
 
     /// The column of a station for the contact search, with a slightly widened core.

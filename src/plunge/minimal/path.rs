@@ -342,7 +342,8 @@ impl PathSearch<'_> {
                 continue;
             }
             let Some(candidate) = self.candidates.cleared(place, (lead, tilt)) else { continue };
-            let mut transition = self.transition(candidate, here);
+            let column = self.candidates.cleared_column(place, (lead, tilt), &candidate);
+            let mut transition = Self::transition(candidate, column, here);
             self.extend_paths(&mut transition, here, &mut best);
             first.get_or_insert(transition);
         }
@@ -364,8 +365,7 @@ impl PathSearch<'_> {
     }
 
     /// A candidate with the earlier plunges near it.
-    fn transition(&self, candidate: RowCandidate, here: &StageContext) -> Transition {
-        let column = self.candidates.column(&candidate.station);
+    fn transition(candidate: RowCandidate, column: PlungeColumn, here: &StageContext) -> Transition {
         let mut search = ContactSearch::default();
         search.among(&column, here.earlier.all().near(&column));
         Transition { candidate, column, search }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::steps::CutterStep;
 use super::uncovered::Uncovered;
+use crate::flank::fixed_axis::MAX_TILT;
 use crate::geometry::CutterSolid;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
@@ -100,8 +101,8 @@ impl FloorCache {
     /// `keeps` what it knows of the last.
     fn new(workpiece: &Workpiece, setup: &Setup, finest: &Tool, keeps: bool) -> Self {
         let radius = finest.radius();
-        let cutters = &[CutterStretch { from: 1.0, to: 0.0, radius }];
-        let source = FloorSource { workpiece, stock: &setup.allowances, cutters };
+        let cutters = &[CutterStretch { from: 1.0, to: 0.0, radius, tool: finest.number }];
+        let source = FloorSource { workpiece, stock: &setup.allowances, cutters, max_tilt_rad: MAX_TILT };
         let grid = FloorGrid::new(&source, CELLS);
         Self { radius, field: if keeps { FieldCache::new(grid) } else { FieldCache::for_one(grid) } }
     }
