@@ -1,5 +1,6 @@
 //! Figures of plans as texts, and the limits of what counts as good.
 
+use crate::flank::FlankPlan;
 use crate::job::Summary;
 use crate::plunge::plan::Condition;
 
@@ -46,6 +47,17 @@ pub fn format_duration(seconds: f64) -> String {
 pub fn format_times(seconds: f64, channels: usize) -> String {
     let wheel = format_duration(seconds * channels as f64);
     format!("{} per channel, {wheel} wheel", format_duration(seconds))
+}
+
+/// Length of all stretches of passes that a flank plan leaves out.
+pub fn skipped_length(plan: &FlankPlan, units: DisplayUnits) -> String {
+    /// Shorter ones would be written as 0.0, mm.
+    const SHORT: f64 = 0.1;
+    let length: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
+    match length < SHORT {
+        true => format!("less than {}", units.length(SHORT, 1)),
+        false => units.length(length, 1),
+    }
 }
 
 /// Time as h:mm:ss, from seconds.

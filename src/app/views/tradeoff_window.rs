@@ -5,6 +5,7 @@ use egui::{
     Align2, Color32, FontId, Pos2, ProgressBar, Rect, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
 };
 
+use super::floating::FloatingWindow;
 use super::panels::fields;
 use super::panels::setup::{goal_rows, policy_label};
 use super::theme::{self, Condition};
@@ -35,7 +36,7 @@ impl App {
         // In a corner of the picture, which follows the handle.
         let corner =
             ui.ctx().content_rect().left_bottom() + Vec2::new(theme::LEFT_WIDTH + 20.0, -size.y - 140.0);
-        let window = egui::Window::new("Time against stock").open(&mut open).collapsible(false);
+        let window = FloatingWindow::Tradeoff.window().open(&mut open).collapsible(false);
         let window = window.default_pos(corner).default_size(size).min_size([300.0, 220.0]);
         let points = self.weighing.points().cloned();
         let search = match self.weighing.progress() {

@@ -269,12 +269,13 @@ fn sections_text(input: &SheetInput) -> String {
     }
     let blades = outcome.workpiece.part.blade_count;
     let change = TOOL_CHANGE_S / 60.0 * tool_changes as f64;
+    let changes = if tool_changes == 1 { "one tool change" } else { &format!("{tool_changes} tool changes") };
     let one = minutes(&shown.summary);
     format!(
         "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
          <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\
          <tbody>{rows}</tbody></table>\n\
-         <p>One channel {one:.1} min; the wheel, {blades} channels and {tool_changes} tool changes, \
+         <p>One channel {one:.1} min; the wheel, {blades} channels and {changes}, \
          about {:.0} min (accelerations left out).</p>\n",
         one * blades as f64 + change,
     )
