@@ -75,7 +75,7 @@ fn what_is_recovered_is_saved_beside_its_part_and_not_among_the_copies() {
     second.get_by_label("Save project");
     second.get_by_label(&folder.path().display().to_string());
     press_enter(&mut second);
-    let saved = folder.path().join("wheel.vanecut");
+    let saved = folder.path().join("impeller532.vanecut");
     assert!(saved.exists(), "beside the part");
     let copies = std::fs::read_dir(home.join("recovery")).into_iter().flatten().count();
     assert_eq!(copies, 0, "nothing is left to recover");

@@ -31,6 +31,7 @@ pub mod study_plot;
 pub mod study_window;
 mod swatch;
 pub mod theme;
+mod ticks;
 pub(in crate::app) mod timeline_tool;
 mod tool_drawing;
 pub mod tool_form;

@@ -193,7 +193,9 @@ fn parse_json(name: &str, bytes: &[u8]) -> Result<Value, InputError> {
 fn round_lengths(library: &mut ToolLibrary) {
     let round = |mm: &mut f64| *mm = (1e9 * *mm).round() / 1e9;
     for LibraryTool { tool, .. } in &mut library.tools {
-        [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang].map(round);
+        [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
+            .into_iter()
+            .for_each(round);
         tool.assembly.flute_length.iter_mut().for_each(round);
         tool.assembly.shank.iter_mut().flatten().for_each(round);
         tool.assembly.holder.iter_mut().flatten().for_each(round);

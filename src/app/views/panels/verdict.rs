@@ -1,6 +1,6 @@
 //! The verdict line: interfering plunges, residual stock, clearances, share not machined, time.
 
-use egui::{FontSelection, RichText, TextWrapMode, Ui};
+use egui::{FontSelection, RichText, Ui};
 
 use crate::job::Summary;
 use crate::plunge::{DropReason, PlungePlan};
@@ -20,13 +20,10 @@ const MIN_SHOWN_SHARE: f64 = 0.0005;
 
 /// Draws the line of the selected operation. Where it is too long, it breaks between figures, and not within one.
 pub fn show(ui: &mut Ui, state: &AppState) {
-    ui.horizontal_wrapped(|ui| {
-        ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-        match state.look.operation {
-            Operation::Roughing => roughing(ui, state),
-            Operation::Flank => super::flank_results::verdict(ui, state),
-            Operation::Program => super::program::verdict(ui, state),
-        }
+    ui.horizontal_wrapped(|ui| match state.look.operation {
+        Operation::Roughing => roughing(ui, state),
+        Operation::Flank => super::flank_results::verdict(ui, state),
+        Operation::Program => super::program::verdict(ui, state),
     });
 }
 
