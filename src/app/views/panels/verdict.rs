@@ -20,10 +20,14 @@ const MIN_SHOWN_SHARE: f64 = 0.0005;
 
 /// Draws the line of the selected operation. Where it is too long, it breaks between figures, and not within one.
 pub fn show(ui: &mut Ui, state: &AppState) {
-    ui.horizontal_wrapped(|ui| match state.look.operation {
-        Operation::Roughing => roughing(ui, state),
-        Operation::Flank => super::flank_results::verdict(ui, state),
-        Operation::Program => super::program::verdict(ui, state),
+    ui.horizontal_wrapped(|ui| {
+        // Lines as close as those of a text.
+        ui.spacing_mut().item_spacing.y = 0.0;
+        match state.look.operation {
+            Operation::Roughing => roughing(ui, state),
+            Operation::Flank => super::flank_results::verdict(ui, state),
+            Operation::Program => super::program::verdict(ui, state),
+        }
     });
 }
 
