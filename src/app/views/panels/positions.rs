@@ -118,8 +118,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
         .column(Column::exact(12.0))
         .column(Column::exact(30.0))
-        .column(Column::exact(if units == DisplayUnits::Inch { 24.0 } else { 28.0 }))
-        .column(Column::exact(if units == DisplayUnits::Inch { 38.0 } else { 30.0 }))
+        .column(Column::exact(28.0))
+        .column(Column::exact(30.0))
         .column(Column::exact(46.0))
         .column(Column::exact(50.0))
         .column(Column::exact(44.0));
@@ -298,7 +298,7 @@ fn degrees(angle_rad: f64) -> String {
 fn table_diameter(mm: f64, units: DisplayUnits) -> String {
     match units {
         DisplayUnits::Metric => units.size(mm),
-        DisplayUnits::Inch => format!("{:.3}", units.of_mm(mm)),
+        DisplayUnits::Inch => format!("{:.2}", units.of_mm(mm)),
     }
 }
 
