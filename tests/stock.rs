@@ -158,3 +158,27 @@ fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
         }
     }
 }
+
+/// Between the sides of a blade prolonged, wherever the foot on a side lies.
+#[test]
+fn excess_is_positive_above_tips_that_lie_below_the_shroud() {
+    let text = include_bytes!("data/wheels/kj66_sections.toml");
+    let part = Impeller::build(&read_part_bytes("k.toml", text, "toml").expect("readable")).expect("a wheel");
+    let wheel = Setup::default().allowances.workpiece_of(part);
+    let (excess, shroud) = (Excess::new(&wheel), wheel.part.shroud.curve());
+    let steps = || (1..20).map(|k| f64::from(k) / 20.0);
+    for pair in wheel.channel.sides.chunks_exact(2) {
+        let tips = pair.iter().flat_map(|side| steps().map(|u| side.point(u, 1.0)));
+        let highest =
+            tips.map(|tip| shroud.project(Meridional::of(&tip)).1).fold(f64::NEG_INFINITY, f64::max);
+        for u in steps() {
+            let tip = nalgebra::center(&pair[0].point(u, 1.0), &pair[1].point(u, 1.0));
+            let at = shroud.at(shroud.project(Meridional::of(&tip)).0);
+            let foot = shroud.point(shroud.project(Meridional::of(&tip)).0);
+            let by = highest + 0.3;
+            let above = Meridional { r: foot.r + at.normal.r * by, z: foot.z + at.normal.z * by };
+            let found = excess.at(&above.at_angle(tip.y.atan2(tip.x)));
+            assert!(found > 0.0, "u {u}: {found} mm");
+        }
+    }
+}

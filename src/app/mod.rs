@@ -172,11 +172,6 @@ impl App {
         self.start = Some(start);
     }
 
-    /// Opens a project, setup or part file in the background.
-    pub fn open_path(&mut self, path: PathBuf) {
-        self.open_file(path);
-    }
-
     /// Opens a part in the background, then plans it.
     pub fn open_part(&mut self, source: PartSource) {
         self.open_files(Some(source), None);
@@ -385,9 +380,9 @@ impl eframe::App for App {
             || self.dialogs.is_asking()
             || self.help.is_open();
         if !self.palette.is_open() && !asks {
-            // An open menu takes Escape first.
-            let has_menu = egui::Popup::is_any_open(ctx);
-            let can = |command| self.is_available(command) && !(has_menu && command == Command::Cancel);
+            // An open menu takes Escape first, then the window in front.
+            let keeps_escape = egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx);
+            let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
             }
@@ -433,11 +428,7 @@ impl eframe::App for App {
         if open {
             let height = panels::verdict::height(ui.available_width());
             let line = Panel::top("verdict").exact_size(height).show(ui, |ui| {
-                ui.horizontal_wrapped(|ui| match self.state.look.operation {
-                    Operation::Roughing => panels::verdict::show(ui, &self.state),
-                    Operation::Flank => panels::flank_results::verdict(ui, &self.state),
-                    Operation::Program => panels::program::verdict(ui, &self.state),
-                });
+                panels::verdict::show(ui, &self.state);
             });
             verdict = Some(line.response.rect);
         }
@@ -482,6 +473,7 @@ impl eframe::App for App {
             WindowRegion::Menus => Some(menus),
         });
         self.ask_unsaved(ui);
+        self.ask_recover(ui);
         self.ask_release(ui);
         self.ask_export(ui);
         self.ask_channels(ui);

@@ -200,7 +200,7 @@ fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) ->
     map.insert("output".into(), json!(output.name()));
     if let Some(calls) = request.calls {
         map.insert("calls".into(), json!(calls.count()));
-        map.insert("call_turn".into(), json!(calls.turn_rad().map(f64::to_degrees)));
+        map.insert("call_turn".into(), json!(calls.turn_rad().map(rounded_degrees)));
     }
     map
 }
@@ -253,4 +253,18 @@ fn text(args: &PostArgs, request: &PostRequest, program: &ClProgram, posted: &Po
         motion.axis_error_rad.to_degrees()
     );
     text
+}
+/// Degrees of an angle in rad, rounded to 1e-9: six calls turn on by 60, and not by 59.999….
+fn rounded_degrees(angle_rad: f64) -> f64 {
+    (1e9 * angle_rad.to_degrees()).round() / 1e9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded_degrees;
+
+    #[test]
+    fn six_calls_turn_on_by_60_degrees() {
+        assert_eq!(rounded_degrees(std::f64::consts::TAU / 6.0), 60.0);
+    }
 }

@@ -40,7 +40,7 @@ impl<'a> Excess<'a> {
     pub fn at(&self, point: &Point) -> f64 {
         let (part, m) = (self.part, Meridional::of(point));
         let (_, above_hub) = part.hub.curve().project(m);
-        let (mut nearest, mut is_at_tip) = (above_hub, false);
+        let (mut nearest, mut nearest_side) = (above_hub, None);
         for face in &self.faces {
             let (centre, radius) = face.ball;
             if (point - centre).norm() - radius > nearest.abs() {
@@ -48,15 +48,19 @@ impl<'a> Excess<'a> {
             }
             let Some(near) = face.probe.nearest_to_point_below(point, nearest.abs()) else { continue };
             if near.distance < nearest.abs() {
-                let (p, by_u, by_v) = face.probe.side().derivatives(near.u, near.v);
+                let side = face.probe.side();
+                let (p, by_u, by_v) = side.derivatives(near.u, near.v);
                 let out = face.outward * by_u.cross(&by_v).dot(&(point - p));
                 nearest = near.distance.copysign(out);
-                is_at_tip = near.v >= 1.0;
+                nearest_side = Some((side, near.u));
             }
         }
-        if is_at_tip && nearest < 0.0 {
-            // Between the sides of a blade prolonged: above its tip, that is the nearest surface.
-            let above_tip = part.shroud.curve().project(m).1;
+        if let Some((side, u)) = nearest_side.filter(|_| nearest < 0.0) {
+            // Between the sides of a blade, or of one prolonged: above its tip, that is the nearest surface. Tips
+            // run along the shroud, and some at a distance below it; the foot on a side may lie below the end of
+            // the side, as tips are cut at an angle to it.
+            let above_shroud = |at: Meridional| part.shroud.curve().project(at).1;
+            let above_tip = above_shroud(m) - above_shroud(Meridional::of(&side.point(u, 1.0)));
             if above_tip > 0.0 {
                 return above_tip.min(-nearest);
             }

@@ -222,3 +222,22 @@ fn the_solid_stock_follows_the_timeline_of_the_passes() {
     let before = volume(&window);
     assert!(before > finished + 1.0, "{before} mm³ before the passes, {finished} after them");
 }
+
+#[test]
+fn the_program_of_the_selected_operation_is_exported() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    let titles = ["Export CL (APT)", "Export flank CL (APT)"];
+    plan_flank(&mut window, 8.0);
+    for (operation, title) in [("Flank: ", titles[1]), ("Roughing: ", titles[0])] {
+        window.get_by_label_contains(operation).click();
+        window.run_steps(3);
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+        window.run_steps(3);
+        settle(&mut window);
+        window.get_by_label(title);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+    }
+}

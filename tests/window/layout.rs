@@ -216,3 +216,36 @@ fn text_has_a_contrast_of_at_least_4_5_and_is_not_too_small() {
         }
     }
 }
+
+#[test]
+fn the_verdict_breaks_between_figures_and_never_within_one() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    for width in (800..1300).step_by(50) {
+        window.set_size(egui::vec2(width as f32, 667.0));
+        window.run_steps(3);
+        let verdict = |rect: &egui::Rect| rect.top() < 80.0;
+        let all = |text: &str| -> Vec<egui::Rect> {
+            window.query_all_by_label_contains(text).map(|node| node.rect()).filter(verdict).collect()
+        };
+        for (name, value) in [("Time", "per channel, "), ("Residual", " to "), ("Not machined", " %")] {
+            let (names, values) = (all(name), all(value));
+            let name = names[0];
+            let beside = |value: &&egui::Rect| (value.center().y - name.center().y).abs() < 4.0;
+            let value = values.iter().find(beside);
+            assert!(value.is_some(), "{width}: {names:?} {values:?}");
+            assert!(values.iter().all(|value| value.height() < 1.5 * name.height()), "{width}: in one line");
+        }
+    }
+}
+
+#[test]
+fn the_states_of_cutters_have_their_legend_wherever_there_is_room() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    // As a screen of 1600 points at 150 %.
+    window.set_size(egui::vec2(1067.0, 667.0));
+    window.run_steps(3);
+    window.get_by_label_contains("OK, ");
+    window.get_by_label("Residual on hub");
+}

@@ -23,6 +23,7 @@ mod preview;
 mod program;
 mod project;
 mod real;
+mod recovery;
 mod release;
 mod review;
 mod roles;
@@ -36,6 +37,7 @@ mod tradeoff;
 mod tuning;
 mod units;
 mod walk;
+mod windows;
 
 use std::sync::atomic::Ordering;
 

@@ -154,6 +154,8 @@ fn a_program_that_the_machine_cannot_run_is_not_written() {
     save(&mut window, &path);
     window.get_by_label_contains("the NC program is not written: narrow.toml: move ");
     assert!(!path.exists());
+    assert!(window.state().state().document.can_undo(), "the machine was chosen");
+    assert!(window.query_by_label("Undo the edit").is_none(), "no edit is to blame");
 }
 
 #[test]

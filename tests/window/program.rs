@@ -400,3 +400,12 @@ fn a_check_shows_its_progress_and_can_be_cancelled() {
     check(&mut window, &path);
     assert!(window.state().state().results.checked.is_some());
 }
+
+#[test]
+fn the_lines_of_a_program_have_a_legend() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (window, _) = with_checked_program(folder.path());
+    for entry in ["T1 Ø30", "rapid", "fault"] {
+        window.get_by_label(entry);
+    }
+}

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::part_source::PartSource;
 use vanecut::io::part_file::read_part;
 use vanecut::io::part_hash::PartHash;
@@ -148,8 +149,10 @@ fn runs_are_sorted_plotted_and_opened_as_plans() {
     let button = window.get_by_role_and_label(Role::Button, "Open as plan");
     assert!(button.accesskit_node().is_disabled(), "it has no plan");
     window.get_by_label("the step is too small");
+    window.state_mut().look_mut().operation = Operation::Flank;
     open_run(&mut window, 2);
     let state = window.state().state();
+    assert_eq!(state.look.operation, Operation::Roughing, "what was asked for is shown");
     assert_eq!(state.document.edited.setup.plunge.step, Some(8.0));
     assert!(!state.out_of_date() && state.results.planned.is_some(), "it is calculated");
 }

@@ -29,6 +29,11 @@ use crate::setup::SetupFault;
 use crate::study::StudyResults;
 
 impl App {
+    /// Opens a project, setup or part file in the background.
+    pub fn open_path(&mut self, path: PathBuf) {
+        self.open_file(path);
+    }
+
     pub(in crate::app) fn open_files(&mut self, part: Option<PartSource>, setup: Option<PathBuf>) {
         let open = self.state.document.part.as_ref();
         let defaults = Box::new(open.map(|part| part.defaults.clone()).unwrap_or_default());
@@ -54,7 +59,9 @@ impl App {
 
     /// Opens a project, setup, part or study, depending on the file.
     pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
-        self.dialogs.note_folder(&path);
+        if !self.is_recoverable(&path) {
+            self.dialogs.note_folder(&path);
+        }
         if files::is_study(&path) {
             self.submit_open(OpenTask::Study(path));
         } else if files::is_program(&path) {
@@ -346,6 +353,9 @@ impl App {
                 format!("{}: the part changed after the study was run", file.display()),
                 "compare the figures of the plan with those of the run, or run the study again",
             ));
+        }
+        if is_run {
+            self.state.look.operation = Operation::Roughing;
         }
         // The first plan of a part starts automatically.
         if new_part || is_run || self.state.results.planned.is_none() {

@@ -36,7 +36,7 @@ impl App {
             C::CheckAgain | C::CloseProgram => {
                 self.state.results.checked.is_some() || self.work.asked_check.is_some()
             }
-            C::ExportNc | C::ExportSheet => !self.planned_operations().is_empty(),
+            C::ExportCl | C::ExportNc | C::ExportSheet => !self.planned_operations().is_empty(),
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::ExportScene
             | C::SaveSetup
@@ -50,7 +50,6 @@ impl App {
             C::SavePicture => open && self.pictures.is_some(),
             C::ExportStock
             | C::Stock
-            | C::ExportCl
             | C::ExportClSome
             | C::ExportClAll
             | C::TimeAgainstStock
@@ -106,12 +105,13 @@ impl App {
     pub(in crate::app) fn run_command(&mut self, ctx: &Context, command: Command) {
         use Command as C;
         let is_running = self.running_task().is_some();
+        let exported = self.exported_operation();
         let look = &mut self.state.look;
         match command {
             C::NewProject => self.run_guarded(ctx, Pending::New),
             C::OpenProject => self.dialogs.open_dialog(ctx, Purpose::OpenProject, String::new()),
             C::SaveProject => self.save_project(ctx),
-            C::SaveProjectAs => self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project()),
+            C::SaveProjectAs => self.ask_for_project(ctx),
             C::Palette => self.palette.toggle(),
             C::KeepSet => self.state.document.keep_set(),
             C::FollowEdits => self.state.auto_update ^= true,
@@ -131,6 +131,9 @@ impl App {
             C::CheckProgram => self.dialogs.open_dialog(ctx, Purpose::CheckProgram, String::new()),
             C::CheckAgain => self.check_again(),
             C::CloseProgram => self.close_program(),
+            C::ExportCl if exported == Some(Operation::Flank) => {
+                self.run_command(ctx, C::ExportFlank);
+            }
             C::ExportCl => self.ask_for_cl_file(ctx, 1),
             C::ExportClSome => self.channels_dialog.open(self.channel_count()),
             C::ExportClAll => self.ask_for_cl_file(ctx, self.channel_count()),

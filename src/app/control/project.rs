@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 use egui::{Context, Rect, Ui};
 
@@ -14,8 +13,9 @@ use crate::app::model::look::REVEAL;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
 use crate::app::model::problem::{Problem, Topic};
+use crate::app::model::state::RecoveryCopy;
 use crate::app::tasks::files::WriteTask;
-use crate::app::tasks::home::{self, Home, Preferences};
+use crate::app::tasks::home::{Home, Preferences};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::project::project_of;
 use crate::app::views::tour::WindowRegion;
@@ -27,8 +27,6 @@ use crate::study::StudyResults;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
-/// Delay of the recovery copy after the last change.
-const COPY_AFTER: Duration = Duration::from_secs(2);
 
 /// Action that waits until unsaved changes are saved or discarded.
 #[derive(Clone, Debug)]
@@ -48,16 +46,18 @@ pub(in crate::app) enum Pending {
 /// State of the session that is not part of [`AppState`].
 #[derive(Default)]
 pub(in crate::app) struct Session {
-    home: Option<Home>,
+    pub(super) home: Option<Home>,
     /// Content of the recovery copy on disk.
-    copied: Option<Edited>,
+    pub(super) copied: Option<Edited>,
     /// Last seen content and the time of its change, s: a copy waits until it is stable.
-    edited: Option<(Edited, f64)>,
+    pub(super) edited: Option<(Edited, f64)>,
+    /// Recovery copy of the project that was opened, while it is asked what to do with it.
+    pub(super) found: Option<RecoveryCopy>,
     pending: Option<Pending>,
     /// Action to run once the project is written.
     after_saving: Option<Pending>,
     /// Whether closing was confirmed.
-    closing: bool,
+    pub(super) closing: bool,
     /// Whether the tour was taken or skipped, in this session or before.
     knows_tour: bool,
     /// Whether the tour begins with the next part.
@@ -67,9 +67,9 @@ pub(in crate::app) struct Session {
 }
 
 impl Session {
-    /// Whether the question about unsaved changes is open.
+    /// Whether a question about unsaved changes, of this session or another, is open.
     pub(in crate::app) fn is_asking(&self) -> bool {
-        self.pending.is_some()
+        self.pending.is_some() || self.found.is_some()
     }
 }
 
@@ -78,7 +78,7 @@ impl App {
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
         self.state.recents = home.recents();
-        self.state.recoverable = home.recovery_copies().into_iter().map(home::recovery_copy).collect();
+        self.state.recoverable = home.recoverable();
         let preferences = home.preferences();
         (self.state.look.mouse, self.state.look.units) = (preferences.mouse, preferences.units);
         self.session.knows_tour = preferences.knows_tour;
@@ -160,8 +160,8 @@ impl App {
         let pending = self.session.pending.take();
         match answer {
             UnsavedAnswer::Save => {
-                self.session.after_saving = pending;
                 self.save_project(ui.ctx());
+                self.session.after_saving = pending;
             }
             UnsavedAnswer::Discard => {
                 if let Some(pending) = pending {
@@ -172,16 +172,28 @@ impl App {
         }
     }
 
-    /// Saves the project to its file, or asks for one.
+    /// Saves the project to its file, or asks for one. What waited for an earlier saving waits no longer: that
+    /// one was cancelled or has failed.
     pub(in crate::app) fn save_project(&mut self, ctx: &Context) {
+        self.session.after_saving = None;
         match self.state.document.path.clone() {
             Some(path) => self.write_project(path),
-            None => self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project()),
+            None => self.ask_for_project(ctx),
         }
     }
 
-    /// Proposed file name of the project.
-    pub(in crate::app) fn suggest_project(&self) -> String {
+    /// Asks where to save the project.
+    pub(in crate::app) fn ask_for_project(&mut self, ctx: &Context) {
+        self.session.after_saving = None;
+        self.dialogs.open_dialog(ctx, Purpose::SaveProject, self.suggest_project());
+    }
+
+    /// Proposed file name of the project: its own, else that of the part.
+    fn suggest_project(&self) -> String {
+        let own = self.state.document.path.as_ref().and_then(|path| path.file_name());
+        if let Some(own) = own {
+            return own.to_string_lossy().into_owned();
+        }
         let name = self.state.document.part.as_ref().map_or("project", |part| part.impeller.name.as_str());
         format!("{name}.{EXTENSION}")
     }
@@ -289,19 +301,11 @@ impl App {
             ));
         }
         self.report_setup_faults(&project.setup_faults);
-        let recovered = self.state.recoverable.iter().any(|copy| copy.path == path);
-        if recovered {
-            self.state.document.path.clone_from(&project.original);
-            self.state.document.mark_unsaved();
-            self.state
-                .report_done("Recovered unsaved changes of the last session; save the project to keep them");
-            self.copy_now();
-            // The content is now in this session's own recovery copy.
-            if self.session.copied.is_some() {
-                self.drop_recoverable(&path);
-            }
+        if self.is_recoverable(&path) {
+            self.take_recovered(&path, project);
         } else {
             self.note_recent(&path);
+            self.find_copy_of(&path);
         }
     }
 
@@ -314,54 +318,6 @@ impl App {
     pub(in crate::app) fn study_results(&mut self, ui: &Ui) {
         if let Some((results, row)) = self.study.show(ui) {
             self.run_guarded(ui.ctx(), Pending::OpenRun(results, row));
-        }
-    }
-
-    /// Discards a recovery copy of another session.
-    pub(in crate::app) fn drop_recoverable(&mut self, path: &Path) {
-        self.state.recoverable.retain(|copy| copy.path != path);
-        home::remove_copy(path);
-    }
-
-    /// Writes the recovery copy once the content is stable. Call once per frame.
-    pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
-        // Closing was confirmed: what was not saved is meant to go.
-        if self.session.closing || self.session.home.is_none() || !self.state.document.is_unsaved() {
-            return;
-        }
-        let now = ctx.input(|input| input.time);
-        let edited = &self.state.document.edited;
-        if self.session.copied.as_ref() == Some(edited) {
-            return;
-        }
-        match &self.session.edited {
-            Some((last, since)) if last == edited => {
-                let rest = COPY_AFTER.as_secs_f64() - (now - since);
-                if rest <= 0.0 {
-                    self.copy_now();
-                } else {
-                    ctx.request_repaint_after(Duration::from_secs_f64(rest));
-                }
-            }
-            _ => {
-                self.session.edited = Some((edited.clone(), now));
-                ctx.request_repaint_after(COPY_AFTER);
-            }
-        }
-    }
-
-    /// Writes the recovery copy, on the UI thread: it is small and written rarely.
-    pub(in crate::app) fn copy_now(&mut self) {
-        let Some(home) = &self.session.home else { return };
-        let Some(mut project) = project_of(&self.state, self.view.current()) else { return };
-        project.original.clone_from(&self.state.document.path);
-        match home.write_copy(&write_project(&project, home.copy())) {
-            Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
-            Err(error) => {
-                // Report the error once; the next change tries again.
-                self.session.copied = Some(self.state.document.edited.clone());
-                self.state.report_problem(Problem::from(&error));
-            }
         }
     }
 }

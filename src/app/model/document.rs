@@ -48,7 +48,8 @@ pub struct Document {
     pub part: Option<OpenPart>,
     /// The edited content.
     pub edited: Edited,
-    /// File of the project; `None` before it is saved.
+    /// File of the project, absolute: recovery copies carry it to sessions that begin in another folder. `None`
+    /// before it is saved.
     pub path: Option<PathBuf>,
     /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
@@ -61,7 +62,7 @@ impl Document {
         self.part = Some(part);
         self.saved = Some(edited.clone());
         self.edited = edited;
-        self.path = path;
+        self.path = path.map(absolute);
         self.history = History::default();
     }
 
@@ -72,7 +73,7 @@ impl Document {
 
     /// Records that `edited` was written to `path`.
     pub fn note_saved(&mut self, path: PathBuf, edited: Edited) {
-        self.path = Some(path);
+        self.path = Some(absolute(path));
         self.saved = Some(edited);
     }
 
@@ -121,4 +122,9 @@ impl Document {
         let name = (1..).map(|k| format!("Variant {k}")).find(|name| !taken(name)).unwrap_or_default();
         self.edited.sets.push(WhatIf { name, setup: self.edited.setup.clone() });
     }
+}
+
+/// The path from the root; as it is where the current folder is unknown.
+fn absolute(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
 }

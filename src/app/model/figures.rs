@@ -1,5 +1,6 @@
 //! Figures of plans as texts, and the limits of what counts as good.
 
+use crate::flank::FlankPlan;
 use crate::job::Summary;
 use crate::plunge::plan::Condition;
 
@@ -57,6 +58,17 @@ pub fn times_tip(summary: &Summary) -> &'static str {
     match summary.machine_time {
         Some(_) => "On the machine of the setup, with accelerations and tool changes",
         None => "From plunge feed rates and rapids; without tool changes",
+    }
+}
+
+/// Length of all stretches of passes that a flank plan leaves out.
+pub fn skipped_length(plan: &FlankPlan, units: DisplayUnits) -> String {
+    /// Shorter ones would be written as 0.0, mm.
+    const SHORT: f64 = 0.1;
+    let length: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
+    match length < SHORT {
+        true => format!("less than {}", units.length(SHORT, 1)),
+        false => units.length(length, 1),
     }
 }
 

@@ -59,6 +59,11 @@ impl Problem {
         Self { field, ..self }
     }
 
+    /// Whether an edit of the setup may have caused it, so that undoing the edit may help.
+    pub fn is_of_edit(&self) -> bool {
+        matches!(self.topic, Topic::Plan | Topic::Flank)
+    }
+
     /// Message and help in one line.
     pub fn text(&self) -> String {
         if self.help.is_empty() { self.message.clone() } else { format!("{}; {}", self.message, self.help) }

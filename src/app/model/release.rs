@@ -3,7 +3,7 @@
 use crate::plunge::DropReason;
 use crate::verify::{TILT_TOLERANCE, falls_short};
 
-use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
+use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, skipped_length};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::state::AppState;
@@ -87,8 +87,11 @@ fn flank_concerns(state: &AppState) -> Vec<String> {
     if state.flank_is_stale() {
         found.push("The setup was edited after this calculation".to_owned());
     }
-    if !outcome.plan.uncut.is_empty() {
-        found.push(format!("{} stretches of passes are left out", outcome.plan.uncut.len()));
+    let lost = || skipped_length(&outcome.plan, state.look.units);
+    match outcome.plan.uncut.len() {
+        0 => {}
+        1 => found.push(format!("1 stretch of a pass is left out, {}", lost())),
+        n => found.push(format!("{n} stretches of passes are left out, {} in all", lost())),
     }
     found
 }

@@ -88,8 +88,7 @@ impl Home {
     /// Tries to hold the lock that says that the project file at `path` is open in a window.
     pub fn hold_project(&self, path: &Path) -> LockTry {
         // One file has one lock, by whatever way it was opened.
-        let file = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
-        let file = file.unwrap_or_else(|_| path.to_owned());
+        let file = one_name_of(path);
         let hash = fnv1a(FNV_START, file.as_os_str().as_encoded_bytes().iter().copied());
         try_hold(self.folder.join("locks").join(format!("project-{hash:016x}.lock")))
     }
@@ -100,15 +99,21 @@ impl Home {
         let _ = std::fs::remove_file(&self.copy);
     }
 
+    /// Recovery copies of other sessions that ended without closing, with what a user knows them by, latest
+    /// first.
+    pub fn recoverable(&self) -> Vec<RecoveryCopy> {
+        self.recovery_copies().into_iter().map(recovery_copy).collect()
+    }
+
     /// Recovery copies of other sessions that ended without closing, latest first.
-    pub fn recovery_copies(&self) -> Vec<PathBuf> {
+    fn recovery_copies(&self) -> Vec<PathBuf> {
         let Some(folder) = self.copy.parent() else { return Vec::new() };
         let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let mut found: Vec<(SystemTime, PathBuf)> = files
             .filter_map(|entry| {
                 let path = entry.path();
                 let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
-                let ours = path.extension().is_some_and(|e| e == EXTENSION) && path != self.copy;
+                let ours = is_copy_name(&path) && path != self.copy;
                 (ours && !is_held(&lock_of(&path))).then_some((changed, path))
             })
             .collect();
@@ -156,11 +161,31 @@ impl Home {
     }
 }
 
+/// Whether two paths name one file.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
+    one_name_of(a) == one_name_of(b)
+}
+
+/// The name of a file that is the same by whatever way it is opened.
+fn one_name_of(path: &Path) -> PathBuf {
+    let file = std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
+    file.unwrap_or_else(|_| path.to_owned())
+}
+
+/// Whether a file is named as recovery copies are: what a user saved among them is none.
+fn is_copy_name(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let numbers = stem.split_once('-').is_some_and(|(process, time)| {
+        [process, time].iter().all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
+    });
+    numbers && path.extension().is_some_and(|extension| extension == EXTENSION)
+}
+
 /// The recovery copy at `path`, with what a user knows it by.
-pub fn recovery_copy(path: PathBuf) -> RecoveryCopy {
+fn recovery_copy(path: PathBuf) -> RecoveryCopy {
     let project = read_project(&path).ok();
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let name = project.map_or_else(
+    let name = project.as_ref().map_or_else(
         || stem(&path),
         |project| match (&project.original, &project.part) {
             (Some(original), _) => stem(original),
@@ -169,7 +194,8 @@ pub fn recovery_copy(path: PathBuf) -> RecoveryCopy {
         },
     );
     let age = std::fs::metadata(&path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
-    RecoveryCopy { title: format!("{name}, {}", age_in_words(age.unwrap_or_default())), path }
+    let title = format!("{name}, {}", age_in_words(age.unwrap_or_default()));
+    RecoveryCopy { path, title, project: project.and_then(|project| project.original) }
 }
 
 fn age_in_words(age: Duration) -> String {
@@ -217,6 +243,7 @@ mod tests {
         let other = Home::new(folder.path().to_owned());
         other.write_copy("of another session, which runs").expect("writes");
         std::fs::write(recovery.join("notes.txt"), "of somebody").expect("writes");
+        std::fs::write(recovery.join("wheel-2.vanecut"), "a project saved here").expect("writes");
         assert_eq!(home.recovery_copies(), [recovery.join("4194304999-1.vanecut")]);
         // Killed: the lock goes with the session, whatever its file.
         let killed = other.copy().to_owned();

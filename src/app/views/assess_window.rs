@@ -4,6 +4,7 @@ use egui::{Grid, RichText, ScrollArea, Ui};
 
 use super::chart;
 use super::command::Command;
+use super::floating::FloatingWindow;
 use super::units;
 use crate::app::App;
 use crate::app::model::units::DisplayUnits;
@@ -21,7 +22,7 @@ impl App {
         let mut open = true;
         let size = egui::vec2(560.0, 520.0).min(ui.ctx().content_rect().size() - egui::vec2(40.0, 80.0));
         let corner = ui.ctx().content_rect().center() - 0.5 * size;
-        let window = egui::Window::new("Machinability").open(&mut open).collapsible(false);
+        let window = FloatingWindow::Machinability.window().open(&mut open).collapsible(false);
         let shown =
             window.default_pos(corner).default_size(size).min_size([320.0, 200.0]).show(ui.ctx(), |ui| {
                 let assessed = self.assessing.known(&self.state).map(|assessed| &**assessed);

@@ -75,7 +75,7 @@ commands! {
     StudyResults "Study results" "Shows the results of the study that was opened last" [];
     SaveSetup "Save setup…" "Writes the current setup" [];
     ExportCl "Export CL (APT)…"
-        "Writes the shown plan, for one channel, as an APT cutter-location file" [CTRL, E];
+        "Writes the plan of the selected operation, for one channel, as an APT cutter-location file" [CTRL, E];
     ExportClSome "Export CL of several channels…"
         "Writes the shown plan, for as many channels as you say, as an APT cutter-location file" [];
     ExportClAll "Export CL of all channels…"

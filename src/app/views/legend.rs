@@ -1,11 +1,13 @@
 //! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the
 //! cursor. It lies beside the picture, so that it hides nothing of it.
 
-use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
+use egui::{Color32, DragValue, FontSelection, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
+use crate::drawing::flank::RAPID_COLOUR;
 use crate::gpu::scene::FloorColours;
-use crate::palette::{ColourMap, TABLE_LEN};
+use crate::palette::{ColourMap, INTERFERING, Rgb, TABLE_LEN, category};
 
+use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
 use crate::app::model::look::Operation;
 use crate::app::model::number::Quantity;
@@ -108,7 +110,11 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         ui.horizontal_centered(|ui| {
             ui.spacing_mut().item_spacing.x = 5.0;
-            if let Some(legend) = cutter_legend(state, ui.available_width()) {
+            if let Some(checked) = state.results.checked.as_ref().filter(|_| shows_program(state)) {
+                program_key(ui, checked);
+                return;
+            }
+            if let Some(legend) = cutter_legend(ui, state) {
                 show_cutter_legend(ui, &legend, &mut state.look.hidden_classes);
                 // In a narrow view the colours that were asked for have priority over those of the floor.
                 if ui.available_width() < MIN_SCALE_WIDTH {
@@ -128,20 +134,61 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
     });
 }
 
+/// Whether the moves of a checked program are in view.
+fn shows_program(state: &AppState) -> bool {
+    state.look.operation == Operation::Program && !state.look.layers.stock
+}
+
+/// What the lines of a checked program mean: cuts by tool, rapids, faults.
+fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
+    let units = units::of(ui);
+    egui::ScrollArea::horizontal().id_salt("program").show(ui, |ui| {
+        ui.horizontal_centered(|ui| {
+            let mut entry = |colour: Rgb, name: String| {
+                swatch(ui, colour, 10.0);
+                ui.label(name);
+            };
+            for (k, tool) in checked.program.tools.iter().enumerate() {
+                let is_known = tool.diameter > 0.0;
+                let diameter = if is_known { units.diameter(tool.diameter) } else { String::new() };
+                entry(category(k), format!("T{} {diameter}", tool.number));
+            }
+            entry(RAPID_COLOUR, "rapid".to_owned());
+            if !checked.findings.is_empty() {
+                entry(INTERFERING, "fault".to_owned());
+            }
+        });
+    });
+}
+
 /// What the cutters are coloured by; `None` while they are hidden. The states, which table and verdict name,
-/// only where a legend `width` points wide can show them beside the scale of the floor.
-fn cutter_legend(state: &AppState, width: f32) -> Option<CutterLegend> {
+/// only where there is room for them beside the scale of the floor.
+fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
-    let has_room = layers.cutter_colours != CutterColours::State || width > MIN_STATES_WIDTH;
-    let shown = state.shown().filter(|_| in_view && has_room)?;
-    layers.cutter_colours.legend(shown.planned, shown.policy, state.look.units)
+    let shown = state.shown().filter(|_| in_view)?;
+    let legend = layers.cutter_colours.legend(shown.planned, shown.policy, state.look.units)?;
+    let is_optional = layers.cutter_colours == CutterColours::State;
+    (!is_optional || width_of(ui, &legend) + MIN_SCALE_WIDTH < ui.available_width()).then_some(legend)
+}
+
+/// Width of a legend of classes, points.
+fn width_of(ui: &Ui, legend: &CutterLegend) -> f32 {
+    let CutterLegend::Classes(classes) = legend else { return 0.0 };
+    let (font, ink) = (FontSelection::Default.resolve(ui.style()), ui.visuals().text_color());
+    let width =
+        |share: &ClassShare| ui.painter().layout_no_wrap(class_text(share), font.clone(), ink).size().x;
+    classes.iter().map(|share| width(share) + SWATCH_AND_SPACES).sum()
 }
 
 /// Width below which the scale of the floor is left out beside that of the cutters, points.
 const MIN_SCALE_WIDTH: f32 = 270.0;
-/// Least width at which the states are shown, points.
-const MIN_STATES_WIDTH: f32 = 620.0;
+/// Width of a class beside its text, points.
+const SWATCH_AND_SPACES: f32 = 30.0;
+
+fn class_text(share: &ClassShare) -> String {
+    format!("{}, {:.0} %", share.name, 100.0 * share.share)
+}
 
 /// Draws the legend of the cutters; a click on a class hides it, or shows it again.
 fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, hidden: &mut Vec<CutterClass>) {
@@ -165,10 +212,10 @@ fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, hidden: &mut Vec<Cutte
 }
 
 fn class_button(ui: &mut Ui, share: &ClassShare, hidden: &mut Vec<CutterClass>) {
-    let ClassShare { class, colour, name, share } = share;
+    let ClassShare { class, colour, .. } = share;
     let is_hidden = hidden.contains(class);
     swatch(ui, *colour, 10.0);
-    let text = RichText::new(format!("{name}, {:.0} %", 100.0 * share));
+    let text = RichText::new(class_text(share));
     let text = if is_hidden { text.strikethrough().weak() } else { text };
     let button = egui::Button::new(text).frame(false);
     let does = if is_hidden { "show" } else { "hide" };

@@ -2,9 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui, Window};
+use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui};
 
 use super::command::Command;
+use super::floating::FloatingWindow;
 use super::{tool_form, units};
 use crate::app::model::number::Quantity;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
@@ -43,6 +44,11 @@ impl LibraryDialog {
         self.open = true;
     }
 
+    /// Closes it; the library stays.
+    pub fn close(&mut self) {
+        self.open = false;
+    }
+
     /// Whether it is open.
     pub fn is_open(&self) -> bool {
         self.open
@@ -58,7 +64,7 @@ impl LibraryDialog {
         let library = self.library.as_mut().filter(|_| self.open)?;
         let mut answer = None;
         let mut open = true;
-        let window = Window::new("Tool library").open(&mut open).resizable(false).collapsible(false);
+        let window = FloatingWindow::ToolLibrary.window().open(&mut open).resizable(false).collapsible(false);
         window.default_pos([60.0, 60.0]).show(ui.ctx(), |ui| {
             head(ui, library, &mut answer);
             ui.separator();

@@ -191,7 +191,10 @@ fn place_of(word: &str, command: Command) -> Option<usize> {
 /// Commands that contain every typed word: best places first, labels that start with the first word before
 /// others, and destructive commands last of their place.
 fn find_commands(words: &str) -> Vec<Command> {
-    let words: Vec<String> = words.to_lowercase().split_whitespace().map(str::to_owned).collect();
+    // Signs are no part of words, in what is typed as in labels.
+    let typed = words.to_lowercase();
+    let words = typed.split(|c: char| !c.is_alphanumeric() && c != '-').filter(|word| !word.is_empty());
+    let words: Vec<String> = words.map(str::to_owned).collect();
     let rank = |command: Command| -> Option<(usize, bool, usize)> {
         let mut worst = 0;
         for word in &words {
@@ -228,6 +231,7 @@ mod tests {
             ("tool", Command::Cutters),
             ("screenshot", Command::SavePicture),
             ("zoom", Command::FlyToSelection),
+            ("Units: m", Command::UnitsMetric),
         ] {
             assert_eq!(find_commands(words).first(), Some(&first), "{words}");
         }

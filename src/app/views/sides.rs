@@ -7,6 +7,7 @@ use crate::app::App;
 use crate::app::model::look::{Operation, Tab};
 use crate::app::model::problem::Problem;
 use crate::app::views::command::Command;
+use crate::app::views::floating::FloatingWindow;
 use crate::app::views::panels;
 use crate::app::views::theme;
 
@@ -208,7 +209,7 @@ impl App {
         let shown = self.state.look.selected.zip(self.state.selected().cloned());
         let Some((k, position)) = shown.filter(|_| self.state.look.sectional.is_large) else { return };
         let mut open = true;
-        let window = egui::Window::new("Sectional view, enlarged").open(&mut open).collapsible(false);
+        let window = FloatingWindow::Section.window().open(&mut open).collapsible(false);
         let size = egui::vec2(620.0, 460.0);
         let corner = ui.ctx().content_rect().center() - 0.5 * size;
         window.default_pos(corner).default_size(size).min_size([300.0, 240.0]).show(ui.ctx(), |ui| {

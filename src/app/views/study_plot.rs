@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
 use super::theme::{self, Condition};
+use super::ticks::ticks;
 use crate::app::model::study_table::{StudyFigure, StudyTable};
 use crate::app::model::units::DisplayUnits;
 
@@ -88,14 +89,15 @@ impl StudyPlot {
             return None;
         };
         let [across, up] = marks.ranges;
-        for k in 0..=4 {
-            let at = |(low, high): (f64, f64)| low + (high - low) * f64::from(k) / 4.0;
-            let at_scale = point(inner, marks.ranges, (at(across), at(up)));
-            let text = |range| format!("{:.*}", decimals(range), at(range));
-            let below = Pos2::new(at_scale.x, inner.bottom() + 2.0);
-            painter.text(below, Align2::CENTER_TOP, text(across), font.clone(), weak);
-            let left = Pos2::new(inner.left() - 4.0, at_scale.y);
-            painter.text(left, Align2::RIGHT_CENTER, text(up), font.clone(), weak);
+        let (values, decimals) = ticks(across);
+        for value in values {
+            let below = Pos2::new(point(inner, marks.ranges, (value, up.0)).x, inner.bottom() + 2.0);
+            painter.text(below, Align2::CENTER_TOP, format!("{value:.decimals$}"), font.clone(), weak);
+        }
+        let (values, decimals) = ticks(up);
+        for value in values {
+            let left = Pos2::new(inner.left() - 4.0, point(inner, marks.ranges, (across.0, value)).y);
+            painter.text(left, Align2::RIGHT_CENTER, format!("{value:.decimals$}"), font.clone(), weak);
         }
         let titles = table.axes.map(|axis| axis.title(units));
         let below = Pos2::new(inner.center().x, rect.bottom());
@@ -126,16 +128,6 @@ impl StudyPlot {
             self.marks = Some((key, marks));
         }
         self.marks.as_ref().and_then(|(_, marks)| marks.as_ref())
-    }
-}
-
-/// Decimals of the numbers at a scale.
-fn decimals((low, high): (f64, f64)) -> usize {
-    match (high - low) / 4.0 {
-        step if step >= 2.0 => 0,
-        step if step >= 0.2 => 1,
-        step if step >= 0.02 => 2,
-        _ => 3,
     }
 }
 

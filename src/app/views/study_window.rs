@@ -5,6 +5,7 @@ use std::sync::Arc;
 use egui::{ComboBox, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 
+use super::floating::FloatingWindow;
 use super::study_plot::StudyPlot;
 use super::theme;
 use super::units;
@@ -50,12 +51,17 @@ impl StudyWindow {
         self.is_open = true;
     }
 
+    /// Closes the window; the results stay.
+    pub fn close(&mut self) {
+        self.is_open = false;
+    }
+
     /// Draws the window while it is open; returns the row whose run is to be planned.
     pub fn show(&mut self, ui: &Ui) -> Option<(Arc<StudyResults>, usize)> {
         let table = self.table.as_mut().filter(|_| self.is_open)?;
         let size = Vec2::new(760.0, 560.0).min(ui.ctx().content_rect().size() - Vec2::new(40.0, 80.0));
         let corner = ui.ctx().content_rect().center() - 0.5 * size;
-        let window = egui::Window::new("Study results").open(&mut self.is_open).collapsible(false);
+        let window = FloatingWindow::Study.window().open(&mut self.is_open).collapsible(false);
         let window = window.default_pos(corner).default_size(size).min_size([360.0, 300.0]);
         let wanted = window
             .show(ui.ctx(), |ui| content(ui, table, &mut self.plot))

@@ -5,9 +5,11 @@ use egui::{
     Align2, Color32, FontId, Pos2, ProgressBar, Rect, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
 };
 
+use super::floating::FloatingWindow;
 use super::panels::fields;
 use super::panels::setup::{goal_rows, policy_label};
 use super::theme::{self, Condition};
+use super::ticks::ticks;
 use super::units;
 use crate::app::App;
 use crate::app::model::figures::format_duration;
@@ -35,7 +37,7 @@ impl App {
         // In a corner of the picture, which follows the handle.
         let corner =
             ui.ctx().content_rect().left_bottom() + Vec2::new(theme::LEFT_WIDTH + 20.0, -size.y - 140.0);
-        let window = egui::Window::new("Time against stock").open(&mut open).collapsible(false);
+        let window = FloatingWindow::Tradeoff.window().open(&mut open).collapsible(false);
         let window = window.default_pos(corner).default_size(size).min_size([300.0, 220.0]);
         let points = self.weighing.points().cloned();
         let search = match self.weighing.progress() {
@@ -223,19 +225,18 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
     let font = FontId::proportional(theme::MIN_TEXT_SIZE);
     let (ink, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
     painter.rect_filled(inner, 2.0, ui.visuals().extreme_bg_color);
-    for k in 0..=4 {
-        let share = f64::from(k) / 4.0;
-        let (time, stock) = (low + (high - low) * share, top * share);
-        let (below, left) = (place((time, 0.0)), place((low, stock)));
-        painter.text(
-            below + Vec2::new(0.0, 2.0),
-            Align2::CENTER_TOP,
-            format!("{time:.0}"),
-            font.clone(),
-            weak,
-        );
-        let text = units.number(stock, 1);
-        painter.text(left - Vec2::new(4.0, 0.0), Align2::RIGHT_CENTER, text, font.clone(), weak);
+    let (times, decimals) = ticks((low, high));
+    for time in times {
+        let (below, text) = (place((time, 0.0)) + Vec2::new(0.0, 2.0), format!("{time:.decimals$}"));
+        painter.text(below, Align2::CENTER_TOP, text, font.clone(), weak);
+    }
+    // Round in the unit that is shown.
+    let per_mm = units.of_mm(1.0);
+    let (stocks, decimals) = ticks((0.0, top * per_mm));
+    for stock in stocks {
+        let left = place((low, stock / per_mm)) - Vec2::new(4.0, 0.0);
+        let text = format!("{stock:.decimals$}");
+        painter.text(left, Align2::RIGHT_CENTER, text, font.clone(), weak);
     }
     let below = Pos2::new(inner.center().x, rect.bottom());
     let axes = format!("min per channel; hub stock, 95 %, {}", units.length_unit());

@@ -4,7 +4,8 @@
 use serde_json::Value;
 
 use super::{
-    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, short_name, too_many,
+    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, round_lengths,
+    short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -138,6 +139,7 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
         return Err(fault("contains no end mill".to_owned(), "give a library with end mills"));
     }
     number_tools(&mut library);
+    round_lengths(&mut library);
     Ok(library)
 }
 

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use super::expression::Expressions;
 use super::{
     LibraryTool, MAX_SEGMENTS, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, rate,
-    short_name, too_many,
+    round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
@@ -72,6 +72,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
         ));
     }
     number_tools(&mut library);
+    round_lengths(&mut library);
     Ok(library)
 }
 

@@ -189,6 +189,19 @@ fn parse_json(name: &str, bytes: &[u8]) -> Result<Value, InputError> {
     })
 }
 
+/// Rounds lengths to 1e-9 mm, as 3 in are 76.2 mm and not 76.199…: converted numbers are read by people.
+fn round_lengths(library: &mut ToolLibrary) {
+    let round = |mm: &mut f64| *mm = (1e9 * *mm).round() / 1e9;
+    for LibraryTool { tool, .. } in &mut library.tools {
+        [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
+            .into_iter()
+            .for_each(round);
+        tool.assembly.flute_length.iter_mut().for_each(round);
+        tool.assembly.shank.iter_mut().flatten().for_each(round);
+        tool.assembly.holder.iter_mut().flatten().for_each(round);
+    }
+}
+
 /// Puts tools under numbers of their own: a tool without one, or with one that is taken, gets the least free
 /// one above all given ones.
 fn number_tools(library: &mut ToolLibrary) {
@@ -240,4 +253,31 @@ fn too_many(name: &str, count: usize) -> Result<(), InputError> {
     Err(Source::new(name, ErrorCode::ToolFile)
         .fault(0, what, "split the library")
         .with_code(ErrorCode::FileTooLarge))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inches_become_the_numbers_that_people_write() {
+        let mut tool = Tool {
+            number: 1,
+            diameter: 3.0 * 25.4,
+            corner_radius: 0.0,
+            insert_width: 0.5 * 25.4,
+            overhang: 0.7 * 25.4,
+            plunge_feed: 300.0,
+            spindle: 1000.0,
+            assembly: Default::default(),
+        };
+        tool.assembly.holder = vec![[0.1 * 25.4, 3.0 * 25.4, 1.1 * 25.4]];
+        assert_ne!(tool.diameter, 76.2, "by the multiplication alone");
+        let mut library =
+            ToolLibrary { tools: vec![LibraryTool { tool, notes: Vec::new() }], ..Default::default() };
+        round_lengths(&mut library);
+        let tool = &library.tools[0].tool;
+        assert_eq!((tool.diameter, tool.overhang), (76.2, 17.78));
+        assert_eq!(tool.assembly.holder, [[2.54, 76.2, 27.94]]);
+    }
 }

@@ -275,6 +275,7 @@ fn sections_text(input: &SheetInput) -> String {
         );
     }
     let blades = outcome.workpiece.part.blade_count;
+    let changes = if tool_changes == 1 { "one tool change" } else { &format!("{tool_changes} tool changes") };
     let one = minutes(&shown.summary);
     let wheel = shown.summary.time_of_wheel_s(blades) / 60.0;
     let (wheel, what) = match outcome.clock.machine().filter(|_| shown.summary.machine_time.is_some()) {
@@ -285,7 +286,7 @@ fn sections_text(input: &SheetInput) -> String {
         "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
          <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\
          <tbody>{rows}</tbody></table>\n\
-         <p>One channel {one:.1} min; the wheel, {blades} channels and {tool_changes} tool changes, \
+         <p>One channel {one:.1} min; the wheel, {blades} channels and {changes}, \
          about {wheel:.0} min ({what}).</p>\n",
     )
 }

@@ -52,6 +52,8 @@ pub struct RecoveryCopy {
     pub path: PathBuf,
     /// Project or part, and when it was changed last.
     pub title: String,
+    /// File of the project; `None` where that was never saved.
+    pub project: Option<PathBuf>,
 }
 
 /// The state of the window, apart from drawing.

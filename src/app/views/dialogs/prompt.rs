@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Button, Color32, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::model::file_purpose::Purpose;
@@ -115,6 +117,7 @@ impl Prompt {
                 let field = ui.add(field.hint_text(hint.join(", "))).labelled_by(label.id);
                 if std::mem::take(&mut self.fresh) {
                     field.request_focus();
+                    select_stem(ui, field.id, &self.name);
                 }
             });
             let target = self.target();
@@ -267,4 +270,12 @@ impl Prompt {
     fn folder_of(&self, path: &Path) -> String {
         path.parent().unwrap_or(&self.folder).display().to_string()
     }
+}
+
+/// Selects a name up to its ending in the field `id`: what is typed replaces it, and the ending stays.
+fn select_stem(ui: &Ui, id: egui::Id, name: &str) {
+    let stem = Path::new(name).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(stem))));
+    state.store(ui.ctx(), id);
 }

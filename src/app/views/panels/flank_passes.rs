@@ -13,9 +13,9 @@ use crate::flank::region::{Region, WallName};
 
 /// Heads of the columns with their meaning, and their widths, points.
 const COLUMNS: [(&str, &str, f32); 5] = [
-    ("#", "Number in cutting order", 34.0),
-    ("Layer", "Layer, 1 at the hub", 42.0),
-    ("Region", "Where in the channel; w: along a wall", 56.0),
+    ("#", "Number in cutting order", 30.0),
+    ("Layer", "Layer, 1 at the hub", 38.0),
+    ("Region", "Where in the channel; w: along a wall", 64.0),
     ("Length", "Length of the pass", 48.0),
     ("Time", "Time from the first pass on when the pass ends, without what is cut before it", 58.0),
 ];

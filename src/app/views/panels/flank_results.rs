@@ -8,7 +8,7 @@ use crate::setup::FlankStrategy;
 
 use super::flank::strategy_label;
 use super::verdict::figure;
-use crate::app::model::figures::{format_duration, format_times};
+use crate::app::model::figures::{format_duration, format_times, skipped_length};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
@@ -41,7 +41,8 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         ui.label(RichText::new("not verified").color(amber));
     }
     if skipped > 0 {
-        let text = RichText::new(format!("{skipped} stretches skipped")).color(amber);
+        let word = if skipped == 1 { "stretch" } else { "stretches" };
+        let text = RichText::new(format!("{skipped} {word} skipped")).color(amber);
         ui.label(text).on_hover_text(
             "Stretches of passes that are not cut: no axis reaches them, or they are too short",
         );
@@ -137,9 +138,8 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         units.length(plan.max_undercut(), 4),
         format_duration(plan.times.total()),
     ));
-    let lost: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
-    if lost > 0.0 {
-        let lost = units.length(lost, 0);
+    if !plan.uncut.is_empty() {
+        let lost = skipped_length(plan, units);
         ui.label(format!("{lost} of passes are skipped: no axis reaches them, or they are too short"));
     }
 }

@@ -37,7 +37,8 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
     } else if is_stale {
         ("out of date".to_owned(), Some(Condition::Blocked))
     } else if faults > 0 {
-        (format!("{faults} faults"), Some(Condition::Interfering))
+        let word = if faults == 1 { "fault" } else { "faults" };
+        (format!("{faults} {word}"), Some(Condition::Interfering))
     } else {
         (times, Some(Condition::Sound))
     }

@@ -84,7 +84,7 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
             ui.label(format!("Opening {}…", source.shown()));
             return;
         }
-        for RecoveryCopy { path, title } in &state.recoverable {
+        for RecoveryCopy { path, title, .. } in &state.recoverable {
             ui.label(RichText::new(format!("Unsaved changes of {title}")).strong());
             ui.horizontal(|ui| {
                 let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
@@ -99,7 +99,9 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
             ui.add_space(10.0);
         }
         ui.heading("Drop a part here");
-        ui.label(".toml, .geomTurbo, TurboGrid .inf, .glb or .gltf, with or without a setup; or a project");
+        ui.label(
+            ".toml, .geomTurbo, TurboGrid .inf, .step, .glb, .gltf or .stl, with or without a setup; or a project",
+        );
         ui.add_space(10.0);
         for command in [Command::OpenPart, Command::OpenProject] {
             let button = ui.button(command.label());

@@ -202,6 +202,10 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
             painter.line(std::mem::take(&mut piece), Stroke::new(1.3, ink));
         }
     }
+    if let ([single], 1) = (&piece[..], curve.values.len()) {
+        // A row of one position has no line.
+        painter.circle_filled(*single, 2.0, ink);
+    }
     painter.line(piece, Stroke::new(1.3, ink));
     for (k, &v) in curve.values.iter().enumerate().filter(|(k, v)| v.is_finite() && faulty[*k]) {
         painter.circle_filled(place(k, v), 2.5, Condition::Interfering.mark());

@@ -44,7 +44,8 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
                         if dismiss.on_hover_text(tip).clicked() {
                             dismissed = Some(k);
                         }
-                        if state.document.can_undo() && ui.small_button("Undo the edit").clicked() {
+                        let can_undo = problem.is_of_edit() && state.document.can_undo();
+                        if can_undo && ui.small_button("Undo the edit").clicked() {
                             chosen = Some(Command::Undo);
                         }
                     });

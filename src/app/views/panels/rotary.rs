@@ -80,7 +80,9 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         painter.text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
         return None;
     };
-    let colours = [0, 1].map(|k| theme::colour(category(k)));
+    // The second is too pale on a light ground.
+    let classes = if ui.visuals().dark_mode { [0, 1] } else { [3, 2] };
+    let colours = classes.map(|k| theme::colour(category(k)));
     let axes = plan.rotary_by_letter();
     let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
     let count = plan.ends.len();

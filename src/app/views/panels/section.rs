@@ -297,6 +297,9 @@ fn span_text(painter: &egui::Painter, (a, b): (Pos2, Pos2), text: String, ink: C
         true => Align2::LEFT_CENTER.anchor_size(egui::pos2(a.x.max(b.x) + 3.0, a.y), size),
         false => Align2::RIGHT_CENTER.anchor_size(a + (b - a) * 0.5 - egui::vec2(4.0, 0.0), size),
     };
+    // Within the drawing, also at the end of a line that reaches its edge.
+    let edge = painter.clip_rect().right();
+    let at = at.translate(egui::vec2((edge - at.right()).min(0.0), 0.0));
     painter.rect_filled(at, 2.0, ground);
     painter.galley(at.min + egui::vec2(3.0, 0.0), galley, ink);
 }

@@ -29,7 +29,8 @@ pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
         cancel = button.on_hover_text(Command::Cancel.tip_with_keys(ui.ctx())).clicked();
         match activity.running {
             Some((what, fraction)) => {
-                let text = RichText::new(format!("{what} {:.0} %", 100.0 * fraction)).small();
+                // What still runs is not done, whatever rounding says.
+                let text = RichText::new(format!("{what} {:.0} %", (100.0 * fraction).min(99.0))).small();
                 ui.add(ProgressBar::new(fraction as f32).desired_width(BAR).desired_height(16.0).text(text));
             }
             // Reserve the space, so that nothing moves when a task starts.

@@ -127,7 +127,8 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         play_menu(ui, &mut state.look, rate, unit);
         // In a narrow view the slider has priority.
         let clock = state.clock().filter(|_| ui.available_width() > 300.0);
-        let words = if clock.is_some() { 74.0 + CLOCK } else { 74.0 };
+        let has_count = ui.available_width() > COUNT + MIN_SLIDER;
+        let words = if has_count { COUNT } else { 0.0 } + if clock.is_some() { CLOCK } else { 0.0 };
         ui.spacing_mut().slider_width = (ui.available_width() - words - 8.0).max(20.0);
         let mut now = cut;
         let slider = Slider::new(&mut now, 0..=count.max(1))
@@ -141,8 +142,10 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             state.look.playing = None;
             state.set_timeline(Some(now));
         }
-        ui.add_space(4.0);
-        ui.label(text);
+        if has_count {
+            ui.add_space(4.0);
+            ui.label(text);
+        }
         if let Some((now, whole)) = clock {
             ui.add_space(6.0);
             let text = format!("{} of {}", format_clock(now), format_clock(whole));
@@ -200,6 +203,10 @@ fn ends_of_slider(rect: Rect) -> (f32, f32) {
     (rect.left() + inset, rect.right() - inset)
 }
 
+/// Width of the count, points.
+const COUNT: f32 = 74.0;
+/// Least width of the slider beside the count, points.
+const MIN_SLIDER: f32 = 40.0;
 /// Width of the clock, points.
 const CLOCK: f32 = 136.0;
 

@@ -1,24 +1,39 @@
 //! The verdict line: interfering plunges, residual stock, clearances, share not machined, time.
 
-use egui::{RichText, Ui};
+use egui::{FontSelection, RichText, Ui};
 
 use crate::job::Summary;
 use crate::plunge::{DropReason, PlungePlan};
+use crate::stock::InaccessibleFloor;
 use crate::verify::falls_short;
 
 use crate::app::model::figures::{
     MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, times_tip,
 };
-use crate::app::model::planned::Side;
+use crate::app::model::look::Operation;
+use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
 
 /// Shares below this would show as 0.0 %.
 const MIN_SHOWN_SHARE: f64 = 0.0005;
 
-/// Draws the line.
+/// Draws the line of the selected operation. Where it is too long, it breaks between figures, and not within one.
 pub fn show(ui: &mut Ui, state: &AppState) {
+    ui.horizontal_wrapped(|ui| {
+        // Lines as close as those of a text.
+        ui.spacing_mut().item_spacing.y = 0.0;
+        match state.look.operation {
+            Operation::Roughing => roughing(ui, state),
+            Operation::Flank => super::flank_results::verdict(ui, state),
+            Operation::Program => super::program::verdict(ui, state),
+        }
+    });
+}
+
+fn roughing(ui: &mut Ui, state: &AppState) {
     // Both sides from one whole plan: figures of a running task appear only in the views.
     let Some((before, after)) = state.last_whole_plan(Side::Before).zip(state.last_whole_plan(Side::After))
     else {
@@ -75,16 +90,18 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance);
     ui.separator();
     let tip = "Share of the accessible floor that is not cut";
+    let share = format_percent(after.uncut_share);
+    keep_together(ui, &["Not machined", &share]);
     ui.label(RichText::new("Not machined").weak()).on_hover_text(tip);
-    let share = RichText::new(format_percent(after.uncut_share));
+    let share = RichText::new(share);
     let share = match after.uncut_share > MAX_GOOD_UNCUT_SHARE {
         true => share.strong().color(Condition::Blocked.text(ui.visuals())),
         false => share,
     };
     ui.label(share).on_hover_text(tip);
     if after.inaccessible_share >= MIN_SHOWN_SHARE {
-        let tip = "Share of the floor under overhanging walls that no tool axis reaches";
-        figure(ui, "Inaccessible", format_percent(after.inaccessible_share), tip);
+        let share = format_percent(after.inaccessible_share);
+        figure(ui, "Inaccessible", share, &inaccessible_tip(planned, units));
     }
     ui.separator();
     figure(
@@ -93,6 +110,17 @@ pub fn show(ui: &mut Ui, state: &AppState) {
         format_plan_times(after, planned.outcome.workpiece.part.blade_count),
         times_tip(after),
     );
+}
+
+/// What makes floor inaccessible, the largest share first.
+fn inaccessible_tip(planned: &DisplayPlan, units: DisplayUnits) -> String {
+    let line = |floor: &InaccessibleFloor| {
+        let (share, tool) = (format_percent(floor.share), units.diameter(floor.diameter));
+        let (words, from, to) = (floor.obstacle.words(), floor.from, floor.to);
+        format!("\n{share} for {tool}: {words}, s = {from:.2} to {to:.2}")
+    };
+    let known = planned.inaccessible.iter().filter(|floor| floor.share >= MIN_SHOWN_SHARE);
+    format!("Share of the floor that no tool axis reaches{}", known.map(line).collect::<String>())
 }
 
 /// The worst of all verdicts on a plan: what the headline is coloured by.
@@ -129,10 +157,22 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
     }
 }
 
-/// Draws a figure with its name.
+/// Draws a figure with its name, in the next line if there is no room for both.
 pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
+    keep_together(ui, &[name, &value]);
     ui.label(RichText::new(name).weak()).on_hover_text(tip);
     ui.label(value).on_hover_text(tip);
+}
+
+/// Begins the next line if there is no room in this one for all of these words.
+fn keep_together(ui: &mut Ui, words: &[&str]) {
+    let font = FontSelection::Default.resolve(ui.style());
+    let ink = ui.visuals().text_color();
+    let width = |text: &&str| ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), ink).size().x;
+    let spaces = ui.spacing().item_spacing.x * (words.len() - 1) as f32;
+    if words.iter().map(width).sum::<f32>() + spaces > ui.available_size_before_wrap().x {
+        ui.end_row();
+    }
 }
 
 /// Draws a clearance, mm; one that misses the allowance by more than rounding is a gouge and is highlighted.
@@ -141,14 +181,12 @@ fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
     let units = units::of(ui);
     let allowance = format!("{} {}", units.short(allowance, 6), units.length_unit());
     let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance}");
+    let text = units.known_length(value, 2) + if short { " (too little)" } else { "" };
+    keep_together(ui, &[name, &text]);
     ui.label(RichText::new(name).weak()).on_hover_text(&tip);
-    let text = units.known_length(value, 2);
     let colour = Condition::Interfering.text(ui.visuals());
-    let text = if short {
-        RichText::new(text + " (too little)").strong().color(colour)
-    } else {
-        RichText::new(text)
-    };
+    let text = RichText::new(text);
+    let text = if short { text.strong().color(colour) } else { text };
     ui.label(text).on_hover_text(tip);
 }
 

@@ -1,0 +1,113 @@
+//! Recovery copies: written while there are unsaved changes, offered after a session that ended without closing.
+
+use std::path::Path;
+use std::time::Duration;
+
+use egui::{Context, Ui};
+
+use crate::app::App;
+use crate::app::model::problem::Problem;
+use crate::app::tasks::home::{self, is_same_file};
+use crate::app::tasks::project::project_of;
+use crate::app::views::recover::{self, RecoverAnswer};
+use crate::io::project_file::{Project, write_project};
+
+/// Delay of the recovery copy after the last change.
+const COPY_AFTER: Duration = Duration::from_secs(2);
+
+impl App {
+    /// Whether `path` is a recovery copy that is offered.
+    pub(in crate::app) fn is_recoverable(&self, path: &Path) -> bool {
+        self.state.recoverable.iter().any(|copy| copy.path == path)
+    }
+
+    /// Continues with the recovery copy at `path`, whose content is open already.
+    pub(super) fn take_recovered(&mut self, path: &Path, project: &Project) {
+        // A relative path would be one of the folder that the program was started in then.
+        let original = project.original.clone().filter(|original| original.is_absolute());
+        self.state.document.path.clone_from(&original);
+        self.state.document.mark_unsaved();
+        // It is saved beside the project, or else the part, and not among the copies.
+        let part = self.state.document.part.as_ref().and_then(|part| part.source.file());
+        if let Some(beside) = original.or_else(|| part.map(|(file, _)| file.to_owned())) {
+            self.dialogs.note_folder(&beside);
+        }
+        self.state
+            .report_done("Recovered unsaved changes of the last session; save the project to keep them");
+        self.copy_now();
+        // The content is now in this session's own recovery copy.
+        if self.session.copied.is_some() {
+            self.drop_recoverable(path);
+        }
+    }
+
+    /// Looks for unsaved changes of the project at `path`, which was just opened.
+    pub(super) fn find_copy_of(&mut self, path: &Path) {
+        let Some(home) = &self.session.home else { return };
+        self.state.recoverable = home.recoverable();
+        let is_of_it = |project: &Path| is_same_file(project, path);
+        let copies = &self.state.recoverable;
+        self.session.found =
+            copies.iter().find(|copy| copy.project.as_deref().is_some_and(is_of_it)).cloned();
+    }
+
+    /// Asks what to do with the unsaved changes of the opened project, while that is due.
+    pub(in crate::app) fn ask_recover(&mut self, ui: &Ui) {
+        let answer = self.session.found.as_ref().and_then(|copy| recover::ask(ui, copy));
+        let Some(answer) = answer else { return };
+        let Some(copy) = self.session.found.take() else { return };
+        match answer {
+            RecoverAnswer::Recover => self.open_file(copy.path),
+            RecoverAnswer::Discard => self.drop_recoverable(&copy.path),
+            RecoverAnswer::Later => {}
+        }
+    }
+
+    /// Discards a recovery copy of another session.
+    pub(in crate::app) fn drop_recoverable(&mut self, path: &Path) {
+        self.state.recoverable.retain(|copy| copy.path != path);
+        home::remove_copy(path);
+    }
+
+    /// Writes the recovery copy once the content is stable. Call once per frame.
+    pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
+        // Closing was confirmed: what was not saved is meant to go.
+        if self.session.closing || self.session.home.is_none() || !self.state.document.is_unsaved() {
+            return;
+        }
+        let now = ctx.input(|input| input.time);
+        let edited = &self.state.document.edited;
+        if self.session.copied.as_ref() == Some(edited) {
+            return;
+        }
+        match &self.session.edited {
+            Some((last, since)) if last == edited => {
+                let rest = COPY_AFTER.as_secs_f64() - (now - since);
+                if rest <= 0.0 {
+                    self.copy_now();
+                } else {
+                    ctx.request_repaint_after(Duration::from_secs_f64(rest));
+                }
+            }
+            _ => {
+                self.session.edited = Some((edited.clone(), now));
+                ctx.request_repaint_after(COPY_AFTER);
+            }
+        }
+    }
+
+    /// Writes the recovery copy, on the UI thread: it is small and written rarely.
+    pub(in crate::app) fn copy_now(&mut self) {
+        let Some(home) = &self.session.home else { return };
+        let Some(mut project) = project_of(&self.state, self.view.current()) else { return };
+        project.original.clone_from(&self.state.document.path);
+        match home.write_copy(&write_project(&project, home.copy())) {
+            Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
+            Err(error) => {
+                // Report the error once; the next change tries again.
+                self.session.copied = Some(self.state.document.edited.clone());
+                self.state.report_problem(Problem::from(&error));
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Unsaved changes that a session left behind: where they are offered, and where they are saved.
+
+use std::path::{Path, PathBuf};
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::io::project_file::read_project;
+
+use crate::dialogs::{name_file, press_enter};
+use crate::fake;
+use crate::harness::{Window, click_enabled, settle, window};
+
+fn window_at(engine: &Engine, home: &Path) -> Window {
+    let mut window = window(engine.clone());
+    window.state_mut().set_home(home.to_owned());
+    window.state_mut().use_own_file_dialogs();
+    window.run_steps(2);
+    window
+}
+
+fn save_as(window: &mut Window, path: &Path) {
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.to_owned());
+    settle(window);
+}
+
+fn edit_step(window: &mut Window, step: f64) {
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
+    window.run_steps(3);
+    settle(window);
+}
+
+/// Edits, waits until the recovery copy is written, and crashes: nothing of the window gets to run any more.
+fn edit_and_crash(mut window: Window, step: f64) {
+    edit_step(&mut window, step);
+    // The harness clock advances by a quarter of a second per frame.
+    window.run_steps(14);
+    drop(window);
+}
+
+fn step(window: &Window) -> Option<f64> {
+    window.state().state().document.edited.setup.plunge.step
+}
+
+fn press(window: &mut Window, modifiers: egui::Modifiers, key: egui::Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.run_steps(3);
+    settle(window);
+}
+
+/// A part file in `folder`.
+fn part_in(folder: &Path) -> PathBuf {
+    let part = folder.join("wheel.toml");
+    std::fs::write(&part, include_str!("../../assets/parts/impeller532.toml")).expect("writes");
+    part
+}
+
+#[test]
+fn what_is_recovered_is_saved_beside_its_part_and_not_among_the_copies() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let mut first = window_at(&engine, &home);
+    first.state_mut().open_path(part_in(folder.path()));
+    settle(&mut first);
+    edit_and_crash(first, 6.5);
+    let mut second = window_at(&engine, &home);
+    second.get_by_label("Recover").click();
+    second.run_steps(2);
+    settle(&mut second);
+    assert_eq!(step(&second), Some(6.5));
+    press(&mut second, egui::Modifiers::COMMAND, egui::Key::S);
+    second.get_by_label("Save project");
+    second.get_by_label(&folder.path().display().to_string());
+    press_enter(&mut second);
+    let saved = folder.path().join("impeller532.vanecut");
+    assert!(saved.exists(), "beside the part");
+    let copies = std::fs::read_dir(home.join("recovery")).into_iter().flatten().count();
+    assert_eq!(copies, 0, "nothing is left to recover");
+}
+
+#[test]
+fn a_project_opened_by_a_relative_path_is_recovered_where_it_belongs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (part, project) = (part_in(folder.path()), folder.path().join("p.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut first = window_at(&engine, &home);
+    first.state_mut().open_path(part);
+    settle(&mut first);
+    save_as(&mut first, &project);
+    drop(first);
+    // As it is named when the program is started beside it.
+    let depth = std::env::current_dir().expect("a folder").components().count() - 1;
+    let relative = PathBuf::from("../".repeat(depth)).join(project.strip_prefix("/").expect("absolute"));
+    assert!(relative.is_relative() && relative.exists());
+    let mut second = window_at(&engine, &home);
+    second.state_mut().open_path(relative);
+    settle(&mut second);
+    edit_and_crash(second, 6.5);
+    let copies: Vec<PathBuf> =
+        std::fs::read_dir(home.join("recovery")).expect("reads").flatten().map(|e| e.path()).collect();
+    let original = read_project(&copies[0]).expect("a copy").original.expect("it has a file");
+    assert!(original.is_absolute(), "{} says nothing in another folder", original.display());
+    assert_eq!(original.canonicalize().ok(), project.canonicalize().ok());
+}
+
+#[test]
+fn unsaved_changes_of_a_project_are_offered_when_it_is_opened() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut first = window_at(&engine, &home);
+    first.state_mut().open_path(part_in(folder.path()));
+    settle(&mut first);
+    save_as(&mut first, &project);
+    edit_and_crash(first, 6.5);
+    let opened = || {
+        let mut window = window_at(&engine, &home);
+        window.state_mut().open_path(project.clone());
+        settle(&mut window);
+        window
+    };
+    let mut later = opened();
+    later.get_by_label("Unsaved changes of p, just now");
+    assert_eq!(step(&later), None, "as it was saved");
+    later.get_by_label("Not now").click();
+    later.run_steps(3);
+    assert!(later.query_by_label("Unsaved changes of p, just now").is_none());
+    drop(later);
+    let mut recovered = opened();
+    recovered.get_by_label("Recover").click();
+    recovered.run_steps(3);
+    settle(&mut recovered);
+    assert_eq!(step(&recovered), Some(6.5), "what was edited is there");
+    let document = &recovered.state().state().document;
+    assert!(document.is_unsaved() && document.path.as_deref() == Some(project.as_path()));
+    // The crash leaves the copy of this session; this time it is not wanted.
+    drop(recovered);
+    let mut discarded = opened();
+    discarded.get_by_label("Discard").click();
+    discarded.run_steps(3);
+    assert_eq!(step(&discarded), None, "as it was saved");
+    drop(discarded);
+    let mut last = opened();
+    assert!(last.query_by_label("Recover").is_none(), "nothing is left");
+    last.run_steps(1);
+}
+
+#[test]
+fn what_waited_for_a_cancelled_saving_waits_no_longer() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = window_at(&engine, &folder.path().join("home"));
+    window.state_mut().open_path(part_in(folder.path()));
+    settle(&mut window);
+    edit_step(&mut window, 6.0);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::N);
+    window.get_by_role_and_label(Role::Button, "Save").click();
+    window.run_steps(3);
+    window.get_by_label("Save project");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert!(window.state().state().document.part.is_some(), "the user stays");
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    name_file(&mut window, &folder.path().join("p.vanecut"));
+    press_enter(&mut window);
+    settle(&mut window);
+    let document = &window.state().state().document;
+    assert!(!document.is_unsaved() && document.part.is_some(), "saved, and still open");
+    // Another name is proposed from its own.
+    press(&mut window, egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::S);
+    let field = window.get_by_role_and_label(Role::TextInput, "File");
+    assert_eq!(field.value().as_deref(), Some("p.vanecut"));
+    click_enabled(&window, "Cancel");
+    window.run_steps(2);
+}

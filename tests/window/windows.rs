@@ -1,0 +1,41 @@
+//! The windows over the picture, and what Escape closes or cancels.
+
+use std::sync::atomic::Ordering;
+
+use egui_kittest::kittest::Queryable;
+
+use crate::fake;
+use crate::harness::{settle, with_sample};
+
+#[test]
+fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press(egui::Key::A);
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label("Machinability");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(2);
+    window.event(egui::Event::Text("shop library".to_owned()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    window.get_by_label("Tool library");
+    slow.store(true, Ordering::SeqCst);
+    window.key_press(egui::Key::F5);
+    window.run_steps(2);
+    assert_eq!(window.state().running_task().map(|(name, _)| name), Some("Calculating"));
+    // The one that was opened last is in front.
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert!(window.query_by_label("Tool library").is_none() && window.state().state().look.machinability);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert!(!window.state().state().look.machinability);
+    assert!(window.state().running_task().is_some(), "the calculation goes on");
+    window.key_press(egui::Key::Escape);
+    settle(&mut window);
+    assert!(slow.load(Ordering::SeqCst), "by itself it would go on");
+    assert_eq!(window.state().running_task(), None, "cancelled");
+}
