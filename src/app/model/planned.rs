@@ -7,8 +7,7 @@ use crate::job::{PlanOutcome, PolicyResult};
 use crate::plunge::{PlungePlan, Position};
 use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup};
 use crate::stock::{
-    FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, InaccessibleFloor, ResidualField,
-    field_cutters,
+    FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters,
 };
 use crate::toolpath::{ClProgram, Travel};
 
@@ -110,8 +109,6 @@ pub struct DisplayPlan {
     pub range: (f32, f32),
     /// The floor at the resolutions in which the device draws it.
     pub floor: Arc<FloorLevels>,
-    /// What makes floor inaccessible, the largest share first.
-    pub inaccessible: Vec<InaccessibleFloor>,
 }
 
 impl DisplayPlan {
@@ -131,8 +128,7 @@ impl DisplayPlan {
         };
         let policies = outcome.policies().into_iter().map(display).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
-        let inaccessible = outcome.inaccessible_floor.clone();
-        Self { setup, outcome: Arc::new(outcome), policies, range, floor: Arc::clone(floor), inaccessible }
+        Self { setup, outcome: Arc::new(outcome), policies, range, floor: Arc::clone(floor) }
     }
 
     /// The floor over which a plan with `grid` and `allowances` of the same part is drawn: that of this plan,

@@ -119,7 +119,7 @@ fn inaccessible_tip(planned: &DisplayPlan, units: DisplayUnits) -> String {
         let (words, from, to) = (floor.obstacle.words(), floor.from, floor.to);
         format!("\n{share} for {tool}: {words}, s = {from:.2} to {to:.2}")
     };
-    let known = planned.inaccessible.iter().filter(|floor| floor.share >= MIN_SHOWN_SHARE);
+    let known = planned.outcome.inaccessible_floor.iter().filter(|floor| floor.share >= MIN_SHOWN_SHARE);
     format!("Share of the floor that no tool axis reaches{}", known.map(line).collect::<String>())
 }
 
