@@ -3,7 +3,7 @@
 //! Beside such a wall the flank of a cutter follows the wall, its bottom rests on the far end of its rim, and
 //! the near end is 2R·sin β above the hub; the floor within about 2R·sin β·tan β of the wall's foot
 //! stays under stock in every plan. Here the border of this strip is found for the actual wall, row by row:
-//! by search over the poses of the cutter ([`super::corner`]).
+//! by search over the poses of the cutter (`corner.rs`).
 //!
 //! Axes are within the largest angle that plans may incline them by from the isoparametric one. Holder, steps
 //! between positions, contact of the core and the corner radius are ignored: floor reported as inaccessible
