@@ -10,6 +10,7 @@ use vanecut::error::ErrorCode;
 use vanecut::geometry::Vector;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PolicyResult, Summary};
+use vanecut::machine::MachineTime;
 use vanecut::monitor::Monitor;
 use vanecut::part::channel::Passage;
 use vanecut::part::{Impeller, Workpiece};
@@ -298,6 +299,18 @@ pub fn engine_of_sections(count: usize) -> Engine {
         Ok(outcome)
     };
     Engine { plan: Arc::new(divided), ..engine }
+}
+
+/// The fake planner on a machine that takes `time` for each plan.
+pub fn engine_on_machine(time: MachineTime) -> Engine {
+    let (engine, _) = engine();
+    let plan = Arc::clone(&engine.plan);
+    let timed = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        outcome.after.summary.machine_time = Some(time);
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(timed), ..engine }
 }
 
 fn rest_tool(tool: &Tool) -> Tool {

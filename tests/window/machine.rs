@@ -6,6 +6,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::machine::ProgramOnMachine;
 use vanecut::geometry::{Vector, rotate_vector_z};
+use vanecut::machine::MachineTime;
 
 use crate::fake;
 use crate::flank::plan_flank;
@@ -46,6 +47,18 @@ pub fn axes(window: &Window) -> Vec<(char, f64)> {
     let words: Vec<&str> = text.split_whitespace().collect();
     let pair = |pair: &[&str]| Some((pair[0].chars().next()?, pair[1].trim_end_matches('°').parse().ok()?));
     words.chunks_exact(2).map_while(pair).collect()
+}
+
+/// Each tool of the 17 channels is changed once.
+#[test]
+fn times_are_those_on_the_machine_where_it_is_known() {
+    let time = MachineTime { total_s: 1500.0, tool_changes_s: 60.0 };
+    let window = with_sample(fake::engine_on_machine(time));
+    let shown = labels(&window, "25 min per channel");
+    assert!(shown.iter().all(|text| text == "25 min per channel, 6.8 h wheel"), "{shown:?}");
+    assert!(!shown.is_empty(), "{:?}", labels(&window, ""));
+    let roughing = window.query_all_by_label_contains("25 min, wheel 6.8 h").count();
+    assert!(roughing > 0, "the list of operations says the same");
 }
 
 #[test]
