@@ -143,12 +143,8 @@ pub fn run(args: &BenchArgs) -> Result<(), Failure> {
             });
         }),
     )?;
-    let source = FloorSource {
-        workpiece: &outcome.workpiece,
-        stock: &outcome.setup.allowances,
-        cutters: &stretches_of(&plan.sections),
-        max_tilt_rad: outcome.setup.plunge.max_tilt_rad,
-    };
+    let stretches = stretches_of(&plan.sections);
+    let source = FloorSource::of_setup(&outcome.workpiece, &outcome.setup, &stretches);
     let grid = FloorGrid::new(&source, 1024);
     let cutters: Vec<_> = field_cutters(plan).into_iter().cycle().take(1000).collect();
     print_row(

@@ -88,12 +88,7 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
         planner.plan(AxisPolicy::Minimal, &Monitor::default()).map_err(|error| failed(error.into()))?;
     lap(0);
     let cutters = stretches_of(&plan.sections);
-    let source = FloorSource {
-        workpiece: &workpiece,
-        stock: &setup.allowances,
-        cutters: &cutters,
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-    };
+    let source = FloorSource::of_setup(&workpiece, setup, &cutters);
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let summary = Summary::of(&plan, &grid, &residual_field(&grid, &field_cutters(&plan)));
     lap(1);

@@ -180,12 +180,8 @@ fn same_file(a: &Path, b: &Path) -> bool {
 fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -> GltfScene {
     let StoredPlan { part, setup, plan, .. } = stored;
     let workpiece = setup.allowances.workpiece_of(part.clone());
-    let source = FloorSource {
-        workpiece: &workpiece,
-        stock: &setup.allowances,
-        cutters: &stretches_of(&plan.sections),
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-    };
+    let stretches = stretches_of(&plan.sections);
+    let source = FloorSource::of_setup(&workpiece, &setup, &stretches);
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let field = residual_field(&grid, &field_cutters(plan));
     GltfScene::of_plan(&PlanScene {

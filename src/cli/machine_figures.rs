@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::cli::output::{number, rotary_travel};
 use crate::io::program_file::NcMachine;
 use crate::job::machine_run::MachineRun;
-use crate::machine::{BlankSize, MachineProgram, MachineTool, SectionTime, section_times};
+use crate::machine::{BlankSize, MachineProgram, MachineTime, MachineTool, SectionTime, section_times};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::Setup;
@@ -46,8 +46,7 @@ impl<'a> MachineFigures<'a> {
 
     /// Time of the program with its tool changes, s; NaN where it is not known.
     fn time_s(&self) -> f64 {
-        let sum = |(times, _): &(Vec<SectionTime>, _)| times.iter().map(SectionTime::total_s).sum();
-        self.run.as_ref().map_or(f64::NAN, sum)
+        self.run.as_ref().map_or(f64::NAN, |(times, _)| MachineTime::of_sections(times).total_s)
     }
 
     /// Keys of `--json`.

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::args::PlanArgs;
 use super::curve::{check_policy, curve_text, point_object, time_stock_curve};
@@ -75,11 +75,11 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let curve = count.map(|count| time_stock_curve(&outcome, usize::from(count)));
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
-        let keys = on_machine.as_ref().map(MachineFigures::keys);
-        object.extend(
-            keys.or_else(|| unread_machine(&outcome.setup).map(|_| MachineFigures::no_keys()))
-                .unwrap_or_default(),
-        );
+        object.extend(match (&on_machine, unread_machine(&outcome.setup)) {
+            (Some(figures), _) => figures.keys(),
+            (None, Some(_)) => MachineFigures::no_keys(),
+            (None, None) => Map::new(),
+        });
         if let Some(Ok(curve)) = &curve {
             object.insert("pareto".into(), curve.iter().map(point_object).collect());
         }
@@ -173,11 +173,7 @@ pub fn create_directory(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-fn plan_json(
-    outcome: &PlanOutcome,
-    report: &PlungeReport,
-    channels: usize,
-) -> serde_json::Map<String, Value> {
+fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> Map<String, Value> {
     let (part, grid, reasons) = (&outcome.workpiece.part, &outcome.grid, &outcome.reasons);
     let mut map = output::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
     let compared = |result| output::comparison_object(&PlungeFigures::of_result(result, grid), reasons);

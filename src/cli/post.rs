@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::args::PostArgs;
 use super::{Failure, open, output, print_stdout};
 use crate::error::ErrorCode;
+use crate::geometry::without_conversion_error;
 use crate::io::apt::read_apt_bytes;
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::machine_file::read_machine;
@@ -200,7 +201,10 @@ fn object(request: &PostRequest, program: &ClProgram, posted: &PostedProgram) ->
     map.insert("output".into(), json!(output.name()));
     if let Some(calls) = request.calls {
         map.insert("calls".into(), json!(calls.count()));
-        map.insert("call_turn".into(), json!(calls.turn_rad().map(rounded_degrees)));
+        map.insert(
+            "call_turn".into(),
+            json!(calls.turn_rad().map(|turn| without_conversion_error(turn.to_degrees()))),
+        );
     }
     map
 }
@@ -253,18 +257,4 @@ fn text(args: &PostArgs, request: &PostRequest, program: &ClProgram, posted: &Po
         motion.axis_error_rad.to_degrees()
     );
     text
-}
-/// Degrees of an angle in rad, rounded to 1e-9: six calls turn on by 60, and not by 59.999….
-fn rounded_degrees(angle_rad: f64) -> f64 {
-    (1e9 * angle_rad.to_degrees()).round() / 1e9
-}
-
-#[cfg(test)]
-mod tests {
-    use super::rounded_degrees;
-
-    #[test]
-    fn six_calls_turn_on_by_60_degrees() {
-        assert_eq!(rounded_degrees(std::f64::consts::TAU / 6.0), 60.0);
-    }
 }

@@ -94,12 +94,8 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
         (Some((setup, plan)), None) => {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let workpiece = setup.allowances.workpiece_of(part.clone());
-            let source = FloorSource {
-                workpiece: &workpiece,
-                stock: &setup.allowances,
-                cutters: &stretches_of(&plan.sections),
-                max_tilt_rad: setup.plunge.max_tilt_rad,
-            };
+            let stretches = stretches_of(&plan.sections);
+            let source = FloorSource::of_setup(&workpiece, &setup, &stretches);
             let grid = FloorGrid::new(&source, FIELD_CELLS);
             let field = residual_field(&grid, &field_cutters(plan)[..shown]);
             picture(&part, Some((plan, &grid, &field)), range, view, options, size, args.legend)?

@@ -126,9 +126,26 @@ pub fn distance_rate(point: &Point, direction: &Vector, foot: Meridional) -> f64
     (dr * radial + dz * direction.z) / norm2(dr, dz).max(1e-12)
 }
 
+/// `value` without the error of converting its unit, and back: rounded to 1e-9. 5° would be 5.000000000000001°, and
+/// 3 in 76.19999999999999 mm.
+pub fn without_conversion_error(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
 /// `angle` (rad) normalised to (−π, π].
 pub fn wrap_angle(angle: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let wrapped = (angle + PI).rem_euclid(TAU) - PI;
     if wrapped <= -PI { wrapped + TAU } else { wrapped }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::without_conversion_error;
+
+    #[test]
+    fn converted_numbers_are_those_that_people_write() {
+        assert_eq!(without_conversion_error((std::f64::consts::TAU / 6.0).to_degrees()), 60.0);
+        assert_eq!(without_conversion_error(3.0 * 25.4), 76.2);
+    }
 }

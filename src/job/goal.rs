@@ -158,8 +158,8 @@ pub(super) fn meet_goal(
     let (mut plan, mut made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
     if let Goal::Stock { max_time_min: Some(limit) } = goal {
+        let mut minutes = minutes_of(&plan, input.clock);
         for _ in 0..MAX_ROUNDS {
-            let minutes = minutes_of(&plan, input.clock);
             if minutes <= limit {
                 break;
             }
@@ -169,8 +169,9 @@ pub(super) fn meet_goal(
                 break;
             }
             (plan, made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
+            minutes = minutes_of(&plan, input.clock);
         }
-        misses_goal = minutes_of(&plan, input.clock) > limit;
+        misses_goal = minutes > limit;
     }
     drop(tradeoff);
     Ok(MetGoal { plan: Some((plan, density_of(made_at.plan))), sparse, misses_goal })

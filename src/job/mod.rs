@@ -27,6 +27,7 @@ use rayon::prelude::*;
 use crate::error::{ErrorCode, UserError};
 use crate::io::machine_file::read_machine;
 use crate::io::tool_library::plunge_cutters;
+use crate::machine::MachineTool;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::plan_channels;
@@ -235,7 +236,7 @@ impl PlanCache {
             && (known.policy, known.field_cells) == (request.policy, request.field_cells)
             && known.compare == request.compare
             // Its file may have changed since.
-            && outcome.clock.machine() == clock_of(&request.setup, &outcome.workpiece).machine();
+            && outcome.clock.machine() == machine_of(&request.setup).as_ref();
         is_same.then(|| outcome.clone())
     }
 }
@@ -356,12 +357,7 @@ fn plan_sections(
     let ready = OnceLock::new();
     let conventional = || -> Result<(PolicyResult, Arc<FloorGrid>, Vec<InaccessibleFloor>), PlanError> {
         let cutters = stretches_of_setup(&setup);
-        let source = FloorSource {
-            workpiece,
-            stock: &setup.allowances,
-            cutters: &cutters,
-            max_tilt_rad: setup.plunge.max_tilt_rad,
-        };
+        let source = FloorSource::of_setup(workpiece, &setup, &cutters);
         let (grid, inaccessible_floor) = FloorGrid::with_causes(&source, request.field_cells);
         let grid = Arc::new(grid);
         let result = measured(before, &grid)?;
@@ -403,7 +399,7 @@ fn plan_sections(
     };
     let (before, asked) = rayon::join(conventional, asked);
     known.policies.extend(policies);
-    let ((before, grid, inaccessible_floor), asked) = (before?, asked?);
+    let ((mut before, grid, inaccessible_floor), asked) = (before?, asked?);
     let mut others = asked
         .into_iter()
         .map(|judged| match judged {
@@ -411,7 +407,7 @@ fn plan_sections(
             JudgedPlan::Evaluated(plan) => measured(plan, &grid),
         })
         .collect::<Result<Vec<PolicyResult>, _>>()?;
-    let mut before = before;
+    // Plans are compared by one clock.
     let asked = others.iter().find(|result| result.plan.policy == request.policy).unwrap_or(&before);
     let clock = match (clock.machine(), asked.summary.machine_time) {
         (Some(_), None) => {
@@ -505,13 +501,16 @@ fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
     }
 }
 
-/// The clock of plans with `setup`. A setup whose machine file is gone, as within a plan that was sent without it,
-/// is planned all the same: its times are those without a machine.
+/// The machine of `setup`. One whose file is gone, as of a plan that was sent without it, is planned all the same:
+/// its times are those without a machine.
+fn machine_of(setup: &Setup) -> Option<MachineTool> {
+    read_machine(Path::new(setup.machine.file.as_deref()?)).ok()
+}
+
+/// The clock of plans with `setup`.
 fn clock_of(setup: &Setup, workpiece: &Workpiece) -> PlanClock {
-    let machine = setup.machine.file.as_deref().and_then(|file| read_machine(Path::new(file)).ok());
-    machine.map_or_else(PlanClock::default, |machine| {
-        PlanClock::on_machine(machine, workpiece, &setup.allowances)
-    })
+    let on = |machine| PlanClock::on_machine(machine, workpiece, &setup.allowances);
+    machine_of(setup).map_or_else(PlanClock::default, on)
 }
 
 /// Computes the residual stock and the summary of a plan.

@@ -3,8 +3,8 @@
 use crate::error::{ErrorCode, UserError};
 use crate::io::nc::{NcProgram, Post, write_nc};
 use crate::machine::{
-    BlankSize, ChannelCalls, INSTEAD_OF_CALLS, MachineProgram, MachineTool, MotionFault, MotionOptions,
-    OutputKind, PartPlacement, PlacedPart, SectionTime, machine_program, section_times,
+    BlankSize, ChannelCalls, INSTEAD_OF_CALLS, MachineProgram, MachineTime, MachineTool, MotionFault,
+    MotionOptions, OutputKind, PartPlacement, PlacedPart, SectionTime, machine_program, section_times,
 };
 use crate::monitor::Monitor;
 use crate::toolpath::ClProgram;
@@ -45,7 +45,7 @@ impl PostedProgram {
 
     /// Time of the program with its tool changes, s.
     pub fn time_s(&self) -> f64 {
-        self.times.iter().map(SectionTime::total_s).sum()
+        MachineTime::of_sections(&self.times).total_s
     }
 }
 
@@ -81,7 +81,7 @@ pub fn post_program(
         run(machine).map_err(|fault| match called.as_ref().map(|called| called.rotary[0].limits) {
             // Alone the program would run.
             Some(Some((low, high))) if given.rotary[0].limits != Some((low, high)) && run(given).is_ok() => {
-                PostFault::Words(no_room(given.rotary[0].letter, high - low, &fault))
+                PostFault::Words(range_too_small(given.rotary[0].letter, high - low, &fault))
             }
             _ => PostFault::Motion(fault),
         })?;
@@ -95,11 +95,14 @@ pub fn post_program(
     Ok(PostedProgram { motion, written, times })
 }
 
-/// The fault of a called program that the machine could run alone, but not within the part (`room`, rad) of
-/// the range of the axis that turns the part which the other calls do not need.
-fn no_room(letter: char, room: f64, fault: &MotionFault) -> UserError {
+/// The fault of a called program that the machine could run by itself, but not within `range` (rad): what the other
+/// calls leave of the range of the axis that turns the part.
+fn range_too_small(letter: char, range: f64, fault: &MotionFault) -> UserError {
     let fault = fault.explained();
-    let what =
-        format!("the calls leave the program {:.0}° of {letter}: {}", room.to_degrees(), fault.message);
+    let what = format!(
+        "the calls leave only {:.0}° of the range of {letter} for each of them: {}",
+        range.to_degrees(),
+        fault.message
+    );
     UserError::new(ErrorCode::AxisLimits, what, INSTEAD_OF_CALLS)
 }

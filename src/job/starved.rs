@@ -5,6 +5,7 @@ use crate::monitor::Monitor;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{DropReason, PlanError, Planner, cutting_order};
 use crate::setup::AxisPolicy;
+use crate::tradeoff::PlanClock;
 
 /// Share of the floor that a plan may leave uncut without another cutting order being tried.
 const STARVED_UNCUT: f64 = 0.05;
@@ -37,7 +38,8 @@ pub(super) fn from_inlet(
         Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => return Err(cancelled.into()),
         _ => return Ok(None),
     };
-    let is_better =
-        measure_residual(plan, &outcome.grid, &outcome.clock).summary.uncut_share <= MUCH_LESS * uncut;
+    // Its time does not matter.
+    let turned_uncut = measure_residual(plan, &outcome.grid, &PlanClock::default()).summary.uncut_share;
+    let is_better = turned_uncut <= MUCH_LESS * uncut;
     Ok(is_better.then_some(turned))
 }

@@ -58,13 +58,6 @@ impl MachineTime {
             tool_changes_s: sections.iter().map(|section| section.tool_change_s).sum(),
         }
     }
-
-    /// That of `channels` such channels, cut tool by tool: each tool is changed once. The links from channel to
-    /// channel are left out.
-    pub fn of_channels(self, channels: usize) -> Self {
-        let Self { total_s, tool_changes_s } = self;
-        Self { total_s: (total_s - tool_changes_s) * channels as f64 + tool_changes_s, tool_changes_s }
-    }
 }
 
 /// A block: what its axes do.

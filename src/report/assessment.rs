@@ -108,12 +108,7 @@ fn page(part: &Impeller, pictures: &[PagePicture]) -> String {
 /// Floor mesh with the class of access as value: 0 not reached, 1 from the inlet, 1.5 only near the hub
 /// normal, 2 from the outlet, 3 from both.
 fn reach_mesh(workpiece: &Workpiece, setup: &Setup, map: &ReachMap) -> Mesh {
-    let source = FloorSource {
-        workpiece,
-        stock: &setup.allowances,
-        cutters: &[],
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-    };
+    let source = FloorSource::of_setup(workpiece, setup, &[]);
     let mut grid = FloorGrid::new(&source, FLOOR_CELLS);
     let class = |sides: ReachSides| match (sides.inlet, sides.outlet) {
         (true, true) => 3.0,

@@ -8,7 +8,7 @@ use super::obstacles::CornerLimit;
 use super::overhang::{BladesOverFloor, WallTable, WallTables, s_of_row};
 use super::reach::InaccessibleStrip;
 use crate::geometry::{CutterSolid, Point, Vector, frame_about, rotate_vector_z, rotate_z, wrap_angle};
-use crate::part::{FinishedPart, SideProbe, Workpiece, passage_angle};
+use crate::part::{FinishedPart, SideProbe, Workpiece};
 
 /// Rings of axes about the isoparametric one that are tried; the best is refined.
 const RINGS: usize = 4;
@@ -153,10 +153,7 @@ impl<'a> WallCorner<'a> {
             let axis = part.shroud.point(s).at_angle(shroud) - part.hub.point(s).at_angle(hub);
             Some((hub, rotate_vector_z(&axis, theta - hub).normalize()))
         };
-        let turned = |to: f64| match face.opening_sign > 0.0 {
-            true => passage_angle(theta, to, part.pitch()).abs(),
-            false => passage_angle(to, theta, part.pitch()).abs(),
-        };
+        let turned = |to: f64| face.turn_into_passage(theta, to, part.pitch());
         let (near, own) = axis_beside(face)?;
         let far = walls.opposite(index, s).and_then(axis_beside);
         let other = far.map_or((own, turned(near)), |(far, axis)| (axis, turned(far)));
@@ -364,8 +361,12 @@ impl<'a> WallCorner<'a> {
             let lacking = self.wall.iter().fold(f64::NEG_INFINITY, |most, point| {
                 let off = point - tip;
                 let aside = off.dot(&x);
-                let room = reach * reach - aside * aside;
-                if room <= 0.0 || off.dot(&h) < 0.0 { most } else { most.max(off.dot(&y) + room.sqrt()) }
+                let squared = reach * reach - aside * aside;
+                if squared <= 0.0 || off.dot(&h) < 0.0 {
+                    most
+                } else {
+                    most.max(off.dot(&y) + squared.sqrt())
+                }
             });
             let next = (turn + lacking / (half * radius)).max(least);
             if (next - turn).abs() * radius < CLEARANCE_TOLERANCE {

@@ -7,7 +7,7 @@ use super::overhang::WallTables;
 use super::reach::{CutterStretch, InaccessibleTables};
 use crate::geometry::{Meridional, search};
 use crate::part::{Blank, Workpiece};
-use crate::setup::AllowanceSetup;
+use crate::setup::{AllowanceSetup, Setup};
 
 /// Inputs of a floor grid.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,13 @@ pub struct FloorSource<'a> {
     pub cutters: &'a [CutterStretch],
     /// Largest angle of an axis from the isoparametric one, rad.
     pub max_tilt_rad: f64,
+}
+
+impl<'a> FloorSource<'a> {
+    /// The floor of `workpiece` with the allowances and the largest tilt of plunges of `setup`.
+    pub fn of_setup(workpiece: &'a Workpiece, setup: &'a Setup, cutters: &'a [CutterStretch]) -> Self {
+        Self { workpiece, stock: &setup.allowances, cutters, max_tilt_rad: setup.plunge.max_tilt_rad }
+    }
 }
 
 /// Cells over the hub floor of one channel, `rows` along s (row 0 at s = 0, the leading edge;

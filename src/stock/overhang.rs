@@ -126,6 +126,12 @@ impl<'a> WallTable<'a> {
         self.row(row).iter().any(|node| node.is_on_blade() && node.turn * self.opening_sign > 1e-6)
     }
 
+    /// Angle from θ = `from` to `to` on the side to which this wall opens the passage, rad.
+    pub(super) fn turn_into_passage(&self, from: f64, to: f64, pitch: f64) -> f64 {
+        let (low, high) = if self.opening_sign > 0.0 { (from, to) } else { (to, from) };
+        passage_angle(low, high, pitch).abs()
+    }
+
     /// The wall.
     pub(super) fn wall(&self) -> &'a Wall {
         self.wall
@@ -252,10 +258,7 @@ impl<'a> WallTables<'a> {
             let of_splitter = self.faces.iter().position(|f| std::ptr::eq(f, *face)).filter(|&k| k >= 2);
             of_splitter.is_none_or(|k| s >= self.splitter_s[(k - 2) / 2])
         };
-        let turn = |face: &WallTable| match own.opening_sign > 0.0 {
-            true => Some(passage_angle(foot, theta(face)?, pitch).abs()),
-            false => Some(passage_angle(theta(face)?, foot, pitch).abs()),
-        };
+        let turn = |face: &WallTable| Some(own.turn_into_passage(foot, theta(face)?, pitch));
         let found = self.facing(index).filter(is_there).filter_map(|face| Some((turn(face)?, face)));
         found.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, face)| face)
     }

@@ -27,8 +27,6 @@ struct PlacedMachine {
     blank: BlankSize,
     /// Whether the machine cannot run the plan that was asked for: then no plan is timed on it.
     refuses: bool,
-    /// Rate of the slower rotary axis, rad/s.
-    turn_rad_per_s: f64,
 }
 
 impl PlanClock {
@@ -36,14 +34,17 @@ impl PlanClock {
     pub fn on_machine(machine: MachineTool, workpiece: &Workpiece, allowances: &AllowanceSetup) -> Self {
         let placed = PlacedPart::of(&machine.part, &workpiece.part);
         let blank = BlankSize::of(&workpiece.part, allowances);
-        let turn_rad_per_s =
-            machine.rotary.iter().map(|axis| axis.rapid_rad_per_s).fold(f64::INFINITY, f64::min);
-        Self { machine: Some(PlacedMachine { machine, placed, blank, refuses: false, turn_rad_per_s }) }
+        Self { machine: Some(PlacedMachine { machine, placed, blank, refuses: false }) }
     }
 
     /// The machine.
     pub fn machine(&self) -> Option<&MachineTool> {
         self.machine.as_ref().map(|on| &on.machine)
+    }
+
+    /// The machine on which plans are timed.
+    fn timing(&self) -> Option<&PlacedMachine> {
+        self.machine.as_ref().filter(|on| !on.refuses)
     }
 
     /// The clock once the machine has refused the plan that was asked for: times of all plans are then told without
@@ -56,7 +57,7 @@ impl PlanClock {
     /// The motion of `program`, of the same part, on the machine as `post` makes it with the output of the machine
     /// file; `None` without a machine, and where it cannot run the whole program.
     pub fn motion(&self, program: &ClProgram) -> Option<MachineProgram> {
-        let PlacedMachine { machine, placed, blank, .. } = self.machine.as_ref().filter(|on| !on.refuses)?;
+        let PlacedMachine { machine, placed, blank, .. } = self.timing()?;
         let options =
             MotionOptions { blank: Some(*blank), ..MotionOptions::new(machine.output, ANGLE_DECIMALS) };
         machine_program(machine, placed, program, &options, &Monitor::default()).ok()
@@ -77,7 +78,7 @@ impl PlanClock {
     /// Time of `plan`, s: on the machine, where one that it cannot run takes for ever; without a machine without
     /// accelerations and tool changes.
     pub fn time_s(&self, plan: &PlungePlan) -> f64 {
-        match self.machine.as_ref().filter(|on| !on.refuses) {
+        match self.timing() {
             Some(_) => self.machine_time(plan).map_or(f64::INFINITY, |time| time.total_s),
             None => Travel::of(&ClProgram::of_plan("", plan)).time,
         }
@@ -92,7 +93,10 @@ impl PlanClock {
     /// the tool axes at the rate of the slower rotary axis. Links that leave the part take longer.
     pub(super) fn link_s(&self, from: &Position, to: &Position) -> f64 {
         let along = (from.evaluation.retract - to.evaluation.retract).norm() / self.link_rate() * 60.0;
-        let turning = |on: &PlacedMachine| from.axis.angle(&to.axis) / on.turn_rad_per_s;
+        let turning = |on: &PlacedMachine| {
+            let [a, b] = on.machine.rotary.each_ref().map(|axis| axis.rapid_rad_per_s);
+            from.axis.angle(&to.axis) / a.min(b)
+        };
         self.machine.as_ref().map_or(along, |on| along.max(turning(on)))
     }
 }

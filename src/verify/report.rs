@@ -48,12 +48,7 @@ pub fn report_plunges(
 ) -> Result<PlungeReport, VerifyError> {
     let verdict = verify(workpiece, setup, program, &monitor.span(0.0, PLUNGES_DONE))?;
     let stretches = stretches_of(&verdict.sections);
-    let source = FloorSource {
-        workpiece,
-        stock: &setup.allowances,
-        cutters: &stretches,
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-    };
+    let source = FloorSource::of_setup(workpiece, setup, &stretches);
     let grid = FloorGrid::new(&source, cells);
     let fields = fields_of(&workpiece.part, &verdict, &grid, &monitor.span(PLUNGES_DONE, 1.0))?;
     let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();

@@ -114,10 +114,10 @@ impl Summary {
         self.machine_time.map_or(self.time_estimate, |time| time.total_s - time.tool_changes_s)
     }
 
-    /// The same for a wheel of `channels` such channels, cut tool by tool.
+    /// The same for a wheel of `channels` such channels, cut tool by tool: each tool is changed once. The links from
+    /// channel to channel are left out.
     pub fn time_of_wheel_s(&self, channels: usize) -> f64 {
-        let on_machine = self.machine_time.map(|time| time.of_channels(channels).total_s);
-        on_machine.unwrap_or(self.time_estimate * channels as f64)
+        self.time_s() + self.time_of_further_channel_s() * (channels as f64 - 1.0)
     }
 
     /// Figures of the whole plan.

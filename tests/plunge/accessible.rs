@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use vanecut::geometry::{CutterSolid, Meridional, Point, Vector, frame_about, wrap_angle};
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::part::{Impeller, Workpiece, passage_angle};
-use vanecut::setup::{AllowanceSetup, Setup};
+use vanecut::setup::AllowanceSetup;
 use vanecut::stock::{CutterStretch, FloorGrid, FloorSource};
 
+use super::floor::{MAX_TILT, stock};
 use super::samples::sample;
 
 const CELLS: usize = 256;
-const MAX_TILT: f64 = std::f64::consts::FRAC_PI_4;
 /// Rings of axes, and directions from the centre of the bottom to a cell.
 const RINGS: usize = 5;
 const DIRECTIONS: usize = 16;
@@ -42,10 +42,6 @@ theta_leading_edge = 13.4
 angle = [[0, 45], [1, 35]]
 thickness = [[0, 1.7], [1, 1.7]]
 "#;
-
-fn stock() -> AllowanceSetup {
-    Setup::default().allowances
-}
 
 /// A cell of the floor under a blade, and a cutter that is to cut it.
 struct CellSearch<'a> {

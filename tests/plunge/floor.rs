@@ -17,9 +17,9 @@ use super::samples::sample;
 
 const CELLS: usize = 400;
 /// Largest angle of an axis from the isoparametric one, rad.
-const MAX_TILT: f64 = std::f64::consts::FRAC_PI_4;
+pub const MAX_TILT: f64 = std::f64::consts::FRAC_PI_4;
 
-fn stock() -> AllowanceSetup {
+pub fn stock() -> AllowanceSetup {
     Setup::default().allowances
 }
 

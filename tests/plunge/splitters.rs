@@ -75,12 +75,7 @@ fn rows_run_beside_every_splitter_and_leave_no_floor_uncut() {
     let plan =
         Planner::new(&workpiece, &setup).plan(AxisPolicy::Minimal, &Monitor::default()).expect("a plan");
     let cutters = stretches_of_setup(&setup);
-    let source = FloorSource {
-        workpiece: &workpiece,
-        stock: &setup.allowances,
-        cutters: &cutters,
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-    };
+    let source = FloorSource::of_setup(&workpiece, &setup, &cutters);
     let grid = FloorGrid::new(&source, 200);
     let pitch = workpiece.part.pitch();
     let in_splitter = |p: &[f32; 3]| {

@@ -217,15 +217,7 @@ fn floor_that_holds_only_its_allowance_is_not_left_uncut() {
     let part = open(&wheel);
     let setup = Setup::for_part(&part);
     let workpiece = setup.allowances.workpiece_of(std::sync::Arc::new(part));
-    let grid = FloorGrid::new(
-        &FloorSource {
-            workpiece: &workpiece,
-            stock: &setup.allowances,
-            cutters: &[],
-            max_tilt_rad: setup.plunge.max_tilt_rad,
-        },
-        128,
-    );
+    let grid = FloorGrid::new(&FloorSource::of_setup(&workpiece, &setup, &[]), 128);
     let allowance = setup.allowances.hub_allowance as f32;
     let thin: Vec<usize> = (0..grid.floor.len())
         .filter(|&cell| grid.floor[cell] && grid.blank_heights[cell] <= allowance)

@@ -1,7 +1,7 @@
 //! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the
 //! cursor. It lies beside the picture, so that it hides nothing of it.
 
-use egui::{Color32, DragValue, FontSelection, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
+use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::gpu::scene::FloorColours;
@@ -19,7 +19,7 @@ use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
 use crate::app::views::swatch::swatch;
-use crate::app::views::theme::Condition;
+use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
 
 /// Height of the legend, points.
@@ -161,8 +161,8 @@ fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
     });
 }
 
-/// What the cutters are coloured by; `None` while they are hidden. The states, which table and verdict name,
-/// only where there is room for them beside the scale of the floor.
+/// What the cutters are coloured by; `None` while they are hidden. The colours of the states, which table and verdict
+/// name too, are left out where they do not fit beside the scale of the floor.
 fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
@@ -175,9 +175,7 @@ fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
 /// Width of a legend of classes, points.
 fn width_of(ui: &Ui, legend: &CutterLegend) -> f32 {
     let CutterLegend::Classes(classes) = legend else { return 0.0 };
-    let (font, ink) = (FontSelection::Default.resolve(ui.style()), ui.visuals().text_color());
-    let width =
-        |share: &ClassShare| ui.painter().layout_no_wrap(class_text(share), font.clone(), ink).size().x;
+    let width = |share: &ClassShare| theme::width_of_text(ui, &class_text(share));
     classes.iter().map(|share| width(share) + SWATCH_AND_SPACES).sum()
 }
 

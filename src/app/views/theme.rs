@@ -4,7 +4,7 @@
 //! States use the Okabe-Ito palette, which is safe for colour-blind users; each also has a word or a mark
 //! shape.
 
-use egui::{Color32, Context, CornerRadius, FontId, Stroke, TextStyle, Theme, Visuals};
+use egui::{Color32, Context, CornerRadius, FontId, FontSelection, Stroke, TextStyle, Theme, Ui, Visuals};
 
 use crate::palette;
 pub use crate::plunge::plan::Condition;
@@ -13,6 +13,12 @@ pub use crate::plunge::plan::Condition;
 pub fn colour(colour: palette::Rgb) -> Color32 {
     let [r, g, b] = palette::to_bytes(colour);
     Color32::from_rgb(r, g, b)
+}
+
+/// Width of a text in one line and the font of labels, points.
+pub fn width_of_text(ui: &Ui, text: &str) -> f32 {
+    let (font, ink) = (FontSelection::Default.resolve(ui.style()), ui.visuals().text_color());
+    ui.painter().layout_no_wrap(text.to_owned(), font, ink).size().x
 }
 
 impl Condition {
@@ -118,7 +124,7 @@ pub fn apply(ctx: &Context) {
 }
 
 /// A triangle under the head of a sorted column, at the middle of its lower edge; it points to the large values.
-pub fn sort_mark(ui: &egui::Ui, at: egui::Pos2, descending: bool) {
+pub fn sort_mark(ui: &Ui, at: egui::Pos2, descending: bool) {
     let up = if descending { 1.0 } else { -1.0 };
     let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);
     let ink = ui.visuals().strong_text_color();

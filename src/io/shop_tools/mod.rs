@@ -17,6 +17,7 @@ use super::InputError;
 use super::source::{Source, name_of, read_bytes, text};
 use super::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TOOLS, RATE, read_tools_bytes, write_tool};
 use crate::error::ErrorCode;
+use crate::geometry::without_conversion_error;
 use crate::setup::Tool;
 pub use fusion::write_fusion;
 
@@ -191,7 +192,7 @@ fn parse_json(name: &str, bytes: &[u8]) -> Result<Value, InputError> {
 
 /// Rounds lengths to 1e-9 mm, as 3 in are 76.2 mm and not 76.199…: converted numbers are read by people.
 fn round_lengths(library: &mut ToolLibrary) {
-    let round = |mm: &mut f64| *mm = (1e9 * *mm).round() / 1e9;
+    let round = |mm: &mut f64| *mm = without_conversion_error(*mm);
     for LibraryTool { tool, .. } in &mut library.tools {
         [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
             .into_iter()

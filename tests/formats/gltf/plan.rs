@@ -89,12 +89,7 @@ fn planned() -> Planned {
     let (shape, _) = written(&part, 0.2);
     let setup = Setup::default();
     let workpiece = setup.allowances.workpiece_of(part.clone());
-    let source = FloorSource {
-        workpiece: &workpiece,
-        stock: &setup.allowances,
-        cutters: &[],
-        max_tilt_rad: setup.plunge.max_tilt_rad,
-    };
+    let source = FloorSource::of_setup(&workpiece, &setup, &[]);
     let grid = FloorGrid::new(&source, CELLS);
     // A ramp, and a range of uncut cells.
     let heights = (0..CELLS * CELLS)

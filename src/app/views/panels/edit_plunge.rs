@@ -5,6 +5,7 @@ use egui::{Button, Grid, RichText, Ui};
 use super::fields::{self, FieldSpec};
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
+use crate::geometry::without_conversion_error;
 use crate::plunge::UnappliedEdit;
 use crate::setup::{PlungeChange, PlungeMove};
 
@@ -119,7 +120,7 @@ fn number(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) {
 }
 
 fn angle(ui: &mut Ui, radians: &mut f64, spec: &FieldSpec) {
-    let before = fields::round_degrees(radians.to_degrees());
+    let before = without_conversion_error(radians.to_degrees());
     let mut degrees = before;
     number(ui, &mut degrees, spec);
     if degrees != before {

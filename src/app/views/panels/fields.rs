@@ -9,6 +9,7 @@ use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::{field_faults, theme, units};
+use crate::geometry::without_conversion_error;
 
 /// Description of a number field.
 #[derive(Clone, Copy, Debug)]
@@ -144,8 +145,8 @@ pub fn optional_row(ui: &mut Ui, value: &mut Option<f64>, spec: &FieldSpec, now:
 
 /// Like [`number_row`], for an angle stored in radians and shown in degrees.
 pub fn angle_row(ui: &mut Ui, radians: &mut f64, default: f64, spec: &FieldSpec) -> bool {
-    let mut degrees = round_degrees(radians.to_degrees());
-    let changed = number_row(ui, &mut degrees, round_degrees(default.to_degrees()), spec);
+    let mut degrees = without_conversion_error(radians.to_degrees());
+    let changed = number_row(ui, &mut degrees, without_conversion_error(default.to_degrees()), spec);
     if changed {
         *radians = degrees.to_radians();
     }
@@ -252,11 +253,6 @@ pub fn name_row(
     ui.end_row();
 }
 
-/// Rounds away the error of a conversion to radians and back: 5° becomes 5.000000000000001°.
-pub fn round_degrees(degrees: f64) -> f64 {
-    (degrees * 1e9).round() / 1e9
-}
-
 /// A form row; `true` when the value changed. `automatic`: the text for 0, and the automatic value.
 fn labelled(
     ui: &mut Ui,
@@ -307,7 +303,7 @@ pub fn slider(
     let response = ui.add(Slider::new(&mut at, range).show_value(false).step_by(step));
     // Snapping to the nearest step does not count as a move.
     let moved = response.changed() && (at - start).abs() > 0.5 * step;
-    (response, moved.then(|| round_degrees(at)))
+    (response, moved.then(|| without_conversion_error(at)))
 }
 
 /// Step of a field's slider: a round value that suits its range.

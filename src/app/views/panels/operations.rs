@@ -44,7 +44,7 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
     }
 }
 
-/// Time of a channel, and of the wheel; from seconds. A checked program has its own number of channels.
+/// Time of a channel, and of the wheel; from seconds.
 fn times(channel_s: f64, wheel_s: f64) -> String {
     format!("{}, wheel {}", format_duration(channel_s), format_duration(wheel_s))
 }

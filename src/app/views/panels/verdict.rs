@@ -1,6 +1,6 @@
 //! The verdict line: interfering plunges, residual stock, clearances, share not machined, time.
 
-use egui::{FontSelection, RichText, Ui};
+use egui::{RichText, Ui};
 
 use crate::job::Summary;
 use crate::plunge::{DropReason, PlungePlan};
@@ -157,18 +157,16 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
     }
 }
 
-/// Draws a figure with its name, in the next line if there is no room for both.
+/// Draws a figure with its name, in the next line if this one is too short for both.
 pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
     keep_together(ui, &[name, &value]);
     ui.label(RichText::new(name).weak()).on_hover_text(tip);
     ui.label(value).on_hover_text(tip);
 }
 
-/// Begins the next line if there is no room in this one for all of these words.
+/// Begins the next line if `words` do not all fit in the rest of this one.
 fn keep_together(ui: &mut Ui, words: &[&str]) {
-    let font = FontSelection::Default.resolve(ui.style());
-    let ink = ui.visuals().text_color();
-    let width = |text: &&str| ui.painter().layout_no_wrap((*text).to_owned(), font.clone(), ink).size().x;
+    let width = |text: &&str| theme::width_of_text(ui, text);
     let spaces = ui.spacing().item_spacing.x * (words.len() - 1) as f32;
     if words.iter().map(width).sum::<f32>() + spaces > ui.available_size_before_wrap().x {
         ui.end_row();
