@@ -3,7 +3,7 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -51,17 +51,20 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         );
     }
     let folder = tempfile::tempdir().expect("a folder");
-    // A display number that is probably unused.
-    let number = 200 + std::process::id() % 700;
-    let display = format!(":{number}");
-    let server = Command::new("Xvfb")
-        .args([&display, "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("Xvfb starts");
-    let _server = Stopped(server);
-    until("screen", || xdotool(&display, &["getdisplaygeometry"]));
+    // The server picks a free number and prints it as soon as clients may connect. Without `-noreset` it starts
+    // anew whenever its last client leaves, and refuses connections meanwhile.
+    let mut server = Stopped(
+        Command::new("Xvfb")
+            .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts"),
+    );
+    let mut number = String::new();
+    let printed = server.0.stdout.take().expect("the output of Xvfb");
+    BufReader::new(printed).read_line(&mut number).expect("the number of the display");
+    let display = format!(":{}", number.trim());
     let part = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/pump6.toml");
     let program = Command::new(env!("CARGO_BIN_EXE_vanecut"))
         .arg(part)

@@ -181,7 +181,7 @@ fn plan_scene(stored: &StoredPlan, shape: &Tessellation, cutters: CutterNodes) -
     let StoredPlan { part, setup, plan, .. } = stored;
     let workpiece = setup.allowances.workpiece_of(part.clone());
     let stretches = stretches_of(&plan.sections);
-    let source = FloorSource::of_setup(&workpiece, &setup, &stretches);
+    let source = FloorSource::of_setup(&workpiece, setup, &stretches);
     let grid = FloorGrid::new(&source, FIELD_CELLS);
     let field = residual_field(&grid, &field_cutters(plan));
     GltfScene::of_plan(&PlanScene {

@@ -95,7 +95,7 @@ pub fn run(args: &RenderArgs) -> Result<(), Failure> {
             let shown = args.at.unwrap_or(plan.positions.len()).min(plan.positions.len());
             let workpiece = setup.allowances.workpiece_of(part.clone());
             let stretches = stretches_of(&plan.sections);
-            let source = FloorSource::of_setup(&workpiece, &setup, &stretches);
+            let source = FloorSource::of_setup(&workpiece, setup, &stretches);
             let grid = FloorGrid::new(&source, FIELD_CELLS);
             let field = residual_field(&grid, &field_cutters(plan)[..shown]);
             picture(&part, Some((plan, &grid, &field)), range, view, options, size, args.legend)?
