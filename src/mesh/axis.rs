@@ -104,17 +104,36 @@ const BESIDE: f64 = 1.2;
 /// As [`SNAP`], for an axis that is exact but for rounding: rad and mm.
 const EXACT: (f64, f64) = (1e-6, 1e-4);
 
-/// Deviation of `surface` from a surface of revolution about the axis through `through` along `along`:
-/// area-weighted mean of the circumferential component of its normals.
-fn revolution_error(surface: &MeshSurface, along: &Vector, through: &Point) -> f64 {
+/// A triangle of a surface. The axis is sought in some dozen passes over all of them.
+struct Facet {
+    centre: Point,
+    normal: Vector,
+    area: f64,
+}
+
+impl Facet {
+    fn all(surface: &MeshSurface) -> Vec<Self> {
+        let facet = |t| Self { centre: surface.centre(t), normal: surface.normals[t], area: surface.area(t) };
+        (0..surface.triangles.len()).map(facet).collect()
+    }
+
+    /// Whether it is of revolution about the axis through `through` along `along`.
+    fn is_revolved(&self, along: &Vector, through: &Point) -> bool {
+        let arm = along.cross(&(self.centre - through));
+        self.normal.dot(&arm).abs() < TURNED * arm.norm()
+    }
+}
+
+/// Deviation from a surface of revolution about the axis through `through` along `along`: area-weighted mean of
+/// the circumferential component of the normals.
+fn revolution_error(facets: &[Facet], along: &Vector, through: &Point) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
-    for t in 0..surface.triangles.len() {
-        let arm = along.cross(&(surface.centre(t) - through));
+    for facet in facets {
+        let arm = along.cross(&(facet.centre - through));
         let r = arm.norm();
         if r > 1e-9 {
-            let area = surface.area(t);
-            sum += area * (surface.normals[t].dot(&arm) / r).abs();
-            total += area;
+            sum += facet.area * (facet.normal.dot(&arm) / r).abs();
+            total += facet.area;
         }
     }
     if total > 0.0 { sum / total } else { 1.0 }
@@ -123,19 +142,24 @@ fn revolution_error(surface: &MeshSurface, along: &Vector, through: &Point) -> f
 /// The frame in which the hub's axis of rotation is Z: an axis of the file where one fits, else a fitted
 /// axis. `None` where the hub has no axis of rotation.
 pub fn find_axis(hub: &MeshSurface) -> Option<PartFromFile> {
+    axis_of(hub, &Facet::all(hub))
+}
+
+/// As [`find_axis`], of a surface with these facets.
+fn axis_of(hub: &MeshSurface, facets: &[Facet]) -> Option<PartFromFile> {
     let axes = [(Axis::Z, Vector::z()), (Axis::Y, Vector::y()), (Axis::X, Vector::x())];
     let (axis, least) = axes
         .iter()
-        .map(|(axis, along)| (*axis, revolution_error(hub, along, &Point::origin())))
+        .map(|(axis, along)| (*axis, revolution_error(facets, along, &Point::origin())))
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     if least < FOUND {
         return Some(PartFromFile::Along(axis));
     }
-    let (along, through) = fit_axis(hub)?;
-    let missed = revolution_error(hub, &along, &through);
+    let (along, through) = fit_axis(facets)?;
+    let missed = revolution_error(facets, &along, &through);
     // A body with blades deviates about any axis: then the axis with the largest area of revolution is used.
     if missed > 0.6 * least && missed > FOUND {
-        return largest_revolved_axis(hub);
+        return largest_revolved_axis(hub, facets);
     }
     let size = hub.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
     Some(PartFromFile::snapped(&through, &along, SNAP.0, SNAP.1 * size))
@@ -143,7 +167,9 @@ pub fn find_axis(hub: &MeshSurface) -> Option<PartFromFile> {
 
 /// As [`find_axis`], only where the surface is one of revolution.
 pub fn turned_axis(surface: &MeshSurface) -> Option<PartFromFile> {
-    let (along, through) = match find_axis(surface)? {
+    let facets = Facet::all(surface);
+    let frame = axis_of(surface, &facets)?;
+    let (along, through) = match frame {
         PartFromFile::Along(axis) => {
             let own = [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())];
             let along = own.into_iter().find(|(a, _)| *a == axis).map_or_else(Vector::z, |(_, v)| v);
@@ -151,42 +177,36 @@ pub fn turned_axis(surface: &MeshSurface) -> Option<PartFromFile> {
         }
         PartFromFile::Turned { turn, through } => (turn.inverse() * Vector::z(), through),
     };
-    (revolution_error(surface, &along, &through) < FOUND).then(|| find_axis(surface)).flatten()
+    (revolution_error(&facets, &along, &through) < FOUND).then_some(frame)
 }
 
 /// Share of its area by which a surface is of revolution about an axis.
-fn revolved_share(surface: &MeshSurface, along: &Vector, through: &Point) -> f64 {
+fn revolved_share(facets: &[Facet], along: &Vector, through: &Point) -> f64 {
     let (mut turned, mut total) = (0.0, 0.0);
-    for t in 0..surface.triangles.len() {
-        let area = surface.area(t);
-        total += area;
-        if is_revolved(surface, t, along, through) {
-            turned += area;
+    for facet in facets {
+        total += facet.area;
+        if facet.is_revolved(along, through) {
+            turned += facet.area;
         }
     }
     turned / f64::max(total, 1e-300)
 }
 
-fn is_revolved(surface: &MeshSurface, t: usize, along: &Vector, through: &Point) -> bool {
-    let arm = along.cross(&(surface.centre(t) - through));
-    surface.normals[t].dot(&arm).abs() < TURNED * arm.norm()
-}
-
 /// The axis in a direction of the file's with by far the largest area of revolution about it. In a wheel with
 /// its blades, that area is the hub and the blade tips. The axis goes through the origin, unless clearly more
 /// area is of revolution about a line beside it.
-fn largest_revolved_axis(surface: &MeshSurface) -> Option<PartFromFile> {
+fn largest_revolved_axis(surface: &MeshSurface, facets: &[Facet]) -> Option<PartFromFile> {
     let by_share = |through: &dyn Fn(&Vector) -> Option<Point>| {
         let axes = [(Axis::X, Vector::x()), (Axis::Y, Vector::y()), (Axis::Z, Vector::z())];
         let mut shares = axes.map(|(axis, along)| {
             let through = through(&along);
-            (through.map_or(0.0, |through| revolved_share(surface, &along, &through)), axis, along, through)
+            (through.map_or(0.0, |through| revolved_share(facets, &along, &through)), axis, along, through)
         });
         shares.sort_by(|a, b| b.0.total_cmp(&a.0));
         (shares[0], shares[1].0)
     };
     let (own, next) = by_share(&|_| Some(Point::origin()));
-    let (beside, beside_next) = by_share(&|along| revolution_centre(surface, along));
+    let (beside, beside_next) = by_share(&|along| revolution_centre(facets, along));
     if let Some(through) = beside.3
         && beside.0 > BESIDE * own.0
         && beside.0 > 1.5 * beside_next
@@ -200,21 +220,21 @@ fn largest_revolved_axis(surface: &MeshSurface) -> Option<PartFromFile> {
 /// The point through which an axis `along` has the surface's triangles of revolution about it. The centre of
 /// the area of a wheel is on its axis; from there the point is fitted by least squares, as in [`fit_axis`],
 /// to the triangles that are of revolution about the last one.
-fn revolution_centre(surface: &MeshSurface, along: &Vector) -> Option<Point> {
-    let mut through = centre_of_area(surface)?;
+fn revolution_centre(facets: &[Facet], along: &Vector) -> Option<Point> {
+    let mut through = centre_of_area(facets)?;
     for round in 0..6 {
         // At first also those that are nearly of revolution.
         let (mut squares, mut sums) = (Matrix3::zeros(), Vector::zeros());
-        for t in 0..surface.triangles.len() {
-            let (c, n) = (surface.centre(t) - through, surface.normals[t]);
+        for facet in facets {
+            let (c, n) = (facet.centre - through, facet.normal);
             let arm = along.cross(&c);
             if n.dot(&arm).abs() > TURNED * arm.norm() * if round < 2 { 3.0 } else { 1.0 } {
                 continue;
             }
             // n · (a × (c − p)) = 0 is (n × a) · p = n · (a × c).
             let row = n.cross(along);
-            squares += row * row.transpose() * surface.area(t);
-            sums += row * n.dot(&arm) * surface.area(t);
+            squares += row * row.transpose() * facet.area;
+            sums += row * n.dot(&arm) * facet.area;
         }
         let held = along * along.transpose() * squares.trace();
         let step = (squares + held).try_inverse()? * sums;
@@ -224,11 +244,11 @@ fn revolution_centre(surface: &MeshSurface, along: &Vector) -> Option<Point> {
 }
 
 /// Centre of the area of a surface.
-fn centre_of_area(surface: &MeshSurface) -> Option<Point> {
+fn centre_of_area(facets: &[Facet]) -> Option<Point> {
     let (mut middle, mut total) = (Vector::zeros(), 0.0);
-    for t in 0..surface.triangles.len() {
-        middle += surface.centre(t).coords * surface.area(t);
-        total += surface.area(t);
+    for facet in facets {
+        middle += facet.centre.coords * facet.area;
+        total += facet.area;
     }
     let middle = middle / total;
     middle.iter().all(|x| x.is_finite()).then(|| Point::from(middle))
@@ -237,16 +257,15 @@ fn centre_of_area(surface: &MeshSurface) -> Option<Point> {
 /// The axis as the line that all normals of a surface of revolution intersect: n·(a × c) + n·m = 0 for every
 /// triangle with centre c and normal n, by least squares for the direction a (unit) and the moment m.
 /// Iteratively reweighted, so that triangles far from it count less.
-fn fit_axis(hub: &MeshSurface) -> Option<(Vector, Point)> {
-    let middle = centre_of_area(hub)?.coords;
+fn fit_axis(facets: &[Facet]) -> Option<(Vector, Point)> {
+    let middle = centre_of_area(facets)?.coords;
     let mut found: Option<(Vector, Vector)> = None;
     for _ in 0..4 {
         let (mut aa, mut am, mut mm) = (Matrix3::zeros(), Matrix3::zeros(), Matrix3::zeros());
-        for t in 0..hub.triangles.len() {
-            let c = hub.centre(t).coords - middle;
-            let n = hub.normals[t];
+        for facet in facets {
+            let (c, n) = (facet.centre.coords - middle, facet.normal);
             let arm = c.cross(&n);
-            let mut weight = hub.area(t);
+            let mut weight = facet.area;
             if let Some((a, m)) = &found {
                 let missed = (arm.dot(a) + n.dot(m)) / c.norm().max(1e-9);
                 weight /= 1.0 + (missed / FOUND).powi(2);
