@@ -6,10 +6,10 @@ use super::Failure;
 use super::output::number;
 use super::watch::run_with_progress;
 use crate::error::ErrorCode;
-use crate::job::{PlanOutcome, PolicyResult, Summary};
+use crate::job::{PlanOutcome, PolicyResult};
 use crate::monitor::Monitor;
 use crate::report::words::minutes;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, Goal};
 
 /// Checks that a plan by `policy` has a curve.
 ///
@@ -33,11 +33,12 @@ pub fn time_stock_curve(outcome: &PlanOutcome, count: usize) -> Result<Vec<Polic
 }
 
 /// A point of the curve as a JSON object: mm, s.
-pub fn point_object(result: &PolicyResult) -> Value {
+pub fn point_object(result: &PolicyResult, outcome: &PlanOutcome) -> Value {
     let s = &result.summary;
     json!({
         "time_estimate": number(s.time_estimate),
         "machine_time": s.machine_time.map(|time| number(time.total_s)),
+        "finish_time": outcome.finishing_time_s(result).map(number),
         "positions": s.positions,
         "interferential": s.interfering,
         "residual_mean": number(s.residual_mean),
@@ -50,10 +51,14 @@ pub fn point_object(result: &PolicyResult) -> Value {
 pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
     // Where it runs the plan that was asked for, others may be beyond its limits.
     let machine = outcome.clock.machine().filter(|_| outcome.after.summary.machine_time.is_some());
-    let line = |name: &str, s: &Summary| {
+    let counts_finishing = matches!(outcome.setup.plunge.goal, Goal::Total { .. });
+    let line = |name: &str, result: &PolicyResult| {
+        let s = &result.summary;
+        let time = if machine.is_some() && s.machine_time.is_none() { f64::NAN } else { minutes(s) };
+        let total = outcome.finishing_time_s(result).map(|finishing| time + finishing / 60.0);
         format!(
-            "{name:<12} {:>9.1} {:>10} {:>13} {:>16} {:>12.1}\n",
-            if machine.is_some() && s.machine_time.is_none() { f64::NAN } else { minutes(s) },
+            "{name:<12} {time:>9.1}{} {:>10} {:>13} {:>16} {:>12.1}\n",
+            total.map_or_else(String::new, |total| format!(" {total:>10.1}")),
             s.positions,
             s.interfering,
             format!("{:.2} / {:.2}", s.residual_mean, s.residual_p95),
@@ -62,14 +67,20 @@ pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
     };
     let on_machine = machine.map_or(String::new(), |machine| format!(" on {}", machine.name));
     let mut text = format!(
-        "\ntime against stock, one channel{on_machine}\n{:<12} {:>9} {:>10} {:>13} {:>16} {:>12}\n",
-        "plan", "time, min", "positions", "interfering", "stock mean/95 %", "uncut, %"
+        "\ntime against stock, one channel{on_machine}\n{:<12} {:>9}{} {:>10} {:>13} {:>16} {:>12}\n",
+        "plan",
+        "time, min",
+        if counts_finishing { " total, min" } else { "" },
+        "positions",
+        "interfering",
+        "stock mean/95 %",
+        "uncut, %"
     );
     for (number, point) in curve.iter().enumerate() {
-        text += &line(&format!("minimal {}", number + 1), &point.summary);
+        text += &line(&format!("minimal {}", number + 1), point);
     }
     for result in outcome.policies().iter().filter(|result| result.plan.policy != AxisPolicy::Minimal) {
-        text += &line(result.plan.policy.name(), &result.summary);
+        text += &line(result.plan.policy.name(), result);
     }
     text
 }

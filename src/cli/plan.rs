@@ -81,7 +81,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
             (None, None) => Map::new(),
         });
         if let Some(Ok(curve)) = &curve {
-            object.insert("pareto".into(), curve.iter().map(point_object).collect());
+            object.insert("pareto".into(), curve.iter().map(|point| point_object(point, &outcome)).collect());
         }
         print_stdout(&format!("{}\n", Value::Object(object)))?;
     } else {
@@ -192,6 +192,7 @@ fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> M
     map.insert("edits_unfitting".into(), json!(outcome.edits.unapplied.len()));
     map.insert("edits_not_applied".into(), unapplied_objects(outcome));
     map.insert("goal_met".into(), json!(!outcome.misses_goal));
+    map.insert("finish_time".into(), json!(outcome.finishing_time_s(&outcome.after).map(output::number)));
     map.insert("faults".into(), output::fault_list(&report.verdict.faults));
     map.insert("elapsed".into(), output::number(outcome.elapsed));
     map
@@ -283,6 +284,9 @@ fn plan_text(
         Some(figures) => figures.text(),
         None => unread_machine(&outcome.setup).unwrap_or_default(),
     };
+    if let Some(finishing) = words::finishing_text(outcome, &outcome.after) {
+        text += &format!("{finishing}\n");
+    }
     text += &output::assembly_text(&report.verdict.assembly);
     text += &output::convergence_text(plan);
     text += &output::limited_text(plan, edits > 0);

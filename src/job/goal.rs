@@ -1,4 +1,5 @@
-//! Plans by what the setup asks for: least stock, least time, or the balance of both; and the curve between.
+//! Plans by what the setup asks for: least stock, least time, the balance of both, or the least time with
+//! semi-finishing; and the curve between.
 
 use std::sync::Arc;
 

@@ -37,7 +37,7 @@ use crate::plunge::{
 };
 use crate::setup::{AxisPolicy, Goal, PlungeEdit, Setup, SetupFault};
 use crate::stock::{
-    FloorGrid, FloorSource, InaccessibleFloor, ResidualField, field_cutters, residual_field,
+    FloorGrid, FloorSource, InaccessibleFloor, ResidualField, field_cutters, residual_field, statistics,
     stretches_of_setup,
 };
 use crate::toolpath::ClProgram;
@@ -129,6 +129,15 @@ impl PlanOutcome {
         let Workpiece { part, blank, .. } = &*self.workpiece;
         let plan = plan_channels(&result.plan, part, blank, &self.setup, channels, monitor)?;
         Ok(ClProgram::of_plan(&part.name, &plan))
+    }
+
+    /// Time that semi-finishing takes for what `result`, one of the results of this outcome, leaves in a channel, s;
+    /// `None` where the goal does not count it.
+    pub fn finishing_time_s(&self, result: &PolicyResult) -> Option<f64> {
+        let Goal::Total { finishing } = self.setup.plunge.goal else { return None };
+        let left = statistics(&self.grid, &result.field.heights, |_| true);
+        let excess = left.excess_above(self.setup.allowances.hub_allowance);
+        Some(finishing.time_s(excess.volume, excess.p95))
     }
 
     /// The result of every planned policy, in the order of [`AxisPolicy::ALL`].

@@ -1,6 +1,6 @@
 //! Figures of a program in words, the same in documents and on the command line.
 
-use crate::job::PlanOutcome;
+use crate::job::{PlanOutcome, PolicyResult};
 use crate::setup::Goal;
 use crate::verify::Summary;
 
@@ -33,6 +33,16 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
     )
 }
 
+/// A line on the time that semi-finishing takes after `result`, one of the results of `outcome`; `None` where the
+/// goal does not count it.
+pub fn finishing_text(outcome: &PlanOutcome, result: &PolicyResult) -> Option<String> {
+    let finishing_min = outcome.finishing_time_s(result)? / 60.0;
+    let together = minutes(&result.summary) + finishing_min;
+    Some(format!(
+        "semi-finishing takes about {finishing_min:.1} min per channel, together with plunging {together:.1} min"
+    ))
+}
+
 /// What keeps the plan of `outcome` from its goal, with lengths written by `length` (from mm); `None` where the
 /// goal is met.
 pub fn missed_goal(outcome: &PlanOutcome, length: impl Fn(f64) -> String) -> Option<String> {
@@ -50,6 +60,6 @@ pub fn missed_goal(outcome: &PlanOutcome, length: impl Fn(f64) -> String) -> Opt
             length(summary.residual_p95 - outcome.setup.allowances.hub_allowance),
             length(max_stock),
         )),
-        Goal::Stock { max_time_min: None } | Goal::Balance => None,
+        Goal::Stock { max_time_min: None } | Goal::Balance | Goal::Total { .. } => None,
     }
 }

@@ -23,6 +23,8 @@ pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
 pub use edits::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 pub use fault::{SetupFault, SetupPlace, round_down, round_up, tool_of};
 pub use flank_settings::{FlankFeedRates, FlankSetup, FlankStrategy};
-pub use plunge_settings::{AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup};
+pub use plunge_settings::{
+    AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup, SemiFinishing,
+};
 pub use settings::{AllowanceSetup, ClearanceSetup, Machine, Setup};
 pub use tool::{OutlineKind, OutlinePiece, Tool};

@@ -179,10 +179,44 @@ pub enum Goal {
     },
     /// Where more time begins to buy little.
     Balance,
+    /// The least time of plunging and of removing by semi-finishing what the plunges leave.
+    Total {
+        /// What semi-finishing takes.
+        finishing: SemiFinishing,
+    },
 }
 
 impl Default for Goal {
     fn default() -> Self {
         Self::Stock { max_time_min: None }
+    }
+}
+
+/// How fast semi-finishing removes what plunges leave above the allowance of the hub.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SemiFinishing {
+    /// By volume: key `finish_rate`.
+    Rate {
+        /// Removal rate, mm³/min.
+        mm3_per_min: f64,
+    },
+    /// In passes over the floor of a channel: keys `finish_depth` and `finish_pass_time`.
+    Passes {
+        /// Stock that a pass removes, mm.
+        depth: f64,
+        /// Time of a pass over one channel, minutes.
+        pass_time_min: f64,
+    },
+}
+
+impl SemiFinishing {
+    /// Time that semi-finishing of one channel takes, s: for a `volume` above the allowance, mm³, or in as many passes
+    /// as the height above it that 95 % of the floor stays below, `p95` mm, needs.
+    pub fn time_s(&self, volume: f64, p95: f64) -> f64 {
+        let minutes = match *self {
+            Self::Rate { mm3_per_min } => volume.max(0.0) / mm3_per_min,
+            Self::Passes { depth, pass_time_min } => (p95.max(0.0) / depth).ceil() * pass_time_min,
+        };
+        60.0 * minutes
     }
 }

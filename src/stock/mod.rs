@@ -28,7 +28,7 @@ pub use grid::{FloorGrid, FloorSource};
 pub use levels::{FieldProgram, FloorLevel, FloorLevels};
 pub use obstacles::{CornerLimit, FloorObstacle, InaccessibleFloor};
 pub use reach::CutterStretch;
-pub use statistics::{ResidualStatistics, statistics};
+pub use statistics::{ExcessStock, ResidualStatistics, statistics};
 pub use tiles::TileBins;
 pub use trace::PositionTrace;
 

@@ -26,6 +26,25 @@ pub struct ResidualStatistics {
     pub unreachable_share: f32,
     /// Reachable area evaluated, mm².
     pub area: f32,
+    /// Stock over it, cut or not, mm³.
+    pub volume: f64,
+}
+
+/// Stock above the allowance of the hub.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExcessStock {
+    /// On the reachable floor, cut or not, mm³.
+    pub volume: f64,
+    /// Height above the allowance that 95 % of the cut area stays below, mm.
+    pub p95: f64,
+}
+
+impl ResidualStatistics {
+    /// What is left above an `allowance` of the hub, mm, which every cutter leaves.
+    pub fn excess_above(&self, allowance: f64) -> ExcessStock {
+        let volume = self.volume - f64::from(self.area) * allowance;
+        ExcessStock { volume: volume.max(0.0), p95: (f64::from(self.p95) - allowance).max(0.0) }
+    }
 }
 
 /// Statistics of `heights`, one per cell of `grid`, over the floor in the rows that `in_question` selects.
@@ -45,7 +64,8 @@ pub fn statistics_of_channels(
     channels: &[(&[f32], usize)],
     in_question: impl Fn(usize) -> bool,
 ) -> ResidualStatistics {
-    let (mut volume, mut cut_area, mut area, mut floor_area) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut cut_volume, mut cut_area, mut area, mut floor_area) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
+    let mut volume = 0.0;
     let mut max = 0.0_f32;
     let mut cut = Vec::with_capacity(channels.iter().map(|channel| channel.0.len()).sum());
     let cells = |row: usize| row * grid.columns..(row + 1) * grid.columns;
@@ -61,22 +81,24 @@ pub fn statistics_of_channels(
             continue;
         }
         area += f64::from(weight);
+        volume += f64::from(height) * f64::from(weight);
         if blank > 0.0 && height >= UNCUT_SHARE_OF_BLANK * blank {
             continue;
         }
         cut_area += f64::from(weight);
-        volume += f64::from(height) * f64::from(weight);
+        cut_volume += f64::from(height) * f64::from(weight);
         max = max.max(height);
         cut.push((height, weight));
     }
     let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
     ResidualStatistics {
-        mean: share(volume, cut_area) as f32,
+        mean: share(cut_volume, cut_area) as f32,
         p95: percentile(&cut, 0.95 * cut_area),
         max,
         uncut_share: share(area - cut_area, area) as f32,
         unreachable_share: share(floor_area - area, floor_area) as f32,
         area: area as f32,
+        volume,
     }
 }
 
@@ -152,6 +174,7 @@ mod tests {
         grid.floor[2] = false;
         let figures = statistics(&grid, &[9.995, 1.0, 7.0, 0.0], |_| true);
         assert_eq!((figures.max, figures.area), (1.0, 3.0));
+        assert!((figures.volume - (9.995 + 1.0)).abs() < 1e-6, "uncut cells hold stock, too: {figures:?}");
         assert!((figures.uncut_share - 1.0 / 3.0).abs() < 1e-6, "no blank, nothing uncut: {figures:?}");
     }
 

@@ -4,7 +4,8 @@ use std::cmp::Ordering;
 
 use super::Thinning;
 use super::limits::AS_GOOD;
-use crate::setup::Goal;
+use crate::setup::{Goal, SemiFinishing};
+use crate::stock::ExcessStock;
 
 /// A point of the curve: a plan, not yet made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,10 +20,21 @@ pub struct TradeoffPoint {
     pub residual_mean: f64,
     /// 95th percentile of the residual stock, mm.
     pub residual_p95: f64,
+    /// Stock above the allowance of the hub.
+    pub excess: ExcessStock,
 }
 
-/// Points by which `Goal::Balance` looks for the bend of the curve.
-const BALANCE_POINTS: usize = 24;
+impl TradeoffPoint {
+    /// Time of one channel with that of `finishing`, s.
+    pub fn total_s(&self, finishing: &SemiFinishing) -> f64 {
+        self.time_s + finishing.time_s(self.excess.volume, self.excess.p95)
+    }
+}
+
+/// Times at which `Goal::Balance` looks for the bend of the curve, and `Goal::Total` for the least total.
+const GOAL_POINTS: usize = 24;
+/// Most passes of semi-finishing whose plans `Goal::Total` compares.
+const MAX_PASSES: usize = 64;
 
 /// Plans of the same channel, each with the order in which its plunges are left out. Their curves together
 /// are the curve of time against stock: where plunges are few, a plan of fewer rows is ahead of one that was
@@ -54,8 +66,7 @@ impl<'a> Tradeoff<'a> {
     /// At most `count` points from the first plan, with all of its plunges, to the fastest, evenly in time;
     /// fewer where they fall together.
     pub fn points(&self, count: usize) -> Vec<TradeoffPoint> {
-        let slow = self.thinnings[0].time_without(0);
-        let fast = self.thinnings.iter().map(|t| t.time_without(t.len())).fold(slow, f64::min);
+        let [slow, fast] = self.time_range();
         let mut points: Vec<TradeoffPoint> = (0..count)
             .filter_map(|k| {
                 let share = k as f64 / (count.max(2) - 1) as f64;
@@ -64,6 +75,45 @@ impl<'a> Tradeoff<'a> {
             .collect();
         points.dedup_by_key(|point| (point.plan, point.left_out));
         points
+    }
+
+    /// The point with the least time of plunging and `finishing`: the best at some times, and at more between the
+    /// neighbours of that one. The total need not have one minimum only.
+    fn least_total(&self, finishing: &SemiFinishing) -> Option<TradeoffPoint> {
+        let least = |points: &[TradeoffPoint]| {
+            points.iter().min_by(|a, b| a.total_s(finishing).total_cmp(&b.total_s(finishing))).copied()
+        };
+        let [slow, fast] = self.time_range();
+        let first = least(&self.points_at([slow, fast]))?;
+        let apart = (slow - fast) / (GOAL_POINTS - 1) as f64;
+        let around = [(first.time_s + apart).min(slow), (first.time_s - apart).max(fast)];
+        let mut points = self.points_at(around);
+        points.push(first);
+        if let SemiFinishing::Passes { depth, .. } = *finishing {
+            // The time of passes rises in steps: the last plan before each of them counts.
+            let rise = |passes: usize| self.thinnings[0].hub_allowance() + depth * passes as f64 - 1e-9;
+            points.extend(
+                (0..=MAX_PASSES)
+                    .flat_map(|passes| self.all(move |thinning| thinning.last_within_stock(rise(passes)))),
+            );
+        }
+        least(&points)
+    }
+
+    /// The points of all plans at [`GOAL_POINTS`] times between `slow` and `fast`, s.
+    fn points_at(&self, [slow, fast]: [f64; 2]) -> Vec<TradeoffPoint> {
+        let time = |k: usize| slow + (fast - slow) * (k as f64 / (GOAL_POINTS - 1) as f64);
+        let within = |time_s: f64| {
+            let points = self.all(move |thinning| Some(thinning.first_within_time(time_s)));
+            points.filter(move |point| !is_longer(point.time_s, time_s))
+        };
+        (0..GOAL_POINTS).flat_map(|k| within(time(k))).collect()
+    }
+
+    /// Times of the first plan, with all of its plunges, and of the fastest, s.
+    fn time_range(&self) -> [f64; 2] {
+        let slow = self.thinnings[0].time_without(0);
+        [slow, self.thinnings.iter().map(|t| t.time_without(t.len())).fold(slow, f64::min)]
     }
 
     /// The point that leaves the least stock within `time_s`; `None` where none is as fast.
@@ -93,7 +143,7 @@ impl<'a> Tradeoff<'a> {
                 let limit = self.thinnings[0].hub_allowance() + max_stock;
                 self.all(|thinning| thinning.last_within_stock(limit)).next().is_some()
             }
-            Goal::Stock { max_time_min: None } | Goal::Balance => true,
+            Goal::Stock { max_time_min: None } | Goal::Balance | Goal::Total { .. } => true,
         }
     }
 
@@ -115,7 +165,8 @@ impl<'a> Tradeoff<'a> {
                 let limit = first.hub_allowance() + max_stock;
                 self.all(|thinning| thinning.last_within_stock(limit)).min_by(by_time)
             }
-            Goal::Balance => bend(&self.points(BALANCE_POINTS)),
+            Goal::Balance => bend(&self.points(GOAL_POINTS)),
+            Goal::Total { finishing } => self.least_total(&finishing),
         };
         chosen.unwrap_or_else(|| first.point(0))
     }
@@ -152,6 +203,7 @@ impl Thinning<'_> {
             time_s: self.time_without(count),
             residual_mean: f64::from(stock.mean),
             residual_p95: f64::from(stock.p95),
+            excess: stock.excess_above(self.hub_allowance()),
         }
     }
 
@@ -220,6 +272,7 @@ mod tests {
             time_s,
             residual_mean: 0.0,
             residual_p95,
+            excess: ExcessStock::default(),
         };
         let points = [point(0, 100.0, 1.0), point(10, 60.0, 1.1), point(20, 50.0, 1.3), point(30, 40.0, 4.0)];
         let left_out = |points: &[TradeoffPoint]| bend(points).map(|point| point.left_out);

@@ -5,15 +5,15 @@ use std::sync::{Arc, LazyLock};
 
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
-use vanecut::job::{PlanJob, PlanOutcome, PlanRequest, run};
+use vanecut::job::{PlanJob, PlanOutcome, PlanRequest, PolicyResult, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::plunge::{PlungePlan, RowDensity};
 use vanecut::report::words::missed_goal;
-use vanecut::setup::{AxisPolicy, Goal, PlungePose, Setup};
+use vanecut::setup::{AxisPolicy, Goal, PlungePose, SemiFinishing, Setup};
 use vanecut::stock::{field_cutters, residual_field};
 use vanecut::toolpath::ClProgram;
-use vanecut::tradeoff::{Thinning, ThinningInput, ThinningLimits};
+use vanecut::tradeoff::{Thinning, ThinningInput, ThinningLimits, Tradeoff};
 use vanecut::verify::verify;
 
 use super::samples::sample;
@@ -258,6 +258,71 @@ fn goals_keep_their_limits() {
     assert_eq!(balance.setup.plunge.goal, Goal::Balance);
 }
 
+/// The total is no longer than at any other point of the curve; the slower semi-finishing is, the more is plunged.
+#[test]
+fn the_least_total_counts_what_semi_finishing_takes() {
+    let mut times = Vec::new();
+    for keys in ["finish_rate = 100", "finish_rate = 1000", "finish_rate = 1e6"] {
+        let outcome = planned(setup(&format!("goal = \"total\"\n{keys}")));
+        let total = |result: &PolicyResult| {
+            result.summary.time_s() + outcome.finishing_time_s(result).expect("the goal counts it")
+        };
+        let least = total(&outcome.after);
+        for point in outcome.time_stock_curve(9, &Monitor::default()).expect("not cancelled") {
+            // Links of a finished plan take a little longer than those that are weighed.
+            let other = total(&point);
+            assert!(least <= 1.01 * other, "{keys}: {least} s, {other} s with {} s", point.summary.time_s());
+        }
+        assert_eq!(faults(&outcome, &outcome.after.plan), Vec::<String>::new());
+        let read = read_setup_bytes("s.toml", write_setup(&outcome.setup).as_bytes()).expect("reads back");
+        assert_eq!(read.plunge.goal, outcome.setup.plunge.goal);
+        times.push(outcome.after.summary.time_s());
+    }
+    assert!(times.windows(2).all(|pair| pair[0] > pair[1]) && times[0] > 1.3 * times[2], "{times:?}");
+    assert_eq!(WHOLE.finishing_time_s(&WHOLE.after), None, "other goals do not count it");
+}
+
+/// Against every plan of the order, by rate and by passes.
+#[test]
+fn the_least_total_is_that_of_all_plans() {
+    let allowance = WHOLE.setup.allowances.hub_allowance;
+    for finishing in [
+        SemiFinishing::Rate { mm3_per_min: 150.0 },
+        SemiFinishing::Rate { mm3_per_min: 2000.0 },
+        SemiFinishing::Passes { depth: 0.21, pass_time_min: 1.5 },
+        SemiFinishing::Passes { depth: 0.4, pass_time_min: 0.3 },
+    ] {
+        let thinning = thinned(ThinningLimits::LEAST_TIME);
+        let total = |count: usize| {
+            let excess = thinning.stock_without(count).excess_above(allowance);
+            thinning.time_without(count) + finishing.time_s(excess.volume, excess.p95)
+        };
+        let least = (0..=thinning.len()).map(total).fold(f64::INFINITY, f64::min);
+        let chosen = Tradeoff::new(thinned(ThinningLimits::LEAST_TIME)).choose(Goal::Total { finishing });
+        let found = total(chosen.left_out);
+        assert!(found <= 1.002 * least, "{finishing:?}: {found} s, {least} s without {}", chosen.left_out);
+    }
+}
+
+/// What is left is measured anew on the finished plan: volume above the allowance by the rate, and passes by the
+/// height of the 95th percentile.
+#[test]
+fn semi_finishing_goes_by_volume_or_by_passes() {
+    let by_rate = planned(setup("goal = \"total\"\nfinish_rate = 500"));
+    let (grid, heights) = (&by_rate.grid, &by_rate.after.field.heights);
+    let allowance = by_rate.setup.allowances.hub_allowance;
+    let cells = (0..heights.len()).filter(|&cell| grid.floor[cell] && grid.reachable[cell]);
+    let volume: f64 =
+        cells.map(|cell| f64::from(grid.areas[cell]) * (f64::from(heights[cell]) - allowance)).sum();
+    let found = by_rate.finishing_time_s(&by_rate.after).expect("counted");
+    assert!((found - 60.0 * volume / 500.0).abs() < 1e-3 * found, "{found} s for {volume} mm³");
+
+    let by_pass = planned(setup("goal = \"total\"\nfinish_depth = 0.4\nfinish_pass_time = 3"));
+    let excess = by_pass.after.summary.residual_p95 - allowance;
+    let found = by_pass.finishing_time_s(&by_pass.after).expect("counted");
+    assert_eq!(found, 180.0 * (excess / 0.4).ceil(), "{excess} mm");
+}
+
 #[test]
 fn a_goal_that_cannot_be_met_is_reported_with_what_is_reached() {
     let millimetres = |mm: f64| format!("{mm:.3} mm");
@@ -295,7 +360,15 @@ fn the_curve_takes_the_plan_with_fewer_rows_that_the_goal_made() {
 #[test]
 fn goals_that_make_no_sense_are_refused_with_their_line() {
     for (text, words) in [
-        ("goal = \"fast\"", "use \"stock\", \"time\" or \"balance\""),
+        ("goal = \"fast\"", "use \"stock\", \"time\", \"balance\" or \"total\""),
+        ("goal = \"total\"", "add `finish_rate`"),
+        ("goal = \"total\"\nfinish_rate = 0", "greater than 0"),
+        ("goal = \"total\"\nfinish_depth = 0.5", "add `finish_pass_time`"),
+        ("goal = \"total\"\nfinish_pass_time = 5", "add `finish_depth`"),
+        ("goal = \"total\"\nfinish_rate = 9\nfinish_depth = 0.5", "remove `finish_rate`"),
+        ("goal = \"total\"\nfinish_rate = 9\nmax_time = 5", "remove `max_time`"),
+        ("goal = \"balance\"\nfinish_rate = 9", "remove `finish_rate`"),
+        ("finish_rate = 9", "add the goal"),
         ("goal = \"time\"", "add `max_stock`"),
         ("goal = \"time\"\nmax_stock = 1.0\nmax_time = 5", "remove `max_time`"),
         ("goal = \"balance\"\nmax_stock = 1.0", "remove `max_stock`"),

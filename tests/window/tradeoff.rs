@@ -9,13 +9,31 @@ use vanecut::app::tasks::engine::Engine;
 use vanecut::io::setup_file::read_setup_bytes;
 use vanecut::job::{Listener, PlanJob, PlanRequest};
 use vanecut::monitor::Monitor;
-use vanecut::setup::Goal;
+use vanecut::setup::{Goal, SemiFinishing};
 
 use crate::fake;
 use crate::harness::{Window, press, settle, window, with_sample};
 
 fn goal(window: &Window) -> Goal {
     window.state().state().document.edited.setup.plunge.goal
+}
+
+/// Chooses `entry` in a list beside the curve.
+fn choose(window: &mut Window, list: &str, entry: &str) {
+    let lists = window.get_all_by_role_and_label(Role::ComboBox, list);
+    lists.last().expect("beside the curve").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, entry).click();
+    window.run_steps(3);
+    settle(window);
+}
+
+/// Types a number in a field beside the curve.
+fn set(window: &mut Window, field: &str, value: f64) {
+    let fields = window.get_all_by_role_and_label(Role::SpinButton, field);
+    fields.last().expect("beside the curve").set_value_accesskit(value);
+    window.run_steps(3);
+    settle(window);
 }
 
 /// Number of the slider of the window.
@@ -121,16 +139,8 @@ fn the_curve_has_progress_can_be_cancelled_and_is_kept() {
     assert_eq!(slider(&window), known);
 
     assert!(window.query_by_label("Goal cannot be met").is_none());
-    let list = window.get_all_by_role_and_label(Role::ComboBox, "Goal").last();
-    list.expect("beside the curve").click();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::Button, "Least time").click();
-    window.run_steps(3);
-    settle(&mut window);
-    let field = window.get_all_by_role_and_label(Role::SpinButton, "Max stock").last();
-    field.expect("its limit").set_value_accesskit(0.01);
-    window.run_steps(3);
-    settle(&mut window);
+    choose(&mut window, "Goal", "Least time");
+    set(&mut window, "Max stock", 0.01);
     assert_eq!(goal(&window), Goal::Time { max_stock: 0.01 });
     window.get_by_label("Goal cannot be met");
     let outcome = &window.state().state().results.planned.as_ref().expect("planned").outcome;
@@ -150,16 +160,23 @@ fn the_goal_is_chosen_with_its_limit() {
     window.key_press(egui::Key::G);
     window.run_steps(3);
     settle(&mut window);
+    choose(&mut window, "Goal", "Least total");
+    assert!(matches!(goal(&window), Goal::Total { finishing: SemiFinishing::Rate { .. } }));
+    window.get_by_label_contains("With semi-finishing ");
+    set(&mut window, "Finish rate", 250.0);
+    let finishing = SemiFinishing::Rate { mm3_per_min: 250.0 };
+    assert_eq!(goal(&window), Goal::Total { finishing });
+    choose(&mut window, "Semi-finishing", "Passes");
+    set(&mut window, "Finish depth", 0.8);
+    set(&mut window, "Pass time", 7.0);
+    let finishing = SemiFinishing::Passes { depth: 0.8, pass_time_min: 7.0 };
+    assert_eq!(goal(&window), Goal::Total { finishing });
     for (entry, field) in
         [("Least time", Some("Max stock")), ("Balance", None), ("Least stock", Some("Max time"))]
     {
-        let list = window.get_all_by_role_and_label(Role::ComboBox, "Goal").last();
-        list.expect("beside the curve").click();
-        window.run_steps(2);
-        window.get_by_role_and_label(Role::Button, entry).click();
-        window.run_steps(3);
-        settle(&mut window);
-        for name in ["Max stock", "Max time"] {
+        choose(&mut window, "Goal", entry);
+        assert!(window.query_by_label_contains("With semi-finishing ").is_none());
+        for name in ["Max stock", "Max time", "Finish rate", "Finish depth"] {
             let shown = window.query_all_by_role_and_label(Role::SpinButton, name).count();
             assert_eq!(shown > 0, field == Some(name), "{name} with {entry}");
         }

@@ -39,7 +39,7 @@ pub struct FieldFault {
 pub const SECTION: &str = "Section";
 
 /// Table and key of each field of the setup, with its label.
-const FIELDS: [(&str, &str, &str); 35] = [
+const FIELDS: [(&str, &str, &str); 38] = [
     ("stock", "hub_allowance", "Hub allowance"),
     ("stock", "blade_allowance", "Blade allowance"),
     ("stock", "safety_distance", "Rapid clearance"),
@@ -55,6 +55,9 @@ const FIELDS: [(&str, &str, &str); 35] = [
     ("plunge", "goal", "Goal"),
     ("plunge", "max_stock", "Goal"),
     ("plunge", "max_time", "Goal"),
+    ("plunge", "finish_rate", "Goal"),
+    ("plunge", "finish_depth", "Goal"),
+    ("plunge", "finish_pass_time", "Goal"),
     ("plunge", "lift", "Lead-out"),
     ("plunge", "peck", "Peck depth"),
     ("plunge", "rapid_approach", "Rapid approach"),

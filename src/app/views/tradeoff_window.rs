@@ -2,12 +2,14 @@
 //! curve is the time that a channel may take; the plan follows it.
 
 use egui::{
-    Align2, Color32, FontId, Pos2, ProgressBar, Rect, RichText, Role, Sense, Stroke, Ui, Vec2, WidgetInfo,
+    Align2, Color32, FontId, Painter, Pos2, ProgressBar, Rect, RichText, Role, Sense, Shape, Stroke, Ui,
+    Vec2, WidgetInfo,
 };
 
 use super::floating::FloatingWindow;
 use super::panels::fields;
-use super::panels::setup::{goal_rows, policy_label};
+use super::panels::goal::goal_rows;
+use super::panels::setup::policy_label;
 use super::theme::{self, Condition};
 use super::ticks::ticks;
 use super::units;
@@ -23,6 +25,10 @@ const MARGIN: [Vec2; 2] = [Vec2::new(38.0, 32.0), Vec2::new(14.0, 10.0)];
 const MIN_HEIGHT: f32 = 120.0;
 /// Height of the lines below the plot, points.
 const BELOW: f32 = 84.0;
+/// Totals are shown up to this multiple of the least: the few long ones would press the curve together.
+const TOTALS_SHOWN: f64 = 1.6;
+/// Height of the line on semi-finishing, points.
+const LINE: f32 = 20.0;
 /// Radius of the handle, points.
 const HANDLE: f32 = 6.0;
 
@@ -118,7 +124,14 @@ fn show(
     let goal = state.document.edited.setup.plunge.goal;
     let limit = match goal {
         Goal::Stock { max_time_min } => max_time_min,
-        Goal::Time { .. } | Goal::Balance => None,
+        Goal::Time { .. } | Goal::Balance | Goal::Total { .. } => None,
+    };
+    let totals: Vec<CurvePlace> = match goal {
+        Goal::Total { finishing } => {
+            let total = |point: &TradeoffPoint| (point.total_s(&finishing) / 60.0, point.residual_p95);
+            points.unwrap_or_default().iter().map(total).collect()
+        }
+        _ => Vec::new(),
     };
     // The handle stands at what is asked for, else at what the plan takes.
     let planned = state.results.planned.as_ref().map(|planned| &planned.outcome);
@@ -129,8 +142,10 @@ fn show(
     fields::form(ui, "goal fields", |ui| {
         goal_rows(ui, &mut state.document.edited.setup.plunge.goal, Goal::default(), first.as_ref());
     });
-    let height = (ui.available_height() - BELOW).max(MIN_HEIGHT);
-    let dragged = plot(ui, &curve, &others, handle, height);
+    let lines = if totals.is_empty() { 0.0 } else { LINE };
+    let height = (ui.available_height() - BELOW - lines).max(MIN_HEIGHT);
+    let curves = Curves { plunging: &curve, totals: &totals, others: &others };
+    let dragged = plot(ui, &curves, handle, height);
     let mut wanted = dragged;
     ui.horizontal(|ui| {
         let label = ui.label("Max time per channel").on_hover_text(TIME_TIP);
@@ -143,6 +158,9 @@ fn show(
         ui.label(text);
     });
     ui.label(words(&curve, handle, state));
+    if let Some(total) = total_at(&curve, handle, &totals) {
+        ui.label(format!("With semi-finishing {total:.1} min per channel"));
+    }
     if let Some(missed) = state.missed_goal() {
         ui.label(RichText::new(missed).color(Condition::Blocked.text(ui.visuals())));
     }
@@ -176,12 +194,26 @@ fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
         .collect()
 }
 
+/// The two points of the curve beside a time of `minutes`, and how far it is from the first to the second, 0…1.
+fn between(curve: &[CurvePlace], minutes: f64) -> Option<([usize; 2], f64)> {
+    let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len() - 1);
+    let pair = [next.saturating_sub(1), next];
+    let [slow, fast] = [curve.get(pair[0])?.0, curve.get(pair[1])?.0];
+    let share = if slow > fast { (slow - minutes) / (slow - fast) } else { 0.0 };
+    Some((pair, share.clamp(0.0, 1.0)))
+}
+
 /// Stock of the curve at a time of `minutes`, between its points.
 fn stock_at(curve: &[CurvePlace], minutes: f64) -> Option<f64> {
-    let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len() - 1);
-    let (slow, fast) = (curve.get(next.saturating_sub(1))?, curve.get(next)?);
-    let share = if slow.0 > fast.0 { (slow.0 - minutes) / (slow.0 - fast.0) } else { 0.0 };
-    Some(slow.1 + (fast.1 - slow.1) * share.clamp(0.0, 1.0))
+    let ([slow, fast], share) = between(curve, minutes)?;
+    Some(curve[slow].1 + (curve[fast].1 - curve[slow].1) * share)
+}
+
+/// Time with semi-finishing, `totals` for the points of `curve`, where plunging takes `minutes`.
+fn total_at(curve: &[CurvePlace], minutes: f64, totals: &[CurvePlace]) -> Option<f64> {
+    let ([slow, fast], share) = between(curve, minutes)?;
+    let (slow, fast) = (totals.get(slow)?.0, totals.get(fast)?.0);
+    Some(slow + (fast - slow) * share)
 }
 
 /// What the time of the handle costs, against the least stock.
@@ -199,8 +231,29 @@ fn words(curve: &[CurvePlace], handle: f64, state: &AppState) -> String {
     )
 }
 
+/// What the plot shows.
+struct Curves<'a> {
+    /// The plans of `minimal`, by falling time.
+    plunging: &'a [CurvePlace],
+    /// The same with the time of semi-finishing; empty where the goal does not count it.
+    totals: &'a [CurvePlace],
+    others: &'a [Marker],
+}
+
+impl Curves<'_> {
+    /// Range of times, minutes. Totals much longer than the least are left out.
+    fn times(&self) -> (f64, f64) {
+        let least = self.totals.iter().map(|at| at.0).fold(f64::INFINITY, f64::min);
+        let totals = self.totals.iter().map(|at| at.0.min(TOTALS_SHOWN * least));
+        let all = self.plunging.iter().chain(self.others.iter().map(|other| &other.at));
+        let all = all.map(|at| at.0).chain(totals);
+        all.fold((f64::MAX, 0.0f64), |(low, high), time| (low.min(time), high.max(time)))
+    }
+}
+
 /// Draws the plot; returns the time that the handle was dragged or clicked to.
-fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, height: f32) -> Option<f64> {
+fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f64> {
+    let &Curves { plunging: curve, totals, others } = curves;
     let size = Vec2::new(ui.available_width(), height);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Hub stock over time of a channel"));
@@ -208,9 +261,9 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
         rect.min + Vec2::new(MARGIN[0].x, MARGIN[1].y),
         rect.max - Vec2::new(MARGIN[1].x, MARGIN[0].y),
     );
-    let all = || curve.iter().copied().chain(others.iter().map(|other| other.at));
-    let (low, high) = all().fold((f64::MAX, 0.0f64), |(low, high), at| (low.min(at.0), high.max(at.0)));
-    let top = 1.1 * all().map(|at| at.1).filter(|stock| stock.is_finite()).fold(0.1, f64::max);
+    let all = curve.iter().copied().chain(others.iter().map(|other| other.at));
+    let (low, high) = curves.times();
+    let top = 1.1 * all.map(|at| at.1).filter(|stock| stock.is_finite()).fold(0.1, f64::max);
     let span = (high - low).max(1e-3);
     // Some margin at both ends, so that handle and markers are not cut off.
     let (low, high) = (low - 0.05 * span, high + 0.08 * span);
@@ -243,6 +296,7 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
     painter.text(below, Align2::CENTER_BOTTOM, axes, font.clone(), weak);
     let accent = theme::accent(ui.visuals());
     painter.line(curve.iter().map(|&at| place(at)).collect(), Stroke::new(1.6, accent));
+    draw_totals(&painter.with_clip_rect(inner), totals, place, &font, ink);
     for other in others {
         let condition = if other.interferes { Condition::Interfering } else { Condition::Sound };
         let (at, colour) = (place(other.at), condition.text(ui.visuals()));
@@ -264,9 +318,34 @@ fn plot(ui: &mut Ui, curve: &[CurvePlace], others: &[Marker], handle: f64, heigh
     Some((low + (high - low) * share).clamp(fastest, slowest))
 }
 
+/// Draws the curve with semi-finishing, and a mark at its least time.
+fn draw_totals(
+    painter: &Painter,
+    totals: &[CurvePlace],
+    place: impl Fn(CurvePlace) -> Pos2,
+    font: &FontId,
+    ink: Color32,
+) {
+    let Some(&least) = totals.iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+    let line: Vec<Pos2> = totals.iter().map(|&at| place(at)).collect();
+    painter.extend(Shape::dashed_line(&line, Stroke::new(1.4, ink), 5.0, 3.0));
+    let at = place(least);
+    painter.circle_filled(at, 3.0, ink);
+    let text = format!("with semi-finishing: {:.1} min", least.0);
+    painter.text(at + Vec2::new(8.0, -8.0), Align2::LEFT_BOTTOM, text, font.clone(), ink);
+}
+
 #[cfg(test)]
 mod tests {
-    use super::stock_at;
+    use super::{stock_at, total_at};
+
+    #[test]
+    fn the_total_is_found_between_the_same_points() {
+        let curve = [(100.0, 1.0), (60.0, 2.0)];
+        let totals = [(110.0, 1.0), (90.0, 2.0)];
+        assert_eq!(total_at(&curve, 80.0, &totals), Some(100.0));
+        assert_eq!(total_at(&curve, 80.0, &[]), None, "the goal does not count it");
+    }
 
     #[test]
     fn between_points_the_curve_is_straight() {

@@ -14,7 +14,8 @@
 //! [[tool]]                   # see `tool_file`
 //! diameter = 30.0            # the only required key of a tool
 //! [plunge]                   # axis, step, stepover, wall_scallop, max_axis_change, max_tilt, rest,
-//!                            # goal, max_stock, max_time, lift, peck, adapt_feed, rapid_approach;
+//!                            # goal, max_stock, max_time, finish_rate, finish_depth, finish_pass_time,
+//!                            # lift, peck, adapt_feed, rapid_approach;
 //!                            # edits of single plunges: [[plunge.edit]]
 //! axis = "monotone"
 //! [[plunge.section]]         # tool, from, to, cutting_direction, rest
@@ -28,6 +29,7 @@
 //! ```
 
 mod edits;
+mod goal;
 mod plunge;
 mod read;
 mod tolerant;

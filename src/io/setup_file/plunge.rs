@@ -1,14 +1,14 @@
 //! Reading the table `[plunge]` of a setup, with its sections.
 
 use super::edits::read_edits;
+use super::goal::{GOAL_KEYS, read_goal};
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
 use crate::io::table::{NumberRange, RenamedKeys, TomlTable, nearest};
 use crate::io::tool_file::{ALLOWANCE, LENGTH, MAX_NUMBER, check_count};
-use crate::setup::{AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup, Tool};
+use crate::setup::{AxisPolicy, CutDirection, PlungeSetup, SectionKind, SectionSetup, Tool};
 
-const MINUTES: NumberRange = NumberRange::Above(0.0, 100_000.0);
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
 
 /// `[plunge]`: keys that were renamed in version 2.
@@ -25,16 +25,13 @@ pub(super) fn plunge(
     tools: &[Tool],
     plunge: &mut PlungeSetup,
 ) -> Result<(), InputError> {
-    table.check_keys(&[
+    let own = [
         "axis",
         "step",
         "stepover",
         "wall_scallop",
         "max_axis_change",
         "max_tilt",
-        "goal",
-        "max_stock",
-        "max_time",
         "lift",
         "peck",
         "adapt_feed",
@@ -42,7 +39,8 @@ pub(super) fn plunge(
         "rest",
         "section",
         "edit",
-    ])?;
+    ];
+    table.check_keys(&[&own[..], &GOAL_KEYS].concat())?;
     if let Some(axis) = table.string("axis")? {
         plunge.axis = parse_axis_policy(axis.value).map_err(|error| table.locate(axis.at, error))?;
     }
@@ -55,7 +53,7 @@ pub(super) fn plunge(
     if let Some(angle) = table.number("max_tilt", ANGLE)? {
         plunge.max_tilt_rad = angle.value.to_radians();
     }
-    plunge.goal = goal(table)?.unwrap_or(plunge.goal);
+    plunge.goal = read_goal(table)?.unwrap_or(plunge.goal);
     plunge.lift = table.number("lift", ALLOWANCE)?.map(|lift| lift.value).filter(|lift| *lift > 0.0);
     plunge.peck = table.number("peck", LENGTH)?.map(|peck| peck.value);
     if let Some(adapt) = table.boolean("adapt_feed")? {
@@ -147,55 +145,6 @@ fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputE
         (false, None) => SectionKind::Rows,
     };
     Ok(SectionSetup { tool: tool.value, from: from.value, to: to.value, cut_direction, kind })
-}
-
-/// Reads what a plan is for; `None` where the table does not say.
-fn goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
-    let (stock, time) = (table.number("max_stock", LENGTH)?, table.number("max_time", MINUTES)?);
-    let max_time_min = time.map(|minutes| minutes.value);
-    let Some(goal) = table.string("goal")? else {
-        return match stock {
-            Some(stock) => {
-                let what = "`max_stock` is given without `goal = \"time\"`";
-                Err(table
-                    .fault_at(stock.at, what, "add the goal, or remove `max_stock`")
-                    .with_code(ErrorCode::ConflictingKeys))
-            }
-            None => Ok(max_time_min.map(|_| Goal::Stock { max_time_min })),
-        };
-    };
-    let limit = |name: &str, given: bool| match given {
-        true => Err(table
-            .fault_at(goal.at, format!("`{name}` does not fit this goal"), format!("remove `{name}`"))
-            .with_code(ErrorCode::ConflictingKeys)),
-        false => Ok(()),
-    };
-    Ok(Some(match goal.value {
-        "stock" => {
-            limit("max_stock", stock.is_some())?;
-            Goal::Stock { max_time_min }
-        }
-        "time" => {
-            limit("max_time", time.is_some())?;
-            let needed = || {
-                table
-                    .fault_at(goal.at, "the goal \"time\" needs a limit of stock", "add `max_stock`")
-                    .with_code(ErrorCode::MissingKey)
-            };
-            Goal::Time { max_stock: stock.ok_or_else(needed)?.value }
-        }
-        "balance" => {
-            limit("max_stock", stock.is_some())?;
-            limit("max_time", time.is_some())?;
-            Goal::Balance
-        }
-        other => {
-            let what = format!("{} is not a goal", quote_for_message(other));
-            return Err(table
-                .fault_at(goal.at, what, "use \"stock\", \"time\" or \"balance\"")
-                .with_code(ErrorCode::UnknownName));
-        }
-    }))
 }
 
 /// The axis policy with this name, from a file or the command line.

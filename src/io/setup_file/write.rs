@@ -11,7 +11,7 @@ use crate::io::machine_file::built_in_names;
 use crate::io::table::{degrees_text, quoted};
 use crate::io::tool_file::write_tools;
 use crate::part::{BlankFile, BlankShape};
-use crate::setup::{ClearanceSetup, CutDirection, Goal, SectionKind, Setup};
+use crate::setup::{ClearanceSetup, CutDirection, Goal, SectionKind, SemiFinishing, Setup};
 
 /// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to the
 /// last bit of an f64. A blank from a file is written with its outline, so that the text does not depend on
@@ -112,6 +112,15 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
         }
         Goal::Time { max_stock } => writeln!(out, "goal = \"time\"\nmax_stock = {max_stock:?}")?,
         Goal::Balance => writeln!(out, "goal = \"balance\"")?,
+        Goal::Total { finishing } => {
+            writeln!(out, "goal = \"total\"")?;
+            match finishing {
+                SemiFinishing::Rate { mm3_per_min } => writeln!(out, "finish_rate = {mm3_per_min:?}")?,
+                SemiFinishing::Passes { depth, pass_time_min } => {
+                    writeln!(out, "finish_depth = {depth:?}\nfinish_pass_time = {pass_time_min:?}")?;
+                }
+            }
+        }
     }
     if let Some(lift) = plunge.lift {
         writeln!(out, "lift = {lift:?}")?;

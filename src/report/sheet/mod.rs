@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::html::escaped;
-use super::words::{channels_text, clearances_text, minutes};
+use super::words::{channels_text, clearances_text, finishing_text, minutes};
 use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::machine::SectionTime;
@@ -282,12 +282,14 @@ fn sections_text(input: &SheetInput) -> String {
         Some(machine) => (wheel, format!("on {} with accelerations", escaped(&machine.name))),
         None => (wheel + TOOL_CHANGE_S / 60.0 * tool_changes as f64, "accelerations left out".to_owned()),
     };
+    let finishing = finishing_text(outcome, shown)
+        .map_or_else(String::new, |text| format!("<p>Afterwards {text}.</p>\n"));
     format!(
         "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
          <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\
          <tbody>{rows}</tbody></table>\n\
          <p>One channel {one:.1} min; the wheel, {blades} channels and {changes}, \
-         about {wheel:.0} min ({what}).</p>\n",
+         about {wheel:.0} min ({what}).</p>\n{finishing}",
     )
 }
 

@@ -6,6 +6,7 @@ pub mod fields;
 pub mod flank;
 pub mod flank_passes;
 pub mod flank_results;
+pub mod goal;
 mod hand_mark;
 pub mod operations;
 pub mod part;

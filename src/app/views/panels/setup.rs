@@ -9,9 +9,10 @@ use crate::io::InputError;
 use crate::io::machine_file::built_in_names;
 use crate::part::BlankShape;
 use crate::setup::cutting_data::{CUTTING_DATA, CuttingData};
-use crate::setup::{AxisPolicy, Goal, Setup, Tool};
+use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
+use super::goal::goal_rows;
 use crate::app::model::machine::choose_machine;
 use crate::app::views::command::Command;
 use crate::app::views::theme;
@@ -267,95 +268,6 @@ fn chosen_material(ui: &mut Ui, now: Option<&str>, known: Option<&CuttingData>) 
         ui.close();
     }
     chosen
-}
-
-/// What a plan of `minimal` is for, without its limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum GoalKind {
-    Stock,
-    Balance,
-    Time,
-}
-
-impl GoalKind {
-    fn of(goal: Goal) -> Self {
-        match goal {
-            Goal::Stock { .. } => Self::Stock,
-            Goal::Balance => Self::Balance,
-            Goal::Time { .. } => Self::Time,
-        }
-    }
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Stock => "Least stock",
-            Self::Balance => "Balance",
-            Self::Time => "Least time",
-        }
-    }
-
-    fn tip(self) -> &'static str {
-        match self {
-            Self::Stock => "The least stock on the hub, within a time if one is given",
-            Self::Balance => "Where more time begins to buy little",
-            Self::Time => "The least time that leaves no more stock than given",
-        }
-    }
-}
-
-const GOAL: ChoiceSpec<GoalKind> = ChoiceSpec {
-    label: "Goal",
-    tip: "What a plan of Min. stock is for. \"Time against stock\" in the menu Plan shows what each costs",
-    all: &[GoalKind::Stock, GoalKind::Balance, GoalKind::Time],
-    name: GoalKind::label,
-    meaning: GoalKind::tip,
-};
-const MAX_TIME: FieldSpec = FieldSpec {
-    unit: " min",
-    speed: 0.5,
-    decimals: 1,
-    ..FieldSpec::mm(
-        "Max time",
-        "How long a channel may take: on the machine if the setup names one, else without tool changes.\n\
-         Smaller: fewer plunges, but more stock on the hub",
-        0.1,
-        100_000.0,
-    )
-    .or_none()
-};
-const MAX_STOCK: FieldSpec = FieldSpec::mm(
-    "Max stock",
-    "Stock above the hub allowance that may stay, at the 95th percentile.\n\
-     Larger: fewer plunges and less time",
-    0.001,
-    100.0,
-);
-/// Stock that may stay when the goal becomes the least time, as a share of the first tool's diameter.
-const MAX_STOCK_SHARE: f64 = 0.05;
-
-/// Rows of the goal and its limit; `first` is the first tool of the plan.
-pub fn goal_rows(ui: &mut Ui, goal: &mut Goal, default: Goal, first: Option<&Tool>) {
-    let before = GoalKind::of(*goal);
-    let mut kind = before;
-    fields::choice_row(ui, &mut kind, GoalKind::of(default), &GOAL);
-    let share = MAX_STOCK_SHARE * first.map_or(20.0, |tool| tool.diameter);
-    let default_stock = (100.0 * share).round() / 100.0;
-    if kind != before {
-        *goal = match kind {
-            GoalKind::Stock => Goal::Stock { max_time_min: None },
-            GoalKind::Balance => Goal::Balance,
-            GoalKind::Time => Goal::Time { max_stock: default_stock },
-        };
-    }
-    match goal {
-        Goal::Stock { max_time_min } => {
-            fields::optional_row(ui, max_time_min, &MAX_TIME, None);
-        }
-        Goal::Balance => {}
-        Goal::Time { max_stock } => {
-            fields::number_row(ui, max_stock, default_stock, &MAX_STOCK);
-        }
-    }
 }
 
 /// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
