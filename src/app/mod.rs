@@ -31,7 +31,8 @@ pub use run::{AppError, run};
 use control::export::ReleaseQuestion;
 use control::handover::RecoverySlot;
 use control::project::{Pending, Session};
-use model::look::{Look, Operation};
+use model::look::Look;
+use model::panels::DockPanel;
 use model::part_source::PartSource;
 use model::planned::{PerSide, Side};
 use model::problem::{Problem, Topic};
@@ -48,6 +49,7 @@ use tasks::work::{PROGRESS_EVERY, Work};
 use views::channels_dialog::ChannelsDialog;
 use views::command::Command;
 use views::dialogs::Dialogs;
+use views::dock::Dock;
 use views::help::Help;
 use views::library_dialog::{LibraryAnswer, LibraryDialog};
 use views::nc_dialog::NcDialog;
@@ -103,6 +105,8 @@ pub struct App {
     library: LibraryDialog,
     /// The results of a study.
     study: StudyWindow,
+    /// The places of the panels.
+    dock: Dock,
     /// The question about a program with something against it, while it is open.
     release: Option<ReleaseQuestion>,
     roles: RolesDialog,
@@ -156,6 +160,7 @@ impl App {
             nc_dialog: NcDialog::default(),
             library: LibraryDialog::default(),
             study: StudyWindow::default(),
+            dock: Dock::default(),
             release: None,
             roles: RolesDialog::default(),
             device,
@@ -270,50 +275,8 @@ impl App {
         }
     }
 
-    /// 3D views, plots and timeline.
-    fn middle(&mut self, ui: &mut Ui) {
-        let has_timeline = match self.state.look.operation {
-            Operation::Roughing => self.state.results.planned.is_some(),
-            Operation::Flank => self.state.results.flank.is_some(),
-            Operation::Program => self.state.results.checked.is_some(),
-        };
-        if has_timeline {
-            let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(6, 4));
-            Panel::bottom("timeline").frame(frame).exact_size(panels::timeline::height(&self.state)).show(
-                ui,
-                |ui| {
-                    if let Some(command) = panels::timeline::show(ui, &mut self.state) {
-                        self.run_command(ui.ctx(), command);
-                    }
-                },
-            );
-            let has_plots = self.state.look.plots && ui.available_height() > MIN_HEIGHT_FOR_PLOTS;
-            if has_plots && self.state.timeline_machine().is_some() {
-                let height = panels::rotary::HEIGHT + 8.0;
-                Panel::bottom("rotary axes").frame(frame).exact_size(height).show(ui, |ui| {
-                    let menu = panels::rotary::show(ui, &mut self.state);
-                    self.run_for_position(ui.ctx(), menu);
-                });
-            }
-            if has_plots && self.state.look.operation == Operation::Roughing {
-                Panel::bottom("plots").frame(frame).exact_size(panels::plots::HEIGHT + 8.0).show(ui, |ui| {
-                    let menu = panels::plots::show(ui, &mut self.state);
-                    self.run_for_position(ui.ctx(), menu);
-                });
-            }
-        }
-        CentralPanel::no_frame().show(ui, |ui| {
-            let whole = ui.available_rect_before_wrap();
-            self.viewport(ui);
-            // Over the picture: a message that took space would move what is under the pointer.
-            if let Some(command) = panels::problems::show(ui, whole, &mut self.state) {
-                self.run_command(ui.ctx(), command);
-            }
-        });
-    }
-
-    /// The tool library, while it is open.
-    fn tool_library(&mut self, ui: &Ui) {
+    /// The tool library.
+    fn tool_library(&mut self, ui: &mut Ui) {
         let document = &mut self.state.document;
         let setup = document.part.is_some().then_some(&mut document.edited.setup);
         match self.library.show(ui, setup) {
@@ -357,9 +320,6 @@ impl App {
     }
 }
 
-/// Height of the middle below which the plots are hidden in favour of the 3D view, points.
-const MIN_HEIGHT_FOR_PLOTS: f32 = 400.0;
-
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         if !self.was_handed_over() {
@@ -397,8 +357,10 @@ impl eframe::App for App {
         self.inspected.follow(&self.state);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
-        self.assessing.follow(&self.state, self.state.look.machinability);
-        self.weighing.follow(&self.state, self.state.look.tradeoff, self.work.is_planning());
+        let shown = self.state.look.panels;
+        self.assessing.follow(&self.state, shown.is_open(DockPanel::Machinability));
+        let weighs = shown.is_open(DockPanel::Tradeoff);
+        self.weighing.follow(&self.state, weighs, self.work.is_planning());
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side].follow(wanted) {
@@ -423,7 +385,7 @@ impl eframe::App for App {
         views::units::set(ui.ctx(), self.state.look.units);
         views::field_faults::set(ui.ctx(), self.state.field_faults());
         let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;
-        let (mut setup, mut verdict, mut positions) = (None, None, None);
+        let mut verdict = None;
         let open = self.state.document.part.is_some();
         if open {
             let height = panels::verdict::height(ui.available_width());
@@ -443,15 +405,11 @@ impl eframe::App for App {
                 self.run_command(ui.ctx(), Command::Cancel);
             }
         });
-        if open {
-            let left = Panel::left("left").default_size(theme::LEFT_WIDTH).min_size(200.0);
-            setup = Some(left.show(ui, |ui| self.left_panel(ui)).response.rect);
-            let right = Panel::right("right").default_size(theme::RIGHT_WIDTH).min_size(240.0);
-            positions = Some(right.show(ui, |ui| self.right_panel(ui)).response.rect);
-        }
-        self.state.end_field_faults(&views::field_faults::edited(ui.ctx()));
-        let picture = CentralPanel::no_frame().show(ui, |ui| self.middle(ui)).response.rect;
-        self.state.look.is_fresh &= !open;
+        let middle = CentralPanel::no_frame().show(ui, |ui| match open {
+            true => self.docked_panels(ui),
+            false => self.picture(ui),
+        });
+        let middle = middle.response.rect;
         if let Some((purpose, path)) = self.dialogs.show(ui) {
             self.file_chosen(ui.ctx(), purpose, path);
         }
@@ -461,14 +419,16 @@ impl eframe::App for App {
         if let Some(command) = command {
             self.run_command(ui.ctx(), command);
         }
-        self.large_section(ui);
-        self.machinability(ui);
-        self.tradeoff(ui);
+        self.floating_panels(ui);
+        self.state.end_field_faults(&views::field_faults::edited(ui.ctx()));
+        self.state.look.is_fresh &= !open;
         self.help.show(ui, &self.device);
+        let setup = self.dock.rect(DockPanel::Setup);
+        let (picture, positions) = (self.dock.picture_rect(), self.dock.rect(DockPanel::Table));
         self.show_tour(ui, |region| match region {
             WindowRegion::Setup => setup,
             WindowRegion::Verdict => verdict,
-            WindowRegion::Picture => Some(picture),
+            WindowRegion::Picture => picture.or(Some(middle)),
             WindowRegion::Positions => positions,
             WindowRegion::Menus => Some(menus),
         });
@@ -478,14 +438,13 @@ impl eframe::App for App {
         self.ask_export(ui);
         self.ask_channels(ui);
         self.ask_nc_target(ui);
-        self.tool_library(ui);
-        self.study_results(ui);
         self.ask_roles(ui);
         // A border drag is one undo step, however long it takes.
         if !self.is_dragging_border {
             let time = ui.input(|input| input.time);
             self.state.document.watch(time);
         }
+        self.store_layout(ui.ctx());
         // The device may have been lost while the views were drawn.
         self.collect_device_faults(ui.ctx());
     }

@@ -240,6 +240,23 @@ fn the_verdict_breaks_between_figures_and_never_within_one() {
 }
 
 #[test]
+fn no_line_of_the_verdict_begins_with_a_divider() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    for width in (800..1300).step_by(25) {
+        window.set_size(egui::vec2(width as f32, 500.0));
+        window.run_steps(3);
+        let start = window.get_by_label("Interfering 5 to 0").rect();
+        let names = ["Residual", "Hub clearance", "blade", "Not machined", "Time"];
+        let of =
+            |name: &&str| window.query_all_by_label(name).map(|node| node.rect()).find(|at| at.top() < 80.0);
+        let below = names.iter().filter_map(of).filter(|at| at.center().y > start.bottom());
+        let left = below.map(|at| at.left()).fold(f32::INFINITY, f32::min);
+        assert!(left == start.left() || left == f32::INFINITY, "{width}: {left}");
+    }
+}
+
+#[test]
 fn the_states_of_cutters_have_their_legend_wherever_there_is_room() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);

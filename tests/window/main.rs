@@ -7,6 +7,7 @@ mod compare;
 mod defects;
 mod device;
 mod dialogs;
+mod dock;
 mod documents;
 mod drop;
 mod edits;

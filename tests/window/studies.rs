@@ -195,11 +195,43 @@ fn a_run_is_planned_with_the_part_that_it_had() {
 }
 
 #[test]
-fn a_run_does_not_replace_unsaved_work_unasked() {
+fn a_run_of_the_open_part_is_an_edit_that_can_be_undone() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = study(folder.path()).join("study.json");
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
+    let project = folder.path().join("own.vanecut");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(&mut window);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    settle(&mut window);
+    open(&mut window, path);
+    let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
+    open_run(&mut window, 2);
+    assert!(window.query_by_label("Save the changes of this project?").is_none(), "nothing is lost");
+    assert_eq!(step(&window), Some(8.0));
+    let document = &window.state().state().document;
+    assert_eq!(document.path.as_ref(), Some(&project), "it is the same project");
+    assert!(document.is_unsaved(), "with a change");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(step(&window), Some(3.0), "what was edited before is back");
+}
+
+#[test]
+fn a_run_of_another_part_does_not_replace_unsaved_work_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = study(folder.path()).join("study.json");
+    let parts = folder.path().join("parts");
+    std::fs::create_dir_all(&parts).expect("a folder");
+    std::fs::copy(SAMPLE, parts.join("impeller532.toml")).expect("copies");
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
+    settle(&mut window);
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
     window.run_steps(3);
     settle(&mut window);
@@ -216,6 +248,8 @@ fn a_run_does_not_replace_unsaved_work_unasked() {
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(step(&window), Some(8.0));
+    let document = &window.state().state().document;
+    assert_eq!(document.part.as_ref().map(|part| part.impeller.name.as_str()), Some("impeller532"));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::panels::DockPanel;
 
 use crate::fake;
 use crate::harness::{settle, with_sample};
@@ -29,10 +30,13 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
     // The one that was opened last is in front.
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
-    assert!(window.query_by_label("Tool library").is_none() && window.state().state().look.machinability);
+    assert!(
+        window.query_by_label("Tool library").is_none()
+            && window.state().state().look.panels.is_open(DockPanel::Machinability)
+    );
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
-    assert!(!window.state().state().look.machinability);
+    assert!(!window.state().state().look.panels.is_open(DockPanel::Machinability));
     assert!(window.state().running_task().is_some(), "the calculation goes on");
     window.key_press(egui::Key::Escape);
     settle(&mut window);

@@ -10,6 +10,7 @@ use crate::app::model::document::Edited;
 use crate::app::model::field_faults::FaultyField;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
+use crate::app::model::panels::DockPanel;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::role_choices::hint_for_dialog;
@@ -52,9 +53,9 @@ impl App {
     }
 
     /// Plans the run of a row of a study's results.
-    pub(in crate::app) fn open_run(&mut self, results: Arc<StudyResults>, row: usize) {
+    pub(in crate::app) fn open_run(&mut self, results: Arc<StudyResults>, row: usize, keeps_part: bool) {
         let open = self.state.document.part.as_ref().map(|part| part.hash.clone());
-        self.submit_open(OpenTask::Run { results, row, open });
+        self.submit_open(OpenTask::Run { results, row, open, keeps_part });
     }
 
     /// Opens a project, setup, part or study, depending on the file.
@@ -292,12 +293,14 @@ impl App {
             let name = results.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             self.state.report_done(format!("Opened {name}: {} runs", results.table.rows.len()));
             self.study.take(results);
+            self.state.look.panels.open(DockPanel::Study);
             return;
         }
         if let Some((path, content)) = library {
             let count = content.tools.len();
             self.state.report_done(format!("Opened {}: {count} tools", path.display()));
             self.library.take(ShopLibrary::new(Some(path), content));
+            self.state.look.panels.open(DockPanel::ToolLibrary);
             return;
         }
         if let Some(unassigned) = unassigned {
@@ -338,6 +341,8 @@ impl App {
         }
         if let Some((path, setup)) = setup {
             self.state.report_done(format!("Opened {}", path.display()));
+            // Undo brings back what was there.
+            self.state.document.step();
             self.state.document.edited.setup = setup;
         }
         if let Some(blank) = blank {

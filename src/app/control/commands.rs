@@ -11,6 +11,7 @@ use crate::app::control::project::Pending;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Arrangement, Operation, Tab};
 use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::panels::DockPanel;
 use crate::app::model::planned::Side;
 use crate::app::model::plunge_edits::CuttingPlace;
 use crate::app::model::state::Boundary;
@@ -106,8 +107,16 @@ impl App {
         use Command as C;
         let is_running = self.running_task().is_some();
         let exported = self.exported_operation();
+        // One behind another tab comes to the front.
+        let is_behind = |panel: DockPanel| {
+            let state = self.state.look.panels.state(panel);
+            state.is_open && !state.is_floating && self.dock.rect(panel).is_none()
+        };
+        let behind = [DockPanel::Machinability, DockPanel::Tradeoff].map(is_behind);
         let look = &mut self.state.look;
         match command {
+            C::Assess if behind[0] => look.panels.open(DockPanel::Machinability),
+            C::TimeAgainstStock if behind[1] => look.panels.open(DockPanel::Tradeoff),
             C::NewProject => self.run_guarded(ctx, Pending::New),
             C::OpenProject => self.dialogs.open_dialog(ctx, Purpose::OpenProject, String::new()),
             C::SaveProject => self.save_project(ctx),
@@ -120,9 +129,12 @@ impl App {
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
-            C::ToolLibrary => self.library.open(),
+            C::ToolLibrary => {
+                self.library.begin();
+                look.panels.open(DockPanel::ToolLibrary);
+            }
             C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
-            C::StudyResults => self.study.open(),
+            C::StudyResults => look.panels.open(DockPanel::Study),
             C::OpenLibrary => self.dialogs.open_dialog(ctx, Purpose::OpenLibrary, String::new()),
             C::SaveLibrary => self.dialogs.open_dialog(ctx, Purpose::SaveLibrary, "tools.toml".to_owned()),
             C::SaveSetup => {
@@ -172,8 +184,8 @@ impl App {
                 let name = self.suggest_file_name(name);
                 self.dialogs.open_dialog(ctx, Purpose::ExportSheet { operation }, name);
             }
-            C::Assess => look.machinability ^= true,
-            C::TimeAgainstStock => look.tradeoff ^= true,
+            C::Assess => look.panels.toggle(DockPanel::Machinability),
+            C::TimeAgainstStock => look.panels.toggle(DockPanel::Tradeoff),
             C::SaveAssessment => {
                 let name = self.suggest_file_name("machinability.html");
                 self.dialogs.open_dialog(ctx, Purpose::SaveAssessment, name);
@@ -220,9 +232,18 @@ impl App {
                 self.turn_section_to_viewer();
             }
             C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
-            C::ShowInTable => self.state.show_in_table(),
-            C::OpenSection => look.tab = Tab::Section,
-            C::EditPlunge => look.tab = Tab::Edit,
+            C::ShowInTable => {
+                look.panels.open(DockPanel::Table);
+                self.state.show_in_table();
+            }
+            C::OpenSection => {
+                look.tab = Tab::Section;
+                look.panels.open(DockPanel::Details);
+            }
+            C::EditPlunge => {
+                look.tab = Tab::Edit;
+                look.panels.open(DockPanel::Details);
+            }
             C::DeletePlunge => self.state.delete_selected(false),
             C::DeleteRow => self.state.delete_selected(true),
             C::LockPlunge => self.state.toggle_lock(false),
@@ -239,7 +260,8 @@ impl App {
                 let from = self.measure_start();
                 self.state.look.measure = Some(from.into_iter().collect());
             }
-            C::Plots => look.plots ^= true,
+            C::Plots => look.panels.toggle(DockPanel::Plots),
+            C::ResetLayout => look.panels.reset(),
             C::Hub => look.layers.hub ^= true,
             C::Blades => look.layers.blades ^= true,
             C::Shroud => look.layers.shroud ^= true,

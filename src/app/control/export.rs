@@ -45,7 +45,16 @@ impl App {
 
     /// Asks about a program, while that is due.
     pub(in crate::app) fn ask_release(&mut self, ui: &Ui) {
-        let answer = self.release.as_ref().and_then(|question| release::ask(ui, &question.concerns));
+        let answer = self.release.as_ref().and_then(|question| {
+            let can_change = match question.purpose.planned_operation() {
+                Some(Operation::Flank) => self.state.flank_is_stale(),
+                _ => {
+                    let planned = self.state.results.planned.as_ref();
+                    self.state.out_of_date() || planned.is_some_and(|planned| planned.is_unfinished())
+                }
+            };
+            release::ask(ui, &question.concerns, can_change)
+        });
         let Some(answer) = answer else { return };
         let Some(ReleaseQuestion { purpose, path, .. }) = self.release.take() else { return };
         match answer {

@@ -13,6 +13,7 @@ use crate::app::model::problem::Problem;
 use crate::app::model::state::AppState;
 use crate::app::tasks::engine::Engine;
 use crate::app::tasks::part_meshes::PartMeshes;
+use crate::app::views::dock::Dock;
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::view3d::View3d;
 
@@ -22,6 +23,7 @@ pub struct Handover {
     view: View3d,
     session: Session,
     export: ExportSettings,
+    dock: Dock,
     mesh: Option<PartMeshes>,
     /// Whether the planner was running.
     planning: bool,
@@ -64,8 +66,9 @@ impl App {
     /// The application with the state of another window.
     pub fn resumed(cc: &CreationContext<'_>, engine: Engine, left: Handover) -> Self {
         let mut app = Self::with_engine(cc, engine);
-        let Handover { state, view, session, export, mesh, planning, theme, reason, .. } = left;
+        let Handover { state, view, session, export, dock, mesh, planning, theme, reason, .. } = left;
         (app.state, app.view, app.session, app.export) = (state, view, session, export);
+        app.dock = dock;
         cc.egui_ctx.set_theme(theme);
         if let Some((pictures, mesh)) = app.pictures.as_mut().zip(mesh) {
             pictures.set_part(mesh);
@@ -95,6 +98,7 @@ impl App {
             view: std::mem::take(&mut self.view),
             session: std::mem::take(&mut self.session),
             export: self.export,
+            dock: std::mem::take(&mut self.dock),
             mesh: self.pictures.as_ref().and_then(|pictures| pictures.mesh().cloned()),
             planning,
             theme: ctx.options(|options| options.theme_preference),

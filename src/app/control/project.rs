@@ -74,7 +74,7 @@ impl Session {
 }
 
 impl App {
-    /// Sets the folder for recent projects, recovery copies and preferences, and reads them.
+    /// Sets the folder for recent projects, recovery copies, preferences and layout, and reads them.
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
         self.state.recents = home.recents();
@@ -82,6 +82,9 @@ impl App {
         let preferences = home.preferences();
         (self.state.look.mouse, self.state.look.units) = (preferences.mouse, preferences.units);
         self.session.knows_tour = preferences.knows_tour;
+        if let Some(layout) = home.layout() {
+            self.take_layout(&layout);
+        }
         self.session.home = Some(home);
     }
 
@@ -98,6 +101,14 @@ impl App {
         if self.tour.show(ui, place_of) {
             self.session.knows_tour = true;
             self.store_preferences();
+        }
+    }
+
+    /// Stores the layout of the panels for the next start, once it has changed.
+    pub(in crate::app) fn store_layout(&mut self, ctx: &Context) {
+        let changed = self.changed_layout(ctx);
+        if let Some((layout, home)) = changed.zip(self.session.home.as_ref()) {
+            home.store_layout(&layout);
         }
     }
 
@@ -127,7 +138,7 @@ impl App {
             }
             Pending::Open(path) => self.open_file(path),
             Pending::OpenPart(source) => self.open_files(Some(source), None),
-            Pending::OpenRun(results, row) => self.open_run(results, row),
+            Pending::OpenRun(results, row) => self.open_run(results, row, false),
             Pending::Quit => {
                 self.session.closing = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
@@ -314,9 +325,14 @@ impl App {
         self.study.passes()
     }
 
-    /// The results of a study, while they are shown.
-    pub(in crate::app) fn study_results(&mut self, ui: &Ui) {
-        if let Some((results, row)) = self.study.show(ui) {
+    /// The results of a study.
+    pub(in crate::app) fn study_results(&mut self, ui: &mut Ui) {
+        let Some((results, row)) = self.study.show(ui) else { return };
+        let own = self.state.document.part.as_ref().map(|part| part.hash.sha256.as_str());
+        if own.is_some() && own == results.field(row, "part_hash") {
+            // An edit of the open project, which can be undone: nothing is closed, and nothing is lost.
+            self.open_run(results, row, true);
+        } else {
             self.run_guarded(ui.ctx(), Pending::OpenRun(results, row));
         }
     }

@@ -8,6 +8,7 @@ use crate::setup::{AxisPolicy, PlungePose};
 
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::mouse_preset::MousePreset;
+use crate::app::model::panels::Panels;
 use crate::app::model::planned::{PerSide, Side};
 use crate::app::model::plunge_edits::EditFields;
 use crate::app::model::solid::SolidColours;
@@ -298,12 +299,8 @@ pub struct Look {
     pub section: Option<SectionPlaneLook>,
     /// Measured points while measuring, mm; at most two.
     pub measure: Option<Vec<glam::Vec3>>,
-    /// Whether the machinability of the part is shown.
-    pub machinability: bool,
-    /// Whether time against stock is shown.
-    pub tradeoff: bool,
-    /// Whether the plots along the row are shown.
-    pub plots: bool,
+    /// Which panels are open, and which float.
+    pub panels: Panels,
     /// Tab of the selected position.
     pub tab: Tab,
     /// Fields of the tab that edits it.
@@ -327,13 +324,11 @@ pub struct SectionalLook {
     pub zoom: f64,
     /// Shift of the drawing to the right and down, points at zoom 1.
     pub pan: [f64; 2],
-    /// Whether it is shown in a window of its own, too.
-    pub is_large: bool,
 }
 
 impl Default for SectionalLook {
     fn default() -> Self {
-        Self { plane: None, zoom: 1.0, pan: [0.0; 2], is_large: false }
+        Self { plane: None, zoom: 1.0, pan: [0.0; 2] }
     }
 }
 
@@ -423,9 +418,7 @@ impl Default for Look {
             fly: false,
             section: None,
             measure: None,
-            machinability: false,
-            tradeoff: false,
-            plots: true,
+            panels: Panels::default(),
             tab: Tab::Section,
             edit: EditFields::default(),
             followed: None,
@@ -437,14 +430,15 @@ impl Default for Look {
 }
 
 impl Look {
-    /// Resets the display for another part; layers, plots, tab, mouse preset and units are kept.
+    /// Resets the display for another part; layers, panels, tab, mouse preset and units are kept.
     pub fn begin(&mut self) {
         let check_machine = std::mem::take(&mut self.check_machine);
         let check_control = self.check_control.take();
-        let Self { layers, plots, tab, mouse, units, play_speed, .. } = *self;
+        let Self { layers, mut panels, tab, mouse, units, play_speed, .. } = *self;
+        panels.begin();
         *self = Self {
             layers,
-            plots,
+            panels,
             tab,
             mouse,
             units,

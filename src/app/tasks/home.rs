@@ -1,5 +1,5 @@
-//! The window's own files: recent projects, preferences and recovery copies. Without a home folder none of
-//! them is stored.
+//! The window's own files: recent projects, preferences, layout and recovery copies. Without a home folder
+//! none of them is stored.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -13,6 +13,7 @@ use crate::io::project_file::{EXTENSION, PartLocation, read_project};
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 
+use crate::app::model::layout::Layout;
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::state::RecoveryCopy;
 use crate::app::model::units::DisplayUnits;
@@ -21,6 +22,8 @@ use super::lock::{HeldLock, LockTry, is_held, try_hold};
 
 /// File of the preferences.
 const HABITS: &str = "habits.json";
+/// File of the layout of the panels.
+const LAYOUT: &str = "layout.json";
 /// Maximum number of recent projects.
 const MAX_RECENTS: usize = 10;
 
@@ -154,6 +157,18 @@ impl Home {
         let _ = std::fs::create_dir_all(&self.folder);
         // On failure the preferences last until the window closes.
         let _ = write_atomically(&self.folder.join(HABITS), text.as_bytes());
+    }
+
+    /// Stored layout of the panels; `None` where there is none that can be read.
+    pub fn layout(&self) -> Option<Layout> {
+        Layout::read(&text_of(&self.folder.join(LAYOUT)))
+    }
+
+    /// Stores the layout of the panels.
+    pub fn store_layout(&self, layout: &Layout) {
+        let _ = std::fs::create_dir_all(&self.folder);
+        // On failure the layout lasts until the window closes.
+        let _ = write_atomically(&self.folder.join(LAYOUT), layout.write().as_bytes());
     }
 
     fn list(&self) -> PathBuf {

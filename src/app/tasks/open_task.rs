@@ -26,8 +26,9 @@ pub(in crate::app) enum OpenTask {
     Library(PathBuf),
     /// Results of a study: its folder, the list in it, or its table.
     Study(PathBuf),
-    /// The run of a row of a study's results, to be planned. `open`: hash of the part that is open.
-    Run { results: Arc<StudyResults>, row: usize, open: Option<PartHash> },
+    /// The run of a row of a study's results, to be planned. `open`: hash of the part that is open;
+    /// `keeps_part`: whether only a run of that part may be opened, as nothing was asked about unsaved changes.
+    Run { results: Arc<StudyResults>, row: usize, open: Option<PartHash>, keeps_part: bool },
     /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),
 }

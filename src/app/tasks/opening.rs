@@ -70,8 +70,8 @@ pub(in crate::app) fn open(
         OpenTask::Study(path) => {
             return Ok(Opened { study: Some(StudyResults::read(path)?), ..Opened::default() });
         }
-        OpenTask::Run { results, row, open } => {
-            return open_run(engine, results, *row, open.as_ref(), monitor);
+        OpenTask::Run { results, row, open, keeps_part } => {
+            return open_run(engine, results, *row, open.as_ref(), *keeps_part, monitor);
         }
         OpenTask::Nodes(source) => {
             let nodes =
@@ -118,6 +118,7 @@ fn open_run(
     results: &StudyResults,
     row: usize,
     open: Option<&PartHash>,
+    keeps_part: bool,
     monitor: &Monitor,
 ) -> Result<Opened, InputError> {
     let (path, run) = results.run(row)?;
@@ -127,6 +128,11 @@ fn open_run(
     let setup = Some((path, setup));
     if open.is_some_and(|open| open.sha256 == run.part_hash) {
         return Ok(Opened { setup, is_run: true, ..Opened::default() });
+    }
+    if keeps_part {
+        let what = "the part of this run is not the one that the table of the study names".to_owned();
+        let help = "merge the results of the study again, and open its table";
+        return Err(InputError::new(ErrorCode::StudyResults, &name, 0, what, help));
     }
     let Some(file) = results.part_file(&run) else {
         let what = format!("the part of this run, {}, is not found, and the open one is another", run.part);

@@ -1,10 +1,9 @@
-//! The machinability of the part: what `vanecut assess` prints and draws, in a window of its own.
+//! The machinability of the part: what `vanecut assess` prints and draws, in a panel.
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
 use super::chart;
 use super::command::Command;
-use super::floating::FloatingWindow;
 use super::units;
 use crate::app::App;
 use crate::app::model::units::DisplayUnits;
@@ -14,22 +13,10 @@ use crate::job::assess::AssessedPart;
 use crate::report::assessment::assessment_charts;
 
 impl App {
-    /// The machinability of the part, while it is shown.
-    pub(in crate::app) fn machinability(&mut self, ui: &Ui) {
-        if !self.state.look.machinability || self.state.document.part.is_none() {
-            return;
-        }
-        let mut open = true;
-        let size = egui::vec2(560.0, 520.0).min(ui.ctx().content_rect().size() - egui::vec2(40.0, 80.0));
-        let corner = ui.ctx().content_rect().center() - 0.5 * size;
-        let window = FloatingWindow::Machinability.window().open(&mut open).collapsible(false);
-        let shown =
-            window.default_pos(corner).default_size(size).min_size([320.0, 200.0]).show(ui.ctx(), |ui| {
-                let assessed = self.assessing.known(&self.state).map(|assessed| &**assessed);
-                show(ui, assessed, self.assessing.is_busy())
-            });
-        self.state.look.machinability = open;
-        if let Some(command) = shown.and_then(|shown| shown.inner.flatten()) {
+    /// The machinability of the part.
+    pub(in crate::app) fn machinability(&mut self, ui: &mut Ui) {
+        let assessed = self.assessing.known(&self.state).map(|assessed| &**assessed);
+        if let Some(command) = show(ui, assessed, self.assessing.is_busy()) {
             self.run_command(ui.ctx(), command);
         }
     }

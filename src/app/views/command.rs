@@ -170,6 +170,7 @@ commands! {
     CutRowLater "Cut row later" "Cuts the row of the selected plunge after the row after it" [];
     Plots "Plots along the row"
         "Shows lead angle, contact, stock, step, engaged arc and chip along the row of the selected position" [];
+    ResetLayout "Reset layout" "Arranges all panels as at first" [];
     Hub "Hub" "Shows the hub with the residual stock on it" [];
     Blades "Blades" "Shows the blades" [];
     Shroud "Shroud" "Shows the shroud, transparent" [];

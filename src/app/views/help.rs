@@ -108,8 +108,11 @@ fn shortcuts(ui: &mut Ui) {
                 ui.label(command.label()).on_hover_text(command.tip());
                 ui.end_row();
             }
-            for (keys, what) in [("Ctrl + +/−/0", "Larger, smaller, and usual text"), ("Tab", "Next field")]
-            {
+            for (keys, what) in [
+                ("Ctrl + +/=", "Larger text and controls"),
+                ("Ctrl + −, Ctrl + 0", "Smaller; the usual size"),
+                ("Tab", "Next field"),
+            ] {
                 ui.label(RichText::new(keys).strong());
                 ui.label(what);
                 ui.end_row();

@@ -5,7 +5,6 @@ use std::ops::RangeInclusive;
 use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui};
 
 use super::command::Command;
-use super::floating::FloatingWindow;
 use super::{tool_form, units};
 use crate::app::model::number::Quantity;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
@@ -24,34 +23,21 @@ pub enum LibraryAnswer {
     Taken(u32),
 }
 
-/// The dialog, with the library while it was open once.
+/// The panel, with the library while it was open once.
 #[derive(Default)]
 pub struct LibraryDialog {
     library: Option<ShopLibrary>,
-    open: bool,
 }
 
 impl LibraryDialog {
-    /// Opens it, with the program's own tools the first time.
-    pub fn open(&mut self) {
+    /// Begins with the program's own tools, the first time.
+    pub fn begin(&mut self) {
         self.library.get_or_insert_default();
-        self.open = true;
     }
 
-    /// Shows a library that was read.
+    /// Takes a library that was read.
     pub fn take(&mut self, library: ShopLibrary) {
         self.library = Some(library);
-        self.open = true;
-    }
-
-    /// Closes it; the library stays.
-    pub fn close(&mut self) {
-        self.open = false;
-    }
-
-    /// Whether it is open.
-    pub fn is_open(&self) -> bool {
-        self.open
     }
 
     /// The library.
@@ -60,28 +46,23 @@ impl LibraryDialog {
     }
 
     /// Draws it; returns what was asked for. `setup`: of the open part, if there is one.
-    pub fn show(&mut self, ui: &Ui, setup: Option<&mut Setup>) -> Option<LibraryAnswer> {
-        let library = self.library.as_mut().filter(|_| self.open)?;
+    pub fn show(&mut self, ui: &mut Ui, setup: Option<&mut Setup>) -> Option<LibraryAnswer> {
+        let library = self.library.as_mut()?;
         let mut answer = None;
-        let mut open = true;
-        let window = FloatingWindow::ToolLibrary.window().open(&mut open).resizable(false).collapsible(false);
-        window.default_pos([60.0, 60.0]).show(ui.ctx(), |ui| {
-            head(ui, library, &mut answer);
+        head(ui, library, &mut answer);
+        ui.separator();
+        ui.horizontal_top(|ui| {
+            ui.vertical(|ui| {
+                ui.set_width(LIST.0);
+                filters(ui, library);
+                list(ui, library);
+            });
             ui.separator();
-            ui.horizontal_top(|ui| {
-                ui.vertical(|ui| {
-                    ui.set_width(LIST.0);
-                    filters(ui, library);
-                    list(ui, library);
-                });
-                ui.separator();
-                ui.vertical(|ui| {
-                    ui.set_width(300.0);
-                    selected(ui, library, setup, &mut answer);
-                });
+            ui.vertical(|ui| {
+                ui.set_width(300.0);
+                selected(ui, library, setup, &mut answer);
             });
         });
-        self.open = open;
         answer
     }
 }

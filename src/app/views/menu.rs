@@ -3,9 +3,11 @@
 use egui::{MenuBar, Ui};
 
 use super::command::Command;
+use super::dock::{PanelRequest, panel_menu};
 use super::overlay;
 use crate::app::App;
 use crate::app::control::project::Pending;
+use crate::app::model::panels::DockPanel;
 
 /// The menus: groups of commands, with separators between the groups.
 const MENUS: [(&str, &[&[Command]]); 3] = [
@@ -102,7 +104,7 @@ const HELP: &[&[Command]] =
 impl App {
     /// Draws the menu bar.
     pub(in crate::app) fn menu(&mut self, ui: &mut Ui) {
-        let (mut chosen, mut recent) = (None, None);
+        let (mut chosen, mut recent, mut changed) = (None, None, None);
         MenuBar::new().ui(ui, |ui| {
             for (name, groups) in MENUS {
                 ui.menu_button(name, |ui| {
@@ -127,6 +129,7 @@ impl App {
                 if let Some(command) = self.menu_groups(ui, VIEWS) {
                     chosen = Some(command);
                 }
+                ui.menu_button("Panels", |ui| changed = self.panels_menu(ui));
                 ui.menu_button("Mouse", |ui| {
                     let command = overlay::mouse_choice(ui, self.state.look.mouse);
                     chosen = command.or(chosen);
@@ -167,9 +170,42 @@ impl App {
         if let Some(command) = chosen {
             self.run_command(ui.ctx(), command);
         }
+        if let Some((panel, request)) = changed {
+            self.change_panel(ui.ctx(), panel, request);
+        }
         if let Some(path) = recent {
             self.run_guarded(ui.ctx(), Pending::Open(path));
         }
+    }
+
+    /// The menu of the panels: which are shown, and where; returns what was chosen for one.
+    fn panels_menu(&mut self, ui: &mut Ui) -> Option<(DockPanel, PanelRequest)> {
+        let mut changed = None;
+        for panel in DockPanel::ALL.into_iter().filter(|panel| panel.can_leave()) {
+            let mut is_open = self.state.look.panels.is_open(panel);
+            let item = ui.checkbox(&mut is_open, panel.title()).on_hover_text(panel.tip());
+            if item.changed() {
+                self.state.look.panels.toggle(panel);
+                if panel == DockPanel::ToolLibrary {
+                    self.library.begin();
+                }
+            }
+        }
+        ui.separator();
+        ui.menu_button("Arrange", |ui| {
+            for panel in DockPanel::ALL {
+                ui.menu_button(panel.title(), |ui| {
+                    let is_floating = self.state.look.panels.floats(panel);
+                    let request = panel_menu(ui, panel, is_floating);
+                    changed = request.map(|request| (panel, request)).or(changed);
+                });
+            }
+        });
+        ui.separator();
+        if Command::ResetLayout.menu_item(ui, true) {
+            self.state.look.panels.reset();
+        }
+        changed
     }
 
     fn menu_groups(&self, ui: &mut Ui, groups: &[&[Command]]) -> Option<Command> {

@@ -15,8 +15,9 @@ pub enum ReleaseAnswer {
     Cancel,
 }
 
-/// Draws the question with what speaks against the program; returns the answer once.
-pub fn ask(ui: &Ui, concerns: &[String]) -> Option<ReleaseAnswer> {
+/// Draws the question with what speaks against the program; returns the answer once. `can_change`: whether
+/// calculating the plan again can change it.
+pub fn ask(ui: &Ui, concerns: &[String], can_change: bool) -> Option<ReleaseAnswer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique("release")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
@@ -28,8 +29,8 @@ pub fn ask(ui: &Ui, concerns: &[String]) -> Option<ReleaseAnswer> {
         }
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            let again = ui.button("Recalculate");
-            if again.on_hover_text("Calculates the current setup; nothing is written").clicked() {
+            let tip = "Calculates the current setup; nothing is written";
+            if can_change && ui.button("Recalculate").on_hover_text(tip).clicked() {
                 answer = Some(ReleaseAnswer::Recalculate);
             }
             if ui.button("Export anyway").clicked() {

@@ -1,18 +1,18 @@
-//! The panels at both sides of the 3D view: part, operations and the form of the selected operation at the
-//! left, its results at the right.
+//! The panels beside the 3D view: part, operations and the form of the selected operation; its results as a
+//! table and in detail.
 
-use egui::{CentralPanel, Panel, RichText, ScrollArea, Ui};
+use egui::{CentralPanel, RichText, ScrollArea, Ui};
 
 use crate::app::App;
 use crate::app::model::look::{Operation, Tab};
+use crate::app::model::panels::DockPanel;
 use crate::app::model::problem::Problem;
 use crate::app::views::command::Command;
-use crate::app::views::floating::FloatingWindow;
 use crate::app::views::panels;
 use crate::app::views::theme;
 
 impl App {
-    /// The left panel.
+    /// Part, operations and the form of the selected operation.
     pub(in crate::app) fn left_panel(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
         let fresh = self.state.look.is_fresh;
@@ -130,43 +130,24 @@ impl App {
         }
     }
 
-    /// The right panel.
-    pub(in crate::app) fn right_panel(&mut self, ui: &mut Ui) {
+    /// The table of the selected operation.
+    pub(in crate::app) fn table(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
-        if self.state.look.operation == Operation::Flank {
-            if self.state.results.flank.is_some() {
-                let height = 0.38 * ui.available_height();
-                let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
-                Panel::bottom("flank results").default_size(height).resizable(true).frame(frame).show(
-                    ui,
-                    |ui| {
-                        panels::flank_results::show(ui, &self.state);
-                    },
-                );
-                CentralPanel::no_frame().show(ui, |ui| panels::flank_passes::show(ui, &mut self.state));
-            } else {
-                panels::flank_results::show(ui, &self.state);
+        // Within its own margins, beyond which no row is marked.
+        CentralPanel::no_frame().show(ui, |ui| match self.state.look.operation {
+            Operation::Roughing => {
+                let menu = panels::positions::show(ui, &mut self.state);
+                self.run_for_position(ui.ctx(), menu);
             }
-            return;
-        }
-        if self.state.look.operation == Operation::Program {
-            panels::program::faults(ui, &mut self.state);
-            return;
-        }
-        if let Some(k) = self.state.look.selected {
-            let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(0, 2));
-            Panel::bottom("selected position").resizable(false).frame(frame).show(ui, |ui| {
-                self.selected(ui, k);
-            });
-        }
-        let mut menu = None;
-        CentralPanel::no_frame().show(ui, |ui| menu = panels::positions::show(ui, &mut self.state));
-        self.run_for_position(ui.ctx(), menu);
+            Operation::Flank => panels::flank_passes::show(ui, &mut self.state),
+            Operation::Program => panels::program::faults(ui, &mut self.state),
+        });
     }
 
-    /// Sectional view and figures of the selected position.
-    fn selected(&mut self, ui: &mut Ui, k: usize) {
-        let height = panels::section::height(ui.ctx().content_rect().height());
+    /// Sectional view and figures of the selected position. `room`: the height to fill, points; `None`: as high
+    /// as needed.
+    pub(in crate::app) fn details(&mut self, ui: &mut Ui, room: Option<f32>) {
+        let Some(k) = self.state.look.selected else { return };
         panels::positions::headline(ui, &self.state, k);
         ui.horizontal(|ui| {
             for (tab, name) in
@@ -184,48 +165,45 @@ impl App {
             }
             Tab::Section => {
                 let plane = self.state.cut_plane();
-                panels::section::controls(ui, &mut self.state.look.sectional, plane);
-                let Some(position) = self.state.selected().cloned() else { return };
-                match self.inspected.section() {
-                    Some((of, view)) => {
-                        let name = format!("Sectional view through position {}", k + 1);
-                        let stale = of != k || view.plane != plane;
-                        let look = &mut self.state.look.sectional;
-                        panels::section::show(ui, &name, (&view, &position), look, stale, height);
-                    }
+                let can_enlarge = !self.state.look.panels.is_open(DockPanel::Section);
+                if panels::section::controls(ui, &mut self.state.look.sectional, plane, can_enlarge) {
+                    self.state.look.panels.open(DockPanel::Section);
+                }
+                let least = panels::section::height(ui.ctx().content_rect().height());
+                let height =
+                    room.map_or(least, |room| (room - ui.min_rect().height() - BELOW_SECTION).max(least));
+                let name = format!("Sectional view through position {}", k + 1);
+                if !self.section(ui, k, &name, height) {
                     // Reserve the height, so that nothing jumps when the view arrives.
-                    None => {
-                        ui.allocate_space(egui::vec2(ui.available_width(), height));
-                    }
+                    ui.allocate_space(egui::vec2(ui.available_width(), height));
                 }
             }
         }
     }
-}
 
-impl App {
-    /// The sectional view in a window of its own, while it is enlarged.
-    pub(in crate::app) fn large_section(&mut self, ui: &Ui) {
-        let shown = self.state.look.selected.zip(self.state.selected().cloned());
-        let Some((k, position)) = shown.filter(|_| self.state.look.sectional.is_large) else { return };
-        let mut open = true;
-        let window = FloatingWindow::Section.window().open(&mut open).collapsible(false);
-        let size = egui::vec2(620.0, 460.0);
-        let corner = ui.ctx().content_rect().center() - 0.5 * size;
-        window.default_pos(corner).default_size(size).min_size([300.0, 240.0]).show(ui.ctx(), |ui| {
-            let plane = self.state.cut_plane();
-            panels::section::controls(ui, &mut self.state.look.sectional, plane);
-            let Some((of, view)) = self.inspected.section() else { return };
-            let name = format!("Enlarged sectional view through position {}", k + 1);
-            let stale = of != k || view.plane != plane;
-            // The figures below take three lines.
-            let height = (ui.available_height() - 3.0 * theme::ROW_HEIGHT).max(120.0);
-            let look = &mut self.state.look.sectional;
-            panels::section::show(ui, &name, (&view, &position), look, stale, height);
-        });
-        self.state.look.sectional.is_large = open;
+    /// The sectional view through position `k`, `height` points high; `false` while there is none yet.
+    fn section(&mut self, ui: &mut Ui, k: usize, name: &str, height: f32) -> bool {
+        let plane = self.state.cut_plane();
+        let Some(position) = self.state.selected().cloned() else { return true };
+        let Some((of, view)) = self.inspected.section() else { return false };
+        let stale = of != k || view.plane != plane;
+        let look = &mut self.state.look.sectional;
+        panels::section::show(ui, name, (&view, &position), look, stale, height);
+        true
+    }
+
+    /// The sectional view, enlarged.
+    pub(in crate::app) fn large_section(&mut self, ui: &mut Ui) {
+        let Some(k) = self.state.look.selected else { return };
+        let plane = self.state.cut_plane();
+        panels::section::controls(ui, &mut self.state.look.sectional, plane, false);
+        let height = (ui.available_height() - BELOW_SECTION).max(120.0);
+        self.section(ui, k, &format!("Enlarged sectional view through position {}", k + 1), height);
     }
 }
+
+/// Height of the figures below a sectional view, three lines, points.
+const BELOW_SECTION: f32 = 3.0 * theme::ROW_HEIGHT;
 
 /// A heading with its content, open for a new part; the content is not indented, so that it has the whole
 /// width.

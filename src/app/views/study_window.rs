@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use egui::{ComboBox, RichText, Role, Sense, Ui, Vec2, WidgetInfo};
+use egui::{ComboBox, RichText, Role, Sense, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 
-use super::floating::FloatingWindow;
 use super::study_plot::StudyPlot;
 use super::theme;
 use super::units;
@@ -20,12 +19,11 @@ const MIN_PLOT: f32 = 120.0;
 const KEY_WIDTH: f32 = 150.0;
 const FIGURE_WIDTH: f32 = 104.0;
 
-/// The window, with the results while some were opened.
+/// The panel, with the results while some were opened.
 #[derive(Default)]
 pub struct StudyWindow {
     table: Option<StudyTable>,
     plot: StudyPlot,
-    is_open: bool,
 }
 
 impl StudyWindow {
@@ -33,7 +31,6 @@ impl StudyWindow {
     pub fn take(&mut self, results: StudyResults) {
         self.table = Some(StudyTable::new(results));
         self.plot = StudyPlot::default();
-        self.is_open = true;
     }
 
     /// How often the runs were gone through for the plot.
@@ -46,26 +43,10 @@ impl StudyWindow {
         self.table.is_some()
     }
 
-    /// Shows the results that were opened last.
-    pub fn open(&mut self) {
-        self.is_open = true;
-    }
-
-    /// Closes the window; the results stay.
-    pub fn close(&mut self) {
-        self.is_open = false;
-    }
-
-    /// Draws the window while it is open; returns the row whose run is to be planned.
-    pub fn show(&mut self, ui: &Ui) -> Option<(Arc<StudyResults>, usize)> {
-        let table = self.table.as_mut().filter(|_| self.is_open)?;
-        let size = Vec2::new(760.0, 560.0).min(ui.ctx().content_rect().size() - Vec2::new(40.0, 80.0));
-        let corner = ui.ctx().content_rect().center() - 0.5 * size;
-        let window = FloatingWindow::Study.window().open(&mut self.is_open).collapsible(false);
-        let window = window.default_pos(corner).default_size(size).min_size([360.0, 300.0]);
-        let wanted = window
-            .show(ui.ctx(), |ui| content(ui, table, &mut self.plot))
-            .and_then(|shown| shown.inner.flatten());
+    /// Draws the results; returns the row whose run is to be planned.
+    pub fn show(&mut self, ui: &mut Ui) -> Option<(Arc<StudyResults>, usize)> {
+        let table = self.table.as_mut()?;
+        let wanted = content(ui, table, &mut self.plot);
         wanted.map(|row| (Arc::clone(&table.results), row))
     }
 }

@@ -6,7 +6,6 @@ use egui::{
     Vec2, WidgetInfo,
 };
 
-use super::floating::FloatingWindow;
 use super::panels::fields;
 use super::panels::goal::goal_rows;
 use super::panels::setup::policy_label;
@@ -33,31 +32,19 @@ const LINE: f32 = 20.0;
 const HANDLE: f32 = 6.0;
 
 impl App {
-    /// Time against stock, while it is shown.
-    pub(in crate::app) fn tradeoff(&mut self, ui: &Ui) {
-        if !self.state.look.tradeoff || self.state.results.planned.is_none() {
-            return;
-        }
-        let mut open = true;
-        let size = Vec2::new(460.0, 390.0).min(ui.ctx().content_rect().size() - Vec2::new(40.0, 80.0));
-        // In a corner of the picture, which follows the handle.
-        let corner =
-            ui.ctx().content_rect().left_bottom() + Vec2::new(theme::LEFT_WIDTH + 20.0, -size.y - 140.0);
-        let window = FloatingWindow::Tradeoff.window().open(&mut open).collapsible(false);
-        let window = window.default_pos(corner).default_size(size).min_size([300.0, 220.0]);
+    /// Time against stock.
+    pub(in crate::app) fn tradeoff(&mut self, ui: &mut Ui) {
         let points = self.weighing.points().cloned();
         let search = match self.weighing.progress() {
             Some(progress) => CurveSearch::Running(progress),
             None if self.weighing.was_cancelled() => CurveSearch::Cancelled,
             None => CurveSearch::Idle,
         };
-        let shown = window.show(ui.ctx(), |ui| show(ui, &mut self.state, points.as_deref(), search));
-        match shown.and_then(|shown| shown.inner).flatten() {
+        match show(ui, &mut self.state, points.as_deref(), search) {
             Some(CurveCommand::Cancel) => self.weighing.cancel(),
             Some(CurveCommand::Restart) => self.weighing.restart(),
             None => {}
         }
-        self.state.look.tradeoff = open;
     }
 }
 

@@ -7,7 +7,7 @@ use crate::job::flank::FlankOutcome;
 use crate::setup::FlankStrategy;
 
 use super::flank::strategy_label;
-use super::verdict::figure;
+use super::verdict::divided_figure;
 use crate::app::model::figures::{format_duration, format_times, skipped_length};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
@@ -47,17 +47,19 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
             "Stretches of passes that are not cut: no axis reaches them, or they are too short",
         );
     }
-    ui.separator();
     let units = state.look.units;
     let [gouge, left] = [outcome.max_overcut(), outcome.plan.max_undercut()];
     let walls = format!("−{} / +{}", units.number(gouge, 4), units.length(left, 4));
-    figure(ui, "Wall error", walls, "Largest gouge below the blade allowance, and most stock left above it");
-    ui.separator();
-    figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
-    ui.separator();
+    divided_figure(
+        ui,
+        "Wall error",
+        walls,
+        "Largest gouge below the blade allowance, and most stock left above it",
+    );
+    divided_figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     let (time, channels) = (outcome.plan.times.total(), outcome.workpiece.part.blade_count);
     let times = format_times(time, time * channels as f64);
-    figure(ui, "Time", times, "From feed rates and rapids");
+    divided_figure(ui, "Time", times, "From feed rates and rapids");
 }
 
 /// Draws the results.

@@ -240,7 +240,9 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
 }
 
 /// Width of the column of axis warnings, points.
-const AXES_WIDTH: f32 = 54.0;
+pub const AXES_WIDTH: f32 = 54.0;
+/// Width of the other columns with the space between them, points.
+pub const COLUMNS_WIDTH: f32 = 282.0;
 
 /// The worst that a position asks of the axes: an axis with its excess, or the angle from the pole.
 fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>, units: DisplayUnits) {

@@ -3,7 +3,7 @@
 use egui::{Button, Grid, Label, Panel, RichText, ScrollArea, Ui};
 
 use super::fields;
-use super::verdict::figure;
+use super::verdict::divided_figure;
 use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
@@ -38,12 +38,10 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     let text = RichText::new(format!("Faults {}", checked.findings.len())).strong().color(colour);
     ui.label(text).on_hover_text(&checked.summary);
     for (name, value, tip) in &checked.figures {
-        ui.separator();
-        figure(ui, name, value.text(state.look.units), tip);
+        divided_figure(ui, name, value.text(state.look.units), tip);
     }
-    ui.separator();
     let tip = "Of the whole program, from feed rates and rapids; without tool changes";
-    figure(ui, "Time", format_duration(checked.time), tip);
+    divided_figure(ui, "Time", format_duration(checked.time), tip);
 }
 
 const MACHINE_TIP: &str = "The machine that NC code was posted for: its axes and limits. APT needs none";

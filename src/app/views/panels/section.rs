@@ -37,8 +37,9 @@ fn plane_label(plane: CutPlane) -> &'static str {
     }
 }
 
-/// The line of controls: plane, fit, enlarge. `now`: the plane that is shown.
-pub fn controls(ui: &mut Ui, look: &mut SectionalLook, now: CutPlane) {
+/// The line of controls: plane, fit, and, if it can, enlarge; `true` when that was pressed. `now`: the plane that
+/// is shown.
+pub fn controls(ui: &mut Ui, look: &mut SectionalLook, now: CutPlane, can_enlarge: bool) -> bool {
     ui.horizontal(|ui| {
         let label = ui.label("Cut");
         let list = ComboBox::from_id_salt("cut plane").width(112.0).selected_text(plane_label(now));
@@ -55,10 +56,9 @@ pub fn controls(ui: &mut Ui, look: &mut SectionalLook, now: CutPlane) {
         if fit.on_hover_text("Shows the whole cut again; so does a double-click").clicked() {
             (look.zoom, look.pan) = (1.0, [0.0; 2]);
         }
-        if !look.is_large && ui.small_button("Enlarge").on_hover_text("Shows the cut in a window").clicked() {
-            look.is_large = true;
-        }
-    });
+        can_enlarge && ui.small_button("Enlarge").on_hover_text("Shows the cut in a window").clicked()
+    })
+    .inner
 }
 
 /// Transformation from mm in the section plane to the screen.

@@ -72,8 +72,7 @@ fn roughing(ui: &mut Ui, state: &AppState) {
         let reasons: Vec<String> = DropReason::ALL.into_iter().filter_map(left_out).collect();
         ui.label(text).on_hover_text(format!("Skipped positions: {}", reasons.join(", ")));
     }
-    ui.separator();
-    figure(
+    divided_figure(
         ui,
         "Residual",
         format!(
@@ -85,13 +84,11 @@ fn roughing(ui: &mut Ui, state: &AppState) {
         "Residual stock on the hub: mean and 95th percentile, before and after",
     );
     let stock = &planned.setup.allowances;
-    ui.separator();
-    clearance(ui, "Hub clearance", after.min_hub_clearance, stock.hub_allowance);
-    clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance);
-    ui.separator();
+    clearance(ui, "Hub clearance", after.min_hub_clearance, stock.hub_allowance, divide);
+    clearance(ui, "blade", after.min_blade_clearance, stock.blade_allowance, keep_together);
     let tip = "Share of the accessible floor that is not cut";
     let share = format_percent(after.uncut_share);
-    keep_together(ui, &["Not machined", &share]);
+    divide(ui, &["Not machined", &share]);
     ui.label(RichText::new("Not machined").weak()).on_hover_text(tip);
     let share = RichText::new(share);
     let share = match after.uncut_share > MAX_GOOD_UNCUT_SHARE {
@@ -103,8 +100,7 @@ fn roughing(ui: &mut Ui, state: &AppState) {
         let share = format_percent(after.inaccessible_share);
         figure(ui, "Inaccessible", share, &inaccessible_tip(planned, units));
     }
-    ui.separator();
-    figure(
+    divided_figure(
         ui,
         "Time",
         format_plan_times(after, planned.outcome.workpiece.part.blade_count),
@@ -160,27 +156,56 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
 /// Draws a figure with its name, in the next line if this one is too short for both.
 pub fn figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
     keep_together(ui, &[name, &value]);
+    named(ui, name, value, tip);
+}
+
+/// Draws a figure like [`figure`], divided by a line from those before it in the same line.
+pub fn divided_figure(ui: &mut Ui, name: &str, value: String, tip: &str) {
+    divide(ui, &[name, &value]);
+    named(ui, name, value, tip);
+}
+
+fn named(ui: &mut Ui, name: &str, value: String, tip: &str) {
     ui.label(RichText::new(name).weak()).on_hover_text(tip);
     ui.label(value).on_hover_text(tip);
 }
 
 /// Begins the next line if `words` do not all fit in the rest of this one.
 fn keep_together(ui: &mut Ui, words: &[&str]) {
-    let width = |text: &&str| theme::width_of_text(ui, text);
-    let spaces = ui.spacing().item_spacing.x * (words.len() - 1) as f32;
-    if words.iter().map(width).sum::<f32>() + spaces > ui.available_size_before_wrap().x {
+    if width_of(ui, words) > ui.available_size_before_wrap().x {
         ui.end_row();
     }
 }
 
+/// Draws a line between figures, or begins the next line if the `words` after it do not fit in this one: no line
+/// is left at its start or its end.
+fn divide(ui: &mut Ui, words: &[&str]) {
+    let line = SEPARATOR + ui.spacing().item_spacing.x;
+    if line + width_of(ui, words) > ui.available_size_before_wrap().x {
+        ui.end_row();
+    } else {
+        ui.add(egui::Separator::default().spacing(SEPARATOR));
+    }
+}
+
+/// Width of a line between figures with the space around it, points.
+const SEPARATOR: f32 = 6.0;
+
+/// Width of words side by side, points.
+fn width_of(ui: &Ui, words: &[&str]) -> f32 {
+    let width = |text: &&str| theme::width_of_text(ui, text);
+    words.iter().map(width).sum::<f32>() + ui.spacing().item_spacing.x * (words.len() - 1) as f32
+}
+
 /// Draws a clearance, mm; one that misses the allowance by more than rounding is a gouge and is highlighted.
-fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64) {
+/// `begin`: what stands before its words, or begins the next line.
+fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64, begin: fn(&mut Ui, &[&str])) {
     let short = falls_short(value, allowance);
     let units = units::of(ui);
     let allowance = format!("{} {}", units.short(allowance, 6), units.length_unit());
     let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance}");
     let text = units.known_length(value, 2) + if short { " (too little)" } else { "" };
-    keep_together(ui, &[name, &text]);
+    begin(ui, &[name, &text]);
     ui.label(RichText::new(name).weak()).on_hover_text(&tip);
     let colour = Condition::Interfering.text(ui.visuals());
     let text = RichText::new(text);

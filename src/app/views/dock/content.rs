@@ -1,0 +1,181 @@
+//! What each panel shows, docked or in a window of its own.
+
+use egui::{Frame, Id, Margin, ScrollArea, Ui};
+
+use super::sizes::GAP;
+use crate::app::App;
+use crate::app::model::look::Operation;
+use crate::app::model::panels::DockPanel;
+use crate::app::views::panels;
+
+/// Id of the content of a panel, wherever it is shown.
+pub fn panel_id(panel: DockPanel) -> Id {
+    Id::unique(("panel", panel))
+}
+
+/// Margins of a docked panel, points.
+fn margin(panel: DockPanel) -> Margin {
+    match panel {
+        DockPanel::Picture => Margin::ZERO,
+        DockPanel::Setup | DockPanel::Table => Margin::symmetric(8, 2),
+        DockPanel::Details => Margin { left: 8, right: 8, top: 2, bottom: 4 },
+        DockPanel::Plots | DockPanel::Axes | DockPanel::Timeline => Margin::symmetric(6, 4),
+        DockPanel::Section
+        | DockPanel::Machinability
+        | DockPanel::Tradeoff
+        | DockPanel::ToolLibrary
+        | DockPanel::Study => Margin::same(8),
+    }
+}
+
+/// Width below which a docked panel gets a horizontal scroll bar, points.
+fn min_width(panel: DockPanel) -> Option<f32> {
+    match panel {
+        DockPanel::Section => Some(280.0),
+        DockPanel::Tradeoff => Some(300.0),
+        DockPanel::Study => Some(360.0),
+        DockPanel::Machinability => Some(440.0),
+        DockPanel::ToolLibrary => Some(600.0),
+        DockPanel::Setup
+        | DockPanel::Picture
+        | DockPanel::Plots
+        | DockPanel::Axes
+        | DockPanel::Timeline
+        | DockPanel::Table
+        | DockPanel::Details => None,
+    }
+}
+
+impl App {
+    /// Whether a panel has something to show now.
+    pub(super) fn has_content(&self, panel: DockPanel) -> bool {
+        let results = &self.state.results;
+        let operation = self.state.look.operation;
+        let has_timeline = match operation {
+            Operation::Roughing => results.planned.is_some(),
+            Operation::Flank => results.flank.is_some(),
+            Operation::Program => results.checked.is_some(),
+        };
+        let is_open = self.state.document.part.is_some();
+        match panel {
+            DockPanel::Setup | DockPanel::Picture | DockPanel::Machinability => is_open,
+            DockPanel::Timeline => has_timeline,
+            DockPanel::Plots => has_timeline && operation == Operation::Roughing,
+            DockPanel::Axes => has_timeline && self.state.timeline_machine().is_some(),
+            DockPanel::Table => is_open && (operation != Operation::Flank || results.flank.is_some()),
+            DockPanel::Details => match operation {
+                Operation::Roughing => self.state.look.selected.is_some(),
+                Operation::Flank => is_open,
+                Operation::Program => false,
+            },
+            DockPanel::Section => operation == Operation::Roughing && self.state.selected().is_some(),
+            DockPanel::Tradeoff => results.planned.is_some(),
+            DockPanel::ToolLibrary => self.library.library().is_some(),
+            DockPanel::Study => self.study.has_results(),
+        }
+    }
+
+    /// Height of a docked panel that is as high as its content, points. `details`: that of the selected
+    /// position.
+    pub(super) fn height_of(&self, panel: DockPanel, details: f32) -> Option<f32> {
+        match panel {
+            DockPanel::Plots => Some(panels::plots::HEIGHT + 8.0 - GAP),
+            DockPanel::Axes => Some(panels::rotary::HEIGHT + 8.0 - GAP),
+            DockPanel::Timeline => Some(panels::timeline::height(&self.state) - GAP),
+            DockPanel::Details => (self.state.look.operation == Operation::Roughing).then_some(details),
+            _ => None,
+        }
+    }
+
+    /// Width that the docked table needs, points.
+    pub(super) fn table_width(&self) -> f32 {
+        if self.state.look.operation != Operation::Roughing {
+            return 0.0;
+        }
+        let has_machine = self.state.document.edited.setup.machine.file.is_some();
+        let axes = if has_machine { panels::positions::AXES_WIDTH + 6.0 } else { 0.0 };
+        panels::positions::COLUMNS_WIDTH + axes + margin(DockPanel::Table).sum().x
+    }
+
+    /// Draws a docked panel. `details_height`: height of the content of the details, which is measured.
+    pub(super) fn docked_panel(&mut self, ui: &mut Ui, panel: DockPanel, details_height: &mut f32) {
+        let margin = margin(panel);
+        let fill =
+            if panel == DockPanel::Picture { egui::Color32::TRANSPARENT } else { ui.visuals().panel_fill };
+        let frame = Frame::new().inner_margin(margin).fill(fill);
+        let size = ui.available_size();
+        frame.show(ui, |ui| {
+            ui.set_min_size(size - margin.sum());
+            self.filled_panel(ui, panel, size.y, details_height);
+        });
+    }
+
+    /// Draws a panel within its margins; with them it is `height` points high.
+    fn filled_panel(&mut self, ui: &mut Ui, panel: DockPanel, height: f32, details_height: &mut f32) {
+        match (panel, min_width(panel)) {
+            (DockPanel::Details, _) if self.state.look.operation == Operation::Roughing => {
+                // Higher than its content, where nothing else stands in its column.
+                let room = (height > *details_height + 1.0).then_some(ui.available_height());
+                let measured = (self.selected_position(ui, room) + margin(panel).sum().y).ceil();
+                if room.is_none() && measured != *details_height {
+                    *details_height = measured;
+                    ui.ctx().request_repaint();
+                }
+            }
+            (_, Some(min)) => {
+                let directions = egui::Vec2b::new(true, panel == DockPanel::ToolLibrary);
+                ScrollArea::new(directions).id_salt("docked").auto_shrink(false).show(ui, |ui| {
+                    ui.set_width(ui.available_width().max(min));
+                    self.panel(ui, panel, None);
+                });
+            }
+            (_, None) => self.panel(ui, panel, None),
+        }
+    }
+
+    /// Draws the content of a panel. `room`: height that the details have to fill, points.
+    pub(super) fn panel(&mut self, ui: &mut Ui, panel: DockPanel, room: Option<f32>) {
+        match panel {
+            DockPanel::Setup => self.left_panel(ui),
+            DockPanel::Picture => self.picture(ui),
+            DockPanel::Plots => {
+                let menu = panels::plots::show(ui, &mut self.state);
+                self.run_for_position(ui.ctx(), menu);
+            }
+            DockPanel::Axes => {
+                let menu = panels::rotary::show(ui, &mut self.state);
+                self.run_for_position(ui.ctx(), menu);
+            }
+            DockPanel::Timeline => {
+                if let Some(command) = panels::timeline::show(ui, &mut self.state) {
+                    self.run_command(ui.ctx(), command);
+                }
+            }
+            DockPanel::Table => self.table(ui),
+            DockPanel::Details if self.state.look.operation == Operation::Roughing => {
+                self.selected_position(ui, room);
+            }
+            DockPanel::Details => panels::flank_results::show(ui, &self.state),
+            DockPanel::Section => self.large_section(ui),
+            DockPanel::Machinability => self.machinability(ui),
+            DockPanel::Tradeoff => self.tradeoff(ui),
+            DockPanel::ToolLibrary => self.tool_library(ui),
+            DockPanel::Study => self.study_results(ui),
+        }
+    }
+
+    /// The selected position; returns the height of its content, which scrolls where it does not fit, points.
+    fn selected_position(&mut self, ui: &mut Ui, room: Option<f32>) -> f32 {
+        let area = ScrollArea::vertical().id_salt("details").auto_shrink(false);
+        area.show(ui, |ui| self.details(ui, room)).content_size.y
+    }
+
+    /// The 3D view, with problems over it: a message that took space would move what is under the pointer.
+    pub(in crate::app) fn picture(&mut self, ui: &mut Ui) {
+        let whole = ui.available_rect_before_wrap();
+        self.viewport(ui);
+        if let Some(command) = panels::problems::show(ui, whole, &mut self.state) {
+            self.run_command(ui.ctx(), command);
+        }
+    }
+}

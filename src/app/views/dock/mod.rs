@@ -1,0 +1,261 @@
+//! The docked panels: a tree of rows, columns and tabs in which each panel can be moved, and from which it
+//! pops out into a window. Whether a panel is open or floats is in
+//! [`Panels`](crate::app::model::panels::Panels); the tree keeps the places of all of them.
+
+mod behavior;
+mod content;
+mod grip;
+mod sizes;
+mod stored;
+mod windows;
+
+use std::collections::HashMap;
+
+use egui::{Context, Pos2, Rect, Ui};
+use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tree};
+
+pub use windows::in_front;
+
+use crate::app::App;
+use crate::app::model::layout::Layout;
+use crate::app::model::panels::DockPanel;
+use crate::app::views::panels;
+
+use behavior::DockBehavior;
+pub use grip::{PanelRequest, WindowEdge, panel_menu};
+use sizes::{KeptSize, Sizes};
+
+/// Height of the middle below which the plots under the 3D view are hidden in favour of it, points.
+const MIN_HEIGHT_FOR_PLOTS: f32 = 400.0;
+/// What stays for other panels beside one that is as high as its content, points.
+const MIN_BESIDE_DETAILS: f32 = 120.0;
+/// Height of the details before their content was measured, points.
+const FIRST_DETAILS: f32 = 200.0;
+
+/// The places of the panels.
+pub struct Dock {
+    tree: Tree<DockPanel>,
+    /// Sizes set by hand of tiles whose content needs another size now.
+    kept: HashMap<TileId, KeptSize>,
+    /// Height of the content of [`DockPanel::Details`], points.
+    details_height: f32,
+    /// Where a window appears that was just popped out.
+    popped_out: Option<(DockPanel, Pos2)>,
+    /// The layout that is stored.
+    stored: Layout,
+}
+
+impl Default for Dock {
+    fn default() -> Self {
+        Self::of(&Layout::default())
+    }
+}
+
+impl Dock {
+    /// The panels arranged by `layout`.
+    pub fn of(layout: &Layout) -> Self {
+        Self {
+            tree: stored::tree_of(&layout.docked),
+            kept: HashMap::new(),
+            details_height: FIRST_DETAILS,
+            popped_out: None,
+            stored: layout.clone(),
+        }
+    }
+
+    /// Where a panel is docked; `None` if it floats, is closed, or behind another tab.
+    pub fn rect(&self, panel: DockPanel) -> Option<Rect> {
+        self.tree.tiles.find_pane(&panel).and_then(|tile| self.tree.tiles.rect(tile))
+    }
+
+    /// The 3D view, with the timeline where it is below it.
+    pub fn picture_rect(&self) -> Option<Rect> {
+        let tiles = &self.tree.tiles;
+        let parent = |panel| tiles.find_pane(&panel).and_then(|tile| tiles.parent_of(tile));
+        let common = parent(DockPanel::Picture).filter(|own| parent(DockPanel::Timeline) == Some(*own));
+        common.and_then(|tile| tiles.rect(tile)).or_else(|| self.rect(DockPanel::Picture))
+    }
+
+    /// The panel in a tile; `None` for several.
+    fn panel_in(&self, tile: TileId) -> Option<DockPanel> {
+        self.tree.tiles.get_pane(&tile).copied()
+    }
+
+    /// Moves a panel to an edge of the window.
+    fn move_to(&mut self, panel: DockPanel, edge: WindowEdge) {
+        let tree = &mut self.tree;
+        let (Some(tile), Some(root)) = (tree.tiles.find_pane(&panel), tree.root) else { return };
+        let (dir, index) = match edge {
+            WindowEdge::Left => (LinearDir::Horizontal, 0),
+            WindowEdge::Right => (LinearDir::Horizontal, usize::MAX),
+            WindowEdge::Bottom => (LinearDir::Vertical, usize::MAX),
+        };
+        let is_along = match tree.tiles.get(root) {
+            Some(Tile::Container(Container::Linear(linear))) => linear.dir == dir,
+            _ => false,
+        };
+        let into = if is_along {
+            root
+        } else {
+            let wrapper = tree.tiles.insert_container(Container::new_linear(dir, vec![root]));
+            tree.root = Some(wrapper);
+            wrapper
+        };
+        tree.move_tile_to_container(tile, into, index, false);
+    }
+
+    /// Whether the pointer holds a panel outside of the area of the docked ones.
+    fn is_held_outside(&self, ctx: &Context, area: Rect) -> bool {
+        self.tree.dragged_id(ctx).is_some()
+            && ctx.input(|input| input.pointer.interact_pos()).is_some_and(|at| !area.contains(at))
+    }
+}
+
+/// Rules by which the tree is kept simple.
+fn simplification() -> SimplificationOptions {
+    SimplificationOptions { flatten_tabs_in_tabs: true, ..SimplificationOptions::default() }
+}
+
+impl App {
+    /// Draws the docked panels in the rest of `ui`.
+    pub(in crate::app) fn docked_panels(&mut self, ui: &mut Ui) {
+        let mut dock = std::mem::take(&mut self.dock);
+        if std::mem::take(&mut self.state.look.panels.wants_reset) {
+            dock = Dock { stored: dock.stored, ..Dock::default() };
+            ui.ctx().memory_mut(|memory| memory.reset_areas());
+        }
+        dock.tree.simplify(&simplification());
+        let area = ui.available_rect_before_wrap();
+        for panel in DockPanel::ALL {
+            let Some(tile) = dock.tree.tiles.find_pane(&panel) else { continue };
+            let state = self.state.look.panels.state(panel);
+            let is_shown = state.is_open && !state.is_floating && self.has_content(panel);
+            dock.tree.set_visible(tile, is_shown);
+        }
+        self.make_room(&mut dock, area);
+        if let Some(opened) = self.state.look.panels.opened.take() {
+            dock.tree.make_active(|_, tile| matches!(tile, Tile::Pane(panel) if *panel == opened));
+        }
+        let (bars, rigid) = self.fit_panels(&mut dock, area);
+
+        let held = dock.tree.dragged_id(ui.ctx());
+        let is_outside = dock.is_held_outside(ui.ctx(), area);
+        let is_over_window = held.and_then(|tile| dock.panel_in(tile)).is_some_and(|panel| {
+            self.state.look.panels.floats(panel) && windows::is_under_pointer(ui.ctx(), panel)
+        });
+        // A drop there is none into the tree, which takes the nearest place.
+        let kept = (is_outside || is_over_window).then(|| dock.tree.clone());
+        let tabbed: Vec<TileId> = bars.iter().filter_map(|bar| dock.tree.tiles.get_container(*bar)).fold(
+            Vec::new(),
+            |mut all, container| {
+                all.extend(container.children());
+                all
+            },
+        );
+        let mut behavior = DockBehavior {
+            app: self,
+            bars,
+            rigid,
+            tabbed,
+            is_outside: is_outside || is_over_window,
+            details_height: &mut dock.details_height,
+            was_dropped: false,
+            request: None,
+        };
+        dock.tree.ui(&mut behavior, ui);
+        let (was_dropped, request) = (behavior.was_dropped, behavior.request);
+        if let Some(kept) = kept.filter(|_| was_dropped) {
+            dock.tree = kept;
+        }
+        if let Some(panel) = held.filter(|_| was_dropped).and_then(|tile| dock.panel_in(tile)) {
+            if is_outside && panel.can_leave() {
+                let at = ui.input(|input| input.pointer.interact_pos()).unwrap_or(area.center());
+                dock.popped_out = Some((panel, at));
+                self.state.look.panels.pop_out(panel);
+            } else if !is_outside && !is_over_window {
+                self.state.look.panels.dock(panel);
+            }
+            ui.ctx().request_repaint();
+        }
+        self.dock = dock;
+        if let Some((panel, request)) = request {
+            self.change_panel(ui.ctx(), panel, request);
+        }
+    }
+
+    /// Hides the plots under the 3D view where that would be too low.
+    fn make_room(&self, dock: &mut Dock, area: Rect) {
+        let has_timeline = self.has_content(DockPanel::Timeline);
+        let timeline = if has_timeline { panels::timeline::height(&self.state) } else { 0.0 };
+        if area.height() - timeline > MIN_HEIGHT_FOR_PLOTS {
+            return;
+        }
+        let tiles = &dock.tree.tiles;
+        let parent = |panel| tiles.find_pane(&panel).and_then(|tile| tiles.parent_of(tile));
+        let picture = parent(DockPanel::Picture);
+        let below = [DockPanel::Plots, DockPanel::Axes].map(|panel| (panel, parent(panel)));
+        for (panel, column) in below {
+            if let Some(tile) = dock.tree.tiles.find_pane(&panel).filter(|_| column == picture) {
+                dock.tree.set_visible(tile, false);
+            }
+        }
+    }
+
+    /// Sizes the docked panels; returns the tabs that have a bar, and the columns that cannot be resized.
+    fn fit_panels(
+        &self,
+        dock: &mut Dock,
+        area: Rect,
+    ) -> (std::collections::HashSet<TileId>, std::collections::HashSet<TileId>) {
+        let details = dock.details_height.min((area.height() - MIN_BESIDE_DETAILS).max(0.0));
+        let height = |panel: DockPanel| self.height_of(panel, details);
+        let Some(root) = dock.tree.root else { return Default::default() };
+        let mut sizes = Sizes {
+            tiles: &mut dock.tree.tiles,
+            kept: &mut dock.kept,
+            height: &height,
+            table_width: self.table_width(),
+            bars: Default::default(),
+            rigid: Default::default(),
+        };
+        sizes.fit(root, area.size());
+        (sizes.bars, sizes.rigid)
+    }
+
+    /// Does what was chosen for a panel in a menu.
+    pub(in crate::app) fn change_panel(&mut self, ctx: &Context, panel: DockPanel, request: PanelRequest) {
+        match request {
+            PanelRequest::PopOut => {
+                let corner = self.dock.rect(panel).map(|rect| rect.min + egui::vec2(24.0, 24.0));
+                self.dock.popped_out = corner.map(|at| (panel, at));
+                self.state.look.panels.pop_out(panel);
+            }
+            PanelRequest::Dock => self.state.look.panels.dock(panel),
+            PanelRequest::Move(edge) => {
+                self.dock.move_to(panel, edge);
+                self.state.look.panels.dock(panel);
+            }
+            PanelRequest::Hide => self.state.look.panels.close(panel),
+            PanelRequest::Reset => self.state.look.panels.reset(),
+        }
+        ctx.request_repaint();
+    }
+
+    /// The layout, if it differs from the stored one and no panel is being moved.
+    pub(in crate::app) fn changed_layout(&mut self, ctx: &Context) -> Option<Layout> {
+        if ctx.input(|input| input.pointer.any_down()) || self.state.look.panels.wants_reset {
+            return None;
+        }
+        let layout = stored::layout_of(&self.dock.tree, &self.dock.kept, &self.state.look.panels)?;
+        (layout != self.dock.stored).then(|| {
+            self.dock.stored.clone_from(&layout);
+            layout
+        })
+    }
+
+    /// Arranges the panels by a stored layout.
+    pub(in crate::app) fn take_layout(&mut self, layout: &Layout) {
+        self.dock = Dock::of(layout);
+        self.state.look.panels = layout.panels();
+    }
+}

@@ -1,0 +1,332 @@
+//! Panels are moved, popped out and docked again, by the menu and by drag, and the layout is kept.
+
+use std::path::Path;
+
+use egui::accesskit::Role;
+use egui::{Pos2, Rect, Vec2};
+use egui_kittest::kittest::Queryable;
+use vanecut::app::model::panels::DockPanel;
+
+use crate::fake;
+use crate::harness::{Window, sample_in, scaled, settle, snapshot_view, window, with_sample};
+
+/// Opens menu after menu, and clicks what the last one is named.
+fn choose(window: &mut Window, path: &[&str]) {
+    for name in path {
+        window.get_by_role_and_label(Role::Button, name).click();
+        window.run_steps(3);
+    }
+    window.run_steps(2);
+}
+
+/// Chooses in the menu of a panel, in `View`, `Panels`.
+fn arrange(window: &mut Window, panel: &str, change: &str) {
+    choose(window, &["View", "Panels", "Arrange", panel, change]);
+}
+
+/// Shows or hides a panel by the menu.
+fn toggle(window: &mut Window, panel: &str) {
+    choose(window, &["View", "Panels"]);
+    window.get_by_role_and_label(Role::CheckBox, panel).click();
+    window.run_steps(5);
+}
+
+fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+    window.hover_at(from);
+    window.run_steps(2);
+    window.drag_at(from);
+    window.run_steps(2);
+    // On the way the panel is taken along, and the tree shows where it would go.
+    window.hover_at(from.lerp(to, 0.5));
+    window.run_steps(2);
+    window.hover_at(to);
+    window.run_steps(2);
+    window.drop_at(to);
+    window.run_steps(5);
+}
+
+fn grip(window: &Window, panel: &str) -> Pos2 {
+    window.get_by_label(&format!("Move panel: {panel}")).rect().center()
+}
+
+fn picture(window: &Window) -> Rect {
+    window.get_by_label("3D view").rect()
+}
+
+/// The head of a column of the table: its rows reach beyond the panel.
+fn row(window: &Window) -> Rect {
+    window.get_by_label("Sort by contact").rect()
+}
+
+fn field(window: &Window) -> Rect {
+    window.get_by_role_and_label(Role::SpinButton, "Step").rect()
+}
+
+fn timeline(window: &Window) -> Rect {
+    window.get_by_role_and_label(Role::Slider, "Timeline").rect()
+}
+
+/// Where the main panels are.
+fn places(window: &Window) -> [Rect; 4] {
+    [field(window), picture(window), row(window), timeline(window)]
+}
+
+fn floats(window: &Window, panel: DockPanel) -> bool {
+    window.state().state().look.panels.floats(panel)
+}
+
+/// A wide window with a planned sample, whose files are in `home`.
+fn with_home(home: &Path) -> Window {
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.set_size(Vec2::new(1100.0, 700.0));
+    window.state_mut().set_home(home.to_owned());
+    sample_in(window)
+}
+
+#[test]
+fn a_panel_is_hidden_and_shown_by_the_menu() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let before = picture(&window);
+    toggle(&mut window, "Table");
+    assert!(window.query_by_role_and_label(Role::Row, "Position 1").is_none(), "hidden");
+    assert!(picture(&window).right() > before.right() + 200.0, "the picture takes its place");
+    toggle(&mut window, "Setup");
+    assert!(window.query_by_role_and_label(Role::SpinButton, "Step").is_none(), "hidden");
+    assert!(picture(&window).left() < before.left() - 200.0, "the picture takes its place");
+    toggle(&mut window, "Table");
+    toggle(&mut window, "Setup");
+    assert_eq!(picture(&window), before);
+    row(&window);
+    field(&window);
+}
+
+#[test]
+fn a_panel_pops_out_by_the_menu_and_returns_to_its_place() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Plunge").click();
+    window.run_steps(3);
+    window.get_by_label("Plunge").click();
+    window.run_steps(3);
+    let before = places(&window);
+    for (title, panel) in
+        [("Table", DockPanel::Table), ("Setup", DockPanel::Setup), ("Timeline", DockPanel::Timeline)]
+    {
+        arrange(&mut window, title, "Pop out");
+        assert!(floats(&window, panel), "{title}");
+        assert_ne!(picture(&window), before[1], "{title} left its place");
+        // What it shows can be used.
+        row(&window);
+        field(&window);
+        timeline(&window);
+        arrange(&mut window, title, "Dock");
+        assert!(!floats(&window, panel), "{title}");
+        assert_eq!(places(&window), before, "{title} is where it was");
+    }
+    // The button of its window docks it, too.
+    arrange(&mut window, "Table", "Pop out");
+    window.get_by_label("Position 3").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.selected, Some(2), "a row is clicked in the window");
+    window.get_by_label("Close window").click();
+    window.run_steps(4);
+    assert!(!floats(&window, DockPanel::Table));
+    assert_eq!(row(&window).left(), before[2].left());
+}
+
+#[test]
+fn the_picture_can_neither_be_hidden_nor_popped_out() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    choose(&mut window, &["View", "Panels"]);
+    assert!(window.query_by_role_and_label(Role::CheckBox, "3D view").is_none());
+    choose(&mut window, &["Arrange", "3D view"]);
+    assert!(window.query_by_label("Pop out").is_none() && window.query_by_label("Hide").is_none());
+    window.get_by_label("Move to the right").click();
+    window.run_steps(5);
+    assert!(picture(&window).left() > row(&window).right(), "but it can be moved: {:?}", places(&window));
+}
+
+#[test]
+fn a_panel_is_moved_by_drag() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(Vec2::new(1100.0, 700.0));
+    window.run_steps(4);
+    assert!(field(&window).right() < picture(&window).left());
+    // To the right half of the picture.
+    let to = picture(&window).center() + Vec2::new(0.25 * picture(&window).width(), 0.0);
+    let from = grip(&window, "Setup");
+    drag(&mut window, from, to);
+    assert!(field(&window).left() > picture(&window).right(), "it stands at the right of the picture");
+    assert!(field(&window).right() < row(&window).left(), "and at the left of the table");
+    assert!(picture(&window).left() < 10.0, "nothing is left at the left");
+    // By the menu below all.
+    arrange(&mut window, "Table", "Move to the bottom");
+    assert!(row(&window).top() > timeline(&window).bottom());
+    window.get_by_label("Position 2").click();
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.selected, Some(1));
+    choose(&mut window, &["View", "Panels", "Reset layout"]);
+    window.run_steps(3);
+    let [setup, picture, table, _] = places(&window);
+    assert!(setup.right() < picture.left() && table.left() > picture.right(), "{setup} {picture} {table}");
+}
+
+#[test]
+fn a_panel_dropped_outside_pops_out_and_its_window_is_docked_by_drag() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(Vec2::new(1100.0, 700.0));
+    window.run_steps(4);
+    let before = places(&window);
+    let from = grip(&window, "Table");
+    drag(&mut window, from, Pos2::new(500.0, 10.0));
+    assert!(floats(&window, DockPanel::Table), "dropped on the menu bar");
+    assert!(picture(&window).right() > before[1].right() + 200.0);
+    // Dropped on its own window it stays there.
+    let from = grip(&window, "Table");
+    drag(&mut window, from, from + Vec2::new(20.0, 60.0));
+    assert!(floats(&window, DockPanel::Table), "still a window");
+    // Dropped at the right edge it is docked there.
+    let to = picture(&window).right_center() - Vec2::new(4.0, 0.0);
+    let from = grip(&window, "Table");
+    drag(&mut window, from, to);
+    assert!(!floats(&window, DockPanel::Table), "docked");
+    assert!(row(&window).left() > picture(&window).right(), "{} {}", row(&window), picture(&window));
+    // Dropped outside, the picture stays where it is.
+    let shown = picture(&window);
+    let from = grip(&window, "3D view");
+    drag(&mut window, from, Pos2::new(500.0, 10.0));
+    assert_eq!(picture(&window), shown);
+}
+
+#[test]
+fn what_a_command_opens_can_be_docked_beside_a_tab() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(Vec2::new(1100.0, 700.0));
+    window.run_steps(4);
+    window.key_press(egui::Key::A);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(floats(&window, DockPanel::Machinability), "a window at first");
+    let shown = picture(&window);
+    arrange(&mut window, "Machinability", "Dock");
+    window.get_by_label("Largest cutter");
+    assert!(window.query_by_role_and_label(Role::Row, "Position 1").is_none(), "the table is behind it");
+    assert_eq!(picture(&window), shown, "the picture stays");
+    snapshot_view(&mut window, "docked_tabs");
+    window.get_by_role_and_label(Role::Button, "Table").click();
+    window.run_steps(3);
+    row(&window);
+    assert!(window.query_by_label("Largest cutter").is_none());
+    // The command brings it to the front, then closes it; the table is without tabs again.
+    window.key_press(egui::Key::A);
+    window.run_steps(3);
+    window.get_by_label("Largest cutter");
+    window.key_press(egui::Key::A);
+    window.run_steps(3);
+    assert!(window.query_by_role_and_label(Role::Button, "Table").is_none());
+    window.key_press(egui::Key::A);
+    window.run_steps(4);
+    settle(&mut window);
+    window.get_by_label("Largest cutter");
+    // Escape closes windows, and no docked panel.
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    window.get_by_label("Largest cutter");
+}
+
+#[test]
+fn the_layout_is_there_after_a_restart_until_it_is_reset() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let mut first = with_home(&home);
+    let default = places(&first);
+    arrange(&mut first, "Setup", "Move to the right");
+    arrange(&mut first, "Table", "Pop out");
+    toggle(&mut first, "Plots along the row");
+    first.run_steps(4);
+    let moved = places(&first);
+    assert_ne!(moved, default);
+    drop(first);
+
+    let mut second = with_home(&home);
+    second.run_steps(4);
+    assert!(floats(&second, DockPanel::Table) && field(&second).left() > picture(&second).right());
+    assert_eq!(field(&second), moved[0]);
+    assert_eq!((picture(&second), timeline(&second)), (moved[1], moved[3]));
+    assert!(second.query_by_label("Lead angle along the row").is_none(), "hidden");
+    choose(&mut second, &["View", "Panels", "Reset layout"]);
+    second.run_steps(4);
+    assert_eq!(places(&second), default);
+    second.get_by_label("Lead angle along the row");
+    drop(second);
+    assert_eq!(places(&with_home(&home)), default, "the reset is kept, too");
+}
+
+#[test]
+fn a_damaged_layout_is_replaced_by_the_default() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let mut window = with_home(&home);
+    let default = places(&window);
+    arrange(&mut window, "Setup", "Move to the bottom");
+    window.run_steps(4);
+    drop(window);
+    let file = home.join("layout.json");
+    let text = std::fs::read_to_string(&file).expect("a layout");
+    for damaged in [&text[..text.len() / 3], "[1, 2", &text.replace("\"version\": 1", "\"version\": 99")] {
+        std::fs::write(&file, damaged).expect("writes");
+        assert_eq!(places(&with_home(&home)), default);
+    }
+    std::fs::write(&file, &text).expect("writes");
+    assert_ne!(places(&with_home(&home)), default, "the whole one is read");
+}
+
+#[test]
+fn panels_keep_their_size_in_a_larger_window() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(Vec2::new(1000.0, 700.0));
+    window.run_steps(4);
+    // The border between setup and picture.
+    let at = Pos2::new(picture(&window).left() - 0.5, 300.0);
+    drag(&mut window, at, at + Vec2::new(60.0, 0.0));
+    let left = picture(&window).left();
+    assert!((left - at.x - 60.0).abs() < 3.0, "dragged: {left} from {}", at.x);
+    let table = row(&window).width();
+    for width in [1600.0, 1000.0] {
+        window.set_size(Vec2::new(width, 700.0));
+        window.run_steps(4);
+        assert_eq!(picture(&window).left(), left, "{width}");
+        assert_eq!(row(&window).width(), table, "{width}");
+    }
+}
+
+#[test]
+fn popped_out_panels_stay_within_the_smallest_window_from_100_to_200_percent() {
+    for scale in [1.0, 1.5, 2.0] {
+        let (engine, _) = fake::engine();
+        let mut window = sample_in(scaled(engine, scale));
+        window.set_size(Vec2::new(800.0, 500.0));
+        window.state_mut().look_mut().select(Some(2));
+        window.run_steps(4);
+        settle(&mut window);
+        let screen = Rect::from_min_size(Pos2::ZERO, Vec2::new(800.0, 500.0));
+        for panel in
+            DockPanel::ALL.into_iter().filter(|panel| panel.can_leave() && !panel.is_window_at_first())
+        {
+            window.state_mut().look_mut().panels.pop_out(panel);
+            window.run_steps(5);
+            for close in window.query_all_by_label("Close window") {
+                assert!(screen.contains_rect(close.rect()), "{panel:?} at {scale}: {}", close.rect());
+            }
+            window.state_mut().look_mut().panels.dock(panel);
+            window.run_steps(3);
+        }
+    }
+}
