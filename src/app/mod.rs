@@ -357,9 +357,8 @@ impl eframe::App for App {
         self.inspected.follow(&self.state);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
-        let shown = self.state.look.panels;
-        self.assessing.follow(&self.state, shown.is_open(DockPanel::Machinability));
-        let weighs = shown.is_open(DockPanel::Tradeoff);
+        self.assessing.follow(&self.state, self.is_in_view(DockPanel::Machinability));
+        let weighs = self.is_in_view(DockPanel::Tradeoff);
         self.weighing.follow(&self.state, weighs, self.work.is_planning());
         for side in [Side::Before, Side::After] {
             let wanted = self.state.wanted_solid(side);

@@ -129,10 +129,7 @@ impl App {
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
-            C::ToolLibrary => {
-                self.library.begin();
-                look.panels.open(DockPanel::ToolLibrary);
-            }
+            C::ToolLibrary => look.panels.open(DockPanel::ToolLibrary),
             C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
             C::StudyResults => look.panels.open(DockPanel::Study),
             C::OpenLibrary => self.dialogs.open_dialog(ctx, Purpose::OpenLibrary, String::new()),

@@ -7,7 +7,7 @@ use super::panels::{DockPanel, PanelState, Panels};
 
 /// Version of the stored form. Layouts of other versions are not read.
 const VERSION: u32 = 1;
-/// Largest size of a part that is believed, points.
+/// Greatest size that is accepted, points.
 const MAX_SIZE: f32 = 20_000.0;
 
 /// Docked panels: one, or several that share an area.
@@ -17,9 +17,9 @@ pub enum LayoutNode {
     /// A panel.
     Panel(DockPanel),
     /// Side by side, from the left.
-    Row(Vec<LayoutPart>),
+    Row(Vec<LayoutChild>),
     /// One below the other, from the top.
-    Column(Vec<LayoutPart>),
+    Column(Vec<LayoutChild>),
     /// One in front of the other, with tabs.
     Tabs {
         /// Index of the one in front.
@@ -29,9 +29,9 @@ pub enum LayoutNode {
     },
 }
 
-/// A part of a row or column.
+/// What stands in a row or column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LayoutPart {
+pub struct LayoutChild {
     /// Width in a row, height in a column, points; 0: that of its content.
     pub size: f32,
     /// What stands there.
@@ -50,18 +50,18 @@ pub struct Layout {
 impl Default for Layout {
     fn default() -> Self {
         use DockPanel as P;
-        let panel = |panel| LayoutPart { size: 0.0, node: LayoutNode::Panel(panel) };
-        let tabs = |panels: &[P]| LayoutPart {
+        let panel = |panel| LayoutChild { size: 0.0, node: LayoutNode::Panel(panel) };
+        let tabs = |panels: &[P]| LayoutChild {
             size: 0.0,
             node: LayoutNode::Tabs {
                 active: 0,
                 tabs: panels.iter().map(|&p| LayoutNode::Panel(p)).collect(),
             },
         };
-        let column = |parts| LayoutPart { size: 0.0, node: LayoutNode::Column(parts) };
+        let column = |parts| LayoutChild { size: 0.0, node: LayoutNode::Column(parts) };
         let middle = [P::Picture, P::Plots, P::Axes, P::Timeline].map(panel);
         let table = tabs(&[P::Table, P::Machinability, P::Tradeoff, P::ToolLibrary, P::Study]);
-        let right = vec![table, tabs(&[P::Details, P::Section])];
+        let right = vec![table, tabs(&[P::Details, P::SectionalView])];
         let docked = LayoutNode::Row(vec![panel(P::Setup), column(middle.into()), column(right)]);
         Self::new(docked, &Panels::default())
     }
@@ -104,7 +104,7 @@ impl Layout {
     }
 }
 
-/// Adds the panels of `node` to `found`; `false` if a container is empty or a size is none.
+/// Adds the panels of `node` to `found`; `false` if a container is empty or a size out of range.
 fn check(node: &LayoutNode, found: &mut Vec<DockPanel>) -> bool {
     match node {
         LayoutNode::Panel(panel) => {

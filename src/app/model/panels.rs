@@ -21,7 +21,7 @@ pub enum DockPanel {
     /// The selected position, or the results of flank milling.
     Details,
     /// The sectional view, enlarged.
-    Section,
+    SectionalView,
     /// The machinability of the part.
     Machinability,
     /// Time against stock.
@@ -42,7 +42,7 @@ impl DockPanel {
         Self::Timeline,
         Self::Table,
         Self::Details,
-        Self::Section,
+        Self::SectionalView,
         Self::Machinability,
         Self::Tradeoff,
         Self::ToolLibrary,
@@ -59,7 +59,7 @@ impl DockPanel {
             Self::Timeline => "Timeline",
             Self::Table => "Table",
             Self::Details => "Details",
-            Self::Section => "Sectional view, enlarged",
+            Self::SectionalView => "Sectional view, enlarged",
             Self::Machinability => "Machinability",
             Self::Tradeoff => "Time against stock",
             Self::ToolLibrary => "Tool library",
@@ -77,7 +77,7 @@ impl DockPanel {
             Self::Timeline => "Position up to which the plan is simulated, and the line of the program",
             Self::Table => "Positions, passes of flank milling, or faults of a program",
             Self::Details => "The selected position, or the results of flank milling",
-            Self::Section => "The sectional view through the selected position",
+            Self::SectionalView => "The sectional view through the selected position",
             Self::Machinability => "Twist, depth, width, and what the tools reach",
             Self::Tradeoff => "What less time costs in stock on the hub",
             Self::ToolLibrary => "The tools of the shop",
@@ -89,7 +89,9 @@ impl DockPanel {
     /// open at first.
     pub fn is_window_at_first(self) -> bool {
         match self {
-            Self::Section | Self::Machinability | Self::Tradeoff | Self::ToolLibrary | Self::Study => true,
+            Self::SectionalView | Self::Machinability | Self::Tradeoff | Self::ToolLibrary | Self::Study => {
+                true
+            }
             Self::Setup
             | Self::Picture
             | Self::Plots
@@ -208,7 +210,7 @@ impl Panels {
 
     /// Closes the windows that show another part; docked panels stay.
     pub fn begin(&mut self) {
-        for panel in [DockPanel::Section, DockPanel::Machinability, DockPanel::Tradeoff] {
+        for panel in [DockPanel::SectionalView, DockPanel::Machinability, DockPanel::Tradeoff] {
             if self.floats(panel) {
                 self.close(panel);
             }

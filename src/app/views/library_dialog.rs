@@ -30,11 +30,6 @@ pub struct LibraryDialog {
 }
 
 impl LibraryDialog {
-    /// Begins with the program's own tools, the first time.
-    pub fn begin(&mut self) {
-        self.library.get_or_insert_default();
-    }
-
     /// Takes a library that was read.
     pub fn take(&mut self, library: ShopLibrary) {
         self.library = Some(library);
@@ -47,7 +42,8 @@ impl LibraryDialog {
 
     /// Draws it; returns what was asked for. `setup`: of the open part, if there is one.
     pub fn show(&mut self, ui: &mut Ui, setup: Option<&mut Setup>) -> Option<LibraryAnswer> {
-        let library = self.library.as_mut()?;
+        // It begins with the program's own tools.
+        let library = self.library.get_or_insert_default();
         let mut answer = None;
         head(ui, library, &mut answer);
         ui.separator();

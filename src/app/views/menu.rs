@@ -186,9 +186,6 @@ impl App {
             let item = ui.checkbox(&mut is_open, panel.title()).on_hover_text(panel.tip());
             if item.changed() {
                 self.state.look.panels.toggle(panel);
-                if panel == DockPanel::ToolLibrary {
-                    self.library.begin();
-                }
             }
         }
         ui.separator();

@@ -165,9 +165,9 @@ impl App {
             }
             Tab::Section => {
                 let plane = self.state.cut_plane();
-                let can_enlarge = !self.state.look.panels.is_open(DockPanel::Section);
+                let can_enlarge = !self.state.look.panels.is_open(DockPanel::SectionalView);
                 if panels::section::controls(ui, &mut self.state.look.sectional, plane, can_enlarge) {
-                    self.state.look.panels.open(DockPanel::Section);
+                    self.state.look.panels.open(DockPanel::SectionalView);
                 }
                 let least = panels::section::height(ui.ctx().content_rect().height());
                 let height =

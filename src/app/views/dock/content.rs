@@ -20,7 +20,7 @@ fn margin(panel: DockPanel) -> Margin {
         DockPanel::Setup | DockPanel::Table => Margin::symmetric(8, 2),
         DockPanel::Details => Margin { left: 8, right: 8, top: 2, bottom: 4 },
         DockPanel::Plots | DockPanel::Axes | DockPanel::Timeline => Margin::symmetric(6, 4),
-        DockPanel::Section
+        DockPanel::SectionalView
         | DockPanel::Machinability
         | DockPanel::Tradeoff
         | DockPanel::ToolLibrary
@@ -31,7 +31,7 @@ fn margin(panel: DockPanel) -> Margin {
 /// Width below which a docked panel gets a horizontal scroll bar, points.
 fn min_width(panel: DockPanel) -> Option<f32> {
     match panel {
-        DockPanel::Section => Some(280.0),
+        DockPanel::SectionalView => Some(280.0),
         DockPanel::Tradeoff => Some(300.0),
         DockPanel::Study => Some(360.0),
         DockPanel::Machinability => Some(440.0),
@@ -68,9 +68,9 @@ impl App {
                 Operation::Flank => is_open,
                 Operation::Program => false,
             },
-            DockPanel::Section => operation == Operation::Roughing && self.state.selected().is_some(),
+            DockPanel::SectionalView => operation == Operation::Roughing && self.state.selected().is_some(),
             DockPanel::Tradeoff => results.planned.is_some(),
-            DockPanel::ToolLibrary => self.library.library().is_some(),
+            DockPanel::ToolLibrary => true,
             DockPanel::Study => self.study.has_results(),
         }
     }
@@ -156,7 +156,7 @@ impl App {
                 self.selected_position(ui, room);
             }
             DockPanel::Details => panels::flank_results::show(ui, &self.state),
-            DockPanel::Section => self.large_section(ui),
+            DockPanel::SectionalView => self.large_section(ui),
             DockPanel::Machinability => self.machinability(ui),
             DockPanel::Tradeoff => self.tradeoff(ui),
             DockPanel::ToolLibrary => self.tool_library(ui),

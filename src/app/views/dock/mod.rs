@@ -133,8 +133,13 @@ impl App {
             dock.tree.set_visible(tile, is_shown);
         }
         self.make_room(&mut dock, area);
-        if let Some(opened) = self.state.look.panels.opened.take() {
-            dock.tree.make_active(|_, tile| matches!(tile, Tile::Pane(panel) if *panel == opened));
+        // It waits for its content; a window leaves the tabs as they are.
+        let opened = self.state.look.panels.opened.filter(|&panel| self.has_content(panel));
+        if let Some(opened) = opened {
+            self.state.look.panels.opened = None;
+            if !self.state.look.panels.floats(opened) {
+                dock.tree.make_active(|_, tile| matches!(tile, Tile::Pane(panel) if *panel == opened));
+            }
         }
         let (bars, rigid) = self.fit_panels(&mut dock, area);
 
@@ -143,8 +148,8 @@ impl App {
         let is_over_window = held.and_then(|tile| dock.panel_in(tile)).is_some_and(|panel| {
             self.state.look.panels.floats(panel) && windows::is_under_pointer(ui.ctx(), panel)
         });
-        // A drop there is none into the tree, which takes the nearest place.
-        let kept = (is_outside || is_over_window).then(|| dock.tree.clone());
+        // The tree would take a panel dropped outside of it to the nearest place.
+        let tree_before = (is_outside || is_over_window).then(|| dock.tree.clone());
         let tabbed: Vec<TileId> = bars.iter().filter_map(|bar| dock.tree.tiles.get_container(*bar)).fold(
             Vec::new(),
             |mut all, container| {
@@ -164,8 +169,8 @@ impl App {
         };
         dock.tree.ui(&mut behavior, ui);
         let (was_dropped, request) = (behavior.was_dropped, behavior.request);
-        if let Some(kept) = kept.filter(|_| was_dropped) {
-            dock.tree = kept;
+        if let Some(tree) = tree_before.filter(|_| was_dropped) {
+            dock.tree = tree;
         }
         if let Some(panel) = held.filter(|_| was_dropped).and_then(|tile| dock.panel_in(tile)) {
             if is_outside && panel.can_leave() {
@@ -181,6 +186,11 @@ impl App {
         if let Some((panel, request)) = request {
             self.change_panel(ui.ctx(), panel, request);
         }
+    }
+
+    /// Whether a panel is seen: in a window of its own, or docked and not behind another tab.
+    pub(in crate::app) fn is_in_view(&self, panel: DockPanel) -> bool {
+        self.state.look.panels.floats(panel) || self.dock.rect(panel).is_some()
     }
 
     /// Hides the plots under the 3D view where that would be too low.

@@ -19,8 +19,9 @@ const MIN_SHARE: f32 = 20.0;
 const MIN_PICTURE_SHARE: f32 = 0.25;
 /// Least height of a panel, points.
 const MIN_HEIGHT: f32 = 60.0;
-/// Part of a column that a new panel gets, and the table, which the others stand below.
+/// Share of a column that a panel gets that was not resized.
 const HEIGHT_SHARE: f32 = 0.38;
+/// The same of the table, below which the others stand.
 const TABLE_SHARE: f32 = 0.62;
 
 /// Width of a panel that was not resized, and its least width, points. Those at the sides of the window end
@@ -32,7 +33,7 @@ fn widths(panel: DockPanel, table: f32) -> (f32, f32) {
         DockPanel::Details => (theme::RIGHT_WIDTH - GAP, 240.0 - GAP),
         DockPanel::ToolLibrary => (620.0, 240.0),
         DockPanel::Study | DockPanel::Machinability => (480.0, 240.0),
-        DockPanel::Tradeoff | DockPanel::Section => (400.0, 240.0),
+        DockPanel::Tradeoff | DockPanel::SectionalView => (400.0, 240.0),
         DockPanel::Picture | DockPanel::Plots | DockPanel::Axes | DockPanel::Timeline => (400.0, 100.0),
     }
 }
@@ -95,7 +96,7 @@ impl Sizes<'_> {
         let is_column = dir == LinearDir::Vertical;
         let whole = if is_column { size.y } else { size.x };
         let extent = (whole - GAP * children.len().saturating_sub(1) as f32).max(1.0);
-        let mut free = Vec::new();
+        let (mut free, mut owns) = (Vec::new(), Vec::new());
         let mut taken = 0.0;
         for (k, (&child, share)) in children.iter().zip(&mut shares).enumerate() {
             // What is in force may have been resized by hand since.
@@ -112,9 +113,7 @@ impl Sizes<'_> {
                     free.push(k);
                 }
             }
-            if *share != own {
-                self.kept.insert(child, KeptSize { own, in_force: *share });
-            }
+            owns.push(own);
         }
         if is_column && free.len() < 2 {
             self.rigid.insert(id);
@@ -132,6 +131,11 @@ impl Sizes<'_> {
                 rest -= shares[k];
             }
             shares[last] = rest;
+        }
+        for (k, (&child, &own)) in children.iter().zip(&owns).enumerate() {
+            if Some(k) != picture && shares[k] != own {
+                self.kept.insert(child, KeptSize { own, in_force: shares[k] });
+            }
         }
         let sum: f32 = shares.iter().sum();
         if let Some(Tile::Container(Container::Linear(linear))) = self.tiles.get_mut(id) {

@@ -6,7 +6,7 @@ use egui::Id;
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
 use super::sizes::KeptSize;
-use crate::app::model::layout::{Layout, LayoutNode, LayoutPart};
+use crate::app::model::layout::{Layout, LayoutChild, LayoutNode};
 use crate::app::model::panels::{DockPanel, Panels};
 
 /// The tree of a stored layout.
@@ -29,7 +29,7 @@ fn insert(tiles: &mut Tiles<DockPanel>, node: &LayoutNode) -> TileId {
     }
 }
 
-fn insert_linear(tiles: &mut Tiles<DockPanel>, dir: LinearDir, parts: &[LayoutPart]) -> TileId {
+fn insert_linear(tiles: &mut Tiles<DockPanel>, dir: LinearDir, parts: &[LayoutChild]) -> TileId {
     let children: Vec<TileId> = parts.iter().map(|part| insert(tiles, &part.node)).collect();
     let mut linear = Linear::new(dir, children.clone());
     children.into_iter().zip(parts).for_each(|(child, part)| linear.shares.set_share(child, part.size));
@@ -63,7 +63,7 @@ fn node_of(tiles: &Tiles<DockPanel>, kept: &HashMap<TileId, KeptSize>, id: TileI
                 let size = kept.get(&child).map_or(linear.shares[child], |kept| kept.own);
                 // What holds the 3D view takes what is left in a window of any size.
                 let size = if holds_picture(&node) { 0.0 } else { size.round() };
-                LayoutPart { size, node }
+                LayoutChild { size, node }
             };
             let parts = nodes().map(part).collect();
             match linear.dir {
@@ -73,7 +73,7 @@ fn node_of(tiles: &Tiles<DockPanel>, kept: &HashMap<TileId, KeptSize>, id: TileI
         }
         // None is ever made.
         Container::Grid(_) => {
-            LayoutNode::Row(nodes().map(|(_, node)| LayoutPart { size: 0.0, node }).collect())
+            LayoutNode::Row(nodes().map(|(_, node)| LayoutChild { size: 0.0, node }).collect())
         }
     })
 }

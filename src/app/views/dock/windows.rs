@@ -24,7 +24,7 @@ fn sizes(panel: DockPanel) -> ([f32; 2], [f32; 2]) {
         DockPanel::Plots => ([680.0, 92.0], [300.0, 60.0]),
         DockPanel::Axes => ([680.0, 66.0], [300.0, 50.0]),
         DockPanel::Timeline => ([680.0, 76.0], [300.0, 54.0]),
-        DockPanel::Section => ([620.0, 460.0], [300.0, 240.0]),
+        DockPanel::SectionalView => ([620.0, 460.0], [300.0, 240.0]),
         DockPanel::Machinability => ([560.0, 520.0], [320.0, 200.0]),
         DockPanel::Tradeoff => ([460.0, 390.0], [300.0, 220.0]),
         DockPanel::Study => ([760.0, 560.0], [360.0, 300.0]),
