@@ -243,6 +243,7 @@ fn the_verdict_breaks_between_figures_and_never_within_one() {
 fn no_line_of_the_verdict_begins_with_a_divider() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
+    let mut wrapped = 0;
     for width in (800..1300).step_by(25) {
         window.set_size(egui::vec2(width as f32, 500.0));
         window.run_steps(3);
@@ -253,7 +254,9 @@ fn no_line_of_the_verdict_begins_with_a_divider() {
         let below = names.iter().filter_map(of).filter(|at| at.center().y > start.bottom());
         let left = below.map(|at| at.left()).fold(f32::INFINITY, f32::min);
         assert!(left == start.left() || left == f32::INFINITY, "{width}: {left}");
+        wrapped += usize::from(left.is_finite());
     }
+    assert!(wrapped > 3, "{wrapped} widths with a second line");
 }
 
 #[test]
