@@ -36,7 +36,8 @@ impl<'a> MachineFigures<'a> {
 
     /// The figures of a planned program by the rotary positions that `post` would choose; `None` without a machine.
     pub(super) fn of_plan(clock: &'a PlanClock, program: &ClProgram) -> Option<Self> {
-        Some(Self::of_motion(clock.machine()?, program, clock.motion(program).as_ref()))
+        let motion = clock.timing().and_then(|on| on.motion(program).ok());
+        Some(Self::of_motion(clock.machine()?, program, motion.as_ref()))
     }
 
     fn of_motion(machine: &'a MachineTool, program: &ClProgram, motion: Option<&MachineProgram>) -> Self {
