@@ -8,7 +8,7 @@ use super::watch::run_with_progress;
 use crate::error::ErrorCode;
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::monitor::Monitor;
-use crate::report::words::minutes;
+use crate::report::words::{NOT_ON_MACHINE, minutes};
 use crate::setup::AxisPolicy;
 
 /// Checks that a plan by `policy` has a curve.
@@ -48,16 +48,16 @@ pub fn point_object(result: &PolicyResult) -> Value {
 
 /// The curve as a table, with the other policies beside it.
 pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
-    // Where it runs the plan that was asked for, others may be beyond its limits.
     let machine = outcome.clock.machine().filter(|_| outcome.after.summary.machine_time.is_some());
     let line = |name: &str, s: &Summary| {
         format!(
-            "{name:<12} {:>9.1} {:>10} {:>13} {:>16} {:>12.1}\n",
-            if machine.is_some() && s.machine_time.is_none() { f64::NAN } else { minutes(s) },
+            "{name:<12} {:>9} {:>10} {:>13} {:>16} {:>12.1}{}\n",
+            if s.is_refused { "-".to_owned() } else { format!("{:.1}", minutes(s)) },
             s.positions,
             s.interfering,
             format!("{:.2} / {:.2}", s.residual_mean, s.residual_p95),
             100.0 * s.uncut_share,
+            if s.is_refused { format!("  {NOT_ON_MACHINE}") } else { String::new() },
         )
     };
     let on_machine = machine.map_or(String::new(), |machine| format!(" on {}", machine.name));

@@ -169,12 +169,14 @@ impl From<PlanError> for JobError {
     }
 }
 
-/// Completes the setup: missing tools and sections are chosen from the program's tool library.
+/// Completes the setup: missing tools and sections are chosen from the program's tool library, by their times on the
+/// machine of the setup if it names one.
 ///
 /// # Errors
-/// [`SetupFault`] when part and setup are incompatible.
+/// [`SetupFault`] when part and setup are incompatible, or the machine file is not valid.
 pub fn resolve(setup: &Setup, workpiece: &Workpiece) -> Result<Resolved, SetupFault> {
-    let resolved = sections::resolve(setup, plunge_cutters(), workpiece)?;
+    let machine = machine_of(setup)?;
+    let resolved = sections::resolve(setup, plunge_cutters(), workpiece, machine.as_ref())?;
     Ok(cutting_order::arrange(workpiece, resolved))
 }
 
@@ -413,7 +415,7 @@ fn plan_sections(
     let clock = match (clock.machine(), asked.summary.machine_time) {
         (Some(_), None) => {
             for result in others.iter_mut().chain([&mut before]) {
-                result.summary.machine_time = None;
+                (result.summary.machine_time, result.summary.is_refused) = (None, false);
             }
             Arc::new(clock.after_refusal())
         }
@@ -461,6 +463,8 @@ fn plan_sections(
 /// Computes the residual stock and the summary of a plan.
 fn measure_residual(plan: PlungePlan, grid: &FloorGrid, clock: &PlanClock) -> PolicyResult {
     let field = residual_field(grid, &field_cutters(&plan));
-    let summary = Summary { machine_time: clock.machine_time(&plan), ..Summary::of(&plan, grid, &field) };
+    let machine_time = clock.machine_time(&plan);
+    let is_refused = clock.timing().is_some() && machine_time.is_none();
+    let summary = Summary { machine_time, is_refused, ..Summary::of(&plan, grid, &field) };
     PolicyResult { plan, field, summary }
 }

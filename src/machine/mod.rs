@@ -49,4 +49,4 @@ pub use model::{
 pub use motion::{MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program};
 pub use placement::PlacedPart;
 pub use table::MachineTable;
-pub use time::{MachineTime, SectionTime, block_times, section_times};
+pub use time::{MachineTime, SectionTime, block_times, move_clock, section_times};

@@ -1,6 +1,8 @@
 //! How long a plan takes: on a machine by all of its axes, without one by feed rates and rapids alone.
 
 use crate::machine::{MachineClock, MachineTime, MachineTool, SectionTime};
+use crate::part::Impeller;
+use crate::plunge::channels::repeat_for_channels;
 use crate::plunge::{PlungePlan, Position};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
@@ -20,7 +22,12 @@ impl PlanClock {
 
     /// The machine.
     pub fn machine(&self) -> Option<&MachineTool> {
-        self.machine.as_ref().map(MachineClock::machine)
+        self.on_machine().map(MachineClock::machine)
+    }
+
+    /// The clock of the machine, whether plans are timed on it or not.
+    pub fn on_machine(&self) -> Option<&MachineClock> {
+        self.machine.as_ref()
     }
 
     /// The machine on which plans are timed.
@@ -43,6 +50,15 @@ impl PlanClock {
     /// Time of `plan` on the machine; see [`Self::section_times`].
     pub fn machine_time(&self, plan: &PlungePlan) -> Option<MachineTime> {
         self.section_times(plan).map(|times| MachineTime::of_sections(&times))
+    }
+
+    /// Time on the machine of the program for all channels of `part`, of which `plan` is the first, s; `None` as for
+    /// [`Self::section_times`]. Links and plunges that [`plan_channels`] raises count as they are in `plan`.
+    ///
+    /// [`plan_channels`]: crate::plunge::channels::plan_channels
+    pub fn wheel_time_s(&self, plan: &PlungePlan, part: &Impeller) -> Option<f64> {
+        self.timing()?;
+        Some(self.machine_time(&repeat_for_channels(plan, part, part.blade_count))?.total_s)
     }
 
     /// Time of `plan`, s: on the machine, where one that it cannot run takes for ever; without a machine without

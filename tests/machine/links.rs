@@ -100,9 +100,9 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
 const SAMPLES: usize = 16;
 
 /// In links whose tip is held the bottom of the tool comes no nearer to what is below it than on the planned way, between
-/// the blocks too: the tip lies on the planned line or above, by more than the axis leans off the planned turn. Where
-/// the control does not hold the tip, it runs along its line a little before or behind the turn, which counts as a lean
-/// here: that makes 2 µm of the limit. Without raised positions links come 3 µm and 12 µm nearer.
+/// the blocks too: the tip lies on the planned line or above, by more than the axis leans out of the plane of the planned
+/// turn. Where the control does not hold the tip, its way near the ends of a link is no parabola: in these turns of 20°
+/// it comes 3.3 µm nearer on the nutating table, of the 10 µm by which it may stray.
 #[test]
 fn held_links_come_no_nearer_than_planned() {
     let program = plunges();
@@ -159,7 +159,7 @@ fn held_links_come_no_nearer_than_planned() {
                 }
             }
             assert!(held > 5, "{name} {}: {held} links are held", output.name());
-            let limit = if output == OutputKind::Joints { 3e-3 } else { 7e-4 };
+            let limit = if output == OutputKind::Joints { 4e-3 } else { 7e-4 };
             assert!(nearest > -limit, "{name} {}: {nearest} mm, {held} links", output.name());
         }
     }

@@ -12,6 +12,7 @@ use crate::app::model::part_source::PartSource;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
+use crate::io::machine_file::is_built_in;
 use crate::io::part_hash::PartHash;
 use crate::io::project_file::{Project, read_project};
 use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
@@ -126,6 +127,11 @@ fn open_run(
     let (path, run) = results.run(row)?;
     let name = path.display().to_string();
     let mut setup = read_setup_bytes(&format!("{name} (setup)"), run.setup.as_bytes())?;
+    // The run names its machine file as the study did.
+    let machine = setup.machine.file.as_deref().filter(|name| !is_built_in(name));
+    if let Some(file) = machine.and_then(|name| results.file_of_study(name)) {
+        setup.machine.file = Some(file.to_string_lossy().into_owned());
+    }
     locate_machine(&mut setup, &path)?;
     let setup = Some((path, setup));
     if open.is_some_and(|open| open.sha256 == run.part_hash) {

@@ -14,6 +14,7 @@ use super::units;
 use crate::app::App;
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
+use crate::report::words::NOT_ON_MACHINE;
 use crate::setup::{AxisPolicy, Goal};
 use crate::tradeoff::TradeoffPoint;
 
@@ -143,6 +144,9 @@ fn show(
         ui.label(text);
     });
     ui.label(words(&curve, handle, state));
+    if let Some(refused) = planned.and_then(|outcome| refused_text(&outcome.policies())) {
+        ui.label(RichText::new(refused).weak());
+    }
     if let Some(missed) = state.missed_goal() {
         ui.label(RichText::new(missed).color(Condition::Blocked.text(ui.visuals())));
     }
@@ -168,12 +172,20 @@ struct Marker {
 fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
     let other = policies.iter().filter(|result| result.plan.policy != AxisPolicy::Minimal);
     other
+        .filter(|result| !result.summary.is_refused)
         .map(|result| Marker {
             name: policy_label(result.plan.policy),
             at: (result.summary.time_s() / 60.0, result.summary.residual_p95),
             interferes: result.summary.interfering > 0,
         })
         .collect()
+}
+
+/// The other policies whose plans the machine cannot run, and which have no place in the plot; `None` without any.
+fn refused_text(policies: &[&crate::job::PolicyResult]) -> Option<String> {
+    let refused = policies.iter().filter(|result| result.summary.is_refused);
+    let names: Vec<&str> = refused.map(|result| policy_label(result.plan.policy)).collect();
+    (!names.is_empty()).then(|| format!("{}: {NOT_ON_MACHINE}", names.join(", ")))
 }
 
 /// Stock of the curve at a time of `minutes`, between its points.

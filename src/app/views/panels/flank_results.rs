@@ -8,7 +8,7 @@ use crate::setup::FlankStrategy;
 
 use super::flank::strategy_label;
 use super::verdict::figure;
-use crate::app::model::figures::{format_duration, format_times, skipped_length};
+use crate::app::model::figures::{flank_times_tip, format_duration, format_times, skipped_length};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
@@ -55,9 +55,8 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     ui.separator();
     figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     ui.separator();
-    let (time, channels) = (outcome.plan.times.total(), outcome.workpiece.part.blade_count);
-    let times = format_times(time, time * channels as f64);
-    figure(ui, "Time", times, "From feed rates and rapids");
+    let times = format_times(outcome.time_s(), outcome.time_of_wheel_s());
+    figure(ui, "Time", times, flank_times_tip(outcome));
 }
 
 /// Draws the results.
@@ -136,7 +135,7 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         },
         units.length(outcome.max_overcut(), 4),
         units.length(plan.max_undercut(), 4),
-        format_duration(plan.times.total()),
+        format_duration(outcome.time_s()),
     ));
     if !plan.uncut.is_empty() {
         let lost = skipped_length(plan, units);
