@@ -371,9 +371,10 @@ pub struct ParetoArgs {
     /// Table that `study merge` wrote
     #[arg(value_name = "CSV")]
     pub table: PathBuf,
-    /// Figures to compare, less is better, separated by commas
-    #[arg(long, value_name = "FIGURES", value_delimiter = ',', default_value = "time_estimate,residual_p95")]
-    pub over: Vec<String>,
+    /// Figures to compare, less is better, separated by commas; absent: residual_p95 and machine_time, or
+    /// time_estimate where plans have no machine
+    #[arg(long, value_name = "FIGURES", value_delimiter = ',')]
+    pub over: Option<Vec<String>>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,

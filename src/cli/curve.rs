@@ -8,7 +8,7 @@ use super::watch::run_with_progress;
 use crate::error::ErrorCode;
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::monitor::Monitor;
-use crate::report::words::minutes;
+use crate::report::words::{NOT_ON_MACHINE, minutes};
 use crate::setup::{AxisPolicy, Goal};
 
 /// Checks that a plan by `policy` has a curve.
@@ -49,20 +49,25 @@ pub fn point_object(result: &PolicyResult, outcome: &PlanOutcome) -> Value {
 
 /// The curve as a table, with the other policies beside it.
 pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
-    // Where it runs the plan that was asked for, others may be beyond its limits.
     let machine = outcome.clock.machine().filter(|_| outcome.after.summary.machine_time.is_some());
     let counts_finishing = matches!(outcome.setup.plunge.goal, Goal::Total { .. });
     let line = |name: &str, result: &PolicyResult| {
         let s = &result.summary;
-        let time = if machine.is_some() && s.machine_time.is_none() { f64::NAN } else { minutes(s) };
-        let total = outcome.finishing_time_s(result).map(|finishing| time + finishing / 60.0);
+        let finishing = outcome.finishing_time_s(result).filter(|_| !s.is_refused);
+        let total = finishing.map(|finishing| minutes(s) + finishing / 60.0);
         format!(
-            "{name:<12} {time:>9.1}{} {:>10} {:>13} {:>16} {:>12.1}\n",
-            total.map_or_else(String::new, |total| format!(" {total:>10.1}")),
+            "{name:<12} {:>9}{} {:>10} {:>13} {:>16} {:>12.1}{}\n",
+            if s.is_refused { "-".to_owned() } else { format!("{:.1}", minutes(s)) },
+            match (counts_finishing, total) {
+                (false, _) => String::new(),
+                (true, Some(total)) => format!(" {total:>10.1}"),
+                (true, None) => format!(" {:>10}", "-"),
+            },
             s.positions,
             s.interfering,
             format!("{:.2} / {:.2}", s.residual_mean, s.residual_p95),
             100.0 * s.uncut_share,
+            if s.is_refused { format!("  {NOT_ON_MACHINE}") } else { String::new() },
         )
     };
     let on_machine = machine.map_or(String::new(), |machine| format!(" on {}", machine.name));

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
+use super::machine_figures::MachineFigures;
 use super::output::{fault_list, head, number};
 use super::plan::{check_directory, create_directory};
 use super::verify::flank::walls_text;
@@ -68,12 +69,16 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     }
     let name = apt.display().to_string();
     let faults = &outcome.faults;
+    let on_machine = outcome.clock.as_ref().map(|clock| MachineFigures::of_plan(clock, &outcome.program()));
     if args.json {
         let mut map = object(&outcome);
+        map.extend(MachineFigures::keys_of(on_machine.as_ref(), &outcome.setup));
         map.insert("faults".into(), fault_list(faults));
         print_stdout(&format!("{}\n", Value::Object(map)))?;
     } else {
-        print_stdout(&format!("{}wrote {} and {}\n", text(&outcome), json.display(), apt.display()))?;
+        let on_machine = MachineFigures::text_of(on_machine.as_ref(), &outcome.setup);
+        let written = format!("wrote {} and {}\n", json.display(), apt.display());
+        print_stdout(&format!("{}{on_machine}{written}", text(&outcome)))?;
     }
     let Some(first) = faults.first() else { return Ok(()) };
     let help = format!("in all {}: use a thinner cutter, or one with more overhang", count_by_kind(faults));

@@ -5,12 +5,13 @@ use serde_json::{Map, Value, json};
 use crate::cli::output::{number, rotary_travel};
 use crate::io::program_file::NcMachine;
 use crate::job::machine_run::MachineRun;
-use crate::machine::{BlankSize, MachineProgram, MachineTime, MachineTool, SectionTime, section_times};
+use crate::machine::{
+    BlankSize, MachineClock, MachineProgram, MachineTime, MachineTool, SectionTime, section_times,
+};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
-use crate::tradeoff::PlanClock;
 
 /// Figures of a program on its machine.
 pub(super) struct MachineFigures<'a> {
@@ -34,9 +35,30 @@ impl<'a> MachineFigures<'a> {
         Self::of_motion(machine, program, run.map(|run| run.motion).as_ref())
     }
 
-    /// The figures of a planned program by the rotary positions that `post` would choose; `None` without a machine.
-    pub(super) fn of_plan(clock: &'a PlanClock, program: &ClProgram) -> Option<Self> {
-        Some(Self::of_motion(clock.machine()?, program, clock.motion(program).as_ref()))
+    /// The figures of a planned program by the rotary positions that `post` would choose.
+    pub(super) fn of_plan(clock: &'a MachineClock, program: &ClProgram) -> Self {
+        Self::of_motion(clock.machine(), program, clock.motion(program).ok().as_ref())
+    }
+
+    /// Keys of `--json` for a plan with `setup`; none where it names no machine. `figures`: those of its machine, `None`
+    /// where that is not known.
+    pub(super) fn keys_of(figures: Option<&Self>, setup: &Setup) -> Map<String, Value> {
+        match (figures, &setup.machine.file) {
+            (Some(figures), _) => figures.keys(),
+            (None, Some(_)) => Self::no_keys(),
+            (None, None) => Map::new(),
+        }
+    }
+
+    /// A line of text for a plan with `setup`; see [`Self::keys_of`].
+    pub(super) fn text_of(figures: Option<&Self>, setup: &Setup) -> String {
+        match (figures, &setup.machine.file) {
+            (Some(figures), _) => figures.text(),
+            (None, Some(file)) => {
+                format!("the machine file {file} is gone: times are those without a machine\n")
+            }
+            (None, None) => String::new(),
+        }
     }
 
     fn of_motion(machine: &'a MachineTool, program: &ClProgram, motion: Option<&MachineProgram>) -> Self {

@@ -77,7 +77,7 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
     let (name, bytes) = named_bytes(path)?;
     let mut setup = read_setup_with_defaults(&name, &bytes, &defaults)?;
     let machine_file = setup.machine.file.clone();
-    locate_machine(&mut setup, path);
+    locate_machine(&mut setup, path)?;
     let opened = OpenSetup { setup, name, bytes, machine_file };
     opened.setup.allowances.check_blank(part).map_err(|fault| opened.failure(fault))?;
     Ok(opened)

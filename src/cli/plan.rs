@@ -26,7 +26,7 @@ use crate::plunge::RowDensity;
 use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::report::words;
-use crate::setup::{AxisPolicy, Setup};
+use crate::setup::AxisPolicy;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
 use crate::job::FIELD_CELLS;
@@ -63,7 +63,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let report =
         report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default())
             .map_err(|error| Failure::of_verify(&name, error))?;
-    let on_machine = MachineFigures::of_plan(&outcome.clock, &written);
+    let on_machine = outcome.clock.on_machine().map(|clock| MachineFigures::of_plan(clock, &written));
     if args.report {
         let files = [ProgramFile::plan("plan.json"), ProgramFile::apt("plunge.apt")];
         let sheet =
@@ -75,11 +75,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let curve = count.map(|count| time_stock_curve(&outcome, usize::from(count)));
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
-        object.extend(match (&on_machine, unread_machine(&outcome.setup)) {
-            (Some(figures), _) => figures.keys(),
-            (None, Some(_)) => MachineFigures::no_keys(),
-            (None, None) => Map::new(),
-        });
+        object.extend(MachineFigures::keys_of(on_machine.as_ref(), &outcome.setup));
         if let Some(Ok(curve)) = &curve {
             object.insert("pareto".into(), curve.iter().map(|point| point_object(point, &outcome)).collect());
         }
@@ -131,13 +127,6 @@ pub fn plan_with_progress(
     })
 }
 
-/// Text on the machine file of a setup, which is not needed where `max_axis_tilt` stands beside it, and could not be
-/// read; `None` without one.
-fn unread_machine(setup: &Setup) -> Option<String> {
-    let file = setup.machine.file.as_deref()?;
-    Some(format!("the machine file {file} cannot be read: times are those without a machine\n"))
-}
-
 fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
     let all = part.blade_count;
     match word {
@@ -179,6 +168,9 @@ fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> M
     let compared = |result| output::comparison_object(&PlungeFigures::of_result(result, grid), reasons);
     map.extend(output::assembly_keys(&report.verdict.assembly));
     map.insert("policy".into(), json!(outcome.after.plan.policy));
+    if let Some(wheel) = outcome.after.summary.wheel_time_s {
+        map.insert("wheel_time".into(), output::number(wheel));
+    }
     if channels > 1 {
         let one = PlungeFigures::of_result(&outcome.after, grid);
         map.insert("one_channel".into(), Value::Object(output::plan_object(part, 1, &one, reasons)));
@@ -280,10 +272,10 @@ fn plan_text(
         };
     }
     text += &words::clearances_text(&report.summary, channels);
-    text += &match on_machine {
-        Some(figures) => figures.text(),
-        None => unread_machine(&outcome.setup).unwrap_or_default(),
-    };
+    text += &MachineFigures::text_of(on_machine, &outcome.setup);
+    if let Some(wheel) = outcome.after.summary.wheel_time_s {
+        text += &format!("the wheel, {} channels, tool by tool: {:.1} min\n", part.blade_count, wheel / 60.0);
+    }
     if let Some(finishing) = words::finishing_text(outcome, &outcome.after) {
         text += &format!("{finishing}\n");
     }

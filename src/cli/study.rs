@@ -168,7 +168,10 @@ fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
 
 fn run_pareto(args: &ParetoArgs) -> Result<(), Failure> {
     let table = Table::read(&args.table)?;
-    let over: Vec<&str> = args.over.iter().map(|figure| figure.trim()).collect();
+    let over: Vec<&str> = match &args.over {
+        Some(named) => named.iter().map(|figure| figure.trim()).collect(),
+        None => table.default_figures().to_vec(),
+    };
     let set = table.pareto(&over).map_err(|error| Failure::from(error).at("--over"))?;
     let text = if args.json { pareto_json(&table, &set, &over) } else { pareto_text(&table, &set, &over) };
     print_stdout(&text)

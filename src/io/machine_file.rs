@@ -12,6 +12,7 @@ use crate::machine::{
     AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTable, MachineTool, OutputKind, PartPlacement,
     RotaryAxis, TurnLink,
 };
+use crate::setup::Setup;
 
 /// The machines that come with the program: name and text.
 const BUILT_IN: [(&str, &str); 5] = [
@@ -35,6 +36,25 @@ const MIN_SINE: f64 = 0.05;
 /// Names of the machines that come with the program.
 pub fn built_in_names() -> impl Iterator<Item = &'static str> {
     BUILT_IN.iter().map(|(name, _)| *name)
+}
+
+/// Whether a machine of that name comes with the program.
+pub fn is_built_in(name: &str) -> bool {
+    built_in_names().any(|known| known == name)
+}
+
+/// The machine of `setup`, whose file is located: `None` where it names none, and where the file is gone, as of a plan
+/// that was sent without it.
+///
+/// # Errors
+/// When the file is there and is not that of a machine.
+pub fn machine_of_setup(setup: &Setup) -> Result<Option<MachineTool>, InputError> {
+    match setup.machine.file.as_deref() {
+        Some(name) if is_built_in(name) || Path::new(name).exists() => {
+            read_machine(Path::new(name)).map(Some)
+        }
+        _ => Ok(None),
+    }
 }
 
 /// The machine of that name among those of the program, or read from the file of that name.

@@ -47,6 +47,8 @@ pub(super) fn plan_with_edits(
     {
         outcome = edited(around)?;
     }
+    outcome.after.summary.wheel_time_s =
+        outcome.clock.wheel_time_s(&outcome.after.plan, &outcome.workpiece.part);
     outcome.elapsed = started.elapsed().as_secs_f64();
     monitor.report(1.0);
     Ok(outcome)

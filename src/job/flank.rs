@@ -3,19 +3,22 @@
 use std::sync::Arc;
 
 use super::JobError;
+use super::machine::clock_of;
 use super::part_cache::PartCache;
 use crate::flank::choice::choose_tool;
 use crate::flank::fault_removal::MoveFault;
 use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, plan};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
+use crate::machine::{MachineClock, MachineTime, MachineTool};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::choice::choose_opening;
+use crate::plunge::choice::times::MoveTimes;
 use crate::plunge::sections::check_part;
 use crate::plunge::{PlanError, Planner};
 use crate::setup::{Setup, Tool};
-use crate::toolpath::ClProgram;
+use crate::toolpath::{ClProgram, Travel};
 use crate::verify::{Fault, FaultKind, FlankVerdict, FlankVerifier, VerifyError};
 
 /// Step of the plunges above the shroud, in radii of the cutter for the passes: the stairs that they leave on
@@ -44,6 +47,12 @@ pub struct FlankOutcome {
     pub faults: Vec<Fault>,
     /// The other findings of `verify`; `None` if the program cannot be verified.
     pub verdict: Option<FlankVerdict>,
+    /// What tells the time of programs on the machine of the setup, if it gives one.
+    pub clock: Option<MachineClock>,
+    /// Time of the program on that machine; `None` without one, and where it cannot run the program.
+    pub machine_time: Option<MachineTime>,
+    /// Estimated time of the program, s: feed rates and rapids, without tool changes and accelerations.
+    pub time_estimate: f64,
     /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
@@ -92,8 +101,10 @@ impl FlankJob {
         let part = &request.part;
         check_part(&request.setup, part)?;
         let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(part)));
+        let clock = clock_of(&request.setup, &workpiece)?;
         let chosen = choose_tool(&workpiece, &request.setup, flank_cutters())?;
-        let opener = Opener::of(part, &request.setup, &chosen.tool);
+        let machine = clock.as_ref().map(MachineClock::machine);
+        let opener = Opener::of(part, &request.setup, &chosen.tool, machine);
         let mut setup = request.setup.clone();
         let more =
             opener.iter().map(|opener| &opener.tool).filter(|tool| !request.setup.tools.contains(tool));
@@ -116,6 +127,9 @@ impl FlankJob {
         let plan = FlankPlan { opening, ..planned? };
         let (tool, moves) = (&plan.tool, &plan.moves);
         let written = ProgramInput { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
+        let program = ClProgram::of_flank(&part.name, tool, moves).after_opening(plan.opening.as_ref());
+        let machine_time = clock.as_ref().and_then(|clock| clock.time(&program));
+        let time_estimate = Travel::of(&program).time;
         let verdict = match written.program().map(|p| verifier.verdict(&p, &monitor.silent())) {
             Some(Err(VerifyError::Cancelled(_))) => return Err(JobError::Cancelled),
             Some(verdict) => verdict.ok(),
@@ -126,11 +140,32 @@ impl FlankJob {
         }
         setup.flank.tool = Some(chosen.tool.number);
         let elapsed = started.elapsed().as_secs_f64();
-        Ok(FlankOutcome { workpiece, setup, plan, faults, verdict, elapsed })
+        Ok(FlankOutcome {
+            workpiece,
+            setup,
+            plan,
+            faults,
+            verdict,
+            clock,
+            machine_time,
+            time_estimate,
+            elapsed,
+        })
     }
 }
 
 impl FlankOutcome {
+    /// The best known time of the program, s: on the machine of the setup, or else the estimate.
+    pub fn time_s(&self) -> f64 {
+        self.machine_time.map_or(self.time_estimate, |time| time.total_s)
+    }
+
+    /// The same for all channels, s: each tool is changed once, links from channel to channel are left out.
+    pub fn time_of_wheel_s(&self) -> f64 {
+        let count = self.workpiece.part.blade_count;
+        self.machine_time.map_or(self.time_estimate * count as f64, |time| time.of_runs_s(count))
+    }
+
     /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the
     /// positions along the walls.
     pub fn max_overcut(&self) -> f64 {
@@ -148,7 +183,7 @@ struct Opener {
 
 impl Opener {
     /// The opener for passes with `tool`; `None` where the blank hardly stands above the shroud.
-    fn of(part: &Impeller, setup: &Setup, tool: &Tool) -> Option<Self> {
+    fn of(part: &Impeller, setup: &Setup, tool: &Tool, machine: Option<&MachineTool>) -> Option<Self> {
         // Of tools with a round bottom a plunge leaves much.
         let is_flat = |tool: &&Tool| tool.corner_radius < 0.5 * tool.radius();
         let own: Vec<Tool> = setup.tools.iter().filter(is_flat).cloned().collect();
@@ -157,7 +192,7 @@ impl Opener {
         let step = OPENING_STEP_RADII * tool.radius();
         setup.plunge.step = Some(setup.plunge.step.map_or(step, |given| given.min(step)));
         let setup = &setup;
-        let mut section = choose_opening(setup, from, part, tool, None)?.section;
+        let mut section = choose_opening(setup, from, part, tool, None, MoveTimes::on(machine))?.section;
         let mut opener = from.iter().find(|tool| tool.number == section.tool)?.clone();
         if own.is_empty() {
             let numbers = setup.tools.iter().map(|tool| tool.number);

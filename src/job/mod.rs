@@ -5,7 +5,9 @@ pub mod assess;
 mod edited;
 pub mod flank;
 mod goal;
+mod machine;
 pub mod machine_run;
+mod nothing_cut;
 mod part_cache;
 pub mod post;
 pub mod stage;
@@ -13,27 +15,26 @@ mod starved;
 pub mod worker;
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 pub use crate::verify::Summary;
 use edited::plan_with_edits;
 use goal::{MetGoal, WholeInput};
+use machine::{clock_of, machine_of};
+use nothing_cut::nothing_cut;
 use part_cache::PartCache;
 pub use stage::{Listener, PlanStage};
 
 use rayon::prelude::*;
 
-use crate::error::{ErrorCode, UserError};
-use crate::io::machine_file::read_machine;
+use crate::error::UserError;
 use crate::io::tool_library::plunge_cutters;
-use crate::machine::MachineTool;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{
-    DropReason, EditReport, PlanError, Planner, PlungePlan, RowDensity, SectionCache, cutting_order, sections,
+    EditReport, PlanError, Planner, PlungePlan, RowDensity, SectionCache, cutting_order, sections,
 };
 use crate::setup::{AxisPolicy, Goal, PlungeEdit, Setup, SetupFault};
 use crate::stock::{
@@ -177,12 +178,14 @@ impl From<PlanError> for JobError {
     }
 }
 
-/// Completes the setup: missing tools and sections are chosen from the program's tool library.
+/// Completes the setup: missing tools and sections are chosen from the program's tool library, by their times on the
+/// machine of the setup if it names one.
 ///
 /// # Errors
-/// [`SetupFault`] when part and setup are incompatible.
+/// [`SetupFault`] when part and setup are incompatible, or the machine file is not valid.
 pub fn resolve(setup: &Setup, workpiece: &Workpiece) -> Result<Resolved, SetupFault> {
-    let resolved = sections::resolve(setup, plunge_cutters(), workpiece)?;
+    let machine = machine_of(setup)?;
+    let resolved = sections::resolve(setup, plunge_cutters(), workpiece, machine.as_ref())?;
     Ok(cutting_order::arrange(workpiece, resolved))
 }
 
@@ -245,7 +248,7 @@ impl PlanCache {
             && (known.policy, known.field_cells) == (request.policy, request.field_cells)
             && known.compare == request.compare
             // Its file may have changed since.
-            && outcome.clock.machine() == machine_of(&request.setup).as_ref();
+            && machine_of(&request.setup).is_ok_and(|machine| outcome.clock.machine() == machine.as_ref());
         is_same.then(|| outcome.clone())
     }
 }
@@ -331,7 +334,7 @@ fn plan_sections(
         reasons: reasons.clone(),
     });
     let planner = Planner::new(workpiece, &setup);
-    let clock = Arc::new(clock_of(&setup, workpiece));
+    let clock = Arc::new(PlanClock::new(clock_of(&setup, workpiece)?));
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.
     let closing = &monitor.ignoring_stop();
@@ -421,7 +424,7 @@ fn plan_sections(
     let clock = match (clock.machine(), asked.summary.machine_time) {
         (Some(_), None) => {
             for result in others.iter_mut().chain([&mut before]) {
-                result.summary.machine_time = None;
+                (result.summary.machine_time, result.summary.is_refused) = (None, false);
             }
             Arc::new(clock.after_refusal())
         }
@@ -466,65 +469,11 @@ fn plan_sections(
     })
 }
 
-/// The fault of a plan that cuts nothing, by the reason for which most of its positions are dropped.
-fn nothing_cut(plan: &PlungePlan, setup: &Setup) -> SetupFault {
-    let count = |why: DropReason| plan.dropped.iter().filter(|dropped| dropped.why == why).count();
-    let most = DropReason::ALL.into_iter().max_by_key(|&why| (count(why), why == DropReason::Blades));
-    match most {
-        Some(DropReason::Contact) => SetupFault::new(
-            ErrorCode::CoreContact,
-            "the core of every plunge would meet stock before it has cut a fifth of its depth",
-            "begin a section at the outlet (from = 1), give a cutter with wider inserts, or plan with \
-             axis = \"staircase\"",
-        ),
-        Some(DropReason::Overhang) => SetupFault::new(
-            ErrorCode::OverhangTooShort,
-            "no tool reaches down to the hub: each is shorter below its holder than its plunges are deep",
-            "give more overhang",
-        ),
-        Some(DropReason::Shank) => SetupFault::new(
-            ErrorCode::AssemblyCollides,
-            "the shank of every plunge would come too near to part or blank",
-            "give a thinner shank, or a smaller [clearance] shank",
-        ),
-        Some(DropReason::Holder) => {
-            let least = plan.dropped.iter().filter_map(|d| d.stick_out).reduce(f64::max);
-            let help = match least {
-                Some(overhang) => format!("give an overhang of {overhang} mm, or a thinner holder"),
-                None => "give a thinner holder, or allow more tilt".to_owned(),
-            };
-            SetupFault::new(
-                ErrorCode::AssemblyCollides,
-                "the holder of every plunge would come too near to part or blank",
-                help,
-            )
-        }
-        _ => {
-            let tilt = setup.machine.max_axis_tilt_rad.to_degrees();
-            SetupFault::new(
-                ErrorCode::NoFreeAxis,
-                format!("no plunge has an axis that blades, tilt limits and the machine ({tilt:.0}°) allow"),
-                "allow more tilt, or use smaller cutters",
-            )
-        }
-    }
-}
-
-/// The machine of `setup`. One whose file is gone, as of a plan that was sent without it, is planned all the same:
-/// its times are those without a machine.
-fn machine_of(setup: &Setup) -> Option<MachineTool> {
-    read_machine(Path::new(setup.machine.file.as_deref()?)).ok()
-}
-
-/// The clock of plans with `setup`.
-fn clock_of(setup: &Setup, workpiece: &Workpiece) -> PlanClock {
-    let on = |machine| PlanClock::on_machine(machine, workpiece, &setup.allowances);
-    machine_of(setup).map_or_else(PlanClock::default, on)
-}
-
 /// Computes the residual stock and the summary of a plan.
 fn measure_residual(plan: PlungePlan, grid: &FloorGrid, clock: &PlanClock) -> PolicyResult {
     let field = residual_field(grid, &field_cutters(&plan));
-    let summary = Summary { machine_time: clock.machine_time(&plan), ..Summary::of(&plan, grid, &field) };
+    let machine_time = clock.machine_time(&plan);
+    let is_refused = clock.timing().is_some() && machine_time.is_none();
+    let summary = Summary { machine_time, is_refused, ..Summary::of(&plan, grid, &field) };
     PolicyResult { plan, field, summary }
 }

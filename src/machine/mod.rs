@@ -14,6 +14,7 @@
 //! | [`calls`](ChannelCalls) | programs that are called once a channel |
 //! | [`table`](MachineTable) | tools that meet the table |
 //! | [`time`](section_times) | how long they take |
+//! | [`clock`](MachineClock) | how long programs of one part take on one machine |
 //!
 //! **Program coordinates** are fixed to the part: their origin is the part's, Z is the table's normal with
 //! all rotary axes at 0. **Machine coordinates** are those of the gauge point (the spindle's nose). Angles
@@ -22,6 +23,7 @@
 mod calls;
 mod choice;
 mod clear;
+mod clock;
 mod course;
 mod fault;
 mod kinematics;
@@ -35,6 +37,7 @@ mod time;
 
 pub use calls::{ChannelCalls, INSTEAD_OF_CALLS};
 pub use clear::BlankSize;
+pub use clock::MachineClock;
 pub use course::{Pose, even_turn, mixed_angles};
 pub use fault::MotionFault;
 pub use kinematics::{AngleSolution, MachineBody, turned};
@@ -46,4 +49,4 @@ pub use model::{
 pub use motion::{MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program};
 pub use placement::PlacedPart;
 pub use table::MachineTable;
-pub use time::{MachineTime, SectionTime, block_times, section_times};
+pub use time::{MachineTime, SectionTime, block_times, move_clock, section_times};

@@ -17,6 +17,8 @@ use crate::toolpath::{ClProgram, ClTool, Motion};
 const SAME_AXIS_RAD: f64 = 1e-10;
 /// Deviation of the tip and of the axis in links whose tip is held, mm and rad.
 const LINK_TOLERANCE: (f64, f64) = (0.01, 0.02 * std::f64::consts::PI / 180.0);
+/// Deviation of the bottom of a tool in a link that is no more than the rounding of a clearance, mm.
+const SMALL_STRAY: f64 = 5e-4;
 /// Halvings of a move under feed.
 const MAX_HALVINGS: u32 = 40;
 /// Points that one move may be split into.
@@ -156,9 +158,9 @@ pub fn machine_program(
         sphere,
         out: MachineProgram::default(),
         before: None,
-        lengths: Vec::new(),
+        lengths: program.tools.iter().map(|tool| gauge_length(machine, tool)).collect(),
+        radii: program.tools.iter().map(|tool| 0.5 * tool.diameter).collect(),
     };
-    maker.lengths = program.tools.iter().map(|tool| gauge_length(machine, tool)).collect();
     maker.out.rewinds = choice.rewinds;
     let grid = |angle: f64| (angle / options.angle_step_rad).round() * options.angle_step_rad;
     for (count, (stretch, angles)) in stretches.iter().zip(&choice.angles).enumerate() {
@@ -231,7 +233,9 @@ struct MotionMaker<'a> {
     out: MachineProgram,
     /// The last step: its pose, tool and move.
     before: Option<(Pose, usize, usize)>,
+    /// Gauge lengths and radii of the tools, mm.
     lengths: Vec<f64>,
+    radii: Vec<f64>,
 }
 
 impl MotionMaker<'_> {
@@ -334,6 +338,7 @@ impl MotionMaker<'_> {
         if self.machine.links.turn == TurnLink::Feed && stray <= MAX_LINK_STRAY {
             // Past a pole there may be no way with the tip held: then the tool leaves the part.
             if let Ok((poses, _)) = self.split(from, to, LINK_TOLERANCE, line) {
+                let poses = self.raised(from, poses, tool);
                 poses.into_iter().for_each(|pose| self.push(StepMotion::Link, pose, tool, source));
                 return Ok(());
             }
@@ -345,6 +350,33 @@ impl MotionMaker<'_> {
             self.push(StepMotion::Link, pose, tool, source);
         }
         Ok(())
+    }
+
+    /// The positions of a link whose tip is held, with those between its ends raised along the axis, so that the bottom
+    /// of the tool comes no nearer to the blank than on the planned way: between two positions the machine leaves it,
+    /// most in the middle, by a parabola, and less than a line that rises from an end by four times as much.
+    fn raised(&self, from: Pose, mut poses: Vec<Pose>, tool: usize) -> Vec<Pose> {
+        let strays = matches!(self.options.output, OutputKind::TcpAngles | OutputKind::Joints);
+        let (length, radius) = (self.lengths[tool], self.radii[tool]);
+        let stray = |a: &Pose, b: &Pose| {
+            let turn = self.machine.axis_stray((&a.axis, a.angles), (&b.axis, b.angles));
+            let is_held = self.options.output != OutputKind::Joints;
+            radius * turn + if is_held { 0.0 } else { self.machine.tip_stray(a, b, length) }
+        };
+        let Some(&end) = poses.last().filter(|_| strays) else { return poses };
+        if poses.len() == 1 {
+            if stray(&from, &end) < SMALL_STRAY {
+                return poses;
+            }
+            poses.insert(0, self.middle(&from, &end, LINK_TOLERANCE.1).0);
+        }
+        let starts = std::iter::once(&from).chain(&poses);
+        let most = starts.zip(&poses).map(|(a, b)| stray(a, b)).fold(0.0, f64::max);
+        let inner = poses.len() - 1;
+        for pose in &mut poses[..inner] {
+            pose.tip += pose.axis * (4.0 * most);
+        }
+        poses
     }
 
     /// The poses of a move, its end last, so close that tip and axis keep to `tolerance` (mm, rad), and the

@@ -51,6 +51,11 @@ pub struct MachineTime {
 }
 
 impl MachineTime {
+    /// That of `count` runs of the program, between which no tool is changed, s; the links between them are left out.
+    pub fn of_runs_s(self, count: usize) -> f64 {
+        self.total_s + (self.total_s - self.tool_changes_s) * (count as f64 - 1.0)
+    }
+
     /// That of all `sections` of a program.
     pub fn of_sections(sections: &[SectionTime]) -> Self {
         Self {
@@ -79,31 +84,62 @@ pub fn section_times(
     program: &ClProgram,
     motion: &MachineProgram,
 ) -> Vec<SectionTime> {
-    let times = block_times(machine, program, motion);
     let mut sections: Vec<SectionTime> = Vec::new();
-    let mut tool = None;
-    for (k, (step, time)) in motion.steps.iter().zip(&times).enumerate() {
+    for (k, (step, time)) in motion.steps.iter().zip(step_times(machine, program, motion)).enumerate() {
         let row = program.rows.partition_point(|row| row.first_move <= step.source);
         let section = row.checked_sub(1).and_then(|row| program.rows.get(row)).map(|row| row.section + 1);
         if sections.last().is_none_or(|last| (last.section, last.tool) != (section, step.tool)) {
             sections.push(SectionTime { section, tool: step.tool, ..SectionTime::default() });
         }
         let Some(last) = sections.last_mut() else { continue };
-        let turns = k.checked_sub(1).and_then(|k| motion.steps.get(k));
+        let before = k.checked_sub(1).and_then(|k| motion.steps.get(k));
         match step.motion {
             StepMotion::Feed(_) => last.feed_s += time,
-            StepMotion::Approach if tool == Some(step.tool) => last.links_s += time,
-            StepMotion::Approach => last.tool_change_s += machine.tool_change_s,
+            StepMotion::Approach if before.is_some_and(|before| before.tool == step.tool) => {
+                last.links_s += time;
+            }
+            StepMotion::Approach => last.tool_change_s += time,
             StepMotion::Link => {
                 last.links_s += time;
-                if turns.is_some_and(|before| before.pose.angles != step.pose.angles) {
+                if before.is_some_and(|before| before.pose.angles != step.pose.angles) {
                     last.turns_s += time;
                 }
             }
         }
-        tool = Some(step.tool);
     }
     sections
+}
+
+/// Time of each step, s, with the tool change where one leads to it.
+fn step_times(machine: &MachineTool, program: &ClProgram, motion: &MachineProgram) -> Vec<f64> {
+    let mut times = block_times(machine, program, motion);
+    let mut tool = None;
+    for (step, time) in motion.steps.iter().zip(&mut times) {
+        if step.motion == StepMotion::Approach && tool != Some(step.tool) {
+            *time = machine.tool_change_s;
+        }
+        tool = Some(step.tool);
+    }
+    times
+}
+
+/// Time from the start of `program` to the end of each of its moves, s, with tool changes.
+pub fn move_clock(machine: &MachineTool, program: &ClProgram, motion: &MachineProgram) -> Vec<f64> {
+    let mut clock = vec![0.0; program.moves.len()];
+    let mut now = 0.0;
+    for (step, time) in motion.steps.iter().zip(step_times(machine, program, motion)) {
+        now += time;
+        if let Some(end) = clock.get_mut(step.source) {
+            *end = now;
+        }
+    }
+    // A move that moves nothing has no step.
+    let mut last = 0.0;
+    for end in &mut clock {
+        last = f64::max(last, *end);
+        *end = last;
+    }
+    clock
 }
 
 /// Time of each step, s.
@@ -143,6 +179,27 @@ pub fn block_times(machine: &MachineTool, program: &ClProgram, motion: &MachineP
         entry = block.as_ref().map_or(0.0, |block| block.exit);
     }
     times
+}
+
+impl MachineTool {
+    /// Time of a straight move of the linear axis that takes longest for it, s: `length` (mm) from rest to rest, at no
+    /// more than `rate` (mm/min).
+    pub fn straight_s(&self, length: f64, rate: f64) -> f64 {
+        (0..3).map(|i| self.lone_move_s(i, length, length / rate * 60.0)).fold(0.0, f64::max)
+    }
+
+    /// Time in which the slower rotary axis turns by `angle` (rad) from rest to rest, s.
+    pub fn turn_s(&self, angle: f64) -> f64 {
+        (3..5).map(|i| self.lone_move_s(i, angle, 0.0)).fold(0.0, f64::max)
+    }
+
+    /// Time of a move of one axis from rest to rest that is programmed to take `wanted` seconds.
+    fn lone_move_s(&self, axis: usize, distance: f64, wanted: f64) -> f64 {
+        let mut travel = [0.0; 5];
+        travel[axis] = distance;
+        let block = Block::new(self, &axis_limits(self), &travel, wanted);
+        block.map_or(0.0, |block| block.time(0.0).max(self.block_time_s))
+    }
 }
 
 /// Speed, acceleration and jerk of the five axes.

@@ -47,8 +47,9 @@ pub fn plan_channels(
     evaluated(plan, MeasuredPlunges { contacts, motions, retracts }, &columns, blank, setup, monitor)
 }
 
-/// The positions of channel 1, rotated into each channel.
-fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
+/// The positions of channel 1, rotated into each channel: those of [`plan_channels`] before any is lifted, or a link
+/// raised.
+pub fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
     let mut plan =
         PlungePlan { positions: Vec::with_capacity(channels * one.positions.len()), ..one.clone() };
     let tool = |p: &Position| &one.sections[p.section].tool;

@@ -3,10 +3,12 @@
 
 use super::choice::fit::cylinders;
 use super::choice::search::MIN_SECTION_S;
+use super::choice::times::MoveTimes;
 use super::choice::{choose, choose_opening, choose_rest};
 use super::spacing::{step_limit, stepover};
 use super::survey::Survey;
 use crate::error::ErrorCode;
+use crate::machine::MachineTool;
 use crate::part::{Impeller, Workpiece};
 use crate::setup::{
     PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of,
@@ -25,11 +27,16 @@ pub struct Resolved {
 }
 
 /// Fills in tools and sections where the setup gives none: tools from `library`, which must not be empty,
-/// sections by [`choose`].
+/// sections by [`choose`], by their times on `machine` if it is known.
 ///
 /// # Errors
 /// When part and setup do not match, a section uses a missing tool, or the plan would be too large.
-pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result<Resolved, SetupFault> {
+pub fn resolve(
+    setup: &Setup,
+    library: &[Tool],
+    workpiece: &Workpiece,
+    machine: Option<&MachineTool>,
+) -> Result<Resolved, SetupFault> {
     let part = &workpiece.part;
     check_part(setup, part)?;
     check_hub_allowance(setup, part)?;
@@ -48,7 +55,8 @@ pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result
         survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&resolved.tools));
         survey.try_assemblies(workpiece, setup, &resolved.tools);
         let limit = (!given).then(|| largest_diameter(setup, part, &survey));
-        let mut chosen = choose(&resolved.tools, limit, &survey, setup);
+        let times = MoveTimes::on(machine);
+        let mut chosen = choose(&resolved.tools, limit, &survey, setup, times);
         if setup.plunge.rest {
             let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
             chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.allowances));
@@ -57,7 +65,7 @@ pub fn resolve(setup: &Setup, library: &[Tool], workpiece: &Workpiece) -> Result
         let used = |tool: &&Tool| chosen.iter().any(|chosen| chosen.section.tool == tool.number);
         let largest = resolved.tools.iter().filter(used).max_by(|a, b| a.diameter.total_cmp(&b.diameter));
         let opening =
-            largest.and_then(|largest| choose_opening(setup, &resolved.tools, part, largest, first));
+            largest.and_then(|largest| choose_opening(setup, &resolved.tools, part, largest, first, times));
         for chosen in opening.into_iter().chain(chosen) {
             resolved.plunge.sections.push(chosen.section);
             reasons.push(Some(chosen.reason));

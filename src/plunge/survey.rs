@@ -11,6 +11,8 @@ use crate::setup::{AllowanceSetup, Setup, Tool};
 
 /// Number of equal steps of s at which the channel is measured.
 const STEPS: usize = 50;
+/// Half of a step of s.
+const HALF_STEP: f64 = 0.5 / STEPS as f64;
 /// Lean of an axis from the hub normal beyond which the rim is not raised further, rad.
 const MAX_LEAN_RAD: f64 = std::f64::consts::FRAC_PI_3;
 /// A joint this close to a station (in s) uses that station instead of a new one.
@@ -31,6 +33,8 @@ pub struct PassageExtent {
     /// Speed of a row's axis along s, measured perpendicular to the axis, mm per unit of s: the larger of hub
     /// and shroud.
     pub advance: f64,
+    /// Turn of the isoparametric axis in the middle of the passage, rad per unit of s.
+    pub turn_rad: f64,
 }
 
 /// The channel at one s.
@@ -208,6 +212,7 @@ impl<'a> Surveyor<'a> {
                     shroud: self.width(passage, s, 1.0).unwrap_or(narrowest),
                     depth,
                     advance: self.advance(passage, s),
+                    turn_rad: self.turn_rad(passage, s),
                 });
             }
         }
@@ -236,6 +241,13 @@ impl<'a> Surveyor<'a> {
         };
         let [foot, top] = self.axis(passage, s, 0.0)?;
         [across(near.by_s), across(top - foot)].into_iter().flatten().reduce(f64::min)
+    }
+
+    /// See [`PassageExtent::turn_rad`]; 0 without walls.
+    fn turn_rad(&self, passage: &Passage, s: f64) -> f64 {
+        let (from, to) = ((s - HALF_STEP).max(0.0), (s + HALF_STEP).min(1.0));
+        let axis = |s: f64| self.axis(passage, s, 0.5).map(|[foot, top]| top - foot);
+        axis(from).zip(axis(to)).map_or(0.0, |(a, b)| a.angle(&b) / (to - from))
     }
 
     /// See [`PassageExtent::advance`]; without walls, the longer of hub and shroud.

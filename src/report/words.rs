@@ -9,9 +9,17 @@ pub fn channels_text(count: usize) -> String {
     if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
 }
 
-/// Best known time of a plan, min.
+/// Instead of the time of a plan that the machine of the setup cannot run.
+pub const NOT_ON_MACHINE: &str = "not on this machine";
+
+/// Best known time of a plan, min; NaN as of [`Summary::time_s`].
 pub fn minutes(summary: &Summary) -> f64 {
     summary.time_s() / 60.0
+}
+
+/// The same in words.
+pub fn minutes_text(summary: &Summary) -> String {
+    if summary.is_refused { NOT_ON_MACHINE.to_owned() } else { format!("{:.1}", minutes(summary)) }
 }
 
 /// Text on clearances, axis change, lengths and time of a program of `channels` channels.

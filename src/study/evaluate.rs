@@ -88,6 +88,7 @@ fn judge(outcome: &PlanOutcome, result: &mut RunResult, monitor: &Monitor) -> Re
         report.verdict.rows() as f64,
         sections().count() as f64,
         summary.time_estimate,
+        outcome.after.summary.machine_time.map_or(f64::NAN, |time| time.total_s),
         summary.residual_mean,
         summary.residual_p95,
         summary.residual_max,

@@ -95,6 +95,11 @@ impl StudyFile {
         Ok(Self { name: name.to_owned(), folder: folder.to_owned(), base, axes, excludes, limit })
     }
 
+    /// Where the setups of runs stand: files that they name are relative to the study file.
+    pub fn setup_path(&self) -> PathBuf {
+        self.folder.join("(setup)")
+    }
+
     /// The place of the axis of parts.
     pub fn part_axis(&self) -> usize {
         self.axes.iter().position(|axis| axis.key == PART).unwrap_or(0)
@@ -145,7 +150,10 @@ fn base_setup(
             let bytes = read_bytes(&path)?;
             let name = name_of(&path);
             read_setup_with_defaults(&name, &bytes, &Setup::default())?;
-            setup_tree(&name, &bytes)
+            let mut tree = setup_tree(&name, &bytes)?;
+            let beside = Path::new(base.value).parent().unwrap_or(Path::new(""));
+            name_files_from(&mut tree, beside, folder);
+            Ok(tree)
         }
         (None, Some(table)) => {
             setup_of_table(&table, &Setup::default())?;
@@ -155,6 +163,19 @@ fn base_setup(
             }
         }
         (None, None) => Ok(toml::Table::new()),
+    }
+}
+
+/// Names the files of a base setup, which is in the folder `beside` of the study's `folder`, as seen from the latter.
+fn name_files_from(tree: &mut toml::Table, beside: &Path, folder: &Path) {
+    for (table, key) in [("machine", "file"), ("stock", "blank")] {
+        let named = tree.get_mut(table).and_then(|table| table.get_mut(key));
+        let Some(toml::Value::String(file)) = named else { continue };
+        let path = beside.join(&*file);
+        // Other values are words.
+        if folder.join(&path).is_file() {
+            *file = path.to_string_lossy().into_owned();
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::csv::records;
-use super::result::{FIGURES, RunStatus};
+use super::result::{FIGURES, MACHINE_TIME, RunStatus};
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::{quote_for_message, read_bytes_up_to};
@@ -11,8 +11,6 @@ use crate::io::table::nearest;
 
 /// Maximum size of a table, bytes.
 pub const MAX_TABLE_BYTES: usize = 512 << 20;
-/// Figures that are compared unless others are named.
-pub const DEFAULT_FIGURES: [&str; 2] = ["time_estimate", "residual_p95"];
 /// Maximum number of figures.
 const MAX_FIGURES: usize = 8;
 
@@ -76,6 +74,24 @@ impl Table {
     /// Place of a column.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column == name)
+    }
+
+    /// The figure that tells how long plans take: the time on the machine where each plan has one, else the estimate.
+    pub fn time_figure(&self) -> &'static str {
+        let has_time = |place: usize| {
+            let (status, mut rows) = (self.column("status"), self.rows.iter());
+            let is_plan = |row: &Vec<String>| status.is_none_or(|at| row[at] != RunStatus::Error.name());
+            rows.all(|row| !is_plan(row) || !row[place].is_empty())
+        };
+        match self.column(MACHINE_TIME) {
+            Some(place) if has_time(place) => MACHINE_TIME,
+            _ => "time_estimate",
+        }
+    }
+
+    /// Figures that are compared unless others are named.
+    pub fn default_figures(&self) -> [&'static str; 2] {
+        [self.time_figure(), "residual_p95"]
     }
 
     /// The Pareto set over `figures`, of each of which less is better. Parts are not compared.

@@ -20,13 +20,16 @@ pub const RESULT_VERSION: u32 = 1;
 /// Version of the program, whose results are not mixed with those of another.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
+/// The figure of the time on the machine of the setup; there is none without a machine.
+pub const MACHINE_TIME: &str = "machine_time";
 /// Figures of a run, in the order of columns; names as in `vanecut plan --json`, and `faults`, the number of
 /// faults that `verify` finds in the program.
-pub const FIGURES: [&str; 20] = [
+pub const FIGURES: [&str; 21] = [
     "positions",
     "rows",
     "sections",
     "time_estimate",
+    MACHINE_TIME,
     "residual_mean",
     "residual_p95",
     "residual_max",
@@ -115,7 +118,9 @@ impl RunResult {
         let same = result.id == run.id
             && result.program == PROGRAM_VERSION
             && result.part_hash == input.part.hash
-            && result.setup == input.setup_text;
+            && result.setup == input.setup_text
+            // Earlier programs had fewer.
+            && FIGURES.iter().all(|name| result.figures.contains_key(*name));
         same.then_some(result)
     }
 

@@ -116,10 +116,15 @@ impl StudyResults {
     /// The file of a run's part. Its path is relative to the study file, which stands above the folder of the
     /// results or beside it. `None` if that file does not exist.
     pub fn part_file(&self, run: &RunResult) -> Option<PathBuf> {
+        self.file_of_study(&run.part)
+    }
+
+    /// The file that a study names: relative to the study file, as [`Self::part_file`].
+    pub fn file_of_study(&self, name: &str) -> Option<PathBuf> {
         let folder = self.folder.as_deref()?;
         let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
-        let above = absolute.ancestors().take(4).map(|base| base.join(&run.part));
-        let here = std::iter::once(PathBuf::from(&run.part));
+        let above = absolute.ancestors().take(4).map(|base| base.join(name));
+        let here = std::iter::once(PathBuf::from(name));
         above.chain(here).find(|path| path.is_file())
     }
 }

@@ -1,7 +1,7 @@
 //! The runs of a study: every combination of its axes, each with the name of its result.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -11,8 +11,9 @@ use super::result::RESULT_VERSION;
 use crate::error::{ErrorCode, UserError};
 use crate::io::part_file::read_part;
 use crate::io::part_hash::PartHash;
-use crate::io::setup_file::{read_setup_with_defaults, write_setup};
+use crate::io::setup_file::{locate_machine, read_setup_with_defaults, write_setup};
 use crate::io::sha256::sha256_hex;
+use crate::io::source::read_bytes;
 use crate::io::table::Scalar;
 use crate::io::{InputError, source};
 use crate::part::Impeller;
@@ -60,7 +61,7 @@ pub struct RunList {
 pub struct RunInput<'a> {
     /// The part.
     pub part: &'a StudyPart,
-    /// The setup, or why there is none.
+    /// The setup with its machine file located, or why there is none.
     pub setup: Result<Setup, UserError>,
     /// The complete setup as text; the text that is not a setup where there is none.
     pub setup_text: String,
@@ -102,16 +103,27 @@ impl RunList {
         let part = &self.parts[place];
         let (setup, setup_text) = match self.file.setup_text(choice) {
             Err(error) => (Err(error), String::new()),
-            Ok(text) => match read_setup_with_defaults("", text.as_bytes(), &part.defaults) {
-                Ok(setup) => {
+            Ok(text) => match self.read_setup(&text, &part.defaults) {
+                Ok(mut setup) => {
                     let text = write_setup(&setup);
+                    // Planning says what is wrong with a machine file.
+                    let _ = locate_machine(&mut setup, &self.file.setup_path());
                     (Ok(setup), text)
                 }
-                // Lines of this text are those of no file.
-                Err(error) => (Err(error.into()), text),
+                Err(error) => (Err(error), text),
             },
         };
         RunInput { part, setup, setup_text }
+    }
+
+    /// Reads the setup of a run; files in it are relative to the study file.
+    fn read_setup(&self, text: &str, defaults: &Setup) -> Result<Setup, UserError> {
+        let name = self.file.setup_path().display().to_string();
+        read_setup_with_defaults(&name, text.as_bytes(), defaults).map_err(|error| {
+            // Lines of this text are those of no file, those of a file that it names are.
+            let place = if error.file == name { String::new() } else { format!("{}: ", error.place()) };
+            UserError::new(error.code, format!("{place}{}", error.message), error.help)
+        })
     }
 
     /// Keys that vary, without the part.
@@ -148,7 +160,7 @@ impl RunList {
             Err(error) => (false, error.to_string()),
         };
         let settings = if input.setup_text.is_empty() { self.shown_choice(choice) } else { String::new() };
-        let whole = [
+        let mut whole = [
             &format!("vanecut study run {RESULT_VERSION}"),
             &input.part.hash,
             &input.setup_text,
@@ -157,6 +169,11 @@ impl RunList {
         ]
         .map(String::as_str)
         .join("\n");
+        // Times and goals go by what is in the machine file.
+        let machine = input.setup.as_ref().ok().and_then(|setup| setup.machine.file.as_deref());
+        if let Some(bytes) = machine.and_then(|file| read_bytes(Path::new(file)).ok()) {
+            whole += &format!("\n{}", sha256_hex(&bytes));
+        }
         let mut id = sha256_hex(whole.as_bytes());
         id.truncate(ID_DIGITS);
         (id, usable)
@@ -178,9 +195,8 @@ impl RunList {
             for ((value, line), _) in
                 axis.values.iter().zip(&axis.lines).zip(used).filter(|(_, used)| !**used)
             {
-                let read = self.file.text_with([(axis, value)].into_iter()).and_then(|text| {
-                    read_setup_with_defaults("", text.as_bytes(), &Setup::default()).map_err(UserError::from)
-                });
+                let read = self.file.text_with([(axis, value)].into_iter());
+                let read = read.and_then(|text| self.read_setup(&text, &Setup::default()));
                 if let Err(error) = read {
                     let what = format!("`{}`: {}", axis.key, error.message);
                     return Err(InputError::new(error.code, &self.file.name, *line, what, error.help));

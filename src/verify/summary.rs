@@ -49,6 +49,11 @@ pub struct Summary {
     /// Time on the machine of the setup; `None` without one, where it cannot run the whole plan, and for sections
     /// and programs, of which only their plan's is known.
     pub machine_time: Option<MachineTime>,
+    /// Time on that machine of the program for all channels, s; `None` as for `machine_time`, and for plans that were
+    /// not asked for.
+    pub wheel_time_s: Option<f64>,
+    /// Whether the machine of the setup, which runs the plan that was asked for, cannot run this one.
+    pub is_refused: bool,
     /// Positions blocked by the blades, including those that were left out; `None` for a program, which does
     /// not contain them.
     pub blocked: Option<usize>,
@@ -104,20 +109,29 @@ impl<'a> CutFigures<'a> {
 }
 
 impl Summary {
-    /// The best known time, s: on the machine of the setup, or else the estimate.
+    /// The best known time, s: on the machine of the setup, or else the estimate; NaN for a plan that this machine
+    /// cannot run.
     pub fn time_s(&self) -> f64 {
-        self.machine_time.map_or(self.time_estimate, |time| time.total_s)
+        self.machine_time.map_or(self.estimate_s(), |time| time.total_s)
+    }
+
+    fn estimate_s(&self) -> f64 {
+        if self.is_refused { f64::NAN } else { self.time_estimate }
     }
 
     /// The same of each further channel, for which no tool is changed, s.
     pub fn time_of_further_channel_s(&self) -> f64 {
-        self.machine_time.map_or(self.time_estimate, |time| time.total_s - time.tool_changes_s)
+        self.machine_time.map_or(self.estimate_s(), |time| time.total_s - time.tool_changes_s)
     }
 
-    /// The same for a wheel of `channels` such channels, cut tool by tool: each tool is changed once. The links from
-    /// channel to channel are left out.
-    pub fn time_of_wheel_s(&self, channels: usize) -> f64 {
-        self.time_s() + self.time_of_further_channel_s() * (channels as f64 - 1.0)
+    /// The same for the first `count` of `channels` channels, cut tool by tool: each tool is changed once. Where the
+    /// time of all of them is not known, the links from channel to channel are left out.
+    pub fn time_of_channels_s(&self, count: usize, channels: usize) -> f64 {
+        let further = match self.wheel_time_s {
+            Some(wheel) if channels > 1 => (wheel - self.time_s()) / (channels as f64 - 1.0),
+            _ => self.time_of_further_channel_s(),
+        };
+        self.time_s() + further * (count as f64 - 1.0)
     }
 
     /// Figures of the whole plan.
@@ -177,6 +191,8 @@ impl Summary {
             time_estimate: travel.time,
             feed_time: travel.feed_time,
             machine_time: None,
+            wheel_time_s: None,
+            is_refused: false,
             blocked: None,
         }
     }

@@ -8,6 +8,7 @@ mod faults;
 mod figures;
 mod kinematics;
 mod limits;
+mod links;
 mod placement;
 mod planned;
 mod programs;

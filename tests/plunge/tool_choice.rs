@@ -128,7 +128,7 @@ fn sections_of_the_setup_stay_and_have_no_reason() {
 fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
     let part = sample("pump6");
     let workpiece = Setup::default().allowances.workpiece_of(part);
-    let fault = sections::resolve(&Setup::default(), &[tool(1, 220.0)], &workpiece).unwrap_err();
+    let fault = sections::resolve(&Setup::default(), &[tool(1, 220.0)], &workpiece, None).unwrap_err();
     assert!(matches!(fault.place, SetupPlace::Section { index: 0, tool: 1 }), "{fault}");
     let given = Setup { tools: vec![tool(1, 220.0)], ..Setup::default() };
     let fault = resolve(&given, &workpiece).unwrap_err();
@@ -236,4 +236,25 @@ fn a_tool_whose_holder_is_in_the_way_is_not_chosen() {
     let reasons = chosen(&part, &with_reason).reasons;
     let reason = reasons[0].as_deref().expect("a reason");
     assert!(reason.contains("shank or holder"), "{reason}");
+}
+
+/// On a machine the choice counts its tool changes, and the accelerations of each plunge.
+#[test]
+fn tools_are_chosen_by_their_times_on_the_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("own.toml");
+    let part = sample("impeller532");
+    let text = include_str!("../../assets/machines/ac-trunnion.toml");
+    let chosen_on = |text: &str| -> Vec<u32> {
+        std::fs::write(&path, text).unwrap();
+        let mut setup = Setup::for_part(&part);
+        setup.plunge.rest = false;
+        setup.machine.file = Some(path.to_string_lossy().into_owned());
+        let setup = chosen(&part, &setup).setup;
+        setup.plunge.sections.iter().map(|section| section.tool).collect()
+    };
+    let usual = chosen_on(text);
+    let line = text.lines().find(|line| line.starts_with("tool_change_time")).unwrap();
+    let slow = chosen_on(&text.replace(line, "tool_change_time = 9000"));
+    assert!(usual.len() > 1 && slow.len() == 1, "{usual:?}, with slow changes {slow:?}");
 }

@@ -174,3 +174,61 @@ fn bad_arguments_are_refused_in_one_line() {
         assert!(!study.path("out").exists() && !study.path("r.csv").exists(), "{arguments:?} left files");
     }
 }
+
+/// Files that a base setup names stand beside it, runs have the time of the machine, and go by what its file says.
+#[test]
+fn runs_on_a_machine() {
+    let study = Study::new();
+    let base = "[plunge]\nstep = 12\nstepover = 14\nrest = false\n[[plunge.section]]\ntool = 52\nfrom = 1\nto = 0.9\n\
+        [[tool]]\nnumber = 52\ndiameter = 12\ncorner_radius = 0.8\ninsert_width = 4\noverhang = 60\n\
+        [machine]\nfile = \"own.toml\"\n";
+    let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
+    let text = format!(
+        "part = {:?}\nbase = \"setups/base.toml\"\n[[axis]]\nkey = \"plunge.step\"\nvalues = [10, 14]\n\
+         [[axis]]\nkey = \"policy\"\nvalues = [\"monotone\"]\n",
+        part.display().to_string()
+    );
+    let machine = include_str!("../../assets/machines/ac-trunnion.toml");
+    fs::create_dir(study.path("setups")).unwrap();
+    fs::write(study.path("setups/base.toml"), base).unwrap();
+    fs::write(study.path("setups/own.toml"), machine).unwrap();
+    fs::write(study.path("study.toml"), text).unwrap();
+    let ids = || {
+        let output = study.run(&["study.toml", "--list"], &[]);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let first = ids();
+    study.plan("out", &[], &[]);
+    let table = study.merged("out");
+    let columns: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| columns.iter().position(|column| *column == name).unwrap();
+    let (estimate, time) = (column("time_estimate"), column("machine_time"));
+    for row in table.lines().skip(1) {
+        let row: Vec<&str> = row.split(',').collect();
+        let of = |at: usize| row[at].parse::<f64>().unwrap_or(f64::NAN);
+        // Accelerations, turns and the tool change come to the estimate.
+        assert!(of(time) > of(estimate), "{row:?}");
+    }
+    let output = study.run(&["pareto", "out.csv", "--json"], &[]);
+    let set: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(set["over"], serde_json::json!(["machine_time", "residual_p95"]));
+    // Another machine in the same file makes other runs; a file that is none is named.
+    fs::write(study.path("setups/own.toml"), machine.replace("rapid = 18000", "rapid = 9000")).unwrap();
+    assert_ne!(ids(), first);
+    fs::write(study.path("setups/own.toml"), machine.replace("side = \"table\"", "side = \"tabel\""))
+        .unwrap();
+    let output = study.run(&["study.toml", "--list"], &[]);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(error.contains("own.toml:15: unknown side `tabel`"), "{error}");
+    // Beside a tilt it is read for times alone, and each run says what is wrong.
+    fs::write(study.path("setups/base.toml"), format!("{base}max_axis_tilt = 100\n")).unwrap();
+    let output = study.run(&["study.toml", "-o", "faulty"], &[]);
+    let text =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    let table = study.merged("faulty");
+    assert!(
+        table.contains("own.toml:15: unknown side `tabel`") || text.contains("own.toml:15"),
+        "{text}{table}"
+    );
+}

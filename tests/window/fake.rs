@@ -313,6 +313,18 @@ pub fn engine_on_machine(time: MachineTime) -> Engine {
     Engine { plan: Arc::new(timed), ..engine }
 }
 
+/// The fake planner on a machine that takes `time` for the plan that is asked for, and refuses all others.
+pub fn engine_that_refuses_others(time: MachineTime) -> Engine {
+    let engine = engine_on_machine(time);
+    let plan = Arc::clone(&engine.plan);
+    let refused = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        outcome.before.summary.is_refused = true;
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(refused), ..engine }
+}
+
 fn rest_tool(tool: &Tool) -> Tool {
     Tool { number: 2, diameter: 16.0, insert_width: 5.0, ..tool.clone() }
 }
@@ -337,6 +349,8 @@ fn summary(plan: &PlungePlan, mean: f64) -> Summary {
         time_estimate: 1080.0,
         feed_time: 1056.0,
         machine_time: None,
+        wheel_time_s: None,
+        is_refused: false,
         blocked: Some(plan.positions.iter().filter(|p| p.blocked.is_some()).count()),
     }
 }

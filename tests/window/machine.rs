@@ -61,6 +61,41 @@ fn times_are_those_on_the_machine_where_it_is_known() {
     assert!(roughing > 0, "the list of operations says the same");
 }
 
+/// A plan that the machine cannot run has no time beside one that it runs.
+#[test]
+fn plans_that_the_machine_refuses_are_named_instead_of_timed() {
+    let time = MachineTime { total_s: 1500.0, tool_changes_s: 60.0 };
+    let window = with_sample(fake::engine_that_refuses_others(time));
+    assert!(!labels(&window, "not on this machine").is_empty(), "{:?}", labels(&window, ""));
+    assert!(!labels(&window, "25 min per channel").is_empty());
+}
+
+/// The clock at the timeline is that of the machine, and that of flank plans begins with the plunges that open the
+/// stock.
+#[test]
+fn the_clock_is_that_of_the_machine() {
+    let mut window = with_machine("ac-trunnion");
+    let of_machine = |window: &Window| {
+        let (now, whole) = window.state().state().clock().expect("a clock");
+        assert_eq!(Some(&whole), on_machine(window).clock.last());
+        assert!(now <= whole);
+        whole
+    };
+    let whole = of_machine(&window);
+    plan_flank(&mut window, 10.0);
+    let flank = window.state().state().results.flank.clone().expect("planned");
+    let of_flank = of_machine(&window);
+    let time = flank.machine_time.expect("the machine runs it").total_s;
+    // The way out after the last cut comes to it.
+    assert!(of_flank <= time + 1e-6 && of_flank > 0.98 * time, "{of_flank} s of {time} s");
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    settle(&mut window);
+    choose(&mut window, "None");
+    let (_, estimate) = window.state().state().clock().expect("a clock");
+    assert!(estimate < whole, "{estimate} s without accelerations, {whole} s on the machine");
+}
+
 #[test]
 fn without_a_machine_no_axes_are_shown() {
     let (engine, _) = fake::engine();

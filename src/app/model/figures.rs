@@ -2,7 +2,9 @@
 
 use crate::flank::FlankPlan;
 use crate::job::Summary;
+use crate::job::flank::FlankOutcome;
 use crate::plunge::plan::Condition;
+use crate::report::words::NOT_ON_MACHINE;
 
 use crate::app::model::units::DisplayUnits;
 
@@ -50,14 +52,32 @@ pub fn format_times(channel_s: f64, wheel_s: f64) -> String {
 
 /// Time of a plunge plan for one channel, and for the whole wheel of `channels` channels.
 pub fn format_plan_times(summary: &Summary, channels: usize) -> String {
-    format_times(summary.time_s(), summary.time_of_wheel_s(channels))
+    if summary.is_refused {
+        return NOT_ON_MACHINE.to_owned();
+    }
+    format_times(summary.time_s(), summary.time_of_channels_s(channels, channels))
 }
+
+/// What times count that are those of the machine.
+const ON_MACHINE: &str = "On the machine of the setup, with accelerations and tool changes";
 
 /// What [`format_plan_times`] counts.
 pub fn times_tip(summary: &Summary) -> &'static str {
     match summary.machine_time {
-        Some(_) => "On the machine of the setup, with accelerations and tool changes",
+        Some(_) => ON_MACHINE,
+        None if summary.is_refused => {
+            "The machine of the setup, which runs the plan that was asked for, cannot run this one"
+        }
         None => "From plunge feed rates and rapids; without tool changes",
+    }
+}
+
+/// What the times of a flank plan count.
+pub fn flank_times_tip(outcome: &FlankOutcome) -> &'static str {
+    match (outcome.machine_time, &outcome.clock) {
+        (Some(_), _) => ON_MACHINE,
+        (None, Some(_)) => "From feed rates and rapids: the machine of the setup cannot run the program",
+        (None, None) => "From feed rates and rapids; without tool changes",
     }
 }
 

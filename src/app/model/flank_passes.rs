@@ -3,6 +3,7 @@
 use crate::flank::region::Region;
 use crate::flank::{FlankMove, FlankPlan, MoveKind};
 use crate::geometry::{Point, Vector};
+use crate::toolpath::{ClProgram, Travel};
 
 /// Successive cutting moves of one layer and region.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,21 +33,23 @@ pub struct FlankPass {
 pub struct FlankPasses {
     /// In cutting order.
     pub passes: Vec<FlankPass>,
-    /// Time from the start to the end of each move, s.
+    /// Time from the start of the program to the end of each move, s.
     pub clock: Vec<f64>,
     /// Indices of the first moves of each layer, in cutting order.
     pub layer_starts: Vec<usize>,
 }
 
 impl FlankPasses {
-    /// The passes of `plan`.
+    /// The passes of `plan`. The plunges that open the stock come before them.
     pub fn of(plan: &FlankPlan) -> Self {
-        Self::of_moves(&plan.moves)
+        let opening = ClProgram::default().after_opening(plan.opening.as_ref());
+        Self::of_moves(&plan.moves, Travel::of(&opening).time)
     }
 
-    fn of_moves(moves: &[FlankMove]) -> Self {
+    /// The passes of `moves`, which begin `start` (s) after the program.
+    fn of_moves(moves: &[FlankMove], start: f64) -> Self {
         let mut found = Self::default();
-        let mut time = 0.0;
+        let mut time = start;
         for (index, step) in moves.iter().enumerate() {
             let before = index.checked_sub(1).map(|before| &moves[before]);
             if before.is_none_or(|before| before.layer != step.layer) {
@@ -143,7 +146,7 @@ mod tests {
             step(Rapid, 0.0, 0, false),
             step(Cut, 30.0, 0, false),
         ];
-        let found = FlankPasses::of_moves(&moves);
+        let found = FlankPasses::of_moves(&moves, 0.0);
         let ends: Vec<_> = found.passes.iter().map(|pass| (pass.from, pass.end, pass.length)).collect();
         assert_eq!(ends, [(1, 4, 30.0), (4, 6, 10.0), (5, 7, 10.0), (7, 9, 30.0)]);
         assert_eq!(found.layer_starts, [0, 7]);

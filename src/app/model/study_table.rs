@@ -34,8 +34,8 @@ const fn figure(name: &'static str, head: &'static str, kind: FigureKind) -> Stu
     StudyFigure { name, head, kind }
 }
 
-/// The figures that are shown.
-pub const SHOWN: [StudyFigure; 8] = [
+/// The figures that are shown; the time is that on the machine where every plan has one.
+const SHOWN: [StudyFigure; 8] = [
     figure("time_estimate", "Time", FigureKind::Time),
     figure("residual_p95", "Stock 95 %", FigureKind::Length),
     figure("residual_mean", "Stock mean", FigureKind::Length),
@@ -103,6 +103,8 @@ pub enum StudyColumn {
 pub struct StudyTable {
     /// The results.
     pub results: Arc<StudyResults>,
+    /// The figures that are shown.
+    pub shown: [StudyFigure; SHOWN.len()],
     /// The columns.
     pub columns: Vec<StudyColumn>,
     /// Rows in the order in which they are shown.
@@ -122,15 +124,20 @@ pub struct StudyTable {
 impl StudyTable {
     /// The table of `results`, in the order of the study.
     pub fn new(results: StudyResults) -> Self {
+        let shown = SHOWN.map(|figure| match figure.kind {
+            FigureKind::Time => StudyFigure { name: results.table.time_figure(), ..figure },
+            _ => figure,
+        });
         let keys = results.keys().into_iter().map(|key| StudyColumn::Key(key.to_owned()));
-        let columns = keys.chain([StudyColumn::Status]).chain(SHOWN.map(StudyColumn::Figure)).collect();
+        let columns = keys.chain([StudyColumn::Status]).chain(shown.map(StudyColumn::Figure)).collect();
         let rows = 0..results.table.rows.len();
         let mut table = Self {
+            shown,
             columns,
             without_plan: rows.clone().filter(|&row| !results.has_plan(row)).count(),
             order: rows.collect(),
             sort: None,
-            axes: [SHOWN[0], SHOWN[1]],
+            axes: [shown[0], shown[1]],
             best: Vec::new(),
             selected: None,
             results: Arc::new(results),

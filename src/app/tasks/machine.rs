@@ -14,7 +14,7 @@ use crate::io::InputError;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::job::machine_run::MachineRun;
-use crate::machine::{BlankSize, MachineTool, MotionOptions, PlacedPart, Pose, gauge_length};
+use crate::machine::{BlankSize, MachineTool, MotionOptions, PlacedPart, Pose, gauge_length, move_clock};
 use crate::monitor::Monitor;
 use crate::plunge::{PlungePlan, Position};
 use crate::toolpath::{ClProgram, ClTool};
@@ -75,13 +75,19 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
             MachineRun::chosen(&machine, &placed, &program, &options, &monitor)
         }
     };
-    let (poses, fault) = match run {
-        Ok(run) => (run.poses, None),
+    let (poses, moves, fault) = match run {
+        Ok(run) => (run.poses, move_clock(&machine, &program, &run.motion), None),
         Err(fault) => {
             let error = fault.explained();
-            (Vec::new(), Some((error.message, error.help)))
+            (Vec::new(), Vec::new(), Some((error.message, error.help)))
         }
     };
+    let mut clock = Vec::with_capacity(steps.len());
+    for end in steps.iter().filter(|_| fault.is_none()) {
+        // A step without a move takes no time.
+        let before = clock.last().copied().unwrap_or(0.0);
+        clock.push(end.and_then(|end| moves.get(end).copied()).unwrap_or(before));
+    }
     let at = |index: usize| axis_positions(&machine, &program, index, (*poses.get(index)?)?);
     let first = match request.program {
         TimelineProgram::Flank(_) => steps.first().copied().flatten(),
@@ -96,7 +102,7 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
         }
         _ => Vec::new(),
     };
-    Ok(ProgramOnMachine { machine, placed, blank, start, ends, fault, demands })
+    Ok(ProgramOnMachine { machine, placed, blank, start, ends, clock, fault, demands })
 }
 
 /// What a position asks of the axes.

@@ -12,6 +12,7 @@ use crate::app::model::part_source::PartSource;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
+use crate::io::machine_file::is_built_in;
 use crate::io::part_hash::PartHash;
 use crate::io::project_file::{Project, read_project};
 use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
@@ -51,7 +52,10 @@ pub(in crate::app) fn open(
         OpenTask::Project(path, instead) => {
             let mut project = read_project(path)?;
             let sets = project.sets.iter_mut().map(|set| &mut set.setup);
-            std::iter::once(&mut project.setup).chain(sets).for_each(|setup| locate_machine(setup, path));
+            for setup in std::iter::once(&mut project.setup).chain(sets) {
+                // A project opens whatever its machine file is; planning says what is wrong with it.
+                let _ = locate_machine(setup, path);
+            }
             let source = instead.clone().unwrap_or_else(|| source_of(&project));
             (Some(source), None, Some((path.clone(), project)))
         }
@@ -82,7 +86,7 @@ pub(in crate::app) fn open(
     let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
         let Some((path, known)) = setup else { return Ok(None) };
         let mut setup = read_setup(path, defaults.unwrap_or(known))?;
-        locate_machine(&mut setup, path);
+        locate_machine(&mut setup, path)?;
         Ok(Some((path.clone(), setup)))
     };
     let Some(source) = source else {
@@ -124,7 +128,12 @@ fn open_run(
     let (path, run) = results.run(row)?;
     let name = path.display().to_string();
     let mut setup = read_setup_bytes(&format!("{name} (setup)"), run.setup.as_bytes())?;
-    locate_machine(&mut setup, &path);
+    // The run names its machine file as the study did.
+    let machine = setup.machine.file.as_deref().filter(|name| !is_built_in(name));
+    if let Some(file) = machine.and_then(|name| results.file_of_study(name)) {
+        setup.machine.file = Some(file.to_string_lossy().into_owned());
+    }
+    locate_machine(&mut setup, &path)?;
     let setup = Some((path, setup));
     if open.is_some_and(|open| open.sha256 == run.part_hash) {
         return Ok(Opened { setup, is_run: true, ..Opened::default() });

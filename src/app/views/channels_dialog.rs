@@ -37,7 +37,7 @@ impl ChannelsDialog {
                 ui.label(format!("of {count}, from the first on"));
             });
             if let Some(plan) = plan {
-                let whole = format_duration(plan.time_of_wheel_s(*chosen));
+                let whole = format_duration(plan.time_of_channels_s(*chosen, *count));
                 let changes = if plan.machine_time.is_some() { "with" } else { "without" };
                 ui.label(RichText::new(format!("Time {whole}, {changes} tool changes")).weak());
             }

@@ -8,7 +8,7 @@ use egui_extras::{Column, TableBuilder};
 use super::study_plot::StudyPlot;
 use super::theme;
 use super::units;
-use crate::app::model::study_table::{SHOWN, StudyColumn, StudyFigure, StudyTable};
+use crate::app::model::study_table::{StudyColumn, StudyFigure, StudyTable};
 use crate::app::model::units::DisplayUnits;
 use crate::study::StudyResults;
 
@@ -80,18 +80,18 @@ fn head(ui: &mut Ui, table: &mut StudyTable) {
     });
     let mut axes = table.axes;
     ui.horizontal(|ui| {
-        axis_list(ui, "Across", &mut axes[0]);
-        axis_list(ui, "Up", &mut axes[1]);
+        axis_list(ui, "Across", &mut axes[0], table.shown);
+        axis_list(ui, "Up", &mut axes[1], table.shown);
         ui.label(RichText::new("the line joins the runs that no other beats in both").weak());
     });
     table.set_axes(axes);
 }
 
-fn axis_list(ui: &mut Ui, name: &str, axis: &mut StudyFigure) {
+fn axis_list(ui: &mut Ui, name: &str, axis: &mut StudyFigure, shown: impl IntoIterator<Item = StudyFigure>) {
     let label = ui.label(name);
     let list = ComboBox::from_id_salt(name).width(110.0).selected_text(axis.head);
     let list = list.show_ui(ui, |ui| {
-        for figure in SHOWN {
+        for figure in shown {
             ui.selectable_value(axis, figure, figure.head);
         }
     });

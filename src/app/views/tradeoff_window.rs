@@ -15,6 +15,7 @@ use super::units;
 use crate::app::App;
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
+use crate::report::words::NOT_ON_MACHINE;
 use crate::setup::{AxisPolicy, Goal};
 use crate::tradeoff::TradeoffPoint;
 
@@ -148,6 +149,9 @@ fn show(
     if let Some(total) = total_at(&curve, handle, &totals) {
         ui.label(format!("With semi-finishing {total:.1} min per channel"));
     }
+    if let Some(refused) = planned.and_then(|outcome| refused_text(&outcome.policies())) {
+        ui.label(RichText::new(refused).weak());
+    }
     if let Some(missed) = state.missed_goal() {
         ui.label(RichText::new(missed).color(Condition::Blocked.text(ui.visuals())));
     }
@@ -173,12 +177,20 @@ struct Marker {
 fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
     let other = policies.iter().filter(|result| result.plan.policy != AxisPolicy::Minimal);
     other
+        .filter(|result| !result.summary.is_refused)
         .map(|result| Marker {
             name: policy_label(result.plan.policy),
             at: (result.summary.time_s() / 60.0, result.summary.residual_p95),
             interferes: result.summary.interfering > 0,
         })
         .collect()
+}
+
+/// The other policies whose plans the machine cannot run, and which have no place in the plot; `None` without any.
+fn refused_text(policies: &[&crate::job::PolicyResult]) -> Option<String> {
+    let refused = policies.iter().filter(|result| result.summary.is_refused);
+    let names: Vec<&str> = refused.map(|result| policy_label(result.plan.policy)).collect();
+    (!names.is_empty()).then(|| format!("{}: {NOT_ON_MACHINE}", names.join(", ")))
 }
 
 /// The two points of the curve beside a time of `minutes`, and how far it is from the first to the second, 0…1.

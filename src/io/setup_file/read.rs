@@ -8,7 +8,7 @@ use super::plunge::{RENAMED_IN_PLUNGE, plunge};
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::blank_file::{is_stl, read_blank, read_blank_file};
-use crate::io::machine_file::{built_in_names, read_machine};
+use crate::io::machine_file::{built_in_names, is_built_in, read_machine};
 use crate::io::source::{name_of, quote_for_message, read_bytes};
 use crate::io::table::{NumberRange, RenamedKeys, TomlDocument, TomlTable, nearest};
 use crate::io::tool_file::{ALLOWANCE, LENGTH, MAX_NUMBER, RATE, name, read_tool_tables};
@@ -198,7 +198,7 @@ fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputErro
     if let Some(angle) = table.number("max_axis_tilt", HALF_TURN)? {
         machine.max_axis_tilt_rad = angle.value.to_radians();
     } else if let Some(file) = &file {
-        let is_built_in = built_in_names().any(|name| name == file.value);
+        let is_built_in = is_built_in(file.value);
         let path = if is_built_in { PathBuf::from(file.value) } else { table.folder().join(file.value) };
         if !is_built_in && !path.is_file() {
             let known: Vec<&str> = built_in_names().collect();

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use super::VERSION;
 use super::edits::write_edits;
+use crate::io::InputError;
 use crate::io::blank_file::blank_name;
-use crate::io::machine_file::built_in_names;
+use crate::io::machine_file::{is_built_in, read_machine};
 use crate::io::table::{degrees_text, quoted};
 use crate::io::tool_file::write_tools;
 use crate::part::{BlankFile, BlankShape};
@@ -33,13 +34,15 @@ pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
 
 /// The file of a machine that the setup at `path` names: absolute, so that it is found from anywhere. Machines
 /// that come with the program keep their names.
-pub fn locate_machine(setup: &mut Setup, path: &Path) {
-    let Some(file) = setup.machine.file.as_deref() else { return };
-    if !built_in_names().any(|name| name == file) {
-        let file = path.parent().unwrap_or(Path::new("")).join(file);
-        let file = std::path::absolute(&file).unwrap_or(file);
-        setup.machine.file = Some(file.to_string_lossy().into_owned());
-    }
+///
+/// # Errors
+/// When the file is there and is not that of a machine. One that is not there is needed for times alone.
+pub fn locate_machine(setup: &mut Setup, path: &Path) -> Result<(), InputError> {
+    let Some(name) = setup.machine.file.as_deref().filter(|name| !is_built_in(name)) else { return Ok(()) };
+    let file = path.parent().unwrap_or(Path::new("")).join(name);
+    let absolute = std::path::absolute(&file).unwrap_or_else(|_| file.clone());
+    setup.machine.file = Some(absolute.to_string_lossy().into_owned());
+    if file.exists() { read_machine(&file).map(drop) } else { Ok(()) }
 }
 
 /// `setup` with the files of its blank and its machine named as seen from a file at `path`.

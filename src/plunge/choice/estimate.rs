@@ -1,11 +1,14 @@
 //! Time estimate for a cutter on a stretch of the channel without planning it: rows and positions spaced as
-//! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid.
+//! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid; on a machine with
+//! accelerations, and turns between isoparametric axes.
+
+use std::collections::HashMap;
 
 use super::fit::{Rules, ToolFit};
+use super::times::{MoveTimes, PlungeMoves};
 use crate::plunge::spacing::{max_shroud_spacing, step_limit, stepover};
-use crate::plunge::survey::{PassageExtent, Survey};
-use crate::setup::{PlungeSetup, Tool};
-use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
+use crate::plunge::survey::{PassageExtent, Survey, SurveyStation};
+use crate::setup::{PlungeSetup, Setup, Tool};
 
 /// Cost of a choice, ordered lexicographically: broken rules first, then time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
@@ -48,9 +51,14 @@ pub struct Estimator<'a> {
     /// Measures of the channel.
     pub survey: &'a Survey,
     /// Steps and stepovers of the setup.
-    pub plunge: &'a PlungeSetup,
+    plunge: &'a PlungeSetup,
     /// Rules for whether a cutter fits.
     pub rules: Rules,
+    /// How long moves take.
+    times: MoveTimes<'a>,
+    /// By number of the tool: for each station, the time of a plunge with its retract and the link to the next in each
+    /// passage, s.
+    plunges: HashMap<u32, Vec<Vec<f64>>>,
 }
 
 /// Rows and positions of a stretch of one passage, accumulated station by station.
@@ -78,10 +86,25 @@ fn rows(gaps: f64) -> f64 {
     (gaps + 0.5).max(1.0) + 1.0
 }
 
-impl Estimator<'_> {
+impl<'a> Estimator<'a> {
+    /// The estimator of `setup` for `tools` in the channel of `survey`; `times` tells how long moves take.
+    pub fn new(survey: &'a Survey, setup: &'a Setup, tools: &[&Tool], times: MoveTimes<'a>) -> Self {
+        let rules = Rules::new(&setup.allowances);
+        let mut estimator = Self { survey, plunge: &setup.plunge, rules, times, plunges: HashMap::new() };
+        for tool in tools {
+            let at = |station: &SurveyStation| {
+                station.passages.iter().map(|across| estimator.plunge_seconds(tool, across)).collect()
+            };
+            let plunges = survey.stations.iter().map(at).collect();
+            estimator.plunges.insert(tool.number, plunges);
+        }
+        estimator
+    }
+
     /// Costs of cutting with `tool` from station `from` inwards to each of the stations below it, nearest
     /// first. Entry and tool change are not included, see [`Self::beginning`].
-    pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s> {
+    pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s, 'a> {
+        let plunges = &self.plunges[&tool.number];
         let stations = &self.survey.stations;
         let passages = stations.iter().flat_map(|station| &station.passages);
         let count = passages.map(|across| across.passage + 1).max().unwrap_or(0);
@@ -91,9 +114,9 @@ impl Estimator<'_> {
         (0..from).rev().map(move |to| {
             let (outer, inner) = (&stations[to + 1], &stations[to]);
             broken = broken.and(self.broken_rules(tool, to));
-            for across in &outer.passages {
+            for (across, seconds) in outer.passages.iter().zip(&plunges[to + 1]) {
                 let lane = &mut lanes[across.passage];
-                lane.plunging += (outer.s - inner.s) * self.plunge_seconds(tool, across);
+                lane.plunging += (outer.s - inner.s) * seconds;
             }
             for across in outer.passages.iter().chain(&inner.passages) {
                 let lane = &mut lanes[across.passage];
@@ -115,11 +138,11 @@ impl Estimator<'_> {
         // The planner aligns the front rims of both cutters, and starts with the core outside the rim.
         let way_in = before.map_or(tool.core_radius().max(0.0), |t| (t.radius() - tool.radius()).max(0.0));
         let change =
-            if before.is_some_and(|before| before.number == tool.number) { 0.0 } else { TOOL_CHANGE_S };
+            if before.is_some_and(|b| b.number == tool.number) { 0.0 } else { self.times.tool_change_s() };
         let positions = 1.0 + way_in / step_limit(self.plunge, tool, false);
-        let passages = self.survey.stations[from].passages.iter();
+        let passages = self.survey.stations[from].passages.iter().zip(&self.plunges[&tool.number][from]);
         let travel: f64 =
-            passages.map(|a| rows(self.gaps(tool, a)) * positions * self.plunge_seconds(tool, a)).sum();
+            passages.map(|(across, seconds)| rows(self.gaps(tool, across)) * positions * seconds).sum();
         Cost::seconds(change + travel)
     }
 
@@ -134,7 +157,8 @@ impl Estimator<'_> {
     fn plunge_seconds(&self, tool: &Tool, across: &PassageExtent) -> f64 {
         let length = across.depth + self.rules.safety_distance;
         let link = step_limit(self.plunge, tool, false);
-        60.0 * (length / tool.plunge_feed + (length + link) / RAPID_MM_PER_MIN)
+        let turn_rad = across.turn_rad * link / across.advance.max(f64::MIN_POSITIVE);
+        self.times.plunge_s(tool, &PlungeMoves { length, link, turn_rad })
     }
 
     fn broken_rules(&self, tool: &Tool, station: usize) -> Cost {

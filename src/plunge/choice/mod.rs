@@ -7,7 +7,7 @@
 //! | question | file |
 //! |---|---|
 //! | when does a cutter fit | [`fit`] |
-//! | how much time does it take | [`estimate`] |
+//! | how much time does it take | [`estimate`], [`times`] |
 //! | which choice is the cheapest | [`search`] |
 //! | why was it chosen (text) | `reason` |
 //! | the tool for what stands above the shroud | `opening` |
@@ -19,6 +19,7 @@ mod opening;
 mod reason;
 pub mod rest;
 pub mod search;
+pub mod times;
 
 use crate::plunge::survey::Survey;
 use crate::setup::{AllowanceSetup, SectionKind, SectionSetup, Setup, Tool};
@@ -28,6 +29,7 @@ pub use opening::choose_opening;
 use reason::Reasons;
 use rest::rest_sections;
 use search::cheapest;
+use times::MoveTimes;
 
 /// A chosen section with the reason for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,10 +41,16 @@ pub struct ChosenSection {
 }
 
 /// Chooses sections for `tools` in the channel of `survey`. Cutters with a diameter above `limit` (mm) are
-/// ignored if there are others. Empty without tools.
-pub fn choose(tools: &[Tool], limit: Option<f64>, survey: &Survey, setup: &Setup) -> Vec<ChosenSection> {
-    let estimator = Estimator { survey, plunge: &setup.plunge, rules: Rules::new(&setup.allowances) };
+/// ignored if there are others. Empty without tools. `times` tells how long moves take.
+pub fn choose(
+    tools: &[Tool],
+    limit: Option<f64>,
+    survey: &Survey,
+    setup: &Setup,
+    times: MoveTimes,
+) -> Vec<ChosenSection> {
     let candidates = candidates(tools, limit);
+    let estimator = Estimator::new(survey, setup, &candidates, times);
     let Some(found) = cheapest(&estimator, &candidates, |_| true) else { return Vec::new() };
     let reasons = Reasons { estimator: &estimator, candidates: &candidates, limit, found: &found };
     let sections = found.stretches.iter().enumerate().map(|(index, stretch)| ChosenSection {

@@ -1,10 +1,10 @@
 //! The tool for what stands above the shroud: the fastest that is long enough.
 
 use super::ChosenSection;
+use super::times::{MoveTimes, PlungeMoves};
 use crate::part::Impeller;
 use crate::plunge::opening::{Opening, OpeningRow};
 use crate::setup::{SectionKind, SectionSetup, Setup, Tool};
-use crate::toolpath::{RAPID_MM_PER_MIN, TOOL_CHANGE_S};
 
 /// Height of the stock above the shroud from which on a section of its own removes it, as a share of the
 /// greatest distance between hub and shroud: the plunges of the channel cut through less than that.
@@ -17,13 +17,14 @@ const PLACES: u32 = 20;
 
 /// A section for what stands above the shroud in the blank of `setup`, with one of `tools`, before a channel
 /// whose largest cutter is `largest`, and whose first tool has the number `first`; `None` where
-/// nothing, or too little for a section, stands there.
+/// nothing, or too little for a section, stands there. `times` tells how long moves take.
 pub fn choose_opening(
     setup: &Setup,
     tools: &[Tool],
     part: &Impeller,
     largest: &Tool,
     first: Option<u32>,
+    times: MoveTimes,
 ) -> Option<ChosenSection> {
     let blank = setup.allowances.blank_of(part);
     blank.outline()?;
@@ -44,8 +45,8 @@ pub fn choose_opening(
         let rows = opening.rows(tool);
         let needed = deepest(&rows) + setup.allowances.safety_distance;
         let lacking = (needed - tool.overhang).max(0.0);
-        let change = if first == Some(tool.number) { 0.0 } else { TOOL_CHANGE_S };
-        (lacking, change + seconds(&rows, tool, setup.allowances.safety_distance), needed, tool)
+        let change = if first == Some(tool.number) { 0.0 } else { times.tool_change_s() };
+        (lacking, change + seconds(&rows, tool, setup.allowances.safety_distance, times), needed, tool)
     });
     let (lacking, _, needed, tool) =
         estimates.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
@@ -72,8 +73,9 @@ fn deepest(rows: &[OpeningRow]) -> f64 {
     rows.iter().flat_map(|row| &row.depths).copied().fold(0.0, f64::max)
 }
 
-/// Time of the rows of one pitch, s.
-fn seconds(rows: &[OpeningRow], tool: &Tool, safety: f64) -> f64 {
-    let length: f64 = rows.iter().flat_map(|row| &row.depths).map(|depth| depth + safety).sum();
-    60.0 * length * (1.0 / tool.plunge_feed + 1.0 / RAPID_MM_PER_MIN)
+/// Time of the rows of one pitch, s; links between them are left out.
+fn seconds(rows: &[OpeningRow], tool: &Tool, safety: f64, times: MoveTimes) -> f64 {
+    let depths = rows.iter().flat_map(|row| &row.depths);
+    let plunge = |depth: &f64| PlungeMoves { length: depth + safety, ..PlungeMoves::default() };
+    depths.map(|depth| times.plunge_s(tool, &plunge(depth))).sum()
 }

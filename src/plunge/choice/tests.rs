@@ -33,6 +33,7 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
                 shroud: 1.1 * width,
                 depth: 40.0,
                 advance: 200.0,
+                turn_rad: 1.0,
             }],
         }
     };
@@ -102,8 +103,7 @@ fn no_choice_beats_the_one_found() {
             tool.overhang = chance(30.0, 90.0);
         }
         let candidates = candidates(&tools, None);
-        let estimator =
-            Estimator { survey: &survey, plunge: &setup.plunge, rules: Rules::new(&setup.allowances) };
+        let estimator = Estimator::new(&survey, &setup, &candidates, MoveTimes::default());
         let mut best = [None; MAX_TOOLS];
         every_choice(&estimator, &candidates, (&mut Vec::new(), Cost::default()), &mut best);
         let wanted = worthwhile(&best).and_then(|index| best[index]).expect("there is a choice");
@@ -127,7 +127,7 @@ fn cutters_fit_and_follow_each_other_from_rim_to_leading_edge() {
     let survey = opening(13.0, 90.0);
     let tools: Vec<Tool> =
         [40.0, 30.0, 20.0, 16.0, 12.0, 10.0, 8.0].iter().zip(1..).map(|(&d, n)| tool(n, d)).collect();
-    let chosen = choose(&tools, None, &survey, &setup);
+    let chosen = choose(&tools, None, &survey, &setup, MoveTimes::default());
     assert!((2..=MAX_TOOLS).contains(&chosen.len()), "a narrowing channel takes some cutters: {chosen:?}");
     let sections: Vec<&SectionSetup> = chosen.iter().map(|chosen| &chosen.section).collect();
     assert_eq!((sections[0].from, sections[sections.len() - 1].to), (1.0, 0.0), "from rim to leading edge");
@@ -145,7 +145,9 @@ fn cutters_fit_and_follow_each_other_from_rim_to_leading_edge() {
 fn a_wider_channel_gets_larger_cutters() {
     let setup = Setup::default();
     let tools: Vec<Tool> = (3..=50).map(|d| tool(d, f64::from(d))).collect();
-    let diameters = |inlet, outlet| tools_of(&choose(&tools, None, &opening(inlet, outlet), &setup));
+    let diameters = |inlet, outlet| {
+        tools_of(&choose(&tools, None, &opening(inlet, outlet), &setup, MoveTimes::default()))
+    };
     let (narrow, wide) = (diameters(12.0, 40.0), diameters(24.0, 80.0));
     assert!(wide.first() > narrow.first() && wide.last() > narrow.last(), "{narrow:?}, then {wide:?}");
 }
@@ -153,7 +155,8 @@ fn a_wider_channel_gets_larger_cutters() {
 #[test]
 fn a_new_section_begins_where_passages_join() {
     let setup = Setup::default();
-    let chosen = choose(&[tool(4, 12.0)], None, &channel(&[30.0; 51], Some(20)), &setup);
+    let chosen =
+        choose(&[tool(4, 12.0)], None, &channel(&[30.0; 51], Some(20)), &setup, MoveTimes::default());
     let borders: Vec<(f64, f64)> = chosen.iter().map(|c| (c.section.from, c.section.to)).collect();
     assert_eq!(borders, [(1.0, 0.4), (0.4, 0.0)], "the same cutter, twice");
 }
@@ -167,9 +170,10 @@ fn the_shortest_cutter_that_is_long_enough_is_taken() {
         plunge_feed: 300.0 - overhang,
         ..tool(0, 12.0)
     });
-    let of = |tools: &[Tool]| tools_of(&choose(tools, None, &opening(20.0, 30.0), &setup));
+    let of =
+        |tools: &[Tool]| tools_of(&choose(tools, None, &opening(20.0, 30.0), &setup, MoveTimes::default()));
     assert_eq!(of(&cutters), [60], "40 mm deep, and room to lean");
-    let chosen = choose(&cutters[2..], None, &opening(20.0, 30.0), &setup);
+    let chosen = choose(&cutters[2..], None, &opening(20.0, 30.0), &setup, MoveTimes::default());
     assert_eq!(tools_of(&chosen), [40], "a short one is better than none");
     assert!(chosen[0].reason.contains("overhang of 40 mm is less than"), "and says so: {}", chosen[0].reason);
 }
@@ -178,17 +182,21 @@ fn the_shortest_cutter_that_is_long_enough_is_taken() {
 fn a_limit_leaves_large_cutters_aside_but_never_all() {
     let setup = Setup::default();
     let tools = [tool(1, 20.0), tool(2, 12.0), tool(3, 8.0)];
-    let of = |limit| tools_of(&choose(&tools, Some(limit), &opening(40.0, 60.0), &setup));
+    let of =
+        |limit| tools_of(&choose(&tools, Some(limit), &opening(40.0, 60.0), &setup, MoveTimes::default()));
     assert_eq!(of(15.0), [2]);
     assert_eq!(of(5.0), [3], "all are larger: the smallest");
-    assert!(choose(&[], None, &opening(40.0, 60.0), &setup).is_empty(), "no tools, no sections");
+    assert!(
+        choose(&[], None, &opening(40.0, 60.0), &setup, MoveTimes::default()).is_empty(),
+        "no tools, no sections"
+    );
 }
 
 #[test]
 fn reasons_name_the_border_and_the_price_of_another_size() {
     let setup = Setup::default();
     let tools = [tool(1, 25.0), tool(2, 12.0), tool(3, 10.0)];
-    let chosen = choose(&tools, None, &opening(15.0, 60.0), &setup);
+    let chosen = choose(&tools, None, &opening(15.0, 60.0), &setup, MoveTimes::default());
     assert_eq!(tools_of(&chosen), [1, 2]);
     let reason = &chosen[0].reason;
     assert!(

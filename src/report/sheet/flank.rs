@@ -2,12 +2,16 @@
 
 use std::fmt::Write;
 
-use super::{MAX_FAULTS, ProgramFile, SheetPart, heading_of, page, program_files, tool_card, warning_list};
+use super::{
+    MAX_FAULTS, ProgramFile, SheetPart, heading_of, on_machine_text, page, program_files, tool_card,
+    warning_list,
+};
 use crate::flank::UncutLength;
 use crate::job::flank::FlankOutcome;
+use crate::report::html::escaped;
 use crate::report::{PagePicture, ReportPage};
 use crate::setup::{FlankFeedRates, Tool};
-use crate::toolpath::{TOOL_CHANGE_S, Travel};
+use crate::toolpath::TOOL_CHANGE_S;
 
 /// What the sheet shows.
 pub struct FlankSheetInput<'a> {
@@ -99,21 +103,28 @@ fn program_text(input: &FlankSheetInput) -> String {
         ),
         None => String::new(),
     };
-    let travel = Travel::of(&outcome.program());
     let blades = outcome.workpiece.part.blade_count;
-    let minutes = travel.time / 60.0;
     let count = tools(outcome).len();
-    let changes = TOOL_CHANGE_S / 60.0 * count as f64;
+    let wheel = outcome.time_of_wheel_s() / 60.0;
+    let clock = outcome.clock.as_ref();
+    let (wheel, what) = match (clock, outcome.machine_time) {
+        (Some(clock), Some(_)) => (wheel, on_machine_text(clock.machine())),
+        (Some(clock), None) => (
+            wheel + TOOL_CHANGE_S / 60.0 * count as f64,
+            format!("accelerations left out: {} cannot run the program", escaped(&clock.machine().name)),
+        ),
+        (None, _) => (wheel + TOOL_CHANGE_S / 60.0 * count as f64, "accelerations left out".to_owned()),
+    };
     format!(
         "<h2>Program</h2>\n<p>{}, for one channel; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
-         passes, {:.0} mm of links, {:.0} mm in rapid; {minutes:.1} min per channel; the wheel, \
-         {blades} channels and {}, about {:.0} min (accelerations left out).</p>\n",
+         passes, {:.0} mm of links, {:.0} mm in rapid; {:.1} min per channel; the wheel, \
+         {blades} channels and {}, about {wheel:.0} min ({what}).</p>\n",
         program_files(input.files, "flank plan"),
         outcome.plan.times.cut_length,
         outcome.plan.times.link_length,
         outcome.plan.times.rapid_length,
+        outcome.time_s() / 60.0,
         if count == 1 { "one tool change".to_owned() } else { format!("{count} tool changes") },
-        minutes * blades as f64 + changes,
     )
 }
 

@@ -8,10 +8,10 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::html::escaped;
-use super::words::{channels_text, clearances_text, finishing_text, minutes};
+use super::words::{channels_text, clearances_text, finishing_text, minutes, minutes_text};
 use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
-use crate::machine::SectionTime;
+use crate::machine::{MachineTool, SectionTime};
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
 use crate::setup::{SectionKind, Setup, Tool};
@@ -260,7 +260,7 @@ fn sections_text(input: &SheetInput) -> String {
         let _ = write!(
             rows,
             "<tr><td>{}</td><td>T{}</td><td>{:.2} to {:.2}</td><td>{kind}</td><td>{}</td>\
-             <td>{:.2} / {:.2}</td><td>{:.1}</td></tr>",
+             <td>{:.2} / {:.2}</td><td>{}</td></tr>",
             index + 1,
             section.tool.number,
             section.from,
@@ -269,28 +269,45 @@ fn sections_text(input: &SheetInput) -> String {
             summary.residual_mean,
             summary.residual_p95,
             match &on_machine {
-                Some(times) => section_minutes(times, index),
-                None => minutes(&summary),
+                Some(times) => format!("{:.1}", section_minutes(times, index)),
+                None if shown.summary.is_refused => "–".to_owned(),
+                None => minutes_text(&summary),
             },
         );
     }
     let blades = outcome.workpiece.part.blade_count;
     let changes = if tool_changes == 1 { "one tool change" } else { &format!("{tool_changes} tool changes") };
+    if shown.summary.is_refused {
+        return sections_table(&rows, "The machine of the setup cannot run this plan.");
+    }
     let one = minutes(&shown.summary);
-    let wheel = shown.summary.time_of_wheel_s(blades) / 60.0;
+    let wheel = shown.summary.time_of_channels_s(blades, blades) / 60.0;
     let (wheel, what) = match outcome.clock.machine().filter(|_| shown.summary.machine_time.is_some()) {
-        Some(machine) => (wheel, format!("on {} with accelerations", escaped(&machine.name))),
+        Some(machine) => (wheel, on_machine_text(machine)),
         None => (wheel + TOOL_CHANGE_S / 60.0 * tool_changes as f64, "accelerations left out".to_owned()),
     };
-    let finishing = finishing_text(outcome, shown)
-        .map_or_else(String::new, |text| format!("<p>Afterwards {text}.</p>\n"));
+    let mut below = format!(
+        "One channel {one:.1} min; the wheel, {blades} channels and {changes}, about {wheel:.0} min ({what})."
+    );
+    if let Some(finishing) = finishing_text(outcome, shown) {
+        let _ = write!(below, " Afterwards {finishing}.");
+    }
+    sections_table(&rows, &below)
+}
+
+/// The table of sections with a line below.
+fn sections_table(rows: &str, below: &str) -> String {
     format!(
         "<h2>Sections</h2>\n<table><thead><tr><th>section</th><th>tool</th><th>s</th><th>cut</th>\
          <th>plunges</th><th>stock mean / 95 %, mm</th><th>min</th></tr></thead>\
          <tbody>{rows}</tbody></table>\n\
-         <p>One channel {one:.1} min; the wheel, {blades} channels and {changes}, \
-         about {wheel:.0} min ({what}).</p>\n{finishing}",
+         <p>{below}</p>\n",
     )
+}
+
+/// What the times of a program on its machine count.
+fn on_machine_text(machine: &MachineTool) -> String {
+    format!("on {} with accelerations", escaped(&machine.name))
 }
 
 /// Time of section `index` of a plan on its machine, min.
@@ -305,7 +322,7 @@ fn policies_text(outcome: &PlanOutcome) -> String {
         let s = &result.summary;
         format!(
             "<tr><td>{}</td><td>{}</td><td>{}</td><td>{:.2}</td><td>{:.2} / {:.2}</td><td>{:.1}</td>\
-             <td>{:.1}</td></tr>",
+             <td>{}</td></tr>",
             result.plan.policy.name(),
             s.positions,
             s.interfering,
@@ -313,7 +330,7 @@ fn policies_text(outcome: &PlanOutcome) -> String {
             s.residual_mean,
             s.residual_p95,
             100.0 * s.uncut_share,
-            minutes(s),
+            minutes_text(s),
         )
     };
     let rows: String = outcome.policies().into_iter().map(row).collect();

@@ -89,10 +89,20 @@ impl AppState {
         self.look.play_speed * if self.timeline_is_of_moves() { MOVES_PLAY_RATE } else { PLAY_RATE }
     }
 
-    /// Time of the program at the position of the timeline and at its end, s.
+    /// The time of the shown program on the machine, step by step; `None` where that is not known.
+    pub fn machine_clock(&self) -> Option<&[f64]> {
+        let clock = &self.on_machine()?.clock;
+        (!clock.is_empty() && clock.len() == self.timeline_len()).then_some(clock)
+    }
+
+    /// Time of the program at the position of the timeline and at its end, s: on the machine, where that is known.
     pub fn clock(&self) -> Option<(f64, f64)> {
         let count = self.timeline_len();
         let cut = self.timeline_cut().unwrap_or(count);
+        if let Some(clock) = self.machine_clock() {
+            let at = |cut: usize| cut.checked_sub(1).map_or(Some(0.0), |last| clock.get(last).copied());
+            return at(cut).zip(at(count));
+        }
         match self.look.operation {
             Operation::Roughing => {
                 let shown = self.shown()?;

@@ -8,7 +8,7 @@ use crate::setup::FlankStrategy;
 
 use super::flank::strategy_label;
 use super::verdict::divided_figure;
-use crate::app::model::figures::{format_duration, format_times, skipped_length};
+use crate::app::model::figures::{flank_times_tip, format_duration, format_times, skipped_length};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
@@ -57,9 +57,8 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         "Largest gouge below the blade allowance, and most stock left above it",
     );
     divided_figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
-    let (time, channels) = (outcome.plan.times.total(), outcome.workpiece.part.blade_count);
-    let times = format_times(time, time * channels as f64);
-    divided_figure(ui, "Time", times, "From feed rates and rapids");
+    let times = format_times(outcome.time_s(), outcome.time_of_wheel_s());
+    divided_figure(ui, "Time", times, flank_times_tip(outcome));
 }
 
 /// Draws the results.
@@ -138,7 +137,7 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         },
         units.length(outcome.max_overcut(), 4),
         units.length(plan.max_undercut(), 4),
-        format_duration(plan.times.total()),
+        format_duration(outcome.time_s()),
     ));
     if !plan.uncut.is_empty() {
         let lost = skipped_length(plan, units);

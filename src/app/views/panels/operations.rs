@@ -8,6 +8,7 @@ use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
+use crate::report::words::NOT_ON_MACHINE;
 
 /// State of an operation, in words and as a condition.
 fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
@@ -16,7 +17,10 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
         Operation::Roughing => {
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
             let summary = &shown.planned.result(shown.policy).summary;
-            let times = times(summary.time_s(), summary.time_of_wheel_s(channels));
+            let times = match summary.is_refused {
+                true => NOT_ON_MACHINE.to_owned(),
+                false => times(summary.time_s(), summary.time_of_channels_s(channels, channels)),
+            };
             (times, summary.interfering, state.out_of_date())
         }
         Operation::Program => {
@@ -28,8 +32,8 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
         }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };
-            let time = outcome.plan.times.total();
-            (times(time, time * channels as f64), outcome.faults.len(), state.flank_is_stale())
+            let times = times(outcome.time_s(), outcome.time_of_wheel_s());
+            (times, outcome.faults.len(), state.flank_is_stale())
         }
     };
     if running {

@@ -157,13 +157,20 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
 
 /// What the clock counts; `whole`: time at the end of the timeline, s.
 fn clock_tip(state: &AppState, whole: f64) -> String {
-    let from = "from feed rates and rapids; without tool changes and accelerations";
-    if state.look.operation == Operation::Program {
-        return format!("Time of the program up to here, {from}");
-    }
-    let part = state.document.part.as_ref();
-    let wheel = part.map_or(1.0, |part| part.impeller.blade_count as f64) * whole;
-    format!("Time of one channel up to here, {from}\nWhole wheel: {}", format_duration(wheel))
+    let from = match state.machine_clock() {
+        Some(_) => "on the machine, with tool changes and accelerations",
+        None => "from feed rates and rapids; without tool changes and accelerations",
+    };
+    let wheel = match state.look.operation {
+        Operation::Program => return format!("Time of the program up to here, {from}"),
+        Operation::Flank => state.results.flank.as_ref().map(|outcome| outcome.time_of_wheel_s()),
+        Operation::Roughing => state.shown().map(|shown| {
+            let channels = shown.planned.outcome.workpiece.part.blade_count;
+            shown.planned.result(shown.policy).summary.time_of_channels_s(channels, channels)
+        }),
+    };
+    let wheel = format_duration(wheel.unwrap_or(whole));
+    format!("Time of one channel up to here, {from}\nWhole wheel: {wheel}")
 }
 
 /// What is cut at the place of the timeline under the pointer.
