@@ -268,6 +268,28 @@ fn the_layout_is_there_after_a_restart_until_it_is_reset() {
     assert_eq!(places(&with_home(&home)), default, "the reset is kept, too");
 }
 
+/// At the start there is no plan, and nothing to show in the tab; it is in front again when there is one.
+#[test]
+fn the_tab_in_front_is_there_after_a_restart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let curve = "Hub stock over time of a channel";
+    let mut first = with_home(&home);
+    arrange(&mut first, "Time against stock", "Dock");
+    settle(&mut first);
+    first.get_by_label(curve);
+    drop(first);
+    let mut second = with_home(&home);
+    settle(&mut second);
+    second.run_steps(4);
+    second.get_by_label(curve);
+    // A window that opens leaves the tabs as they are.
+    second.key_press(egui::Key::A);
+    second.run_steps(4);
+    assert!(floats(&second, DockPanel::Machinability));
+    second.get_by_label(curve);
+}
+
 #[test]
 fn a_damaged_layout_is_replaced_by_the_default() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,6 +4,7 @@
 
 mod behavior;
 mod content;
+mod fronts;
 mod grip;
 mod sizes;
 mod stored;
@@ -22,6 +23,7 @@ use crate::app::model::panels::DockPanel;
 use crate::app::views::panels;
 
 use behavior::DockBehavior;
+use fronts::FrontTabs;
 pub use grip::{PanelRequest, WindowEdge, panel_menu};
 use sizes::{KeptSize, Sizes};
 
@@ -33,8 +35,10 @@ const MIN_BESIDE_DETAILS: f32 = 120.0;
 const FIRST_DETAILS: f32 = 200.0;
 
 /// The places of the panels.
+#[derive(Clone)]
 pub struct Dock {
     tree: Tree<DockPanel>,
+    fronts: FrontTabs,
     /// Sizes set by hand of tiles whose content needs another size now.
     kept: HashMap<TileId, KeptSize>,
     /// Height of the content of [`DockPanel::Details`], points.
@@ -54,8 +58,10 @@ impl Default for Dock {
 impl Dock {
     /// The panels arranged by `layout`.
     pub fn of(layout: &Layout) -> Self {
+        let tree = stored::tree_of(&layout.docked);
         Self {
-            tree: stored::tree_of(&layout.docked),
+            fronts: FrontTabs::of(&tree),
+            tree,
             kept: HashMap::new(),
             details_height: FIRST_DETAILS,
             popped_out: None,
@@ -119,7 +125,8 @@ fn simplification() -> SimplificationOptions {
 impl App {
     /// Draws the docked panels in the rest of `ui`.
     pub(in crate::app) fn docked_panels(&mut self, ui: &mut Ui) {
-        let mut dock = std::mem::take(&mut self.dock);
+        // Commands of the panels ask where these are.
+        let mut dock = self.dock.clone();
         if std::mem::take(&mut self.state.look.panels.wants_reset) {
             dock = Dock { stored: dock.stored, ..Dock::default() };
             ui.ctx().memory_mut(|memory| memory.reset_areas());
@@ -132,6 +139,7 @@ impl App {
             let is_shown = state.is_open && !state.is_floating && self.has_content(panel);
             dock.tree.set_visible(tile, is_shown);
         }
+        dock.fronts.restore(&mut dock.tree);
         self.make_room(&mut dock, area);
         // It waits for its content; a window leaves the tabs as they are.
         let opened = self.state.look.panels.opened.filter(|&panel| self.has_content(panel));
@@ -182,6 +190,7 @@ impl App {
             }
             ui.ctx().request_repaint();
         }
+        dock.fronts.follow(&dock.tree);
         self.dock = dock;
         if let Some((panel, request)) = request {
             self.change_panel(ui.ctx(), panel, request);
@@ -256,7 +265,8 @@ impl App {
         if ctx.input(|input| input.pointer.any_down()) || self.state.look.panels.wants_reset {
             return None;
         }
-        let layout = stored::layout_of(&self.dock.tree, &self.dock.kept, &self.state.look.panels)?;
+        let layout =
+            stored::layout_of(&self.dock.tree, &self.dock.kept, &self.dock.fronts, &self.state.look.panels)?;
         (layout != self.dock.stored).then(|| {
             self.dock.stored.clone_from(&layout);
             layout

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use egui::Id;
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
+use super::fronts::FrontTabs;
 use super::sizes::KeptSize;
 use crate::app::model::layout::{Layout, LayoutChild, LayoutNode};
 use crate::app::model::panels::{DockPanel, Panels};
@@ -41,21 +42,29 @@ fn insert_linear(tiles: &mut Tiles<DockPanel>, dir: LinearDir, parts: &[LayoutCh
 pub fn layout_of(
     tree: &Tree<DockPanel>,
     kept: &HashMap<TileId, KeptSize>,
+    fronts: &FrontTabs,
     panels: &Panels,
 ) -> Option<Layout> {
-    let docked = node_of(&tree.tiles, kept, tree.root?)?;
+    let docked = node_of(&tree.tiles, kept, fronts, tree.root?)?;
     Some(Layout::new(docked, panels))
 }
 
-fn node_of(tiles: &Tiles<DockPanel>, kept: &HashMap<TileId, KeptSize>, id: TileId) -> Option<LayoutNode> {
+fn node_of(
+    tiles: &Tiles<DockPanel>,
+    kept: &HashMap<TileId, KeptSize>,
+    fronts: &FrontTabs,
+    id: TileId,
+) -> Option<LayoutNode> {
     let container = match tiles.get(id)? {
         Tile::Pane(panel) => return Some(LayoutNode::Panel(*panel)),
         Tile::Container(container) => container,
     };
-    let nodes = || container.children().filter_map(|&child| Some((child, node_of(tiles, kept, child)?)));
+    let nodes =
+        || container.children().filter_map(|&child| Some((child, node_of(tiles, kept, fronts, child)?)));
     Some(match container {
         Container::Tabs(tabs) => {
-            let active = nodes().position(|(child, _)| Some(child) == tabs.active).unwrap_or(0);
+            let front = fronts.get(id).or(tabs.active);
+            let active = nodes().position(|(child, _)| Some(child) == front).unwrap_or(0);
             LayoutNode::Tabs { active, tabs: nodes().map(|(_, node)| node).collect() }
         }
         Container::Linear(linear) => {
