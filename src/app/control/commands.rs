@@ -108,10 +108,7 @@ impl App {
         let is_running = self.running_task().is_some();
         let exported = self.exported_operation();
         // One behind another tab comes to the front.
-        let is_behind = |panel: DockPanel| {
-            let state = self.state.look.panels.state(panel);
-            state.is_open && !state.is_floating && self.dock.rect(panel).is_none()
-        };
+        let is_behind = |panel| self.state.look.panels.is_open(panel) && !self.is_in_view(panel);
         let behind = [DockPanel::Machinability, DockPanel::Tradeoff].map(is_behind);
         let look = &mut self.state.look;
         match command {

@@ -74,6 +74,14 @@ impl Dock {
         self.tree.tiles.find_pane(&panel).and_then(|tile| self.tree.tiles.rect(tile))
     }
 
+    /// Whether a panel is docked behind another tab.
+    fn is_behind(&self, panel: DockPanel) -> bool {
+        let tiles = &self.tree.tiles;
+        let tile = tiles.find_pane(&panel);
+        let parent = tile.and_then(|tile| tiles.get_container(tiles.parent_of(tile)?));
+        matches!(parent, Some(Container::Tabs(tabs)) if tabs.active != tile)
+    }
+
     /// The 3D view, with the timeline where it is below it.
     pub fn picture_rect(&self) -> Option<Rect> {
         let tiles = &self.tree.tiles;
@@ -197,9 +205,12 @@ impl App {
         }
     }
 
-    /// Whether a panel is seen: in a window of its own, or docked and not behind another tab.
+    /// Whether an open panel is in view: in a window of its own, or docked and not behind another tab.
     pub(in crate::app) fn is_in_view(&self, panel: DockPanel) -> bool {
-        self.state.look.panels.floats(panel) || self.dock.rect(panel).is_some()
+        let panels = &self.state.look.panels;
+        // One that was just opened comes to the front when it is drawn.
+        let is_in_front = panels.opened == Some(panel) || !self.dock.is_behind(panel);
+        panels.is_open(panel) && (panels.floats(panel) || is_in_front)
     }
 
     /// Hides the plots under the 3D view where that would be too low.
