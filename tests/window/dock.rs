@@ -226,6 +226,8 @@ fn what_a_command_opens_can_be_docked_beside_a_tab() {
     // The command brings it to the front, then closes it; the table is without tabs again.
     window.key_press(egui::Key::A);
     window.run_steps(3);
+    // It is measured while it is in view.
+    settle(&mut window);
     window.get_by_label("Largest cutter");
     window.key_press(egui::Key::A);
     window.run_steps(3);
@@ -275,6 +277,8 @@ fn the_tab_in_front_is_there_after_a_restart() {
     let home = folder.path().join("home");
     let curve = "Hub stock over time of a channel";
     let mut first = with_home(&home);
+    first.key_press(egui::Key::G);
+    first.run_steps(3);
     arrange(&mut first, "Time against stock", "Dock");
     settle(&mut first);
     first.get_by_label(curve);
