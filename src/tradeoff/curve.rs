@@ -66,13 +66,9 @@ impl<'a> Tradeoff<'a> {
     /// At most `count` points from the first plan, with all of its plunges, to the fastest, evenly in time;
     /// fewer where they fall together.
     pub fn points(&self, count: usize) -> Vec<TradeoffPoint> {
-        let [slow, fast] = self.time_range();
-        let mut points: Vec<TradeoffPoint> = (0..count)
-            .filter_map(|k| {
-                let share = k as f64 / (count.max(2) - 1) as f64;
-                self.lowest_stock_within(slow + (fast - slow) * share)
-            })
-            .collect();
+        let times = even_times(self.time_range(), count);
+        let mut points: Vec<TradeoffPoint> =
+            times.filter_map(|time_s| self.within(time_s).min_by(by_stock)).collect();
         points.dedup_by_key(|point| (point.plan, point.left_out));
         points
     }
@@ -91,23 +87,19 @@ impl<'a> Tradeoff<'a> {
         points.push(first);
         if let SemiFinishing::Passes { depth, .. } = *finishing {
             // The time of passes rises in steps: the last plan before each of them counts.
+            let most =
+                self.all(|thinning| Some(thinning.len())).map(|point| point.excess.p95).fold(0.0, f64::max);
+            let passes = ((most / depth).ceil() as usize + 1).min(MAX_PASSES);
             let rise = |passes: usize| self.thinnings[0].hub_allowance() + depth * passes as f64 - 1e-9;
-            points.extend(
-                (0..=MAX_PASSES)
-                    .flat_map(|passes| self.all(move |thinning| thinning.last_within_stock(rise(passes)))),
-            );
+            let last = |passes| self.all(move |thinning| thinning.last_within_stock(rise(passes)));
+            points.extend((0..=passes).flat_map(last));
         }
         least(&points)
     }
 
-    /// The points of all plans at [`GOAL_POINTS`] times between `slow` and `fast`, s.
-    fn points_at(&self, [slow, fast]: [f64; 2]) -> Vec<TradeoffPoint> {
-        let time = |k: usize| slow + (fast - slow) * (k as f64 / (GOAL_POINTS - 1) as f64);
-        let within = |time_s: f64| {
-            let points = self.all(move |thinning| Some(thinning.first_within_time(time_s)));
-            points.filter(move |point| !is_longer(point.time_s, time_s))
-        };
-        (0..GOAL_POINTS).flat_map(|k| within(time(k))).collect()
+    /// The points of all plans at [`GOAL_POINTS`] times in `range`, s.
+    fn points_at(&self, range: [f64; 2]) -> Vec<TradeoffPoint> {
+        even_times(range, GOAL_POINTS).flat_map(|time_s| self.within(time_s)).collect()
     }
 
     /// Times of the first plan, with all of its plunges, and of the fastest, s.
@@ -116,10 +108,10 @@ impl<'a> Tradeoff<'a> {
         [slow, self.thinnings.iter().map(|t| t.time_without(t.len())).fold(slow, f64::min)]
     }
 
-    /// The point that leaves the least stock within `time_s`; `None` where none is as fast.
-    fn lowest_stock_within(&self, time_s: f64) -> Option<TradeoffPoint> {
-        let points = self.all(|thinning| Some(thinning.first_within_time(time_s)));
-        points.filter(|point| !is_longer(point.time_s, time_s)).min_by(by_stock)
+    /// The slowest point of each plan within `time_s`; none of a plan that is not as fast.
+    fn within(&self, time_s: f64) -> impl Iterator<Item = TradeoffPoint> {
+        let points = self.all(move |thinning| Some(thinning.first_within_time(time_s)));
+        points.filter(move |point| !is_longer(point.time_s, time_s))
     }
 
     /// The point of each plan at the count that `choose` gives.
@@ -155,7 +147,7 @@ impl<'a> Tradeoff<'a> {
                 let good = first.point(first.last_as_good());
                 let limit = 60.0 * max_time_min.unwrap_or(f64::INFINITY);
                 if is_longer(good.time_s, limit) {
-                    let within = self.lowest_stock_within(limit);
+                    let within = self.within(limit).min_by(by_stock);
                     within.or_else(|| self.all(|thinning| Some(thinning.len())).min_by(by_time))
                 } else {
                     Some(good)
@@ -170,6 +162,11 @@ impl<'a> Tradeoff<'a> {
         };
         chosen.unwrap_or_else(|| first.point(0))
     }
+}
+
+/// `count` times from one end of a range to the other, s.
+fn even_times([from, to]: [f64; 2], count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |k| from + (to - from) * (k as f64 / (count.max(2) - 1) as f64))
 }
 
 /// Whether a time is longer than the limit, both s.

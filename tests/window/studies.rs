@@ -194,6 +194,17 @@ fn a_run_is_planned_with_the_part_that_it_had() {
     assert!(warned(&window));
 }
 
+/// Leaves the project with an edit, a step of 3 mm.
+fn edit_step(window: &mut Window) {
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    settle(window);
+}
+
+fn step(window: &Window) -> Option<f64> {
+    window.state().state().document.edited.setup.plunge.step
+}
+
 #[test]
 fn a_run_of_the_open_part_is_an_edit_that_can_be_undone() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -204,11 +215,8 @@ fn a_run_of_the_open_part_is_an_edit_that_can_be_undone() {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
     settle(&mut window);
-    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
-    window.run_steps(3);
-    settle(&mut window);
+    edit_step(&mut window);
     open(&mut window, path);
-    let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
     open_run(&mut window, 2);
     assert!(window.query_by_label("Save the changes of this project?").is_none(), "nothing is lost");
     assert_eq!(step(&window), Some(8.0));
@@ -232,11 +240,8 @@ fn a_run_of_another_part_does_not_replace_unsaved_work_unasked() {
     let mut window = window(engine);
     window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
     settle(&mut window);
-    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
-    window.run_steps(3);
-    settle(&mut window);
+    edit_step(&mut window);
     open(&mut window, path);
-    let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
     open_run(&mut window, 2);
     window.get_by_label("Save the changes of this project?");
     click_enabled(&window, "Cancel");

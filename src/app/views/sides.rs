@@ -144,9 +144,9 @@ impl App {
         });
     }
 
-    /// Sectional view and figures of the selected position. `room`: the height to fill, points; `None`: as high
+    /// Sectional view and figures of the selected position. `fill_height`: the height to fill, points; `None`: as high
     /// as needed.
-    pub(in crate::app) fn details(&mut self, ui: &mut Ui, room: Option<f32>) {
+    pub(in crate::app) fn details(&mut self, ui: &mut Ui, fill_height: Option<f32>) {
         let Some(k) = self.state.look.selected else { return };
         panels::positions::headline(ui, &self.state, k);
         ui.horizontal(|ui| {
@@ -170,8 +170,9 @@ impl App {
                     self.state.look.panels.open(DockPanel::SectionalView);
                 }
                 let least = panels::section::height(ui.ctx().content_rect().height());
-                let height =
-                    room.map_or(least, |room| (room - ui.min_rect().height() - BELOW_SECTION).max(least));
+                let height = fill_height.map_or(least, |fill_height| {
+                    (fill_height - ui.min_rect().height() - BELOW_SECTION).max(least)
+                });
                 let name = format!("Sectional view through position {}", k + 1);
                 if !self.section(ui, k, &name, height) {
                     // Reserve the height, so that nothing jumps when the view arrives.

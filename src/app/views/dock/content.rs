@@ -115,9 +115,9 @@ impl App {
         match (panel, min_width(panel)) {
             (DockPanel::Details, _) if self.state.look.operation == Operation::Roughing => {
                 // Higher than its content, where nothing else stands in its column.
-                let room = (height > *details_height + 1.0).then_some(ui.available_height());
-                let measured = (self.selected_position(ui, room) + margin(panel).sum().y).ceil();
-                if room.is_none() && measured != *details_height {
+                let fill_height = (height > *details_height + 1.0).then_some(ui.available_height());
+                let measured = (self.selected_position(ui, fill_height) + margin(panel).sum().y).ceil();
+                if fill_height.is_none() && measured != *details_height {
                     *details_height = measured;
                     ui.ctx().request_repaint();
                 }
@@ -133,8 +133,9 @@ impl App {
         }
     }
 
-    /// Draws the content of a panel. `room`: height that the details have to fill, points.
-    pub(super) fn panel(&mut self, ui: &mut Ui, panel: DockPanel, room: Option<f32>) {
+    /// Draws the content of a panel. `fill_height`: height that the details take up, points; `None`:
+    /// that of their content.
+    pub(super) fn panel(&mut self, ui: &mut Ui, panel: DockPanel, fill_height: Option<f32>) {
         match panel {
             DockPanel::Setup => self.left_panel(ui),
             DockPanel::Picture => self.picture(ui),
@@ -153,7 +154,7 @@ impl App {
             }
             DockPanel::Table => self.table(ui),
             DockPanel::Details if self.state.look.operation == Operation::Roughing => {
-                self.selected_position(ui, room);
+                self.selected_position(ui, fill_height);
             }
             DockPanel::Details => panels::flank_results::show(ui, &self.state),
             DockPanel::SectionalView => self.large_section(ui),
@@ -165,9 +166,9 @@ impl App {
     }
 
     /// The selected position; returns the height of its content, which scrolls where it does not fit, points.
-    fn selected_position(&mut self, ui: &mut Ui, room: Option<f32>) -> f32 {
+    fn selected_position(&mut self, ui: &mut Ui, fill_height: Option<f32>) -> f32 {
         let area = ScrollArea::vertical().id_salt("details").auto_shrink(false);
-        area.show(ui, |ui| self.details(ui, room)).content_size.y
+        area.show(ui, |ui| self.details(ui, fill_height)).content_size.y
     }
 
     /// The 3D view, with problems over it: a message that took space would move what is under the pointer.

@@ -10,7 +10,7 @@ mod sizes;
 mod stored;
 mod windows;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use egui::{Context, Pos2, Rect, Ui};
 use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tree};
@@ -74,20 +74,23 @@ impl Dock {
         self.tree.tiles.find_pane(&panel).and_then(|tile| self.tree.tiles.rect(tile))
     }
 
+    /// The row, column or tabs in which a panel has its place.
+    fn parent_of(&self, panel: DockPanel) -> Option<TileId> {
+        self.tree.tiles.find_pane(&panel).and_then(|tile| self.tree.tiles.parent_of(tile))
+    }
+
     /// Whether a panel is docked behind another tab.
     fn is_behind(&self, panel: DockPanel) -> bool {
         let tiles = &self.tree.tiles;
-        let tile = tiles.find_pane(&panel);
-        let parent = tile.and_then(|tile| tiles.get_container(tiles.parent_of(tile)?));
-        matches!(parent, Some(Container::Tabs(tabs)) if tabs.active != tile)
+        let parent = self.parent_of(panel).and_then(|parent| tiles.get_container(parent));
+        matches!(parent, Some(Container::Tabs(tabs)) if tabs.active != tiles.find_pane(&panel))
     }
 
     /// The 3D view, with the timeline where it is below it.
     pub fn picture_rect(&self) -> Option<Rect> {
-        let tiles = &self.tree.tiles;
-        let parent = |panel| tiles.find_pane(&panel).and_then(|tile| tiles.parent_of(tile));
-        let common = parent(DockPanel::Picture).filter(|own| parent(DockPanel::Timeline) == Some(*own));
-        common.and_then(|tile| tiles.rect(tile)).or_else(|| self.rect(DockPanel::Picture))
+        let timeline = self.parent_of(DockPanel::Timeline);
+        let common = self.parent_of(DockPanel::Picture).filter(|own| timeline == Some(*own));
+        common.and_then(|tile| self.tree.tiles.rect(tile)).or_else(|| self.rect(DockPanel::Picture))
     }
 
     /// The panel in a tile; `None` for several.
@@ -166,13 +169,8 @@ impl App {
         });
         // The tree would take a panel dropped outside of it to the nearest place.
         let tree_before = (is_outside || is_over_window).then(|| dock.tree.clone());
-        let tabbed: Vec<TileId> = bars.iter().filter_map(|bar| dock.tree.tiles.get_container(*bar)).fold(
-            Vec::new(),
-            |mut all, container| {
-                all.extend(container.children());
-                all
-            },
-        );
+        let with_bar = bars.iter().filter_map(|bar| dock.tree.tiles.get_container(*bar));
+        let tabbed: Vec<TileId> = with_bar.flat_map(|container| container.children().copied()).collect();
         let mut behavior = DockBehavior {
             app: self,
             bars,
@@ -220,23 +218,17 @@ impl App {
         if area.height() - timeline > MIN_HEIGHT_FOR_PLOTS {
             return;
         }
-        let tiles = &dock.tree.tiles;
-        let parent = |panel| tiles.find_pane(&panel).and_then(|tile| tiles.parent_of(tile));
-        let picture = parent(DockPanel::Picture);
-        let below = [DockPanel::Plots, DockPanel::Axes].map(|panel| (panel, parent(panel)));
-        for (panel, column) in below {
-            if let Some(tile) = dock.tree.tiles.find_pane(&panel).filter(|_| column == picture) {
+        let picture = dock.parent_of(DockPanel::Picture);
+        for panel in [DockPanel::Plots, DockPanel::Axes] {
+            let is_below = dock.parent_of(panel) == picture;
+            if let Some(tile) = dock.tree.tiles.find_pane(&panel).filter(|_| is_below) {
                 dock.tree.set_visible(tile, false);
             }
         }
     }
 
     /// Sizes the docked panels; returns the tabs that have a bar, and the columns that cannot be resized.
-    fn fit_panels(
-        &self,
-        dock: &mut Dock,
-        area: Rect,
-    ) -> (std::collections::HashSet<TileId>, std::collections::HashSet<TileId>) {
+    fn fit_panels(&self, dock: &mut Dock, area: Rect) -> (HashSet<TileId>, HashSet<TileId>) {
         let details = dock.details_height.min((area.height() - MIN_BESIDE_DETAILS).max(0.0));
         let height = |panel: DockPanel| self.height_of(panel, details);
         let Some(root) = dock.tree.root else { return Default::default() };
