@@ -35,7 +35,7 @@ pub const MAX_LENGTH: f64 = 10_000.0;
 pub const LENGTH: NumberRange = NumberRange::Above(0.0, MAX_LENGTH);
 /// Range of allowances and clearances.
 pub const ALLOWANCE: NumberRange = NumberRange::Between(0.0, MAX_LENGTH);
-/// Range of feed rates, speeds and spindle speeds.
+/// Range of feed rates, speeds, spindle speeds and removal rates.
 pub const RATE: NumberRange = NumberRange::Above(0.0, 1e6);
 /// Maximum number of a tool or an offset.
 pub const MAX_NUMBER: u32 = 1_000_000;

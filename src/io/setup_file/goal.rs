@@ -4,11 +4,10 @@ use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
 use crate::io::table::{NumberRange, TomlTable};
-use crate::io::tool_file::LENGTH;
+use crate::io::tool_file::{LENGTH, RATE};
 use crate::setup::{Goal, SemiFinishing};
 
 const MINUTES: NumberRange = NumberRange::Above(0.0, 100_000.0);
-const REMOVAL_RATE: NumberRange = NumberRange::Above(0.0, 1e7);
 
 /// Keys read here.
 pub(super) const GOAL_KEYS: [&str; 6] =
@@ -19,7 +18,7 @@ pub(super) fn read_goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputErro
     let [time, stock, rate, depth, pass_time] = [
         ("max_time", MINUTES),
         ("max_stock", LENGTH),
-        ("finish_rate", REMOVAL_RATE),
+        ("finish_rate", RATE),
         ("finish_depth", LENGTH),
         ("finish_pass_time", MINUTES),
     ]

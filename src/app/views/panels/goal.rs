@@ -126,7 +126,7 @@ const FINISH_RATE: FieldSpec = FieldSpec {
         "Volume that semi-finishing removes per minute.\n\
          Larger: fewer plunges, and more is left to semi-finishing",
         1.0,
-        1e7,
+        1e6,
     )
 };
 const FINISH_DEPTH: FieldSpec = FieldSpec::mm(
