@@ -92,6 +92,24 @@ pub fn snapshot_view(window: &mut Window, name: &str) {
     snapshot(window, name, VIEW);
 }
 
+/// [`snapshot_view`] with the status bar painted over from its left end: there stands a path that is another in
+/// each run.
+pub fn snapshot_view_without_path(window: &mut Window, name: &str) {
+    use egui_kittest::kittest::Queryable;
+    window.state_mut().draw_waiting_pictures();
+    let text = window.get_by_label_contains("Wrote ").rect();
+    let mut picture = window.render().expect("the window can be drawn");
+    let (width, height) = picture.dimensions();
+    for y in text.top() as u32..height.min(text.bottom().ceil() as u32) {
+        for x in 0..width / 2 {
+            picture.get_pixel_mut(x, y).0 = [128, 128, 128, 255];
+        }
+    }
+    let (threshold, pixels) = VIEW;
+    let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
+    egui_kittest::image_snapshot_options(&picture, name, &options);
+}
+
 fn snapshot(window: &mut Window, name: &str, (threshold, pixels): (f32, usize)) {
     let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
     window.state_mut().draw_waiting_pictures();

@@ -14,7 +14,7 @@ use vanecut::monitor::Monitor;
 use vanecut::toolpath::{ClProgram, Travel};
 
 use crate::fake;
-use crate::harness::{Window, labels, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, labels, press, settle, snapshot_view, snapshot_view_without_path, with_sample};
 
 /// A window with many plunges in small steps.
 fn with_many() -> Window {
@@ -230,7 +230,7 @@ fn the_line_of_the_exported_program_stands_below_the_timeline() {
     assert_eq!(statement.split(',').count(), 6, "with what the next line continues: {statement}");
     // The stock under the timeline is computed in the background.
     settle(&mut window);
-    snapshot_view(&mut window, "program_line");
+    snapshot_view_without_path(&mut window, "program_line");
     // The other plan has another program.
     window.key_press(egui::Key::B);
     window.run_steps(2);
