@@ -1,9 +1,8 @@
 //! Shank and holder of a tool against the finished part and the blank.
 //!
 //! Each cylinder or cone is measured on its own: against the blades of the whole wheel by the search of
-//! [`SideProbe`], against the hub along circles of its surface. Moves are sampled by
-//! conservative advancement: a distance changes by no more than the fastest point of the tool travels, so
-//! that the slack at a sample says how far the next one may be.
+//! [`SideProbe`], against the hub along circles of its surface. Moves are sampled by conservative advancement
+//! ([`AssemblyMove::advance`]).
 
 use super::contact::{BlankTop, Earlier, PlungeColumn, core_contact_by};
 use super::link::AxisTurn;
@@ -71,12 +70,66 @@ impl AssemblyClearance {
         Self { shank: self.shank.worst_of(other.shank), holder: self.holder.worst_of(other.holder), worst }
     }
 
+    /// How much further than required both are, mm; negative where one is too near.
+    fn slack(&self) -> f64 {
+        -self.shank.missing.max(self.holder.missing)
+    }
+
     /// Clearance of one of them.
     pub fn of(&self, part: AssemblyPart) -> PartClearance {
         match part {
             AssemblyPart::Shank => self.shank,
             AssemblyPart::Holder => self.holder,
         }
+    }
+}
+
+/// A straight move of a tool; its axis turns at a constant rate.
+pub struct AssemblyMove {
+    from: Point,
+    travel: Vector,
+    turn: AxisTurn,
+    to: (Point, Vector),
+    /// Upper bound of the way of any point of the tool, mm.
+    pub way: f64,
+}
+
+impl AssemblyMove {
+    /// The move of `segments` from one pose to another.
+    pub fn new(segments: &[AssemblySegment], from: (Point, Vector), to: (Point, Vector)) -> Self {
+        let (travel, turn) = (to.0 - from.0, AxisTurn::new(from.1, &to.1));
+        // No point of the tool is faster than its tip, and a turn about that.
+        let reach =
+            segments.iter().map(|s| s.from + s.length + s.radii[0].max(s.radii[1])).fold(0.0, f64::max);
+        Self { from: from.0, travel, way: travel.norm() + from.1.angle(&to.1) * reach, turn, to }
+    }
+
+    /// Tip and axis at a share of the move, 0…1.
+    pub fn pose(&self, share: f64) -> (Point, Vector) {
+        if share >= 1.0 { self.to } else { (self.from + self.travel * share, self.turn.at(share).0) }
+    }
+
+    /// Looks at poses of the move, its end included, by conservative advancement: a distance changes by no
+    /// more than the fastest point of the tool travels, so that what is spare at one pose says how far the
+    /// next may be. `look` says what is spare at a pose, mm; `spare` is what is known of the start, 0 or less
+    /// where nothing is. Returns what is spare at the end.
+    pub fn advance(&self, spare: f64, mut look: impl FnMut((Point, Vector)) -> f64) -> f64 {
+        let mut spare = spare;
+        // Where `spare` was found, and the next place to look at.
+        let (mut share, mut next) = (0.0, 0.0);
+        if self.way < 1e-9 {
+            return if spare > 0.0 { spare } else { look(self.to) };
+        }
+        if spare > 0.0 {
+            next = spare / self.way;
+        }
+        while next < 1.0 {
+            spare = look(self.pose(next));
+            share = next;
+            next += (spare / self.way).max(1.0 / MAX_SAMPLES as f64).max(0.1 / self.way);
+        }
+        let left = spare - (1.0 - share) * self.way;
+        if left > 0.0 { left } else { look(self.to) }
     }
 }
 
@@ -226,24 +279,43 @@ impl<'a> AssemblySurroundings<'a> {
         wanted: f64,
     ) -> AssemblyClearance {
         let cap = LOOK_AHEAD + self.allowances[0].max(self.allowances[1]);
-        let travel = to.0 - from.0;
-        let turn = AxisTurn::new(from.1, &to.1);
-        // No point of the tool is faster than its tip, and a turn about that.
-        let reach =
-            segments.iter().map(|s| s.from + s.length + s.radii[0].max(s.radii[1])).fold(0.0, f64::max);
-        let speed = travel.norm() + from.1.angle(&to.1) * reach;
         let mut least = self.at(tool, segments, to, wanted.max(cap));
-        if speed < 1e-9 {
-            return least;
-        }
-        let mut share = 0.0;
-        while share < 1.0 {
-            let here = self.at(tool, segments, (from.0 + travel * share, turn.at(share).0), cap);
+        AssemblyMove::new(segments, from, to).advance(0.0, |pose| {
+            let here = self.at(tool, segments, pose, cap);
             least = least.worst_of(here);
-            let slack = -here.shank.missing.max(here.holder.missing);
-            share += (slack / speed).max(1.0 / MAX_SAMPLES as f64).max(0.1 / speed);
-        }
+            here.slack()
+        });
         least
+    }
+
+    /// Least clearance over a move whose start has `slack` mm of clearance more than required (0 or less where
+    /// that is not known), and the slack at its end; of what is clear by more than `look_ahead` mm the distance
+    /// is not found. Over many short moves far faster than [`Self::along`].
+    pub fn along_from(
+        &self,
+        tool: &Tool,
+        segments: &[AssemblySegment],
+        step: &AssemblyMove,
+        slack: f64,
+        look_ahead: f64,
+    ) -> (AssemblyClearance, f64) {
+        let parts = segments.iter().map(|segment| self.clearances.of(segment.part));
+        let cap = look_ahead + self.allowances[0].max(self.allowances[1]) + parts.fold(0.0, f64::max);
+        let mut least = AssemblyClearance::FAR;
+        let left = step.advance(slack, |pose| {
+            let here = self.at(tool, segments, pose, cap);
+            least = least.worst_of(here);
+            here.slack()
+        });
+        (least, left)
+    }
+
+    /// Signed distance of one segment of a tool to the finished part in a pose, mm, or `cap` where it is not
+    /// nearer than that.
+    pub fn distance(&self, segment: &AssemblySegment, pose: (Point, Vector), cap: f64) -> f64 {
+        let frustum = segment.placed(&pose.0, &pose.1);
+        let hub = hub_distance(self.finished, &frustum, cap);
+        hub.min(blade_distance(self.finished, &frustum, hub.max(0.0)))
     }
 
     /// The least overhang, in whole mm, with which the holder of `tool` is clear at a pose; `None` where the

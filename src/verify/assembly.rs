@@ -6,12 +6,25 @@ use rayon::prelude::*;
 
 use super::fault::{Fault, FaultKind, Finding};
 use super::{ProgramCut, TOOL_TOLERANCE};
-use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
+use crate::cutting::assembly::{AssemblyClearance, AssemblyMove, AssemblySurroundings, depth_in_stock};
 use crate::cutting::contact::Columns;
+use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 use crate::toolpath::{ClProgram, Move};
+
+/// Moves that one thread looks at one after another.
+const STEPS_IN_RUN: usize = 128;
+/// Distance beyond the required clearance up to which that of short moves is measured, mm: what is further off
+/// need not be looked at again until the tool has moved by this.
+const CLEARANCE_AHEAD: f64 = 4.0;
+/// The same beyond the least distance so far.
+const DISTANCE_AHEAD: f64 = 4.0;
+/// Largest way of any point of a tool between two places at which distances are compared, mm, and largest
+/// number of these places in a move.
+const DISTANCE_SPACING: f64 = 0.25;
+const MAX_PIECES: f64 = 4000.0;
 
 /// Least distances of shank and holder to the finished part over a program, mm; infinite where no tool has
 /// one.
@@ -26,12 +39,6 @@ pub struct AssemblyDistances {
 impl AssemblyDistances {
     /// Without any shank or holder.
     pub const NONE: Self = Self { shank: f64::INFINITY, holder: f64::INFINITY };
-
-    /// The lesser of each.
-    pub(super) fn add(&mut self, clearance: &AssemblyClearance) {
-        self.shank = self.shank.min(clearance.shank.distance);
-        self.holder = self.holder.min(clearance.holder.distance);
-    }
 }
 
 /// The faults of a move with these clearances of its tool.
@@ -67,26 +74,131 @@ pub(super) fn assembly_findings(
     findings
 }
 
-/// The least distance found so far of the part of a tool that is further off, mm: larger ones need not be
-/// measured.
-struct LeastDistance(AtomicU64);
+/// A move of a tool with shank or holder, by the number of the tool.
+#[derive(Clone, Copy)]
+pub(super) struct AssemblyStep {
+    pub(super) tool: usize,
+    pub(super) from: (Point, Vector),
+    pub(super) to: (Point, Vector),
+}
 
-impl Default for LeastDistance {
-    fn default() -> Self {
-        Self(AtomicU64::new(f64::INFINITY.to_bits()))
+impl AssemblyStep {
+    /// Whether the move begins where another of the same tool ended.
+    pub(super) fn follows(&self, before: &Self) -> bool {
+        before.tool == self.tool && before.to == self.from
     }
 }
 
+/// The least distance found so far of shank or holder, mm.
+struct LeastDistance(AtomicU64);
+
 impl LeastDistance {
+    const NONE: Self = Self(AtomicU64::new(f64::INFINITY.to_bits()));
+
     fn get(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
 
-    fn add(&self, clearance: &AssemblyClearance) {
-        // Positive numbers are in the order of their bits.
-        let further = clearance.shank.distance.max(clearance.holder.distance).max(0.0);
-        self.0.fetch_min(further.to_bits(), Ordering::Relaxed);
+    fn add(&self, distance: f64) {
+        let less = |bits: u64| (distance < f64::from_bits(bits)).then(|| distance.to_bits());
+        // It fails where the distance is not less.
+        let _ = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, less);
     }
+}
+
+/// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`, at
+/// places at most [`DISTANCE_SPACING`] apart.
+///
+/// Branch and bound: a place is measured only where the distance at the last measured one, less the way since,
+/// is below the least so far; and no further than that, and [`DISTANCE_AHEAD`]. What was found first does not
+/// change the result.
+///
+/// # Errors
+/// When cancelled.
+pub(super) fn least_distances(
+    steps: &[AssemblyStep],
+    segments: &[Vec<AssemblySegment>],
+    around: &AssemblySurroundings,
+    monitor: &Monitor,
+) -> Result<AssemblyDistances, Cancelled> {
+    let least = [LeastDistance::NONE, LeastDistance::NONE];
+    let count = monitor.steps(steps.len());
+    let look = |segments: &[AssemblySegment], pose: (Point, Vector)| {
+        let mut spare = f64::INFINITY;
+        for segment in segments {
+            let best = &least[segment.part as usize];
+            let cap = best.get() + DISTANCE_AHEAD;
+            let distance = around.distance(segment, pose, cap);
+            best.add(distance);
+            spare = spare.min(distance - best.get());
+        }
+        spare
+    };
+    let scan = |run: &[AssemblyStep]| {
+        let mut known: Option<(&AssemblyStep, f64)> = None;
+        for step in run {
+            count.begin()?;
+            let segments = &segments[step.tool];
+            let moved = AssemblyMove::new(segments, step.from, step.to);
+            let before = known.filter(|(before, _)| step.follows(before));
+            let mut spare = before.map_or_else(|| look(segments, step.from), |(_, spare)| spare);
+            let pieces = (moved.way / DISTANCE_SPACING).ceil().clamp(1.0, MAX_PIECES);
+            for piece in 1..=pieces as usize {
+                spare -= moved.way / pieces;
+                if spare <= 0.0 {
+                    spare = look(segments, moved.pose(piece as f64 / pieces));
+                }
+            }
+            known = Some((step, spare));
+        }
+        Ok(())
+    };
+    steps.par_chunks(STEPS_IN_RUN).try_for_each(scan)?;
+    let [shank, holder] = least.map(|least| least.get());
+    Ok(AssemblyDistances { shank, holder })
+}
+
+/// Clearances of shank and holder over `steps` of `tools` with these `segments`: what lacks clearance, and how
+/// much; of what does not, distances are mostly not found. `is_known` says which steps need no look.
+///
+/// # Errors
+/// When cancelled.
+pub(super) fn clearances(
+    steps: &[AssemblyStep],
+    tools: &[Tool],
+    segments: &[Vec<AssemblySegment>],
+    around: &AssemblySurroundings,
+    is_known: impl Fn(usize) -> bool + Sync,
+    monitor: &Monitor,
+) -> Result<Vec<AssemblyClearance>, Cancelled> {
+    let scan = |(run, steps): (usize, &[AssemblyStep])| {
+        monitor.check()?;
+        let mut before: Option<(&AssemblyStep, f64)> = None;
+        let mut found = Vec::with_capacity(steps.len());
+        for (index, step) in steps.iter().enumerate() {
+            let segments = &segments[step.tool];
+            if segments.is_empty() || is_known(run * STEPS_IN_RUN + index) {
+                found.push(AssemblyClearance::FAR);
+                before = None;
+                continue;
+            }
+            let slack = before.filter(|(before, _)| step.follows(before)).map_or(0.0, |(_, slack)| slack);
+            let moved = AssemblyMove::new(segments, step.from, step.to);
+            let (clearance, left) =
+                around.along_from(&tools[step.tool], segments, &moved, slack, CLEARANCE_AHEAD);
+            found.push(clearance);
+            before = Some((step, left));
+        }
+        Ok(found)
+    };
+    let runs: Vec<Vec<AssemblyClearance>> =
+        steps.par_chunks(STEPS_IN_RUN).enumerate().map(scan).collect::<Result<_, Cancelled>>()?;
+    Ok(runs.into_iter().flatten().collect())
+}
+
+/// Segments of shank and holder of each tool.
+pub(super) fn segments_of(tools: &[Tool]) -> Vec<Vec<AssemblySegment>> {
+    tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect()
 }
 
 /// Judges all moves of a plunge program against the finished part.
@@ -100,49 +212,43 @@ pub(super) fn judge_moves(
     monitor: &Monitor,
 ) -> Result<(AssemblyDistances, Vec<Fault>), Cancelled> {
     let tools: Vec<Tool> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
-    let segments: Vec<Vec<AssemblySegment>> =
-        tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
+    let segments = segments_of(&tools);
     let moves = &program.moves;
     // A move back on the way of the one before is as clear as that.
     let goes_back = |k: usize| {
         let is_same = |a: &Move, b: &Move| a.tool == b.tool && a.tip == b.tip && a.axis == b.axis;
         k >= 2 && is_same(&moves[k], &moves[k - 2]) && moves[k - 1].tool == moves[k].tool
     };
-    let least = LeastDistance::default();
-    let measure = |k: usize| {
-        let step = &moves[k];
-        let number = step.tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
-        let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == step.tool);
-        let to = (step.tip, step.axis);
-        let from = before.map_or(to, |before| (before.tip, before.axis));
-        let clearance = around.along(&tools[number], &segments[number], from, to, least.get());
-        least.add(&clearance);
-        Some(clearance)
+    let step = |k: usize| {
+        let tool = moves[k].tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
+        let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == moves[k].tool);
+        let to = (moves[k].tip, moves[k].axis);
+        Some(AssemblyStep { tool, from: before.map_or(to, |before| (before.tip, before.axis)), to })
     };
-    let count = monitor.steps(moves.len());
-    let measured: Vec<Option<AssemblyClearance>> = (0..moves.len())
-        .into_par_iter()
-        .map(|k| count.begin().map(|()| measure(k)))
-        .collect::<Result<_, Cancelled>>()?;
-    let judged: Vec<(AssemblyClearance, Vec<Fault>)> = (0..moves.len())
+    let steps: Vec<Option<AssemblyStep>> = (0..moves.len()).map(step).collect();
+    let measured_at: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
+    let least = least_distances(&measured_at, &segments, around, &monitor.span(0.0, 0.5))?;
+    let later = monitor.span(0.5, 1.0);
+    let count = later.steps(moves.len());
+    let measure = |step: &Option<AssemblyStep>| {
+        count.begin()?;
+        let along = |s: &AssemblyStep| around.along(&tools[s.tool], &segments[s.tool], s.from, s.to, 0.0);
+        Ok(step.as_ref().map(along))
+    };
+    let measured: Vec<Option<AssemblyClearance>> =
+        steps.par_iter().map(measure).collect::<Result<_, Cancelled>>()?;
+    let judged: Vec<Vec<Fault>> = (0..moves.len())
         .into_par_iter()
         .filter_map(|k| {
             let mut own = k;
             while goes_back(own) {
                 own -= 1;
             }
-            let clearance = measured[own]?;
-            let findings = assembly_findings(&tools[moves[k].tool?], &clearance, around);
-            Some((clearance, findings.into_iter().map(|finding| finding.at(moves[k].line)).collect()))
+            let findings = assembly_findings(&tools[moves[k].tool?], &measured[own]?, around);
+            Some(findings.into_iter().map(|finding| finding.at(moves[k].line)).collect())
         })
         .collect();
-    let mut least = AssemblyDistances::NONE;
-    let mut faults = Vec::new();
-    for (clearance, found) in judged {
-        least.add(&clearance);
-        faults.extend(found);
-    }
-    Ok((least, faults))
+    Ok((least, judged.into_iter().flatten().collect()))
 }
 
 /// The fault of plunge `k` if at its end the holder, or a shank thicker than the cutter, is in stock that

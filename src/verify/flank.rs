@@ -19,7 +19,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::assembly::unknown_assemblies;
+use super::assembly::{
+    AssemblyDistances, AssemblyStep, clearances, least_distances, segments_of, unknown_assemblies,
+};
 use super::fault::{Fault, VerifyError};
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::monitor::{Cancelled, Monitor};
@@ -195,6 +197,7 @@ impl<'a> FlankVerifier<'a> {
             }
         }
         faults.sort_by_key(|fault| fault.line);
+        let distances = self.assembly_distances(&steps, &monitor.silent())?;
         let Self { workpiece, setup, tools, .. } = self;
         let mut verdict = FlankVerdict {
             channels: channels.len(),
@@ -205,6 +208,7 @@ impl<'a> FlankVerifier<'a> {
                 .flat_map(|(_, floor)| &floor.depths)
                 .map(|d| d.0)
                 .fold(0.0, f64::max),
+            assembly: distances,
             notes: unknown_assemblies(program, setup).into_iter().collect(),
             faults,
             ..FlankVerdict::empty()
@@ -241,6 +245,20 @@ impl<'a> FlankVerifier<'a> {
         verdict.max_overcut =
             verdict.max_overcut.max(setup.allowances.blade_allowance - verdict.min_blade_clearance).max(0.0);
         Ok(verdict)
+    }
+
+    /// Least distances of shanks and holders that are given.
+    fn assembly_distances(
+        &self,
+        steps: &[CutterStep],
+        monitor: &Monitor,
+    ) -> Result<AssemblyDistances, Cancelled> {
+        let segments = segments_of(&self.tools);
+        let has_assembly = |step: &&CutterStep| !segments[step.tool].is_empty();
+        let moves: Vec<AssemblyStep> =
+            steps.iter().filter(has_assembly).map(CutterStep::assembly_step).collect();
+        let around = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
+        least_distances(&moves, &segments, &around, monitor)
     }
 
     /// The faults where cutters in rapid, shanks and holders meet stock that stands: of the program that was
@@ -314,12 +332,9 @@ impl<'a> FlankVerifier<'a> {
         steps: &[CutterStep],
         monitor: &Monitor,
     ) -> Result<Vec<StepResult>, Cancelled> {
-        let segments: Vec<_> = self.tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect();
         let around = StepSurroundings {
             finished: &self.workpiece.finished,
             tools: &self.tools,
-            assembly: AssemblySurroundings::new(&self.workpiece.finished, self.setup),
-            segments: &segments,
             hub_allowance: self.setup.allowances.hub_allowance,
             blade_allowance: self.setup.allowances.blade_allowance,
         };
@@ -336,6 +351,11 @@ impl<'a> FlankVerifier<'a> {
                 None => monitor.check().map(|()| Some(around.at(step, 1.0))),
             })
             .collect::<Result<_, Cancelled>>()?;
+        let is_known = |k: usize| known[k].is_some();
+        let assembly = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
+        let moves: Vec<AssemblyStep> = steps.iter().map(CutterStep::assembly_step).collect();
+        let assemblies =
+            clearances(&moves, &self.tools, &segments_of(&self.tools), &assembly, is_known, monitor)?;
         let count = monitor.steps(steps.len());
         let looked = |k: usize| {
             count.begin()?;
@@ -344,7 +364,8 @@ impl<'a> FlankVerifier<'a> {
             }
             let before =
                 k.checked_sub(1).filter(|&b| steps[b].tool == steps[k].tool && steps[b].to == steps[k].from);
-            Ok(examine_step(&steps[k], [before.and_then(|b| ends[b]), ends[k]], &around, blank))
+            let ends = [before.and_then(|b| ends[b]), ends[k]];
+            Ok(examine_step(&steps[k], ends, assemblies[k], &around, blank))
         };
         let looks: Vec<StepResult> =
             (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;

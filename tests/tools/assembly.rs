@@ -16,7 +16,7 @@ fn wheel(hub: &str, shroud: &str) -> Impeller {
     Impeller::build(&read_part_bytes("w.toml", text.as_bytes(), "toml").expect("readable")).expect("a wheel")
 }
 
-fn pump() -> Impeller {
+pub fn pump() -> Impeller {
     let text = include_bytes!("../../assets/parts/pump6.toml");
     Impeller::build(&read_part_bytes("pump6.toml", text, "toml").expect("readable")).expect("an impeller")
 }

@@ -5,6 +5,7 @@
 mod assembly;
 mod cutting_data;
 mod libraries;
+mod moves;
 mod random;
 #[path = "../wheels/sampled_tool.rs"]
 mod sampled_tool;

@@ -24,16 +24,17 @@ pub(super) struct StepResult {
 }
 
 /// Examines a step: under feed for the clearance of the cut, in rapid for collisions. `ends` are the
-/// clearances at both ends, where they are known.
+/// clearances at both ends, where they are known, `assembly` that of shank and holder.
 pub(super) fn examine_step(
     step: &CutterStep,
     ends: [Option<StepClearance>; 2],
+    assembly: AssemblyClearance,
     around: &StepSurroundings,
     blank: &Blank,
 ) -> StepResult {
     let mut look = StepResult {
         clearance: StepClearance::FAR,
-        assembly: around.assembly_along(step),
+        assembly,
         end: ends[1],
         retract: f64::INFINITY,
         inside: Vec::new(),

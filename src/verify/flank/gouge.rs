@@ -1,10 +1,9 @@
 //! Clearance of cutter and holder from the finished part along a step.
 
 use super::steps::CutterStep;
-use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings};
 use crate::geometry::{CutterSolid, Meridional};
 use crate::part::FinishedPart;
-use crate::setup::{AssemblySegment, Tool};
+use crate::setup::Tool;
 
 /// The finished part, prepared for the clearances of many steps.
 pub(super) struct StepSurroundings<'a> {
@@ -12,9 +11,6 @@ pub(super) struct StepSurroundings<'a> {
     pub(super) tools: &'a [Tool],
     pub(super) hub_allowance: f64,
     pub(super) blade_allowance: f64,
-    /// For shanks and holders that are given, and their segments per tool.
-    pub(super) assembly: AssemblySurroundings<'a>,
-    pub(super) segments: &'a [Vec<AssemblySegment>],
 }
 
 /// Least distances, mm, capped at [`CLEARANCE_CAP`] above the allowances.
@@ -64,16 +60,8 @@ impl StepSurroundings<'_> {
         }
     }
 
-    /// Least clearance of shank and holder over a step, where they are given.
-    pub(super) fn assembly_along(&self, step: &CutterStep) -> AssemblyClearance {
-        let segments = &self.segments[step.tool];
-        match segments.is_empty() {
-            true => AssemblyClearance::FAR,
-            false => self.assembly.along(&self.tools[step.tool], segments, step.from, step.to, f64::INFINITY),
-        }
-    }
-
-    /// Whether the assumed holder meets the part; one that is given is judged by [`Self::assembly_along`].
+    /// Whether the assumed holder meets the part; one that is given is judged by
+    /// [`clearances`](crate::verify::assembly::clearances).
     fn holder_meets(&self, cutter: &CutterSolid, tool: &Tool) -> bool {
         if !tool.assembly.holder.is_empty() {
             return false;

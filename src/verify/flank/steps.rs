@@ -1,6 +1,7 @@
 //! Converts the moves of a program to steps of a cutter in the frame of channel 1.
 
 use super::super::Fault;
+use super::super::assembly::AssemblyStep;
 use super::super::channels::{channel_at, channels_of};
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
@@ -39,6 +40,11 @@ impl CutterStep {
     pub(super) fn cutter(&self, tools: &[Tool], share: f64) -> CutterSolid {
         let (tip, axis) = self.at(share);
         tools[self.tool].placed(tip, axis)
+    }
+
+    /// As a move of shank and holder.
+    pub(super) fn assembly_step(&self) -> AssemblyStep {
+        AssemblyStep { tool: self.tool, from: self.from, to: self.to }
     }
 
     /// Travel of the tip, mm.

@@ -85,7 +85,6 @@ impl FlankVerdict {
 
     pub(super) fn add(&mut self, step: &CutterStep, look: &StepResult) {
         let length = step.length();
-        self.assembly.add(&look.assembly);
         match step.feed {
             Some(feed) => {
                 self.cut_length += length;
