@@ -4,8 +4,8 @@
 //! [`SideProbe`], against the hub along circles of its surface. Moves are sampled by conservative advancement
 //! ([`AssemblyMove::advance`]).
 
+use super::assembly_move::AssemblyMove;
 use super::contact::{BlankTop, Earlier, PlungeColumn, core_contact_by};
-use super::link::AxisTurn;
 use super::retract::bottom_clearance;
 use crate::geometry::{
     Circle, CutterSolid, Frustum, Meridional, Point, Vector, distance_rate, rotate_vector_z, rotate_z, search,
@@ -15,10 +15,10 @@ use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
 
 /// Clearance that may be missing by rounding, mm.
 pub const ASSEMBLY_TOLERANCE: f64 = 1e-3;
-/// Distance beyond the required one up to which distances are measured along moves, mm.
-const LOOK_AHEAD: f64 = 20.0;
-/// Largest number of samples along a move.
-const MAX_SAMPLES: usize = 400;
+/// Distances beyond the required one up to which distances are measured along short and long moves, mm: nothing
+/// need be looked at again until the tool has moved by that.
+const MIN_LOOK_AHEAD: f64 = 4.0;
+const MAX_LOOK_AHEAD: f64 = 20.0;
 /// Shares of the length of a segment at which circles are compared with the hub.
 const CIRCLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 /// Least increment and largest extension of the search for a stick-out, mm; a whole number of mm is proposed.
@@ -81,55 +81,6 @@ impl AssemblyClearance {
             AssemblyPart::Shank => self.shank,
             AssemblyPart::Holder => self.holder,
         }
-    }
-}
-
-/// A straight move of a tool; its axis turns at a constant rate.
-pub struct AssemblyMove {
-    from: Point,
-    travel: Vector,
-    turn: AxisTurn,
-    to: (Point, Vector),
-    /// Upper bound of the way of any point of the tool, mm.
-    pub way: f64,
-}
-
-impl AssemblyMove {
-    /// The move of `segments` from one pose to another.
-    pub fn new(segments: &[AssemblySegment], from: (Point, Vector), to: (Point, Vector)) -> Self {
-        let (travel, turn) = (to.0 - from.0, AxisTurn::new(from.1, &to.1));
-        // No point of the tool is faster than its tip, and a turn about that.
-        let reach =
-            segments.iter().map(|s| s.from + s.length + s.radii[0].max(s.radii[1])).fold(0.0, f64::max);
-        Self { from: from.0, travel, way: travel.norm() + from.1.angle(&to.1) * reach, turn, to }
-    }
-
-    /// Tip and axis at a share of the move, 0…1.
-    pub fn pose(&self, share: f64) -> (Point, Vector) {
-        if share >= 1.0 { self.to } else { (self.from + self.travel * share, self.turn.at(share).0) }
-    }
-
-    /// Looks at poses of the move, its end included, by conservative advancement: a distance changes by no
-    /// more than the fastest point of the tool travels, so that what is spare at one pose says how far the
-    /// next may be. `look` says what is spare at a pose, mm; `spare` is what is known of the start, 0 or less
-    /// where nothing is. Returns what is spare at the end.
-    pub fn advance(&self, spare: f64, mut look: impl FnMut((Point, Vector)) -> f64) -> f64 {
-        let mut spare = spare;
-        // Where `spare` was found, and the next place to look at.
-        let (mut share, mut next) = (0.0, 0.0);
-        if self.way < 1e-9 {
-            return if spare > 0.0 { spare } else { look(self.to) };
-        }
-        if spare > 0.0 {
-            next = spare / self.way;
-        }
-        while next < 1.0 {
-            spare = look(self.pose(next));
-            share = next;
-            next += (spare / self.way).max(1.0 / MAX_SAMPLES as f64).max(0.1 / self.way);
-        }
-        let left = spare - (1.0 - share) * self.way;
-        if left > 0.0 { left } else { look(self.to) }
     }
 }
 
@@ -268,39 +219,19 @@ impl<'a> AssemblySurroundings<'a> {
         least
     }
 
-    /// Least clearance while the tool moves from one pose to another; the axis turns at a constant rate.
-    /// Distances above `wanted` mm, and far above the clearances, need not be found.
-    pub fn along(
-        &self,
-        tool: &Tool,
-        segments: &[AssemblySegment],
-        from: (Point, Vector),
-        to: (Point, Vector),
-        wanted: f64,
-    ) -> AssemblyClearance {
-        let cap = LOOK_AHEAD + self.allowances[0].max(self.allowances[1]);
-        let mut least = self.at(tool, segments, to, wanted.max(cap));
-        AssemblyMove::new(segments, from, to).advance(0.0, |pose| {
-            let here = self.at(tool, segments, pose, cap);
-            least = least.worst_of(here);
-            here.slack()
-        });
-        least
-    }
-
     /// Least clearance over a move whose start has `slack` mm of clearance more than required (0 or less where
-    /// that is not known), and the slack at its end; of what is clear by more than `look_ahead` mm the distance
-    /// is not found. Over many short moves far faster than [`Self::along`].
-    pub fn along_from(
+    /// that is not known), and the slack at its end. Of what is further off than matters for the way to the
+    /// next place the distance is not found.
+    pub fn along(
         &self,
         tool: &Tool,
         segments: &[AssemblySegment],
         step: &AssemblyMove,
         slack: f64,
-        look_ahead: f64,
     ) -> (AssemblyClearance, f64) {
         let parts = segments.iter().map(|segment| self.clearances.of(segment.part));
-        let cap = look_ahead + self.allowances[0].max(self.allowances[1]) + parts.fold(0.0, f64::max);
+        let required = self.allowances[0].max(self.allowances[1]) + parts.fold(0.0, f64::max);
+        let cap = required + step.way.clamp(MIN_LOOK_AHEAD, MAX_LOOK_AHEAD);
         let mut least = AssemblyClearance::FAR;
         let left = step.advance(slack, |pose| {
             let here = self.at(tool, segments, pose, cap);

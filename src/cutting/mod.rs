@@ -3,6 +3,7 @@
 //! | file | answers |
 //! |---|---|
 //! | [`approach`] | how far down a tool may come in rapid, over what earlier plunges left |
+//! | [`assembly_move`] | where along a move shank and holder have to be looked at |
 //! | [`assembly`] | how far shank and holder are from the finished part and the blank |
 //! | [`drop_cutter`] | how deep it goes along its axis until it touches a surface of revolution |
 //! | [`retract`] | from which height above its tip a tool is clear of the blank |
@@ -11,6 +12,7 @@
 
 pub mod approach;
 pub mod assembly;
+pub mod assembly_move;
 pub mod contact;
 pub mod drop_cutter;
 pub mod link;

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::fault::{Fault, FaultKind, Finding};
 use super::{ProgramCut, TOOL_TOLERANCE};
-use crate::cutting::assembly::{AssemblyClearance, AssemblyMove, AssemblySurroundings, depth_in_stock};
+use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
+use crate::cutting::assembly_move::AssemblyMove;
 use crate::cutting::contact::Columns;
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
@@ -16,10 +17,8 @@ use crate::toolpath::{ClProgram, Move};
 
 /// Moves that one thread looks at one after another.
 const STEPS_IN_RUN: usize = 128;
-/// Distance beyond the required clearance up to which that of short moves is measured, mm: what is further off
-/// need not be looked at again until the tool has moved by this.
-const CLEARANCE_AHEAD: f64 = 4.0;
-/// The same beyond the least distance so far.
+/// Distance beyond the least one so far up to which distances are measured, mm: what is further off need not be
+/// looked at again until the tool has moved by this.
 const DISTANCE_AHEAD: f64 = 4.0;
 /// Largest way of any point of a tool between two places at which distances are compared, mm, and largest
 /// number of these places in a move.
@@ -92,9 +91,13 @@ impl AssemblyStep {
 /// The least distance found so far of shank or holder, mm.
 struct LeastDistance(AtomicU64);
 
-impl LeastDistance {
-    const NONE: Self = Self(AtomicU64::new(f64::INFINITY.to_bits()));
+impl Default for LeastDistance {
+    fn default() -> Self {
+        Self(AtomicU64::new(f64::INFINITY.to_bits()))
+    }
+}
 
+impl LeastDistance {
     fn get(&self) -> f64 {
         f64::from_bits(self.0.load(Ordering::Relaxed))
     }
@@ -121,7 +124,7 @@ pub(super) fn least_distances(
     around: &AssemblySurroundings,
     monitor: &Monitor,
 ) -> Result<AssemblyDistances, Cancelled> {
-    let least = [LeastDistance::NONE, LeastDistance::NONE];
+    let least: [LeastDistance; 2] = Default::default();
     let count = monitor.steps(steps.len());
     let look = |segments: &[AssemblySegment], pose: (Point, Vector)| {
         let mut spare = f64::INFINITY;
@@ -171,8 +174,9 @@ pub(super) fn clearances(
     is_known: impl Fn(usize) -> bool + Sync,
     monitor: &Monitor,
 ) -> Result<Vec<AssemblyClearance>, Cancelled> {
+    let count = monitor.steps(steps.len().div_ceil(STEPS_IN_RUN));
     let scan = |(run, steps): (usize, &[AssemblyStep])| {
-        monitor.check()?;
+        count.begin()?;
         let mut before: Option<(&AssemblyStep, f64)> = None;
         let mut found = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
@@ -184,8 +188,7 @@ pub(super) fn clearances(
             }
             let slack = before.filter(|(before, _)| step.follows(before)).map_or(0.0, |(_, slack)| slack);
             let moved = AssemblyMove::new(segments, step.from, step.to);
-            let (clearance, left) =
-                around.along_from(&tools[step.tool], segments, &moved, slack, CLEARANCE_AHEAD);
+            let (clearance, left) = around.along(&tools[step.tool], segments, &moved, slack);
             found.push(clearance);
             before = Some((step, left));
         }
@@ -226,17 +229,12 @@ pub(super) fn judge_moves(
         Some(AssemblyStep { tool, from: before.map_or(to, |before| (before.tip, before.axis)), to })
     };
     let steps: Vec<Option<AssemblyStep>> = (0..moves.len()).map(step).collect();
-    let measured_at: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
-    let least = least_distances(&measured_at, &segments, around, &monitor.span(0.0, 0.5))?;
-    let later = monitor.span(0.5, 1.0);
-    let count = later.steps(moves.len());
-    let measure = |step: &Option<AssemblyStep>| {
-        count.begin()?;
-        let along = |s: &AssemblyStep| around.along(&tools[s.tool], &segments[s.tool], s.from, s.to, 0.0);
-        Ok(step.as_ref().map(along))
-    };
+    let given: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
+    let least = least_distances(&given, &segments, around, &monitor.span(0.0, 0.5))?;
+    let found = clearances(&given, &tools, &segments, around, |_| false, &monitor.span(0.5, 1.0))?;
+    let mut found = found.into_iter();
     let measured: Vec<Option<AssemblyClearance>> =
-        steps.par_iter().map(measure).collect::<Result<_, Cancelled>>()?;
+        steps.iter().map(|step| step.and_then(|_| found.next())).collect();
     let judged: Vec<Vec<Fault>> = (0..moves.len())
         .into_par_iter()
         .filter_map(|k| {

@@ -354,8 +354,14 @@ impl<'a> FlankVerifier<'a> {
         let is_known = |k: usize| known[k].is_some();
         let assembly = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
         let moves: Vec<AssemblyStep> = steps.iter().map(CutterStep::assembly_step).collect();
-        let assemblies =
-            clearances(&moves, &self.tools, &segments_of(&self.tools), &assembly, is_known, monitor)?;
+        let assemblies = clearances(
+            &moves,
+            &self.tools,
+            &segments_of(&self.tools),
+            &assembly,
+            is_known,
+            &monitor.silent(),
+        )?;
         let count = monitor.steps(steps.len());
         let looked = |k: usize| {
             count.begin()?;

@@ -3,7 +3,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use vanecut::cutting::assembly::{AssemblyMove, AssemblySurroundings};
+use vanecut::cutting::assembly::AssemblySurroundings;
+use vanecut::cutting::assembly_move::AssemblyMove;
 use vanecut::geometry::{Point, Vector};
 use vanecut::io::apt::read_apt_bytes;
 use vanecut::io::read_setup_bytes;
