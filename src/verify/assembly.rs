@@ -118,7 +118,7 @@ impl LeastDistance {
 ///
 /// # Errors
 /// When cancelled.
-pub(super) fn least_distances(
+pub(super) fn min_distances(
     steps: &[AssemblyStep],
     segments: &[Vec<AssemblySegment>],
     around: &AssemblySurroundings,
@@ -230,7 +230,7 @@ pub(super) fn judge_moves(
     };
     let steps: Vec<Option<AssemblyStep>> = (0..moves.len()).map(step).collect();
     let given: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
-    let least = least_distances(&given, &segments, around, &monitor.span(0.0, 0.5))?;
+    let least = min_distances(&given, &segments, around, &monitor.span(0.0, 0.5))?;
     let found = clearances(&given, &tools, &segments, around, |_| false, &monitor.span(0.5, 1.0))?;
     let mut found = found.into_iter();
     let measured: Vec<Option<AssemblyClearance>> =

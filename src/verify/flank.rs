@@ -20,7 +20,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assembly::{
-    AssemblyDistances, AssemblyStep, clearances, least_distances, segments_of, unknown_assemblies,
+    AssemblyDistances, AssemblyStep, clearances, min_distances, segments_of, unknown_assemblies,
 };
 use super::fault::{Fault, VerifyError};
 use crate::cutting::assembly::AssemblySurroundings;
@@ -258,7 +258,7 @@ impl<'a> FlankVerifier<'a> {
         let moves: Vec<AssemblyStep> =
             steps.iter().filter(has_assembly).map(CutterStep::assembly_step).collect();
         let around = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
-        least_distances(&moves, &segments, &around, monitor)
+        min_distances(&moves, &segments, &around, monitor)
     }
 
     /// The faults where cutters in rapid, shanks and holders meet stock that stands: of the program that was
