@@ -17,6 +17,7 @@ pub mod renderer;
 pub mod residual;
 pub mod scene;
 pub mod stock_floor;
+mod surfaces;
 mod target;
 mod uniform;
 pub mod view;
