@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use vanecut::geometry::Meridional;
+use vanecut::geometry::{Meridional, Point, Vector};
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Impeller, Workpiece};
+use vanecut::part::{BladeSide, Blank, Impeller, Workpiece};
 use vanecut::setup::{AxisPolicy, Setup, Tool};
 use vanecut::stock::excess::Excess;
 use vanecut::stock::solid::{
@@ -180,5 +180,117 @@ fn excess_is_positive_above_tips_that_lie_below_the_shroud() {
             let found = excess.at(&above.at_angle(tip.y.atan2(tip.x)));
             assert!(found > 0.0, "u {u}: {found} mm");
         }
+    }
+}
+
+/// Triangles of a blade as it is drawn: its sides, and the strips between their edges; those of the foot
+/// last, and their number.
+fn drawn_blade(pair: &[BladeSide]) -> (Vec<[Point; 3]>, usize) {
+    let (along, across) = (160, 24);
+    // Finer towards both ends.
+    let u = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * i as f64 / along as f64).cos();
+    let v = |j: usize| j as f64 / across as f64;
+    let mut triangles = Vec::new();
+    let mut add = |corners: [Point; 4]| {
+        let [a, b, c, d] = corners;
+        triangles.extend([[a, b, c], [a, c, d]]);
+    };
+    let [s, p] = [&pair[0], &pair[1]];
+    for (i, j) in (0..along).flat_map(|i| (0..across).map(move |j| (i, j))) {
+        let (u, v) = ([u(i), u(i + 1)], [v(j), v(j + 1)]);
+        add([s.point(u[0], v[0]), s.point(u[1], v[0]), s.point(u[1], v[1]), s.point(u[0], v[1])]);
+        add([p.point(u[0], v[0]), p.point(u[0], v[1]), p.point(u[1], v[1]), p.point(u[1], v[0])]);
+    }
+    for (j, end) in (0..across).flat_map(|j| [(j, 0.0), (j, 1.0)]) {
+        let corners =
+            [s.point(end, v(j)), p.point(end, v(j)), p.point(end, v(j + 1)), s.point(end, v(j + 1))];
+        let [a, b, c, d] = corners;
+        add(if end == 1.0 { corners } else { [a, d, c, b] });
+    }
+    for (v, i) in [1.0, 0.0].into_iter().flat_map(|v| (0..along).map(move |i| (v, i))) {
+        let [a, b] = [u(i), u(i + 1)];
+        let corners = [s.point(a, v), s.point(b, v), p.point(b, v), p.point(a, v)];
+        let [a, b, c, d] = corners;
+        add(if v == 1.0 { corners } else { [a, d, c, b] });
+    }
+    (triangles, 2 * along)
+}
+
+/// Distance of a point from a triangle: from its plane, or from its edges.
+fn triangle_distance(p: &Point, t: &[Point; 3]) -> f64 {
+    let normal = (t[1] - t[0]).cross(&(t[2] - t[0]));
+    let edge = |k: usize| (t[k], t[(k + 1) % 3] - t[k]);
+    let is_above = (0..3).all(|k| edge(k).1.cross(&(p - edge(k).0)).dot(&normal) >= 0.0);
+    if is_above && normal.norm() > 0.0 {
+        return (p - t[0]).dot(&normal).abs() / normal.norm();
+    }
+    let from_edge = |k: usize| {
+        let (a, along) = edge(k);
+        let share = (p - a).dot(&along) / along.norm_squared().max(1e-30);
+        (p - (a + along * share.clamp(0.0, 1.0))).norm()
+    };
+    from_edge(0).min(from_edge(1)).min(from_edge(2))
+}
+
+/// Solid angle of a triangle seen from a point (Van Oosterom and Strackee).
+fn solid_angle(p: &Point, t: &[Point; 3]) -> f64 {
+    let [a, b, c] = t.map(|q| q - p);
+    let (x, y, z) = (a.norm(), b.norm(), c.norm());
+    2.0 * a.dot(&b.cross(&c)).atan2(x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y)
+}
+
+/// Around the edges of blades: of tips that are cut at an angle, of blunt ends, and of noses.
+#[test]
+fn excess_around_blades_is_the_distance_to_them_as_they_are_drawn() {
+    let read = |name: &str, bytes: &[u8]| {
+        Impeller::build(&read_part_bytes(name, bytes, "toml").expect("readable")).expect("a wheel")
+    };
+    for (name, bytes) in [
+        ("kj66", &include_bytes!("data/wheels/kj66_sections.toml")[..]),
+        ("impeller9x9", &include_bytes!("../assets/parts/impeller9x9.toml")[..]),
+    ] {
+        let wheel = Setup::default().allowances.workpiece_of(read(name, bytes));
+        let (excess, hub) = (Excess::new(&wheel), wheel.part.hub.curve());
+        let mut dice = dice();
+        for (number, pair) in wheel.channel.sides.chunks_exact(2).enumerate() {
+            let (triangles, foot) = drawn_blade(pair);
+            let walls = &triangles[..triangles.len() - foot];
+            let (mut inside, mut outside) = (0, 0);
+            for k in 0..240 {
+                // Near the edge of the tip, near both ends, and anywhere on a side.
+                let mut share = || 0.5 + 0.5 * dice();
+                let (u, v) = [(share(), 1.0), (1.0, share()), (0.0, share()), (share(), share())][k % 4];
+                let off = Vector::new(dice(), dice(), dice()) * 1.5;
+                let point = pair[k / 4 % 2].point(u, v) + off;
+                let above_hub = hub.project(Meridional::of(&point)).1;
+                if above_hub < 0.5 {
+                    continue;
+                }
+                let away = walls.iter().map(|t| triangle_distance(&point, t)).fold(f64::INFINITY, f64::min);
+                let turns = triangles.iter().map(|t| solid_angle(&point, t)).sum::<f64>().abs();
+                let is_inside = turns > 2.0 * std::f64::consts::PI;
+                let expected = if is_inside { -away } else { away.min(above_hub) };
+                let found = excess.at(&point);
+                let at = format!("{name} blade {number}, {off:?} from ({u:.3}, {v:.3})");
+                if name == "kj66" {
+                    // Its sections are noisy: where they fold a side, the nearest place may be missed.
+                    let agree = expected.abs() < 0.15 || expected.signum() == found.signum();
+                    assert!(agree, "{at}: {found} instead of {expected}");
+                } else {
+                    assert!((found - expected).abs() < 0.05, "{at}: {found} instead of {expected}");
+                }
+                if is_inside { inside += 1 } else { outside += 1 }
+            }
+            assert!(inside > 30 && outside > 80, "{name}: {inside} inside, {outside} outside");
+        }
+    }
+}
+
+/// Numbers from −1 to 1, the same on every machine.
+fn dice() -> impl FnMut() -> f64 {
+    let mut state = 17u64;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }

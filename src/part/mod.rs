@@ -7,6 +7,7 @@ pub mod blank_shape;
 pub mod body;
 mod camber;
 pub mod channel;
+mod closed_blade;
 mod curve_order;
 pub mod description;
 mod end_face;
@@ -27,6 +28,7 @@ pub use blade::Blade;
 pub use blank::Blank;
 pub use blank_shape::{BlankFile, BlankMesh, BlankShape};
 pub use channel::{Channel, ChannelPoint, Division, Passage, SplitterWalls, Wall, WallAngle, passage_angle};
+pub use closed_blade::ClosedBlade;
 pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };

@@ -6,7 +6,9 @@
 //! corners of this face alone, so neighbours agree, and every edge belongs to two triangles.
 
 mod cells;
+mod eigen;
 mod nodes;
+mod slabs;
 
 use std::collections::HashSet;
 
@@ -16,8 +18,9 @@ use super::SolidStock;
 use super::lattice::Lattice;
 use super::span::SpanEnd;
 use crate::geometry::{Point, Vector};
-use cells::{CELLS, Loop, share_a_face};
-use nodes::{EdgePlane, Nodes};
+use cells::{CELLS, EdgeRing};
+use nodes::{EdgePlane, NodePlane};
+use slabs::{FanSide, NumberedSlabs, SHARED, Slab, Vertices};
 
 /// Planes of cells in one task.
 const SLAB: usize = 16;
@@ -51,66 +54,21 @@ pub struct StockSurface {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A side of a fan around a sharp vertex: its ends, and its triangle.
-type FanSide = ((u32, u32), u32);
-
-/// Triangles of some planes of cells.
-#[derive(Default)]
-struct Slab {
-    surface: StockSurface,
-    /// Vertices in the first and the last plane of nodes, by the number of their edge.
-    first: Vec<(u32, u32)>,
-    last: Vec<(u32, u32)>,
-    sides: Vec<FanSide>,
-}
-
 impl StockSurface {
     /// The surface of `stock`.
     pub fn of(stock: &SolidStock) -> Self {
-        let nodes = Nodes::of(stock);
         let planes = stock.lattice.counts[0] - 1;
         let slabs: Vec<Slab> = (0..planes.div_ceil(SLAB))
             .into_par_iter()
-            .map(|slab| {
-                let mut maker = SlabMaker::new(stock, &nodes);
-                maker.make(slab * SLAB, ((slab + 1) * SLAB).min(planes));
-                maker.slab
-            })
+            .map_init(
+                || SlabMaker::new(stock),
+                |maker, slab| {
+                    maker.make(slab * SLAB, ((slab + 1) * SLAB).min(planes));
+                    maker.take()
+                },
+            )
             .collect();
-        Self::joined(slabs)
-    }
-
-    /// Joins slabs at their common planes.
-    fn joined(slabs: Vec<Slab>) -> Self {
-        let mut whole = Self::default();
-        let mut sides: Vec<FanSide> = Vec::new();
-        let mut border: Vec<(u32, u32)> = Vec::new();
-        for mut slab in slabs {
-            slab.first.sort_unstable();
-            slab.last.sort_unstable();
-            let mut to = vec![u32::MAX; slab.surface.points.len()];
-            for (key, own) in &slab.first {
-                if let Ok(at) = border.binary_search_by_key(key, |(key, _)| *key) {
-                    to[*own as usize] = border[at].1;
-                }
-            }
-            for (own, point) in slab.surface.points.iter().enumerate() {
-                if to[own] == u32::MAX {
-                    to[own] = whole.points.len() as u32;
-                    whole.points.push(*point);
-                    whole.normals.push(slab.surface.normals[own]);
-                    whole.cut_by.push(slab.surface.cut_by[own]);
-                }
-            }
-            let before = whole.triangles.len() as u32;
-            let new = |i: u32| to[i as usize];
-            whole.triangles.extend(slab.surface.triangles.iter().map(|t| t.map(new)));
-            sides.extend(slab.sides.iter().map(|&((a, b), t)| {
-                let (a, b) = (new(a), new(b));
-                ((a.min(b), a.max(b)), t + before)
-            }));
-            border = slab.last.iter().map(|&(key, own)| (key, new(own))).collect();
-        }
+        let (mut whole, sides) = NumberedSlabs::new(slabs).joined();
         whole.flip_across_sharp_edges(sides);
         whole
     }
@@ -118,7 +76,7 @@ impl StockSurface {
     /// Where two fans around sharp vertices meet, the common side is replaced by the edge between both sharp
     /// vertices, which is the sharp edge of the solid.
     fn flip_across_sharp_edges(&mut self, mut sides: Vec<FanSide>) {
-        sides.sort_unstable();
+        sides.par_sort_unstable();
         let mut joined: HashSet<(u32, u32)> = HashSet::new();
         for pair in sides.chunk_by(|a, b| a.0 == b.0).filter(|pair| pair.len() == 2) {
             // Fans list their centre first.
@@ -145,25 +103,44 @@ impl StockSurface {
 
 struct SlabMaker<'a> {
     stock: &'a SolidStock,
-    nodes: &'a Nodes,
+    /// Nodes of the near and the far plane.
+    nodes: [NodePlane; 2],
     slab: Slab,
     /// Edges along y and z in the near and the far plane of nodes, and along x between them.
     near: EdgePlane,
     far: EdgePlane,
     between: EdgePlane,
+    /// Whether the vertices of the near plane are those of the slab before.
+    shares: bool,
 }
 
 impl<'a> SlabMaker<'a> {
-    fn new(stock: &'a SolidStock, nodes: &'a Nodes) -> Self {
+    fn new(stock: &'a SolidStock) -> Self {
         let [_, columns, count] = stock.lattice.counts;
         let plane = || EdgePlane::new(2 * columns * count);
         let between = EdgePlane::new(columns * count);
-        Self { stock, nodes, slab: Slab::default(), near: plane(), far: plane(), between }
+        let nodes = [NodePlane::new(stock), NodePlane::new(stock)];
+        Self { stock, nodes, slab: Slab::default(), near: plane(), far: plane(), between, shares: false }
+    }
+
+    /// The slab that was made. The next one will be of about the same size.
+    fn take(&mut self) -> Slab {
+        let next = Slab {
+            own: Vertices::with_capacity(self.slab.own.points.len()),
+            triangles: Vec::with_capacity(self.slab.triangles.len()),
+            ..Slab::default()
+        };
+        std::mem::replace(&mut self.slab, next)
     }
 
     fn make(&mut self, from: usize, to: usize) {
+        let mut nodes = std::mem::take(&mut self.nodes);
+        nodes[1].fill(self.stock, from);
         for i in from..to {
-            self.make_plane(i);
+            nodes.swap(0, 1);
+            nodes[1].fill(self.stock, i + 1);
+            self.shares = i == from && i > 0;
+            self.make_plane(i, &nodes);
             let listed = |plane: &EdgePlane| -> Vec<(u32, u32)> {
                 plane.used.iter().map(|&edge| (edge, plane.of[edge as usize])).collect()
             };
@@ -177,77 +154,95 @@ impl<'a> SlabMaker<'a> {
             self.between.clear();
             std::mem::swap(&mut self.near, &mut self.far);
         }
+        self.near.clear();
+        self.nodes = nodes;
     }
 
-    /// Makes the cells between nodes i and i + 1 along x.
-    fn make_plane(&mut self, i: usize) {
+    /// Makes the cells between nodes i and i + 1 along x, which are those of both planes.
+    fn make_plane(&mut self, i: usize, [near, far]: &[NodePlane; 2]) {
+        let words = near.words;
         let [_, columns, count] = self.stock.lattice.counts;
         for j in 0..columns - 1 {
-            for word in 0..self.nodes.words {
-                let lines =
-                    [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)].map(|(i, j)| self.nodes.line(i, j));
-                let any = |w: usize| lines.iter().fold(0, |bits, line| bits | line[w]);
-                let all = |w: usize| lines.iter().fold(u64::MAX, |bits, line| bits & line[w]);
-                let next = |of: &dyn Fn(usize) -> u64| {
-                    let carried = if word + 1 < self.nodes.words { of(word + 1) << 63 } else { 0 };
-                    (of(word) >> 1) | carried
-                };
-                let mut active = (any(word) | next(&any)) & !(all(word) & next(&all));
+            // The lines of nodes along the edges of the cells, in the order of their corners.
+            let lines = [near.line(j), far.line(j), near.line(j + 1), far.line(j + 1)];
+            let mut next = lines.map(|line| line[0]);
+            for word in 0..words {
+                let low = next;
+                next = if word + 1 < words { lines.map(|line| line[word + 1]) } else { [0; 4] };
+                let [a, b, c, d] = low;
+                let (any, all) = (a | b | c | d, a & b & c & d);
+                // Mostly whole words are in stock or outside.
+                if any == 0 && (next[0] | next[1] | next[2] | next[3]) & 1 == 0 {
+                    continue;
+                }
+                if all == u64::MAX && next[0] & next[1] & next[2] & next[3] & 1 == 1 {
+                    continue;
+                }
+                let high: [u64; 4] = std::array::from_fn(|line| low[line] >> 1 | next[line] << 63);
+                let [e, f, g, h] = high;
+                let mut active = (any | e | f | g | h) & !(all & e & f & g & h);
                 while active != 0 {
-                    let k = 64 * word + active.trailing_zeros() as usize;
+                    let bit = active.trailing_zeros();
                     active &= active - 1;
+                    let k = 64 * word + bit as usize;
                     if k + 1 < count {
-                        self.make_cell([i, j, k]);
+                        let at = |word: u64, corner: usize| ((word >> bit & 1) as usize) << corner;
+                        let case = at(a, 0) | at(b, 1) | at(c, 2) | at(d, 3);
+                        self.make_cell([i, j, k], case | at(e, 4) | at(f, 5) | at(g, 6) | at(h, 7));
                     }
                 }
             }
         }
     }
 
-    fn make_cell(&mut self, cell: [usize; 3]) {
-        let corner = |bit: usize| std::array::from_fn(|axis| cell[axis] + (bit >> axis & 1));
-        let case = (0..8).fold(0, |case, bit| case | usize::from(self.nodes.is_in(corner(bit))) << bit);
-        for edges in &CELLS[case] {
-            let mut ring = [0u32; 12];
-            for (vertex, &edge) in ring.iter_mut().zip(edges) {
-                *vertex = self.vertex(cell, edge);
+    /// Makes the triangles of a cell; bit i of `case` is set where corner i is in stock.
+    fn make_cell(&mut self, cell: [usize; 3], case: usize) {
+        for ring in CELLS[case].rings() {
+            let mut vertices = [0u32; 12];
+            for (vertex, &edge) in vertices.iter_mut().zip(ring.edges()) {
+                *vertex = self.vertex(cell, edge, case);
             }
-            self.close(cell, edges, &ring[..edges.len()]);
+            self.close(cell, ring, &vertices[..ring.edges().len()]);
         }
     }
 
     /// The vertex on an edge of a cell.
-    fn vertex(&mut self, cell: [usize; 3], edge: u8) -> u32 {
-        let (axis, start) = cells::edge_start(edge);
+    fn vertex(&mut self, cell: [usize; 3], edge: u8, case: usize) -> u32 {
+        let (axis, start) = cells::EDGE_STARTS[usize::from(edge)];
         let node: [usize; 3] = std::array::from_fn(|k| cell[k] + (start >> k & 1));
         let [_, columns, count] = self.stock.lattice.counts;
         let place = node[1] * count + node[2];
-        let (plane, place) = match (axis, node[0] == cell[0]) {
+        let (plane, place) = match (axis, start & 1) {
             (0, _) => (&mut self.between, place),
-            (_, true) => (&mut self.near, place + (axis - 1) * columns * count),
-            (_, false) => (&mut self.far, place + (axis - 1) * columns * count),
+            (_, 0) => (&mut self.near, place + (axis - 1) * columns * count),
+            (_, _) => (&mut self.far, place + (axis - 1) * columns * count),
         };
-        if plane.of[place] != u32::MAX {
-            return plane.of[place];
+        let known = plane.of[place];
+        if known != u32::MAX {
+            return known;
         }
-        let index = self.slab.surface.points.len() as u32;
+        let (point, end) = self.crossing(axis, node, case >> start & 1 == 1);
+        let normal = end.map_or_else(Vector::zeros, |end| end.normal());
+        let cut_by = end.map_or(SpanEnd::BLANK, |end| end.cut_by);
+        let (plane, index) = match (axis, start & 1) {
+            (0, _) => (&mut self.between, self.slab.own.push(point, normal, cut_by)),
+            (_, 0) if self.shares => (&mut self.near, SHARED + self.slab.shared.push(point, normal, cut_by)),
+            (_, 0) => (&mut self.near, self.slab.own.push(point, normal, cut_by)),
+            (_, _) => (&mut self.far, self.slab.own.push(point, normal, cut_by)),
+        };
         plane.of[place] = index;
         plane.used.push(place as u32);
-        let (point, end) = self.crossing(axis, node);
-        self.slab.surface.points.push(point);
-        self.slab.surface.normals.push(end.map_or_else(Vector::zeros, |end| end.normal()));
-        self.slab.surface.cut_by.push(end.map_or(SpanEnd::BLANK, |end| end.cut_by));
         index
     }
 
-    /// Where the surface crosses the edge from `node` along `axis`.
-    fn crossing(&self, axis: usize, node: [usize; 3]) -> (Point, Option<SpanEnd>) {
+    /// Where the surface crosses the edge from `node`, which is in stock or not, along `axis`.
+    fn crossing(&self, axis: usize, node: [usize; 3], is_in: bool) -> (Point, Option<SpanEnd>) {
         let lattice = &self.stock.lattice;
         let (a, b) = Lattice::across(axis);
         let (low, high) = (lattice.coordinate(axis, node[axis]), lattice.coordinate(axis, node[axis] + 1));
         let spans = self.stock.spans(axis, node[a], node[b]);
         let between = |x: f64| (low..=high).contains(&x);
-        let found = if self.nodes.is_in(node) {
+        let found = if is_in {
             spans.iter().find(|span| between(span.to)).map(|span| (span.to, span.end))
         } else {
             spans.iter().rev().find(|span| between(span.from)).map(|span| (span.from, span.start))
@@ -270,62 +265,79 @@ impl<'a> SlabMaker<'a> {
         (point, end)
     }
 
+    /// The position and the normal of a vertex.
+    #[inline]
+    fn place(&self, vertex: u32) -> (Point, Vector) {
+        let (vertices, k) = if vertex < SHARED {
+            (&self.slab.own, vertex as usize)
+        } else {
+            (&self.slab.shared, (vertex - SHARED) as usize)
+        };
+        (vertices.points[k], vertices.normals[k])
+    }
+
     /// Fills a ring of vertices with triangles.
-    fn close(&mut self, cell: [usize; 3], edges: &Loop, ring: &[u32]) {
-        let surface = &mut self.slab.surface;
-        let normal = |i: &u32| surface.normals[*i as usize];
-        let pairs = ring.iter().enumerate().flat_map(|(i, a)| ring[..i].iter().map(move |b| (a, b)));
-        let least = pairs.map(|(a, b)| normal(a).dot(&normal(b))).fold(1.0, f64::min);
+    fn close(&mut self, cell: [usize; 3], ring: &EdgeRing, vertices: &[u32]) {
+        let mut places = [(Point::origin(), Vector::zeros()); 12];
+        let mut least = 1.0f64;
+        for (i, &vertex) in vertices.iter().enumerate() {
+            places[i] = self.place(vertex);
+            for (_, normal) in &places[..i] {
+                least = least.min(places[i].1.dot(normal));
+            }
+        }
         let sharp = least < SHARP_COSINE;
-        if !sharp && ring.len() == 3 {
-            surface.triangles.push([ring[0], ring[1], ring[2]]);
-            return;
-        }
-        if !sharp && ring.len() == 4 {
-            // A diagonal within a face of the cell could be that of its neighbour, too.
-            for turn in 0..2 {
-                if !share_a_face(edges[turn], edges[turn + 2]) {
-                    let [a, b, c, d] = [0, 1, 2, 3].map(|k| ring[(turn + k) % 4]);
-                    surface.triangles.extend([[a, b, c], [a, c, d]]);
-                    return;
-                }
+        if !sharp {
+            match (vertices, ring.diagonal) {
+                (&[a, b, c], _) => return self.slab.triangles.push([a, b, c]),
+                (&[a, b, c, d], Some(0)) => return self.slab.triangles.extend([[a, b, c], [a, c, d]]),
+                (&[a, b, c, d], Some(_)) => return self.slab.triangles.extend([[b, c, d], [b, d, a]]),
+                _ => {}
             }
         }
-        let (point, normal) = self.centre(cell, ring, (sharp, least < ACUTE_COSINE));
-        let surface = &mut self.slab.surface;
-        let centre = surface.points.len() as u32;
-        surface.points.push(point);
-        surface.normals.push(normal);
-        surface.cut_by.push(surface.cut_by[ring[0] as usize]);
-        for (i, &a) in ring.iter().enumerate() {
-            let b = ring[(i + 1) % ring.len()];
+        let (point, normal) = self.centre(cell, &places[..vertices.len()], (sharp, least < ACUTE_COSINE));
+        let first = vertices[0];
+        let cut_by = if first < SHARED {
+            self.slab.own.cut_by[first as usize]
+        } else {
+            self.slab.shared.cut_by[(first - SHARED) as usize]
+        };
+        let centre = self.slab.own.push(point, normal, cut_by);
+        for (i, &a) in vertices.iter().enumerate() {
+            let b = vertices[(i + 1) % vertices.len()];
             if sharp {
-                self.slab.sides.push(((a, b), surface.triangles.len() as u32));
+                self.slab.sides.push(((a, b), self.slab.triangles.len() as u32));
             }
-            surface.triangles.push([centre, a, b]);
+            self.slab.triangles.push([centre, a, b]);
         }
     }
 
     /// The point of a cell nearest to all tangent planes of a ring, starting from its mean (least squares by
     /// eigenvectors), and the mean normal; zero where it is sharp.
-    fn centre(&self, cell: [usize; 3], ring: &[u32], (sharp, acute): (bool, bool)) -> (Point, Vector) {
-        let surface = &self.slab.surface;
-        let at = |i: &u32| (surface.points[*i as usize], surface.normals[*i as usize]);
+    fn centre(
+        &self,
+        cell: [usize; 3],
+        ring: &[(Point, Vector)],
+        (sharp, acute): (bool, bool),
+    ) -> (Point, Vector) {
         let count = ring.len() as f64;
-        let mean = Point::from(ring.iter().map(|i| at(i).0.coords).sum::<Vector>() / count);
-        let normal: Vector = ring.iter().map(|i| at(i).1).sum();
-        let mut matrix = nalgebra::Matrix3::zeros();
+        let mean = Point::from(ring.iter().map(|(p, _)| p.coords).sum::<Vector>() / count);
+        let normal: Vector = ring.iter().map(|(_, n)| n).sum();
+        let mut matrix = [[0.0; 3]; 3];
         let mut right = Vector::zeros();
-        for (p, n) in ring.iter().map(at) {
-            matrix += n * n.transpose();
+        for (p, n) in ring {
+            for i in 0..3 {
+                for j in i..3 {
+                    matrix[i][j] += n[i] * n[j];
+                }
+            }
             right += n * n.dot(&(p - mean));
         }
-        let parts = matrix.symmetric_eigen();
-        let largest = parts.eigenvalues.max();
+        let parts = eigen::symmetric_parts(matrix);
+        let largest = parts.iter().map(|(value, _)| *value).fold(0.0, f64::max);
         let mut point = mean;
-        for k in 0..3 {
-            let (value, direction) = (parts.eigenvalues[k], parts.eigenvectors.column(k));
-            if value > FLAT_SHARE * largest && value > 0.0 {
+        for (value, direction) in &parts {
+            if *value > FLAT_SHARE * largest && *value > 0.0 {
                 point += direction * (direction.dot(&right) / value);
             }
         }
@@ -337,9 +349,9 @@ impl<'a> SlabMaker<'a> {
         }
         // Planes that do not meet in one point are not neighbours on the solid, and those of an acute edge
         // meet beyond it: then the vertex stays within half a spacing of one that is exact.
-        let miss = ring.iter().map(at).map(|(p, n)| n.dot(&(point - p)).abs()).fold(0.0, f64::max);
+        let miss = ring.iter().map(|(p, n)| n.dot(&(point - p)).abs()).fold(0.0, f64::max);
         if acute || miss > PLANE_MISS * lattice.spacing {
-            let exact = ring.iter().map(|i| at(i).0);
+            let exact = ring.iter().map(|(p, _)| *p);
             let nearest = exact.min_by(|a, b| (a - point).norm().total_cmp(&(b - point).norm()));
             let offset = nearest.map_or_else(Vector::zeros, |nearest| point - nearest);
             let far = offset.norm() / (NEAR_EXACT * lattice.spacing);

@@ -1,51 +1,61 @@
 //! Which nodes of the lattice are in stock, and the vertices on the edges between them.
 
-use rayon::prelude::*;
-
 use super::super::SolidStock;
 
-/// One bit for each node: whether it is in stock. Bits of a line along z are consecutive.
-pub struct Nodes {
+/// One bit for each node of a plane across x: whether it is in stock. Bits of a line along z are consecutive.
+#[derive(Default)]
+pub struct NodePlane {
     /// Words of a line.
     pub words: usize,
-    columns: usize,
     bits: Vec<u64>,
 }
 
-impl Nodes {
-    /// The nodes of `stock`, by its rays along z.
-    pub fn of(stock: &SolidStock) -> Self {
-        let [rows, columns, count] = stock.lattice.counts;
+impl NodePlane {
+    /// A plane of the lattice of `stock`, without nodes in stock.
+    pub fn new(stock: &SolidStock) -> Self {
+        let [_, columns, count] = stock.lattice.counts;
         let words = count.div_ceil(64);
-        let mut bits = vec![0u64; rows * columns * words];
+        Self { words, bits: vec![0; columns * words] }
+    }
+
+    /// Takes plane `i` of `stock`, by its rays along z.
+    pub fn fill(&mut self, stock: &SolidStock, i: usize) {
+        let count = stock.lattice.counts[2];
         let (low, spacing) = (stock.lattice.origin.z, stock.lattice.spacing);
-        bits.par_chunks_mut(columns * words).enumerate().for_each(|(i, plane)| {
-            for (j, line) in plane.chunks_exact_mut(words).enumerate() {
-                for span in stock.spans(2, i, j) {
-                    let mut k = ((span.from - low) / spacing).floor().max(0.0) as usize;
-                    while k < count && stock.lattice.coordinate(2, k) < span.to {
-                        if stock.lattice.coordinate(2, k) > span.from {
-                            line[k / 64] |= 1 << (k % 64);
-                        }
+        let at = |k: usize| stock.lattice.coordinate(2, k);
+        self.bits.fill(0);
+        for (j, line) in self.bits.chunks_exact_mut(self.words).enumerate() {
+            for span in stock.spans(2, i, j) {
+                // The first node above the lower end, and the first that is not below the upper one.
+                let first_from = |place: f64, is_before: &dyn Fn(f64) -> bool| {
+                    let mut k = ((place - low) / spacing).floor().max(0.0) as usize;
+                    while k < count && is_before(at(k)) {
                         k += 1;
                     }
-                }
+                    k.min(count)
+                };
+                let first = first_from(span.from, &|z| z <= span.from);
+                let end = first_from(span.to, &|z| z < span.to);
+                set_bits(line, first, end);
             }
-        });
-        Self { words, columns, bits }
+        }
     }
 
-    /// The bits of the line (i, j) along z.
+    /// The bits of line `j` along z.
     #[inline]
-    pub fn line(&self, i: usize, j: usize) -> &[u64] {
-        let from = (i * self.columns + j) * self.words;
-        &self.bits[from..from + self.words]
+    pub fn line(&self, j: usize) -> &[u64] {
+        &self.bits[j * self.words..(j + 1) * self.words]
     }
+}
 
-    /// Whether a node is in stock.
-    #[inline]
-    pub fn is_in(&self, [i, j, k]: [usize; 3]) -> bool {
-        self.line(i, j)[k / 64] >> (k % 64) & 1 == 1
+/// Sets the bits from `first` to before `end`.
+fn set_bits(line: &mut [u64], first: usize, end: usize) {
+    let mut bit = first;
+    while bit < end {
+        let until = end.min((bit / 64 + 1) * 64);
+        let count = until - bit;
+        line[bit / 64] |= (u64::MAX >> (64 - count)) << (bit % 64);
+        bit = until;
     }
 }
 
