@@ -174,6 +174,21 @@ fn what_a_part_of_the_window_must_not_name_is_seen() {
 }
 
 #[test]
+fn what_docks_is_named_a_panel() {
+    // Every panel can be docked and popped out: its file tells what it shows, not where.
+    let mut faults = Vec::new();
+    for path in sources("app/views") {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let types =
+            code(&path).lines().any(|line| line.starts_with("pub struct") && line.contains("Window {"));
+        if stem.ends_with("_window") || types {
+            faults.push(path.display().to_string());
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
 fn lists_over_several_lines_are_seen() {
     let code = "use crate::{\n    part::{Blade, setup},\n    gpu,\n};\nlet a = crate::io::read();";
     let expected = [(1, "part"), (1, "gpu"), (5, "io")].map(|(line, name)| (line, name.to_owned()));

@@ -51,14 +51,14 @@ use views::command::Command;
 use views::dialogs::Dialogs;
 use views::dock::Dock;
 use views::help::Help;
-use views::library_dialog::{LibraryAnswer, LibraryDialog};
 use views::nc_dialog::NcDialog;
 use views::palette::Palette;
+use views::panels::library::{LibraryAnswer, LibraryPanel};
+use views::panels::study::StudyPanel;
 use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
 use views::pictures::{Pictures, PreviewSource};
 use views::roles::RolesDialog;
-use views::study_window::StudyWindow;
 use views::timeline_tool::TimelineTool;
 use views::tour::{Tour, WindowRegion};
 use views::view3d::{View3d, ViewHit};
@@ -102,9 +102,9 @@ pub struct App {
     export_dialog: ExportDialog,
     channels_dialog: ChannelsDialog,
     nc_dialog: NcDialog,
-    library: LibraryDialog,
+    library: LibraryPanel,
     /// The results of a study.
-    study: StudyWindow,
+    study: StudyPanel,
     /// The places of the panels.
     dock: Dock,
     /// The question about a program with something against it, while it is open.
@@ -158,8 +158,8 @@ impl App {
             export_dialog: ExportDialog::default(),
             channels_dialog: ChannelsDialog::default(),
             nc_dialog: NcDialog::default(),
-            library: LibraryDialog::default(),
-            study: StudyWindow::default(),
+            library: LibraryPanel::default(),
+            study: StudyPanel::default(),
             dock: Dock::default(),
             release: None,
             roles: RolesDialog::default(),

@@ -1,7 +1,6 @@
 //! What the window draws: panels, 3D views, menus, dialogs. Drawing reads the model, edits what the user
 //! edits, and returns commands; [`super::control`] carries them out.
 
-mod assess_window;
 mod borders;
 pub mod channels_dialog;
 mod chart;
@@ -12,7 +11,6 @@ pub(in crate::app) mod dock;
 pub(in crate::app) mod field_faults;
 pub mod help;
 pub mod legend;
-pub mod library_dialog;
 mod menu;
 mod mouse;
 pub mod nc_dialog;
@@ -27,8 +25,6 @@ pub mod recover;
 pub mod release;
 pub mod roles;
 mod sides;
-pub mod study_plot;
-pub mod study_window;
 mod swatch;
 pub mod theme;
 mod ticks;
@@ -36,7 +32,6 @@ pub(in crate::app) mod timeline_tool;
 mod tool_drawing;
 pub mod tool_form;
 pub mod tour;
-mod tradeoff_window;
 pub(in crate::app) mod units;
 pub mod unsaved;
 pub mod view3d;

@@ -13,7 +13,7 @@ use crate::app::views::theme;
 
 impl App {
     /// Part, operations and the form of the selected operation.
-    pub(in crate::app) fn left_panel(&mut self, ui: &mut Ui) {
+    pub(in crate::app) fn setup_panel(&mut self, ui: &mut Ui) {
         ui.add_space(4.0);
         let fresh = self.state.look.is_fresh;
         let mut area = ScrollArea::vertical().auto_shrink([false, false]);

@@ -137,7 +137,7 @@ impl App {
     /// that of their content.
     pub(super) fn panel(&mut self, ui: &mut Ui, panel: DockPanel, fill_height: Option<f32>) {
         match panel {
-            DockPanel::Setup => self.left_panel(ui),
+            DockPanel::Setup => self.setup_panel(ui),
             DockPanel::Picture => self.picture(ui),
             DockPanel::Plots => {
                 let menu = panels::plots::show(ui, &mut self.state);

@@ -1,6 +1,7 @@
 //! The panels around the 3D view, one file each. A panel draws and edits the state and returns the requested
 //! command or action; it does not execute it.
 
+mod assess;
 pub mod edit_plunge;
 pub mod fields;
 pub mod flank;
@@ -8,6 +9,7 @@ pub mod flank_passes;
 pub mod flank_results;
 pub mod goal;
 mod hand_mark;
+pub mod library;
 pub mod operations;
 pub mod part;
 pub mod plots;
@@ -19,7 +21,10 @@ pub mod rotary;
 pub mod section;
 pub mod setup;
 pub mod status;
+pub mod study;
+pub mod study_plot;
 pub mod timeline;
 pub mod tools;
+mod tradeoff;
 pub mod verdict;
 pub mod whatif;

@@ -6,15 +6,15 @@ use egui::{
     Vec2, WidgetInfo,
 };
 
-use super::panels::fields;
-use super::panels::goal::goal_rows;
-use super::panels::setup::policy_label;
-use super::theme::{self, Condition};
-use super::ticks::ticks;
-use super::units;
+use super::fields;
+use super::goal::goal_rows;
+use super::setup::policy_label;
 use crate::app::App;
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;
+use crate::app::views::theme::{self, Condition};
+use crate::app::views::ticks::ticks;
+use crate::app::views::units;
 use crate::report::words::NOT_ON_MACHINE;
 use crate::setup::{AxisPolicy, Goal};
 use crate::tradeoff::TradeoffPoint;

@@ -2,11 +2,11 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
-use super::chart;
-use super::command::Command;
-use super::units;
 use crate::app::App;
 use crate::app::model::units::DisplayUnits;
+use crate::app::views::chart;
+use crate::app::views::command::Command;
+use crate::app::views::units;
 use crate::assess::reach::ReachSides;
 use crate::assess::{BLADE_NAMES, BladeMeasure};
 use crate::job::assess::AssessedPart;

@@ -4,18 +4,18 @@ use std::ops::RangeInclusive;
 
 use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui};
 
-use super::command::Command;
-use super::{tool_form, units};
 use crate::app::model::number::Quantity;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
 use crate::app::model::units::DisplayUnits;
+use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
+use crate::app::views::{tool_form, units};
 use crate::setup::Setup;
 
 /// Size of the list, points.
 const LIST: (f32, f32) = (280.0, 380.0);
 
-/// What was asked for in the dialog.
+/// What was asked for in the panel.
 pub enum LibraryAnswer {
     /// A command: open or save.
     Command(Command),
@@ -25,11 +25,11 @@ pub enum LibraryAnswer {
 
 /// The panel, with the library while it was open once.
 #[derive(Default)]
-pub struct LibraryDialog {
+pub struct LibraryPanel {
     library: Option<ShopLibrary>,
 }
 
-impl LibraryDialog {
+impl LibraryPanel {
     /// Takes a library that was read.
     pub fn take(&mut self, library: ShopLibrary) {
         self.library = Some(library);

@@ -6,10 +6,10 @@ use egui::{ComboBox, RichText, Role, Sense, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder};
 
 use super::study_plot::StudyPlot;
-use super::theme;
-use super::units;
 use crate::app::model::study_table::{StudyColumn, StudyFigure, StudyTable};
 use crate::app::model::units::DisplayUnits;
+use crate::app::views::theme;
+use crate::app::views::units;
 use crate::study::StudyResults;
 
 /// Share of the height that the plot takes, and its least height, points.
@@ -21,12 +21,12 @@ const FIGURE_WIDTH: f32 = 104.0;
 
 /// The panel, with the results while some were opened.
 #[derive(Default)]
-pub struct StudyWindow {
+pub struct StudyPanel {
     table: Option<StudyTable>,
     plot: StudyPlot,
 }
 
-impl StudyWindow {
+impl StudyPanel {
     /// Shows results that were read.
     pub fn take(&mut self, results: StudyResults) {
         self.table = Some(StudyTable::new(results));

@@ -5,10 +5,10 @@ use std::collections::{HashMap, HashSet};
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
-use super::theme::{self, Condition};
-use super::ticks::ticks;
 use crate::app::model::study_table::{StudyFigure, StudyTable};
 use crate::app::model::units::DisplayUnits;
+use crate::app::views::theme::{self, Condition};
+use crate::app::views::ticks::ticks;
 
 /// Room for the scales at the left and below, and above and at the right, points.
 const MARGIN: [Vec2; 2] = [Vec2::new(48.0, 32.0), Vec2::new(14.0, 10.0)];
