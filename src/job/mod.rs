@@ -232,8 +232,8 @@ pub struct PlanJob {
 #[derive(Debug, Default)]
 struct PlanCache {
     plans: PolicyCache,
-    /// The same with all sections cut from the inlet.
-    from_inlet: PolicyCache,
+    /// The same with sections cut from the inlet or from both ends of the channel.
+    reordered: PolicyCache,
     /// The last finished outcome before its edits, with its request: an edit changes nothing else.
     unedited: Option<(PlanRequest, PlanOutcome)>,
     /// The same, planned around the last locked plunges that the planner did not place by itself.
@@ -301,13 +301,13 @@ fn plan(
     if request.policy != AxisPolicy::Minimal {
         return Ok(outcome);
     }
-    let Some(turned) = starved::from_inlet(&outcome, &mut known.from_inlet, monitor)? else {
+    let Some(turned) = starved::reordered(&outcome, &mut known.reordered, monitor)? else {
         return Ok(outcome);
     };
     // Its sections are known; a stop leaves the rest to be finished.
     let closing = &monitor.ignoring_stop().silent();
     let turned =
-        plan_sections(request, &workpiece, turned, &mut known.from_inlet, closing, Listener::default());
+        plan_sections(request, &workpiece, turned, &mut known.reordered, closing, Listener::default());
     match turned {
         Err(JobError::Cancelled) => Err(JobError::Cancelled),
         turned => Ok(turned.unwrap_or(outcome)),

@@ -1,10 +1,11 @@
-//! Plans of `minimal` whose rows starve: where no core is free at the outlet, nothing behind it is either.
+//! Plans of `minimal` whose rows starve: where no core is free at some s, nothing behind it is either.
 
-use super::{PlanOutcome, PolicyCache, measure_residual};
+use super::{PlanOutcome, PolicyCache, PolicyResult, measure_residual};
 use crate::monitor::Monitor;
 use crate::plunge::sections::Resolved;
-use crate::plunge::{DropReason, PlanError, Planner, cutting_order};
-use crate::setup::AxisPolicy;
+use crate::plunge::{DropReason, PlanError, Planner, SectionPlan, cutting_order};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind};
+use crate::stock::{FloorGrid, ResidualField, statistics};
 use crate::tradeoff::PlanClock;
 
 /// Share of the floor that a plan may leave uncut without another cutting order being tried.
@@ -12,12 +13,13 @@ const STARVED_UNCUT: f64 = 0.05;
 /// Share of that which another order has to leave at most.
 const MUCH_LESS: f64 = 0.8;
 
-/// The sections of `outcome` all cut from the inlet, where its plan of `minimal` starves and that leaves much
-/// less uncut. The plan is kept in `known`.
+/// The sections of `outcome` in another cutting order, where its plan of `minimal` starves and that leaves
+/// much less uncut: from both ends of the channel up to where they leave least, or all from the inlet. The
+/// plan is kept in `known`.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
-pub(super) fn from_inlet(
+pub(super) fn reordered(
     outcome: &PlanOutcome,
     known: &mut PolicyCache,
     monitor: &Monitor,
@@ -30,16 +32,85 @@ pub(super) fn from_inlet(
         return Ok(None);
     }
     let resolved = Resolved { setup: outcome.setup.clone(), reasons: outcome.reasons.clone() };
-    let Some(turned) = cutting_order::all_from_inlet(&resolved) else { return Ok(None) };
-    let planner = Planner::new(&outcome.workpiece, &turned.setup);
-    let known = known.policies.entry(AxisPolicy::Minimal).or_default();
-    let plan = match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
-        Ok(plan) if !plan.is_unfinished() => plan,
-        Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => return Err(cancelled.into()),
-        _ => return Ok(None),
+    for s in meeting_s(outcome, minimal).into_iter().chain([1.0]) {
+        let Some(turned) = cutting_order::from_both_ends(&resolved, s) else { continue };
+        let planner = Planner::new(&outcome.workpiece, &turned.setup);
+        let known = known.policies.entry(AxisPolicy::Minimal).or_default();
+        let plan = match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
+            Ok(plan) if !plan.is_unfinished() => plan,
+            Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => return Err(cancelled.into()),
+            _ => return Ok(None),
+        };
+        // Its time does not matter.
+        let turned_uncut = measure_residual(plan, &outcome.grid, &PlanClock::default()).summary.uncut_share;
+        if turned_uncut <= MUCH_LESS * uncut {
+            return Ok(Some(turned));
+        }
+    }
+    Ok(None)
+}
+
+/// The s at which rows from the outlet and rows from the inlet should meet; `None` where that promises little.
+/// What a plan leaves of the floor by rows in the same direction is known. In the other direction, where they
+/// may not starve, it is expected to be what the conventional plan leaves, which ignores contact.
+fn meeting_s(outcome: &PlanOutcome, minimal: &PolicyResult) -> Option<f64> {
+    let grid = &outcome.grid;
+    let (here, free) = (uncut_areas(grid, &minimal.field), uncut_areas(grid, &outcome.before.field));
+    let left_by = |direction: CutDirection, row: usize| {
+        let s = grid.s_of_row(row);
+        let has_rows = |section: &&SectionPlan| {
+            section.kind == SectionKind::Rows && (section.to..=section.from).contains(&s)
+        };
+        let mut sections = minimal.plan.sections.iter().filter(has_rows);
+        if sections.any(|section| section.feed == direction) { here[row] } else { free[row] }
     };
-    // Its time does not matter.
-    let turned_uncut = measure_residual(plan, &outcome.grid, &PlanClock::default()).summary.uncut_share;
-    let is_better = turned_uncut <= MUCH_LESS * uncut;
-    Ok(is_better.then_some(turned))
+    let left: Vec<[f64; 2]> = (0..grid.rows)
+        .map(|row| [CutDirection::InletToOutlet, CutDirection::OutletToInlet].map(|way| left_by(way, row)))
+        .collect();
+    let (rows, least) = best_meeting(&left);
+    (least <= MUCH_LESS * here.iter().sum::<f64>()).then_some(rows as f64 / grid.rows as f64)
+}
+
+/// How many of the rows of a floor, those at its inlet, should be cut from the inlet, the others from the
+/// outlet, and what is left then, mm². `left` is what either direction leaves of each row, first from the
+/// inlet.
+fn best_meeting(left: &[[f64; 2]]) -> (usize, f64) {
+    let mut sum: f64 = left.iter().map(|[_, from_outlet]| from_outlet).sum();
+    let mut best = (0, sum);
+    for (row, [from_inlet, from_outlet]) in left.iter().enumerate() {
+        sum += from_inlet - from_outlet;
+        if sum < best.1 {
+            best = (row + 1, sum);
+        }
+    }
+    best
+}
+
+/// Area of the accessible floor that is uncut, by rows of `grid`, mm².
+fn uncut_areas(grid: &FloorGrid, field: &ResidualField) -> Vec<f64> {
+    let of_row = |row: usize| {
+        let left = statistics(grid, &field.heights, |other| other == row);
+        f64::from(left.area) * f64::from(left.uncut_share)
+    };
+    (0..grid.rows).map(of_row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_end_is_cut_by_the_rows_that_reach_it() {
+        // Rows from the outlet reach the last two rows of the floor, those from the inlet the first three.
+        let left = [[0.1, 4.0], [0.1, 4.0], [0.2, 4.0], [5.0, 0.5], [5.0, 0.5]];
+        let (rows, least) = best_meeting(&left);
+        assert_eq!(rows, 3);
+        assert!((least - 1.4).abs() < 1e-12, "{least}");
+    }
+
+    #[test]
+    fn floor_that_either_end_leaves_alike_is_cut_from_the_outlet() {
+        assert_eq!(best_meeting(&[[1.0, 1.0], [1.0, 1.0]]), (0, 2.0));
+        assert_eq!(best_meeting(&[[0.0, 3.0], [1.0, 2.0]]).0, 2, "all from the inlet");
+    }
 }

@@ -4,15 +4,16 @@
 //! that is already cut. Where strongly wrapped blades lean along the rows, no axis may lean towards the
 //! inlet, and every core would land in the step of the plunge before it; such sections are cut from the open
 //! inlet outwards instead, the innermost one first. Where both kinds are in one channel, the sections cut
-//! from either end meet. Where a plan shows that rows from the outlet starve for another
-//! reason, all are cut from the inlet ([`all_from_inlet`]).
+//! from either end meet. Where a plan shows that its rows starve for another reason, the channel is cut from
+//! both ends up to an s at which they meet, or all of it from the inlet ([`from_both_ends`]).
 
+use super::choice::search::MIN_SECTION_S;
 use super::context::PlanContext;
 use super::minimal::{LeadBlockage, lead_blockage};
 use super::row_density::RowDensity;
 use super::sections::Resolved;
 use crate::part::Workpiece;
-use crate::setup::{CutDirection, SectionKind};
+use crate::setup::{CutDirection, SectionKind, SectionSetup};
 
 /// Share of the open floor that must gain an axis by it for sections to be cut from the inlet.
 const WORTHWHILE_SHARE: f64 = 0.25;
@@ -38,18 +39,43 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     resolved
 }
 
-/// `resolved` with all of its chosen sections of rows cut from the inlet, the innermost first, for a plan
-/// that starves from the outlet; `None` where there is one such section only, or some is cut from the inlet
-/// already.
-pub fn all_from_inlet(resolved: &Resolved) -> Option<Resolved> {
+/// `resolved` with its chosen sections of rows cut from both ends of the channel, for a plan whose rows starve:
+/// those outside `s` from the outlet inwards, those inside from the inlet outwards, the innermost first. The
+/// section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one side. With an s
+/// of 1 all are cut from the inlet. `None` where that is no other order than that of `resolved`, which tries
+/// both directions by itself, or where some section has its direction already.
+pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
     let rows = chosen_rows(resolved);
     let is_open = |index: &usize| resolved.setup.plunge.sections[*index].cut_direction.is_none();
-    if rows.len() < 2 || !rows.iter().all(is_open) {
+    let (&first, &last) = rows.first().zip(rows.last())?;
+    if !rows.iter().all(is_open) {
         return None;
     }
-    let mut turned = resolved.clone();
-    cut_from_inlet(&mut turned, &rows, STARVED);
-    Some(turned)
+    let mut arranged = resolved.clone();
+    let Resolved { setup, reasons } = &mut arranged;
+    let sections = &mut setup.plunge.sections;
+    let is_across = |section: &SectionSetup| {
+        section.from - s >= MIN_SECTION_S - 1e-9 && s - section.to >= MIN_SECTION_S - 1e-9
+    };
+    let mut rows = first..last + 1;
+    if let Some(across) = rows.clone().find(|&index| is_across(&sections[index])) {
+        let inner = SectionSetup { from: s, ..sections[across].clone() };
+        sections[across].to = s;
+        sections.insert(across + 1, inner);
+        reasons.insert(across + 1, reasons[across].clone());
+        rows.end += 1;
+    }
+    let is_outside = |section: &SectionSetup| 0.5 * (section.from + section.to) > s;
+    let outer = sections[rows.clone()].iter().take_while(|section| is_outside(section)).count();
+    let (outer, inner) = (rows.start..rows.start + outer, rows.start + outer..rows.end);
+    if inner.is_empty() || rows.len() < 2 {
+        return None;
+    }
+    for index in outer {
+        sections[index].cut_direction = Some(CutDirection::OutletToInlet);
+    }
+    cut_from_inlet(&mut arranged, &inner.collect::<Vec<_>>(), STARVED);
+    Some(arranged)
 }
 
 /// Indices of the chosen sections of rows.
@@ -93,6 +119,7 @@ fn sections_from_outlet(blockages: &[LeadBlockage]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::setup::Setup;
 
     fn blockage(inward: f64, outward: f64) -> LeadBlockage {
         LeadBlockage { inward, outward, open: 0.3, too_short_at_inlet: false }
@@ -118,5 +145,54 @@ mod tests {
     #[test]
     fn a_small_gain_changes_nothing() {
         assert_eq!(sections_from_outlet(&[blockage(0.02, 0.0), blockage(0.02, 0.0)]), 2);
+    }
+
+    /// Chosen sections from the outlet inwards, as (tool, from, to).
+    fn chosen(sections: &[(u32, f64, f64)]) -> Resolved {
+        let mut setup = Setup::default();
+        let kind = SectionKind::Rows;
+        let section = |&(tool, from, to)| SectionSetup { tool, from, to, cut_direction: None, kind };
+        setup.plunge.sections = sections.iter().map(section).collect();
+        Resolved { setup, reasons: vec![Some("chosen".to_owned()); sections.len()] }
+    }
+
+    /// Tool, ends and direction of the sections.
+    fn order(resolved: &Resolved) -> Vec<(u32, f64, f64, Option<CutDirection>)> {
+        let sections = resolved.setup.plunge.sections.iter();
+        sections.map(|section| (section.tool, section.from, section.to, section.cut_direction)).collect()
+    }
+
+    const FROM_OUTLET: Option<CutDirection> = Some(CutDirection::OutletToInlet);
+    const FROM_INLET: Option<CutDirection> = Some(CutDirection::InletToOutlet);
+
+    #[test]
+    fn the_section_where_rows_from_both_ends_meet_is_divided() {
+        let one = from_both_ends(&chosen(&[(1, 1.0, 0.0)]), 0.6).expect("another order");
+        assert_eq!(order(&one), [(1, 1.0, 0.6, FROM_OUTLET), (1, 0.6, 0.0, FROM_INLET)]);
+        assert_eq!(one.reasons.len(), 2);
+        let two = from_both_ends(&chosen(&[(1, 1.0, 0.5), (2, 0.5, 0.0)]), 0.7).expect("another order");
+        let expected = [(1, 1.0, 0.7, FROM_OUTLET), (2, 0.5, 0.0, FROM_INLET), (1, 0.7, 0.5, FROM_INLET)];
+        assert_eq!(order(&two), expected, "the innermost one first");
+    }
+
+    #[test]
+    fn no_sliver_of_a_section_is_left() {
+        let two = chosen(&[(1, 1.0, 0.5), (2, 0.5, 0.0)]);
+        let at_border = from_both_ends(&two, 0.52).expect("another order");
+        assert_eq!(order(&at_border), [(1, 1.0, 0.5, FROM_OUTLET), (2, 0.5, 0.0, FROM_INLET)]);
+        let all = from_both_ends(&two, 1.0).expect("another order");
+        assert_eq!(order(&all), [(2, 0.5, 0.0, FROM_INLET), (1, 1.0, 0.5, FROM_INLET)]);
+    }
+
+    #[test]
+    fn a_single_section_and_given_directions_stay_as_they_are() {
+        assert_eq!(
+            from_both_ends(&chosen(&[(1, 1.0, 0.0)]), 1.0),
+            None,
+            "it tries both directions by itself"
+        );
+        let mut given = chosen(&[(1, 1.0, 0.5), (2, 0.5, 0.0)]);
+        given.setup.plunge.sections[1].cut_direction = FROM_INLET;
+        assert_eq!(from_both_ends(&given, 0.7), None);
     }
 }
