@@ -74,6 +74,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
     };
     write_atomically(&args.output, &bytes)?;
     let collisions = Collisions { name: &name, program: &program, contacts: &contacts };
+    let notes = unknown_assemblies(&program, &setup);
     if args.json {
         let mut map = Map::new();
         map.insert("volume".into(), number(volume));
@@ -81,6 +82,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         map.insert("spacing".into(), number(spacing));
         map.insert("moves".into(), json!(made));
         map.insert("collisions".into(), collisions.json());
+        map.insert("notes".into(), json!(notes.as_slice()));
         map.insert("elapsed".into(), number(started.elapsed().as_secs_f64()));
         return print_stdout(&format!("{}\n", Value::Object(map)));
     }
@@ -94,7 +96,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         1e-3 * whole,
         1e-3 * volume,
     );
-    text += &output::notes_text(unknown_assemblies(&program, &setup).as_slice());
+    text += &output::notes_text(notes.as_slice());
     text += &collisions.text();
     print_stdout(&text)
 }

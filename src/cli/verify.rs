@@ -41,17 +41,17 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
     let workpiece = setup.allowances.workpiece_of(part);
     let part = &workpiece.part;
     let unjudged = |error: VerifyError| Failure::of_verify(&name, error);
-    let (mut map, mut text, mut faults) = if program.mills_along_curves() {
+    let (mut map, mut text, mut faults, notes) = if program.mills_along_curves() {
         let verdict =
             run_with_progress("checking", |monitor| verify_flank(&workpiece, setup, &program, monitor))
                 .map_err(unjudged)?;
-        (flank::object(part, &verdict), flank::text(&verdict), verdict.faults)
+        (flank::object(part, &verdict), flank::text(&verdict), verdict.faults, verdict.notes)
     } else {
         let report = run_with_progress("checking", |monitor| {
             report_plunges(&workpiece, setup, &program, FIELD_CELLS, monitor)
         })
         .map_err(unjudged)?;
-        (plunge_object(part, &report), plunge_text(&report), report.verdict.faults)
+        (plunge_object(part, &report), plunge_text(&report), report.verdict.faults, report.notes)
     };
     if let Some(on_machine) = &on_machine {
         let figures = MachineFigures::of(on_machine, &program, &workpiece, setup);
@@ -64,6 +64,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         map.insert("elapsed".into(), output::number(started.elapsed().as_secs_f64()));
         map.insert("faults".into(), output::fault_list(&faults));
         let warning = |w: &ClWarning| json!({"line": w.line, "message": w.message});
+        map.insert("notes".into(), json!(notes));
         map.insert("warnings".into(), program.warnings.iter().map(warning).collect());
         print_stdout(&format!("{}\n", Value::Object(map)))?;
     } else {

@@ -283,12 +283,9 @@ pub(super) fn holder_in_stock(
     None
 }
 
-/// Tools of a program whose shank and holder are unknown, while the setup knows those of others: a remark. Of
-/// programs that mill along curves their holder is assumed, of others it is not looked at.
+/// Tools of a program whose shank and holder are unknown: a remark. Of programs that mill along curves their holder
+/// is assumed, of others it is not looked at.
 pub fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
-    if setup.tools.iter().all(|tool| tool.assembly.is_empty()) {
-        return None;
-    }
     let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
     let unknown: Vec<String> = program
         .tools
