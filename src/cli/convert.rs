@@ -23,6 +23,7 @@ use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Impeller, PartDescription};
+use crate::setup::Tool;
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
 
@@ -125,12 +126,20 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
         return Err(is_the_input(&args.output));
     }
     write_atomically(&args.output, writer(&library).as_bytes())?;
+    let loses_insert_width = extension(&args.output) == "json";
     let count = library.tools.len();
     let tools = if count == 1 { "tool" } else { "tools" };
     let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
     for tool in &library.tools {
         for note in &tool.notes {
             text += &format!("tool {}: {note}\n", tool.tool.number);
+        }
+        if loses_insert_width && tool.tool.core_radius() > 0.0 {
+            let Tool { number, insert_width, .. } = tool.tool;
+            text += &format!(
+                "tool {number}: Fusion has no insert width; its {insert_width} mm have to be given again where \
+                 the library is read\n"
+            );
         }
     }
     for note in &library.notes {

@@ -374,7 +374,7 @@ pub fn added_text(plan: &PlungePlan) -> String {
 pub fn material_text(setup: &Setup) -> String {
     match &setup.allowances.material {
         Some(name) if setup.allowances.cutting_data().is_none() => format!(
-            "no cutting data for `{name}`: speeds and feed rates stay those for steel; known: {}\n",
+            "no cutting data for `{name}`: speeds and feed rates stay those of the tools; known: {}\n",
             CuttingData::known_names().collect::<Vec<_>>().join(", ")
         ),
         _ => String::new(),

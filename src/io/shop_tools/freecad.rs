@@ -108,7 +108,8 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
 /// Reads a library and the tool bits it names.
 ///
 /// # Errors
-/// When the bytes are not a library, or one of its tool bits cannot be read.
+/// When the bytes are not a library, or none of its tool bits can be taken over. One that cannot be read beside
+/// others is left out, with a note.
 pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result<ToolLibrary, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let tree = parse_json(name, bytes)?;
@@ -117,6 +118,8 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
         list.ok_or_else(|| fault("has no list `tools`".to_owned(), "give a tool library of FreeCAD"))?;
     too_many(name, list.len().min(MAX_TOOLS + 1))?;
     let mut library = ToolLibrary::default();
+    // The fault of the first tool bit that cannot be taken over: the library's where there is no other.
+    let mut refused = None;
     for (index, entry) in list.iter().enumerate() {
         let file = entry.get("path").and_then(Value::as_str).ok_or_else(|| {
             fault(format!("tool {} has no `path`", index + 1), "correct it in FreeCAD")
@@ -129,14 +132,21 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
             return Err(fault(what, "copy the tool bits into the folder of the library"));
         }
         let number = entry.get("nr").and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
-        let (bit, bytes) = beside(file)?;
         let number = number.filter(|n| (1..=MAX_NUMBER).contains(n)).unwrap_or(0);
-        let read = read_bit(&bit, &bytes, Some(number))?;
-        library.tools.extend(read.tools);
-        library.notes.extend(read.notes);
+        match beside(file).and_then(|(bit, bytes)| read_bit(&bit, &bytes, Some(number))) {
+            Ok(read) => {
+                library.tools.extend(read.tools);
+                library.notes.extend(read.notes);
+            }
+            Err(error) => {
+                library.notes.push(format!("{} is left out: {}", quote_for_message(file), error.message));
+                refused.get_or_insert(error);
+            }
+        }
     }
     if library.tools.is_empty() {
-        return Err(fault("contains no end mill".to_owned(), "give a library with end mills"));
+        let none = || fault("contains no end mill".to_owned(), "give a library with end mills");
+        return Err(refused.unwrap_or_else(none));
     }
     number_tools(&mut library);
     round_lengths(&mut library);

@@ -33,7 +33,8 @@ const MILLS: [(&str, f64); 7] = [
 /// Reads a library.
 ///
 /// # Errors
-/// When the bytes are not JSON of this form, or a mill in it has impossible sizes.
+/// When the bytes are not JSON of this form, or no mill in it can be taken over. One with impossible sizes beside
+/// others is left out, with a note.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let tree = parse_json(name, bytes)?;
@@ -41,6 +42,8 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     let data = data.ok_or_else(|| fault("has no list `data`".to_owned(), "give a tool library of Fusion"))?;
     let mut library = ToolLibrary::default();
     let mut holders = 0;
+    // The fault of the first mill that cannot be taken over: the library's where there is no other mill.
+    let mut refused = None;
     for (index, entry) in data.iter().enumerate() {
         let kind = string(entry, "type").unwrap_or_default();
         let title = string(entry, "description").unwrap_or_default();
@@ -56,20 +59,22 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
             }
             continue;
         };
-        let help = "correct it in the library";
-        let tool = mill(entry, *width).map_err(|what| fault(format!("{shown}: {what}"), help))?;
-        check_tool(&tool.tool).map_err(|what| fault(format!("{shown}: {what}"), help))?;
-        library.tools.push(tool);
+        let checked = mill(entry, *width).and_then(|tool| check_tool(&tool.tool).map(|()| tool));
+        match checked {
+            Ok(tool) => library.tools.push(tool),
+            Err(what) => {
+                library.notes.push(format!("{shown} is left out: {what}"));
+                refused.get_or_insert_with(|| fault(format!("{shown}: {what}"), "correct it in the library"));
+            }
+        }
     }
     if holders > 0 {
         library.notes.push(format!("{holders} holders without a tool are left out"));
     }
     too_many(name, library.tools.len())?;
     if library.tools.is_empty() {
-        return Err(fault(
-            "contains no end mill or face mill".to_owned(),
-            "give a library with end mills or face mills",
-        ));
+        let none = "contains no end mill or face mill".to_owned();
+        return Err(refused.unwrap_or_else(|| fault(none, "give a library with end mills or face mills")));
     }
     number_tools(&mut library);
     round_lengths(&mut library);

@@ -146,8 +146,12 @@ pub fn read_library_bytes(
         LibraryFormat::FusionJson => fusion::read(name, bytes),
         LibraryFormat::FusionTools => fusion::read(name, &zip::json_member(name, bytes)?),
         LibraryFormat::FreeCadBit => {
-            let tool = freecad::read_bit(name, bytes, None)?;
-            Ok(ToolLibrary { tools: tool.tools, notes: tool.notes })
+            let library = freecad::read_bit(name, bytes, None)?;
+            if library.tools.is_empty() {
+                let what = format!("contains no mill: {}", library.notes.join(", "));
+                return Err(Source::new(name, ErrorCode::ToolFile).fault(0, what, "give an end mill"));
+            }
+            Ok(library)
         }
         LibraryFormat::FreeCadLibrary => freecad::read_list(name, bytes, &|file| {
             Err(Source::new(file, ErrorCode::ToolFile)

@@ -225,7 +225,7 @@ fn material_row(ui: &mut Ui, material: &mut Option<String>) {
             .selected_text(material.as_deref().unwrap_or(NO_MATERIAL))
             .show_ui(ui, |ui| chosen_material(ui, material.as_deref(), known));
         let tip = match (&*material, known) {
-            (Some(_), None) => "No cutting data of this material: speeds stay those for steel",
+            (Some(_), None) => "No cutting data of this material: speeds stay those of the tools",
             _ => MATERIAL_TIP,
         };
         list.response.labelled_by(label.id).on_hover_text(tip);
