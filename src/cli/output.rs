@@ -213,6 +213,9 @@ fn by_section(figures: &PlungeFigures, reasons: &[Option<String>]) -> Value {
         map.insert("blocked".into(), json!(s.blocked));
         let held = |plan: &PlungePlan| limited_object(&limited_counts(plan, Some(index)));
         map.insert("held".into(), figures.if_planned(held));
+        let left_out =
+            |plan: &PlungePlan| LeftOut::of_section(plan, index).iter().map(LeftOut::json).collect();
+        map.insert("left_out".into(), figures.if_planned(left_out));
         map.insert("added".into(), json!(section.added.map(|added| added.count)));
         map.insert("stopped".into(), json!(section.added.map(|added| added.stopped.name())));
         map.insert("reason".into(), json!(reasons.get(index).cloned().flatten()));
@@ -395,14 +398,45 @@ pub fn convergence_text(plan: &PlungePlan) -> String {
     )
 }
 
-/// The least overhang with which the positions of a section that were dropped for `why` could be cut; empty
-/// where a longer overhang frees none.
-fn stick_out_text(plan: &PlungePlan, section: usize, why: DropReason) -> String {
-    let ours = || plan.dropped.iter().filter(|d| (d.section, d.why) == (section, why));
-    let Some(most) = ours().filter_map(|d| d.stick_out).reduce(f64::max) else { return String::new() };
-    match ours().filter(|d| d.stick_out.is_none()).count() {
-        0 => format!("; an overhang of {most} mm would do"),
-        never => format!("; an overhang of {most} mm would do, except for {never} that none frees"),
+/// Positions of a section that were left out for one reason.
+struct LeftOut {
+    why: DropReason,
+    count: usize,
+    /// The least overhang with which they could be cut, mm; `None` where a longer one frees none.
+    overhang: Option<f64>,
+    /// How many no overhang frees.
+    never: usize,
+}
+
+impl LeftOut {
+    /// Those of a section, by reason.
+    fn of_section(plan: &PlungePlan, section: usize) -> Vec<Self> {
+        let of = |why: DropReason| {
+            let ours = || plan.dropped.iter().filter(move |d| (d.section, d.why) == (section, why));
+            let overhang = ours().filter_map(|d| d.stick_out).reduce(f64::max);
+            Self {
+                why,
+                count: ours().count(),
+                overhang,
+                never: ours().filter(|d| d.stick_out.is_none()).count(),
+            }
+        };
+        DropReason::ALL.map(of).into_iter().filter(|left_out| left_out.count > 0).collect()
+    }
+
+    fn text(&self, tool: u32) -> String {
+        let overhang = match (self.overhang, self.never) {
+            (None, _) => String::new(),
+            (Some(most), 0) => format!("; an overhang of {most} mm would do"),
+            (Some(most), never) => {
+                format!("; an overhang of {most} mm would do, except for {never} that none frees")
+            }
+        };
+        format!("left out with tool {tool}: {} positions {}{overhang}\n", self.count, self.why.words())
+    }
+
+    fn json(&self) -> Value {
+        json!({"why": self.why.name(), "positions": self.count, "overhang": self.overhang, "never": self.never})
     }
 }
 
@@ -424,17 +458,9 @@ pub fn blocked_text(plan: &PlungePlan) -> String {
         if !names.is_empty() {
             text += &format!("blocked with tool {}: position {}\n", section.tool.number, names.join(", "));
         }
-        for why in DropReason::ALL {
-            let left_out = plan.dropped.iter().filter(|d| (d.section, d.why) == (index, why)).count();
-            if left_out > 0 {
-                text += &format!(
-                    "left out with tool {}: {left_out} positions {}{}\n",
-                    section.tool.number,
-                    why.words(),
-                    stick_out_text(plan, index, why)
-                );
-            }
-        }
+        text.extend(
+            LeftOut::of_section(plan, index).iter().map(|left_out| left_out.text(section.tool.number)),
+        );
     }
     text
 }

@@ -48,20 +48,23 @@ impl ClTool {
         }
     }
 
-    /// The tool as the shop has it: where `setup` has one of the same number and diameter, insert width, overhang,
-    /// shank and holder are that one's, whatever the program says of them. Without it they are the program's, or
-    /// else assumed: edges over 0.9 of the radius, four diameters of overhang.
+    /// The tool with what the program does not say from the tool of the same number and diameter in `setup`,
+    /// or else assumed: edges over 0.9 of the radius, four diameters of overhang. Where both give the insert
+    /// width or the overhang, the lesser holds: a tool that is shorter than the program's collides, and one that
+    /// is longer is not what was programmed.
     pub fn completed(&self, setup: &Setup) -> Tool {
         let same = |t: &&Tool| t.number == self.number && (t.diameter - self.diameter).abs() < 1e-6;
         let known = setup.tools.iter().find(same);
+        let lesser = |ours: Option<f64>, shop: Option<f64>| ours.into_iter().chain(shop).reduce(f64::min);
         let insert_width =
-            known.map(|t| t.insert_width).or(self.insert_width).unwrap_or(0.9 * self.diameter / 2.0);
+            lesser(self.insert_width, known.map(|t| t.insert_width)).unwrap_or(0.9 * self.diameter / 2.0);
+        let overhang = lesser(self.overhang, known.map(|t| t.overhang)).unwrap_or(4.0 * self.diameter);
         Tool {
             number: self.number,
             diameter: self.diameter,
             corner_radius: self.corner_radius,
             insert_width: insert_width.min(self.diameter / 2.0),
-            overhang: known.map(|t| t.overhang).or(self.overhang).unwrap_or(4.0 * self.diameter),
+            overhang,
             plunge_feed: self.feed_mm_per_min.or(known.map(|t| t.plunge_feed)).unwrap_or(300.0),
             spindle: self.spindle_rpm.or(known.map(|t| t.spindle)).unwrap_or(1200.0),
             assembly: known.map(|t| t.assembly.clone()).unwrap_or_default(),
