@@ -101,11 +101,17 @@ fn the_timeline_shows_the_stock_as_it_is_then() {
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowRight);
     window.run_steps(2);
     assert_eq!(window.state().state().look.cut_count, Some(count), "and at the end");
-    // The text of the sectional view takes height from the table when it arrives.
-    settle(&mut window);
-    window.run_steps(4);
-    window.get_by_label(&format!("Position {}", count - 2)).click_accesskit();
-    window.run_steps(3);
+    // The text of the sectional view takes height from the table when it arrives: a row at the end may leave the
+    // table in the frame of the click.
+    for _ in 0..5 {
+        settle(&mut window);
+        window.run_steps(4);
+        window.get_by_label(&format!("Position {}", count - 2)).click_accesskit();
+        window.run_steps(3);
+        if window.state().state().look.cut_count == Some(count - 2) {
+            break;
+        }
+    }
     assert_eq!(window.state().state().look.cut_count, Some(count - 2), "the table moves it too");
     window.get_by_role_and_label(Role::Button, "Go to end").click();
     window.run_steps(2);
