@@ -58,6 +58,13 @@ pub(super) fn draw_solid(pass: &mut wgpu::RenderPass, solid: &MeshBuffers) {
     pass.draw_indexed(0..solid.count, 0, 0..1);
 }
 
+/// Draws the section plane where the stencil says that it is inside material.
+fn draw_cap(pass: &mut wgpu::RenderPass, cap: &wgpu::RenderPipeline) {
+    pass.set_pipeline(cap);
+    pass.set_stencil_reference(0);
+    pass.draw(0..4, 0..1);
+}
+
 /// Draws the section plane where it cuts material, if there is one.
 pub(super) fn draw_section_cap(
     pass: &mut wgpu::RenderPass,
@@ -79,9 +86,7 @@ pub(super) fn draw_section_cap(
         let blade = |layer| matches!(layer, DrawGroup::Blades | DrawGroup::CutAway | DrawGroup::Foot);
         draw_surfaces(pass, wheel, &blade);
     }
-    pass.set_pipeline(cap);
-    pass.set_stencil_reference(0);
-    pass.draw(0..4, 0..1);
+    draw_cap(pass, cap);
 }
 
 /// Draws the section plane where it cuts the part within the stock, and where it cuts stock beside it.
@@ -100,9 +105,7 @@ pub(super) fn draw_solid_cap(
     draw_section_cap(pass, wheel, &whole, &pipelines.parity, &pipelines.cap);
     pass.set_pipeline(&pipelines.solid_parity);
     draw_solid(pass, solid);
-    pass.set_pipeline(&pipelines.solid_cap);
-    pass.set_stencil_reference(0);
-    pass.draw(0..4, 0..1);
+    draw_cap(pass, &pipelines.solid_cap);
 }
 
 /// Draws hub and blades, and the floor with its values.

@@ -41,9 +41,9 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
 
 /// `resolved` with its chosen sections of rows cut from both ends of the channel, for a plan whose rows starve:
 /// those outside `s` from the outlet inwards, those inside from the inlet outwards, the innermost first. The
-/// section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one side. With an s
-/// of 1 all are cut from the inlet. `None` where that is no other order than that of `resolved`, which tries
-/// both directions by itself, or where some section has its direction already.
+/// section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one side. If s
+/// is 1, all are cut from the inlet. Returns `None` if this does not change the order (a single section tries
+/// both directions anyway), or if the direction of a section is already set.
 pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
     let rows = chosen_rows(resolved);
     let is_open = |index: &usize| resolved.setup.plunge.sections[*index].cut_direction.is_none();

@@ -105,15 +105,16 @@ pub fn snapshot_view_without_path(window: &mut Window, name: &str) {
             picture.get_pixel_mut(x, y).0 = [128, 128, 128, 255];
         }
     }
-    let (threshold, pixels) = VIEW;
-    let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
-    egui_kittest::image_snapshot_options(&picture, name, &options);
+    egui_kittest::image_snapshot_options(&picture, name, &options(VIEW));
 }
 
-fn snapshot(window: &mut Window, name: &str, (threshold, pixels): (f32, usize)) {
-    let options = SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels);
+fn snapshot(window: &mut Window, name: &str, tolerance: (f32, usize)) {
     window.state_mut().draw_waiting_pictures();
-    window.snapshot_options(name, &options);
+    window.snapshot_options(name, &options(tolerance));
+}
+
+fn options((threshold, pixels): (f32, usize)) -> SnapshotOptions {
+    SnapshotOptions::new().threshold(threshold).max_failed_pixels(pixels)
 }
 
 /// The pixels of a part of the window, RGBA, row by row.

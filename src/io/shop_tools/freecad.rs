@@ -35,7 +35,7 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     let shown = quote_for_message(title);
     let mut library = ToolLibrary::default();
     if !MILLS.iter().any(|mill| shape.starts_with(mill)) {
-        library.notes.push(format!("{shown} is left out: {} is not a mill", quote_for_message(&shape)));
+        library.leave_out(&shown, &format!("{} is not a mill", quote_for_message(&shape)));
         return Ok(library);
     }
     let length = |key: &str| -> Result<Option<f64>, InputError> {
@@ -118,7 +118,7 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
         list.ok_or_else(|| fault("has no list `tools`".to_owned(), "give a tool library of FreeCAD"))?;
     too_many(name, list.len().min(MAX_TOOLS + 1))?;
     let mut library = ToolLibrary::default();
-    // The fault of the first tool bit that cannot be taken over: the library's where there is no other.
+    // The first error of a tool bit. It becomes the error of the library if no bit can be read.
     let mut refused = None;
     for (index, entry) in list.iter().enumerate() {
         let file = entry.get("path").and_then(Value::as_str).ok_or_else(|| {
@@ -139,7 +139,7 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
                 library.notes.extend(read.notes);
             }
             Err(error) => {
-                library.notes.push(format!("{} is left out: {}", quote_for_message(file), error.message));
+                library.leave_out(&quote_for_message(file), &error.message);
                 refused.get_or_insert(error);
             }
         }

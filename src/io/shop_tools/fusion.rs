@@ -42,7 +42,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     let data = data.ok_or_else(|| fault("has no list `data`".to_owned(), "give a tool library of Fusion"))?;
     let mut library = ToolLibrary::default();
     let mut holders = 0;
-    // The fault of the first mill that cannot be taken over: the library's where there is no other mill.
+    // The first error of a mill. It becomes the error of the library if no mill can be read.
     let mut refused = None;
     for (index, entry) in data.iter().enumerate() {
         let kind = string(entry, "type").unwrap_or_default();
@@ -55,7 +55,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
             if kind == "holder" {
                 holders += 1;
             } else {
-                library.notes.push(format!("{shown} is left out: {} is not a mill", quote_for_message(kind)));
+                library.leave_out(&shown, &format!("{} is not a mill", quote_for_message(kind)));
             }
             continue;
         };
@@ -63,7 +63,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
         match checked {
             Ok(tool) => library.tools.push(tool),
             Err(what) => {
-                library.notes.push(format!("{shown} is left out: {what}"));
+                library.leave_out(&shown, &what);
                 refused.get_or_insert_with(|| fault(format!("{shown}: {what}"), "correct it in the library"));
             }
         }

@@ -44,6 +44,13 @@ pub struct ToolLibrary {
     pub notes: Vec<String>,
 }
 
+impl ToolLibrary {
+    /// Notes that the tool `shown` is left out, and why.
+    fn leave_out(&mut self, shown: &str, why: &str) {
+        self.notes.push(format!("{shown} is left out: {why}"));
+    }
+}
+
 /// Format of a library file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LibraryFormat {

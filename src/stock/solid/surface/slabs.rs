@@ -20,7 +20,7 @@ pub struct Vertices {
 }
 
 impl Vertices {
-    /// None, with room for `count`.
+    /// An empty list with room for `count` vertices.
     pub fn with_capacity(count: usize) -> Self {
         Self {
             points: Vec::with_capacity(count),
