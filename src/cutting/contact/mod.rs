@@ -52,8 +52,8 @@ const QUICK_LINES: usize = 8;
 /// Contact depth that planning tolerates, mm: well below [`CONTACT_TOLERANCE`], so that rounding in a CL file
 /// or the samples of another checker do not exceed it.
 pub const PLANNED_CONTACT: f64 = 0.25 * CONTACT_TOLERANCE;
-/// Height below the bottom, mm, below which entries are not distinguished.
-const DEEP_ENTRY: f64 = -0.2;
+/// Depth below the bottom, mm, from which on entries are not distinguished.
+const MAX_DEPTH_BELOW: f64 = 0.2;
 /// Height above the bottom, mm, up to which stock counts for the contact area.
 const AREA_HEIGHT: f64 = 0.02;
 
@@ -191,12 +191,13 @@ impl SearchLines<'_> {
         let mut stock = StockLines::new(&self.column, near, blank);
         stock.kept = Some(left);
         let lines = SEARCH_RINGS[0].1;
+        let deep = deep_entry(&self.column);
         let mut deepest = 0.0f64;
         for k in 0..QUICK_LINES {
             let number = k * (lines / QUICK_LINES);
             let phi = std::f64::consts::TAU * number as f64 / lines as f64;
             let line = stock.near.frame().line(self.column.core_radius, phi);
-            deepest = deepest.max(stock.on_cached_line(number, &line, DEEP_ENTRY).1);
+            deepest = deepest.max(stock.on_cached_line(number, &line, deep).1);
             if deepest > enough.max(PLANNED_CONTACT) {
                 break;
             }
@@ -219,6 +220,7 @@ fn contact_up_to(
     let line = |rho: f64, phi: f64| frame.line(rho, phi);
     let mut depth = 0.0f64;
     let mut area = 0.0;
+    let deep_rim = deep_entry(column);
     // (entry, angle) of the rim lines: height at which the line enters removed stock, negative below the
     // bottom.
     let mut rim = [(0.0f64, 0.0f64); RINGS[0].1];
@@ -233,7 +235,7 @@ fn contact_up_to(
             let phi = std::f64::consts::TAU * i as f64 / count as f64;
             let line = line(rho, phi);
             // Only for rim lines the entry below the bottom is needed, for the refinement below.
-            let deep = if ring == 0 { DEEP_ENTRY } else { 0.0 };
+            let deep = if ring == 0 { deep_rim } else { 0.0 };
             let (entry, highest) = stock.on_cached_line(before + i, &line, deep);
             depth = depth.max(highest);
             if depth > enough {
@@ -255,7 +257,7 @@ fn contact_up_to(
     let step = std::f64::consts::TAU / count as f64;
     for i in 0..count {
         let (before, here, after) = (rim[(i + count - 1) % count].0, rim[i].0, rim[(i + 1) % count].0);
-        if here < before || here < after || here < DEEP_ENTRY || !here.is_finite() {
+        if here < before || here < after || here < deep_rim || !here.is_finite() {
             continue;
         }
         // Bound of the maximum: twice the rise of the steeper side.
@@ -279,6 +281,14 @@ fn contact_up_to(
         depth = depth.max(stock.on_line(&line(column.core_radius, phi), 0.0).1);
     }
     CoreContact { depth, area_share: area }
+}
+
+/// Height, mm, below which entries of rim lines are not distinguished: lines are left once they entered there. A rim
+/// in the stock between two lines needs a rise of as much as that between them; the lines of a small core are near
+/// each other.
+fn deep_entry(column: &PlungeColumn) -> f64 {
+    let apart = std::f64::consts::TAU * column.core_radius / RINGS[0].1 as f64;
+    -apart.min(MAX_DEPTH_BELOW)
 }
 
 /// Share of the core disc that each ring represents: annuli with borders midway between the rings.
