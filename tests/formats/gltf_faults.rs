@@ -298,7 +298,7 @@ fn the_wheel_is_valid() {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        failure_persistence: None, max_shrink_iters: 50, cases: 48, ..ProptestConfig::default()
+        failure_persistence: None, max_shrink_iters: 50, cases: 24, ..ProptestConfig::default()
     })]
 
     #[test]

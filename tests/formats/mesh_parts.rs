@@ -210,7 +210,7 @@ fn a_wheel_in_one_mesh_is_taken_apart() {
 
 #[test]
 fn fillets_belong_to_neither_hub_nor_blade() {
-    for (name, radius) in [("impeller532.toml", 2.0), ("impeller532.toml", 5.0), ("pump6.toml", 3.0)] {
+    for (name, radius) in [("impeller532.toml", 5.0), ("pump6.toml", 3.0)] {
         let part = sample(name);
         let body = Body { fillet: radius, ..Body::default() }.of(&part);
         println!("{name}, fillets of {radius} mm");

@@ -233,11 +233,19 @@ fn made_plans(seed: u64, count: usize, stacking: Stacking, field_cells: usize) -
 
 #[test]
 fn made_wheels_with_made_setups_are_freed() {
-    let planned = made_plans(21, 5, Stacking::LeadingEdge, 64).len();
-    assert!(planned >= 3, "only {planned} wheels could be planned");
+    let planned = made_plans(21, 2, Stacking::LeadingEdge, 64).len();
+    assert!(planned >= 1, "no wheel could be planned");
 }
 
 #[test]
+#[ignore = "as the test before it, with more wheels; scripts/nightly runs it"]
+fn more_made_wheels_with_made_setups_are_freed() {
+    let planned = made_plans(22, 12, Stacking::LeadingEdge, 64).len();
+    assert!(planned >= 6, "only {planned} wheels could be planned");
+}
+
+#[test]
+#[ignore = "six plans by all policies; scripts/nightly runs it"]
 fn on_wheels_as_they_are_built_less_is_left_than_by_the_published_method() {
     let outcomes = made_plans(5, 6, Stacking::Rim, 256);
     let compared = |outcome: &PlanOutcome| {
@@ -295,6 +303,7 @@ thickness = [[0.0, 1.7], [1.0, 2.3]]
 /// The tilt angles of a slender cutter's row must be fine enough for each core to follow the previous one
 /// over the whole depth.
 #[test]
+#[ignore = "a plan of a minute; scripts/nightly runs it"]
 fn a_slender_cutter_gets_down_to_a_deep_hub() {
     let part = Impeller::build(&read_part_bytes("deep.toml", DEEP.as_bytes(), "toml").expect("readable"));
     let part = part.expect("an impeller");

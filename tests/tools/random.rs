@@ -19,33 +19,37 @@ fn sample(name: &str) -> Impeller {
     Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
 }
 
+/// Plans a sample with random assemblies by all policies, and looks at each program.
+fn check_policies(name: &str, seed: u64) {
+    let part = sample(name);
+    let mut dice = Dice::new(seed);
+    let mut setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let chosen = resolve(&setup, &workpiece).expect("tools").setup;
+    setup.tools = chosen.tools.iter().map(|tool| with_random_assembly(tool, &mut dice)).collect();
+    let points = WheelPoints::of(&workpiece);
+    let request =
+        PlanRequest { part: part.into(), setup, policy: AxisPolicy::Minimal, compare: true, field_cells: 64 };
+    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    for result in outcome.policies() {
+        let plan = &result.plan;
+        let program = ClProgram::of_plan(name, plan);
+        let found = collisions(&workpiece, &points, &outcome.setup, &program);
+        let policy = plan.policy;
+        assert!(found.is_empty(), "{name}, {policy:?}: {found:#?}\n{:?}", outcome.setup.tools);
+        assert!(!plan.positions.is_empty(), "{name}, {policy:?} cuts nothing");
+    }
+}
+
 #[test]
 fn every_policy_keeps_random_assemblies_clear() {
-    for (name, seed) in [("impeller532", 3), ("pump6", 8)] {
-        let part = sample(name);
-        let mut dice = Dice::new(seed);
-        let mut setup = Setup::for_part(&part);
-        let workpiece = setup.allowances.workpiece_of(part.clone());
-        let chosen = resolve(&setup, &workpiece).expect("tools").setup;
-        setup.tools = chosen.tools.iter().map(|tool| with_random_assembly(tool, &mut dice)).collect();
-        let points = WheelPoints::of(&workpiece);
-        let request = PlanRequest {
-            part: part.into(),
-            setup,
-            policy: AxisPolicy::Minimal,
-            compare: true,
-            field_cells: 64,
-        };
-        let outcome = run(&request, &Monitor::default()).expect("a plan");
-        for result in outcome.policies() {
-            let plan = &result.plan;
-            let program = ClProgram::of_plan(name, plan);
-            let found = collisions(&workpiece, &points, &outcome.setup, &program);
-            let policy = plan.policy;
-            assert!(found.is_empty(), "{name}, {policy:?}: {found:#?}\n{:?}", outcome.setup.tools);
-            assert!(!plan.positions.is_empty(), "{name}, {policy:?} cuts nothing");
-        }
-    }
+    check_policies("pump6", 8);
+}
+
+#[test]
+#[ignore = "as the test before it, on another sample; scripts/nightly runs it"]
+fn every_policy_keeps_random_assemblies_of_another_sample_clear() {
+    check_policies("impeller532", 3);
 }
 
 #[test]
@@ -63,7 +67,7 @@ fn every_flank_strategy_keeps_random_assemblies_clear() {
         setup.flank.tool = Some(ball.number);
         setup.flank.strategy = strategy;
         // A fraction of the passes of the defaults: each is checked move by move.
-        (setup.flank.layer_depth, setup.flank.scallop_height) = (9.0, 1.5);
+        (setup.flank.layer_depth, setup.flank.scallop_height) = (15.0, 2.5);
         let request = FlankRequest { part: part.clone().into(), setup };
         let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("a plan");
         let plan = &outcome.plan;

@@ -74,7 +74,9 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         max_tilt_rad: 0.5,
         clearances: Default::default(),
     };
-    for index in 0..20 {
+    // All kinds of wheels in the nightly run, every third in the default one.
+    let step = if wheels().1 { 3 } else { 1 };
+    for index in (0..20).step_by(step) {
         let wheel = make::wheel(1, index);
         let (name, part) = (&wheel.description.name, open(&wheel));
         let workpiece = Setup::for_part(&part).allowances.workpiece_of(part.clone());
@@ -154,6 +156,7 @@ fn blades_that_lean_along_the_rows_are_cut_from_the_inlet() {
 /// In a narrow passage between leaning blades no first core is free at the outlet, so that none behind it is;
 /// from the inlet, where rows begin beside what an earlier section cut, nearly all of the floor is cut.
 #[test]
+#[ignore = "a plan of a minute; scripts/nightly runs it"]
 fn sections_that_starve_from_the_outlet_are_cut_from_the_inlet() {
     let bytes = leaning::leaning_wheel();
     let description = read_part_bytes("leaning.toml", bytes.as_bytes(), "toml").expect("a part");
@@ -185,6 +188,7 @@ fn rows_beside_walls_go_on_where_those_between_them_end() {
 /// Under walls that lean over the channel a strip of floor needs axes that lean further than the walls do:
 /// without them 3.8 and 4 % of the floor stayed uncut.
 #[test]
+#[ignore = "a plan of half a minute; scripts/nightly runs it"]
 fn strips_under_leaning_walls_are_cut() {
     let wheel = make::wheel(127, 16);
     let outcome = planned(open(&wheel));
@@ -296,7 +300,7 @@ fn wheels_are_planned_and_verified() {
 fn shanks_and_holders_of_random_assemblies_stay_clear() {
     let (wheels, is_gate) = wheels();
     let (wheels, schemes): (_, &[FlankStrategy]) = match is_gate {
-        true => (&wheels[..2], &[FlankStrategy::Balanced]),
+        true => (&wheels[..1], &[FlankStrategy::Balanced]),
         false => (&wheels[..], &FlankStrategy::ALL),
     };
     judge_wheels(wheels, |(seed, index), part| {

@@ -75,7 +75,7 @@ fn holes_are_filled_or_refused_with_their_place() {
     };
     for name in SAMPLES {
         let part = sample(name);
-        for (step, width) in [(400, 1), (100, 1), (150, 2)] {
+        for (step, width) in [(100, 1), (150, 2)] {
             let open = judged(&part, changed(separate(&part), |m| holed(m, step, width)), name);
             assert!(open || width > 1, "{name}: single triangles are found again");
         }
