@@ -6,7 +6,8 @@ use glam::Vec3;
 
 use crate::geometry::{Point, Vector};
 use crate::gpu::cutters::{AssemblyPiece, CutterInstance, CutterSet, CutterState, DrawnCutter};
-use crate::plunge::plan::{Condition, PlungePlan, Position, Unevaluated};
+use crate::plunge::Condition;
+use crate::plunge::plan::{PlungePlan, Position, Unevaluated};
 use crate::setup::{OutlineKind, OutlinePiece, Tool};
 
 /// The cutters of a plan. Positions whose section does not exist are skipped.

@@ -1,8 +1,10 @@
 //! Nearest distances to a blade side: from a cutter, from a point, from a piece of shank or holder.
 
 mod query;
+mod seeds;
 
 use query::{CutterQuery, DistanceQuery, FrustumQuery, PointQuery, endless_cylinder_around};
+use seeds::{LineMinimum, MAX_LINES, Seed, Seeds};
 
 use super::side::BladeSide;
 use crate::geometry::{CutterSolid, Frustum, Point, Vector, search};
@@ -465,81 +467,5 @@ impl SideProbe {
         if !searched {
             search::minimum(|v| follow(v).distance, a.v, b.v, V_TOLERANCE);
         }
-    }
-}
-
-/// Largest number of lines of a search: those of the grid, and the ends of the range.
-const MAX_LINES: usize = MAX_V_LINES + 2;
-
-/// Start value of the search on a line of v.
-#[derive(Clone, Copy, Debug, Default)]
-struct Seed {
-    v: f64,
-    /// The nearest grid line.
-    line: usize,
-    /// Index in u of the nearest point of the grid line, and its distance, mm.
-    index: usize,
-    distance: f64,
-    /// Lower bound on the distance of the part of the side around the grid line, mm.
-    bound: f64,
-}
-
-/// Seeds of neighbouring lines.
-struct Seeds {
-    lines: [Seed; MAX_LINES],
-    count: usize,
-    /// Distance of the nearest grid point, mm.
-    nearest: f64,
-    /// Lower bound on the distance of the side, mm.
-    lower_bound: f64,
-}
-
-impl Default for Seeds {
-    fn default() -> Self {
-        Self {
-            lines: [Seed::default(); MAX_LINES],
-            count: 0,
-            nearest: f64::INFINITY,
-            lower_bound: f64::INFINITY,
-        }
-    }
-}
-
-impl Seeds {
-    fn push(&mut self, seed: Seed) {
-        self.lines[self.count] = seed;
-        self.count += 1;
-        self.nearest = self.nearest.min(seed.distance);
-        self.lower_bound = self.lower_bound.min(seed.bound);
-    }
-
-    /// The lines between which the nearest point must be, if it is nearer than `cutoff` mm.
-    fn near(&self, cutoff: f64) -> &[Seed] {
-        let lines = &self.lines[..self.count];
-        let limit = cutoff.min(self.nearest);
-        let may = |seed: &Seed| seed.bound <= limit;
-        let (Some(first), Some(last)) = (lines.iter().position(may), lines.iter().rposition(may)) else {
-            return lines;
-        };
-        &lines[first.saturating_sub(1)..(last + 2).min(lines.len())]
-    }
-}
-
-/// Nearest point on a line of the side.
-#[derive(Clone, Copy, Debug, Default)]
-struct LineMinimum {
-    v: f64,
-    u: f64,
-    /// Signed distance, mm, and its derivative by v.
-    distance: f64,
-    slope: f64,
-    /// [`DistanceQuery::height`] of the point.
-    height: f64,
-}
-
-impl LineMinimum {
-    /// The nearer of two, this one if they are equally near.
-    fn nearer_of(&self, other: &Self) -> Self {
-        if other.distance < self.distance { *other } else { *self }
     }
 }

@@ -2,7 +2,7 @@
 //! the whole blank, or, where the blank stands above the shroud, of what earlier plunges left of it. Tools
 //! without a given shank or holder are not held to this.
 
-use super::plan::DropReason;
+use super::reasons::DropReason;
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::contact::Earlier;
 use crate::geometry::{Point, Vector};

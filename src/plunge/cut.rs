@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::assembly::{AssemblyRule, DropCause};
 use super::context::PlanContext;
 use super::cycle::PlanError;
-use super::plan::{AddedPlunges, DropReason};
+use super::reasons::{AddedPlunges, DropReason};
 use super::row::Station;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, cuts_deeper_than, planned_contact};
 use crate::geometry::{CutterSolid, Vector, rotate_vector_z, rotate_z};

@@ -45,7 +45,6 @@ mod edit_pose;
 mod edit_report;
 mod edits;
 mod evaluation;
-mod fit_table;
 pub mod inspect;
 pub mod lane;
 pub mod links;
@@ -58,6 +57,7 @@ pub mod plan;
 mod planner;
 mod policies;
 mod program;
+mod reasons;
 pub mod row;
 mod row_density;
 mod row_plan;
@@ -72,10 +72,8 @@ mod warm_start;
 
 pub use cycle::{PlacedPlan, PlanError};
 pub use edit_report::{EditReport, NearPlunge, PlungeMark, UnappliedEdit, UnappliedReason};
-pub use plan::{
-    AddedPlunges, Blocked, DropReason, Dropped, Evaluation, LimitedBy, Pecking, PlungeMotion, PlungePlan,
-    Position, SectionPlan, StopReason, Unevaluated,
-};
+pub use plan::{Dropped, Evaluation, Pecking, PlungeMotion, PlungePlan, Position, SectionPlan, Unevaluated};
 pub use planner::Planner;
+pub use reasons::{AddedPlunges, Blocked, Condition, DropReason, LimitedBy, StopReason};
 pub use row_density::RowDensity;
 pub use section_cache::SectionCache;

@@ -1,7 +1,7 @@
 //! Rows of positions: stage 1 (conventional positions) and stage 2 (step inspection) of [plunge paper].
 
 use super::lane::{AxisEnds, Lane};
-use super::plan::{Blocked, LimitedBy};
+use super::reasons::{Blocked, LimitedBy};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};

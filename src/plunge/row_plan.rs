@@ -10,7 +10,7 @@ use super::context::PlanContext;
 use super::cut::{PlannedRow, SectionCut, cut_row};
 use super::cycle::PlanError;
 use super::locked::{cut_waiting, lock_into_row};
-use super::plan::DropReason;
+use super::reasons::DropReason;
 use super::row::{RowMaker, Station};
 use super::section_layout::{RowLayout, StretchLayout, row_ends, row_maker};
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};

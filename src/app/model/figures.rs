@@ -3,7 +3,7 @@
 use crate::flank::FlankPlan;
 use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
-use crate::plunge::plan::Condition;
+use crate::plunge::Condition;
 use crate::report::words::NOT_ON_MACHINE;
 
 use crate::app::model::units::DisplayUnits;

@@ -7,7 +7,7 @@
 use egui::{Color32, Context, CornerRadius, FontId, FontSelection, Stroke, TextStyle, Theme, Ui, Visuals};
 
 use crate::palette;
-pub use crate::plunge::plan::Condition;
+pub use crate::plunge::Condition;
 
 /// A colour of the pictures, for the window.
 pub fn colour(colour: palette::Rgb) -> Color32 {

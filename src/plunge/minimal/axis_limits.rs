@@ -2,7 +2,7 @@
 
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
 use crate::geometry::Vector;
-use crate::plunge::plan::LimitedBy;
+use crate::plunge::reasons::LimitedBy;
 
 /// Saving of another axis from which on a position is reported as limited, mm.
 const MIN_REPORTED_SAVING: f64 = 0.02;

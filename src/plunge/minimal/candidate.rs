@@ -13,7 +13,7 @@ use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{Blank, FinishedPart};
 use crate::plunge::assembly::{AssemblyRule, DropCause};
 use crate::plunge::lane::{AxisEnds, is_wall};
-use crate::plunge::plan::DropReason;
+use crate::plunge::reasons::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::setup::Machine;
 

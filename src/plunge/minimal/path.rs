@@ -12,7 +12,7 @@ use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
 use crate::plunge::assembly::DropCause;
-use crate::plunge::plan::DropReason;
+use crate::plunge::reasons::DropReason;
 use crate::plunge::row::Station;
 
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.

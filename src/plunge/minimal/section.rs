@@ -14,7 +14,7 @@ use crate::plunge::cut::{CutRow, PlannedRow, SectionCut, cut_row};
 use crate::plunge::cycle::PlanError;
 use crate::plunge::lane::{AxisEnds, Lane, is_wall};
 use crate::plunge::locked::{cut_waiting, lock_into_row};
-use crate::plunge::plan::DropReason;
+use crate::plunge::reasons::DropReason;
 use crate::plunge::row::{RowMaker, Station};
 use crate::plunge::section_layout::{PassageStretch, StretchLayout, row_ends, row_maker};
 use crate::plunge::spacing::max_shroud_spacing;

@@ -13,7 +13,7 @@ use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
 use crate::plunge::cycle::PlanError;
 use crate::plunge::locked::cut_waiting;
-use crate::plunge::plan::{AddedPlunges, StopReason};
+use crate::plunge::reasons::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
 use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker, section_layout};
 use crate::plunge::sections::MAX_POSITIONS;

@@ -7,8 +7,9 @@ use vanecut::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use vanecut::mesh::tessellate::Tessellation;
 use vanecut::palette::{ColourMap, colour_of_value};
 use vanecut::part::Impeller;
+use vanecut::plunge::Blocked;
 use vanecut::plunge::PlungePlan;
-use vanecut::plunge::plan::{Blocked, Evaluation, Position, SectionPlan};
+use vanecut::plunge::plan::{Evaluation, Position, SectionPlan};
 use vanecut::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
 use vanecut::stock::{FloorGrid, FloorSource};
 

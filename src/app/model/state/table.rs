@@ -3,8 +3,8 @@
 use super::AppState;
 use crate::app::model::look::{Filter, Operation, REVEAL, TableColumn};
 use crate::app::model::machine::AxisDemand;
+use crate::plunge::Condition;
 use crate::plunge::Position;
-use crate::plunge::plan::Condition;
 
 impl AppState {
     /// Positions that pass the filter, in table order.
