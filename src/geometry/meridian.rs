@@ -227,6 +227,21 @@ impl MeridionalCurve {
         (t + past, dr * end.normal.r + dz * end.normal.z)
     }
 
+    /// As [`Self::project_past_end`], at both ends: before the first point t is negative.
+    pub fn project_past_ends(&self, to: Meridional) -> (f64, f64) {
+        let (t, distance) = self.project_past_end(to);
+        if t > 0.0 {
+            return (t, distance);
+        }
+        let start = self.at(0.0);
+        let (dr, dz) = (to.r - start.point.r, to.z - start.point.z);
+        let ahead = dr * start.tangent.r + dz * start.tangent.z;
+        if ahead > -AT_END * self.length {
+            return (t, distance);
+        }
+        (ahead, dr * start.normal.r + dz * start.normal.z)
+    }
+
     /// As [`Self::project`], but only within `reach` mm of arc length about `guess`.
     pub fn project_near(&self, to: Meridional, guess: f64, reach: f64) -> (f64, f64) {
         let (low, high) = ((guess - reach).max(0.0), (guess + reach).min(self.length));

@@ -16,6 +16,7 @@ use super::sides::{SideCurve, SpanSection};
 use super::span_sections::span_sections;
 use super::surface::MeshSurface;
 use super::tip_border::fit_tip_border;
+use super::tip_faces::fit_tip_faces;
 use super::tips::fit_tip_curve;
 use super::trim::{BodyOutline, depth_behind, trimmed};
 use crate::error::ErrorCode;
@@ -138,6 +139,7 @@ pub fn describe_source(
         blade_surfaces = segments.blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
     }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
+    let tip_tolerance = tolerance.max(2.0 * size * TIP_TOLERANCE);
 
     let BladeRows { count, main, splitters, note } =
         BladeRows::of(separate_blades(blade_surfaces), options.blades)?;
@@ -167,6 +169,7 @@ pub fn describe_source(
             notes.push(format!("the blades reach {depth:.2} mm into the {name}; they are cut off at it"));
         }
     }
+    let mut past_tips = false;
     let shroud_curve = match fitted_shroud {
         Some(shroud) => shroud,
         None => {
@@ -175,11 +178,15 @@ pub fn describe_source(
                 fit_tip_curve(std::slice::from_ref(&main), &hub, &course)
             };
             let by_border = || fit_tip_border(&main, &hub_curve.points, &course);
-            // Meshes show their tips by sharp edges; models from CAD, which know their normals, often have
-            // none.
-            let tips = match normals.is_empty() {
-                true => by_edges().or_else(by_border),
-                false => by_border().or_else(by_edges),
+            let by_faces = || fit_tip_faces(&main, &hub_curve.points, &course);
+            // Meshes show their tips by sharp edges; models from CAD, which know their faces, often have none.
+            let tips = match is_cad {
+                false => by_edges().or_else(by_border),
+                true => by_faces().filter(|tips| tips.max_deviation_mm < tolerance).or_else(|| {
+                    let border = by_border();
+                    past_tips = border.is_some();
+                    border.or_else(by_edges)
+                }),
             };
             let tips = tips.ok_or_else(|| {
                 PartError::new(
@@ -195,11 +202,11 @@ pub fn describe_source(
                     "the blade tips are up to {off:.2} mm off the surface of revolution through them"
                 ));
             }
-            check_deviation(tips, "line of the blade tips", tolerance.max(2.0 * size * TIP_TOLERANCE))?
+            check_deviation(tips, "line of the blade tips", tip_tolerance)?
         }
     };
     let curve = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
-    let band = ChannelCoordinates::new(&curve(&hub_curve), &curve(&shroud_curve), &corners);
+    let band = ChannelCoordinates::new(&curve(&hub_curve), &curve(&shroud_curve), &corners, past_tips);
     let main = span_sections(&main, &band, "main blade", &normals, &mut notes)?;
     let splitters = splitters
         .iter()

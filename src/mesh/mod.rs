@@ -23,6 +23,7 @@ mod span_sections;
 mod surface;
 pub mod tessellate;
 mod tip_border;
+mod tip_faces;
 mod tips;
 mod trim;
 pub(crate) mod weld;

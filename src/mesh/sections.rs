@@ -25,58 +25,81 @@ pub struct ChannelCoordinates {
     /// Arc lengths of hub and shroud at which the blades begin and end, mm.
     hub_ends: (f64, f64),
     shroud_ends: (f64, f64),
-    /// Whether hub and shroud go on past their ends, along the tangents there.
-    goes_on: bool,
+    /// Whether hub and shroud go on past the rim, along the tangents there.
+    past_rim: bool,
+    /// Whether the shroud goes on past both of its ends, along the tangents there: it ends where the tips of the blades
+    /// turn into leading and trailing edge.
+    past_tips: bool,
 }
 
 impl ChannelCoordinates {
-    /// The channel between `hub` and `shroud` over the extent of the corners `blade`.
-    pub fn new(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional]) -> Self {
-        Self::over(hub, shroud, blade, false)
+    /// The channel between `hub` and `shroud` over the extent of the corners `blade`; with `past_tips` the blades go on
+    /// past the ends of the shroud, where their tips turn into leading and trailing edge.
+    pub fn new(
+        hub: &MeridionalCurve,
+        shroud: &MeridionalCurve,
+        blade: &[Meridional],
+        past_tips: bool,
+    ) -> Self {
+        Self::over(hub, shroud, blade, (false, past_tips))
     }
 
     /// The same channel over the extent of `blade`, with hub and shroud that go on past the rim.
     pub fn going_on(&self, blade: &MeshSurface) -> Self {
         let corners: Vec<Meridional> = blade.points.iter().map(Meridional::of).collect();
-        Self::over(&self.hub, &self.shroud, &corners, true)
+        Self::over(&self.hub, &self.shroud, &corners, (true, self.past_tips))
     }
 
-    fn over(hub: &MeridionalCurve, shroud: &MeridionalCurve, blade: &[Meridional], goes_on: bool) -> Self {
+    fn over(
+        hub: &MeridionalCurve,
+        shroud: &MeridionalCurve,
+        blade: &[Meridional],
+        (past_rim, past_tips): (bool, bool),
+    ) -> Self {
         let middle =
             blade.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
         let n = blade.len().max(1) as f64;
         let middle = Meridional { r: middle.r / n, z: middle.z / n };
         let (hub, shroud) =
             (hub.clone().with_outer_side_towards(middle), shroud.clone().with_outer_side_towards(middle));
-        let ends = |curve: &MeridionalCurve, other: &MeridionalCurve| {
-            let mut ends = (f64::INFINITY, f64::NEG_INFINITY);
-            for p in blade {
-                let ((t, d), (_, e)) = (placed(curve, *p, goes_on), placed(other, *p, goes_on));
-                if d < 0.25 * (d + e) {
-                    ends = (ends.0.min(t), ends.1.max(t));
+        let (hub_ends, shroud_ends) = ((0.0, hub.length()), (0.0, shroud.length()));
+        let whole = Self { hub, shroud, hub_ends, shroud_ends, past_rim, past_tips };
+        let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 2];
+        for p in blade {
+            let placed = whole.placed(*p);
+            let height = placed[0].1 + placed[1].1;
+            for (ends, (t, distance)) in ends.iter_mut().zip(placed) {
+                if distance < 0.25 * height {
+                    *ends = (ends.0.min(t), ends.1.max(t));
                 }
             }
-            if ends.0 < ends.1 { ends } else { (0.0, curve.length()) }
+        }
+        let found = |ends: (f64, f64), all: (f64, f64)| if ends.0 < ends.1 { ends } else { all };
+        let shroud_ends = if past_tips { shroud_ends } else { found(ends[1], shroud_ends) };
+        Self { hub_ends: found(ends[0], hub_ends), shroud_ends, ..whole }
+    }
+
+    /// Arc length and signed distance of a point from hub and shroud, mm.
+    fn placed(&self, p: Meridional) -> [(f64, f64); 2] {
+        let hub = if self.past_rim { self.hub.project_past_end(p) } else { self.hub.project(p) };
+        let shroud = match (self.past_tips, self.past_rim) {
+            (true, _) => self.shroud.project_past_ends(p),
+            (false, true) => self.shroud.project_past_end(p),
+            (false, false) => self.shroud.project(p),
         };
-        let (hub_ends, shroud_ends) = (ends(&hub, &shroud), ends(&shroud, &hub));
-        Self { hub, shroud, hub_ends, shroud_ends, goes_on }
+        [hub, shroud]
     }
 
     /// Relative position (along from inlet 0 to outlet 1, height from hub 0 to shroud 1) of a point of the
     /// part's frame.
     pub fn coordinates_of(&self, p: &Point) -> (f64, f64) {
         let p = Meridional::of(p);
-        let ((t, d), (u, e)) = (placed(&self.hub, p, self.goes_on), placed(&self.shroud, p, self.goes_on));
+        let [(t, d), (u, e)] = self.placed(p);
         let height = if (d + e).abs() > 1e-12 { d / (d + e) } else { 0.5 };
         let share = |t: f64, ends: (f64, f64)| (t - ends.0) / (ends.1 - ends.0);
         let blend = height.clamp(0.0, 1.0);
         (share(t, self.hub_ends) * (1.0 - blend) + share(u, self.shroud_ends) * blend, height)
     }
-}
-
-/// Arc length and signed distance of a point from a curve, which may go on past its end.
-fn placed(curve: &MeridionalCurve, p: Meridional, goes_on: bool) -> (f64, f64) {
-    if goes_on { curve.project_past_end(p) } else { curve.project(p) }
 }
 
 /// A point of a slice.
@@ -164,7 +187,8 @@ impl<'a> BladeSlicer<'a> {
             self.places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
         let mut reached = |along: f64, height: f64| {
             let share = (along - ends.0) / (ends.1 - ends.0);
-            if MIDDLE.contains(&share) {
+            let is_below_shroud = !self.band.past_tips || (0.0..=1.0).contains(&along);
+            if MIDDLE.contains(&share) && is_below_shroud {
                 let span = &mut spans[((along * stretches as f64).max(0.0) as usize).min(stretches - 1)];
                 *span = (span.0.min(height), span.1.max(height));
             }

@@ -121,7 +121,6 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let weight = |f: usize| areas[f] * borders[f];
     let mut carrying: Vec<usize> = (0..count).filter(|&f| weight(f) > 0.0).collect();
     carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
-    carrying.truncate(2);
     let heaviest = carrying.first().map_or(0.0, |&f| weight(f));
     carrying.retain(|&f| weight(f) > COVER * heaviest);
     if carrying.is_empty() {
@@ -155,7 +154,28 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
         Some(RevolvedFace { heights, inner })
     };
-    let mut faces: Vec<RevolvedFace> = carrying.into_iter().filter_map(face).collect();
+    // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve that was
+    // found before belong to it.
+    let mut faces: Vec<(RevolvedFace, [f64; 2])> = Vec::new();
+    for number in carrying {
+        let mut own = vec![false; corners.len()];
+        for t in (0..group.len()).filter(|&t| turned[t] && group[t] as usize == number) {
+            wheel.triangles[t].iter().for_each(|i| own[*i as usize] = true);
+        }
+        let is_on = |face: &RevolvedFace| {
+            face.heights.iter().zip(&own).all(|(height, own)| !own || height.abs() < tolerance)
+        };
+        let sums = [areas[number], borders[number]];
+        match faces.iter_mut().find(|(face, _)| is_on(face)) {
+            Some((_, all)) => *all = [all[0] + sums[0], all[1] + sums[1]],
+            None => faces.extend(face(number).map(|face| (face, sums))),
+        }
+    }
+    faces.sort_by(|(_, a), (_, b)| (b[0] * b[1]).total_cmp(&(a[0] * a[1])));
+    let heaviest = faces.first().map_or(0.0, |(_, [area, border])| area * border);
+    faces.retain(|(_, [area, border])| area * border > COVER * heaviest);
+    faces.truncate(2);
+    let mut faces: Vec<RevolvedFace> = faces.into_iter().map(|(face, _)| face).collect();
     // The hub is nearer to the axis.
     faces.sort_by(|a, b| a.inner.total_cmp(&b.inner));
     let mut faces = faces.into_iter();
