@@ -317,8 +317,8 @@ fn four_columns_in_the_smallest_window_scroll_to_all_of_their_fields() {
     window.run_steps(6);
     for panel in ["Machinability", "Details"] {
         for name in ["View", "Panels", "Arrange", panel, "Move to the right"] {
-            // A tab has the name of its panel, too: the menu is drawn later.
-            window.get_all_by_role_and_label(Role::Button, name).last().expect("a menu").click();
+            // A tab has the name of its panel, too: the menu is drawn before it.
+            window.get_all_by_role_and_label(Role::Button, name).next().expect("a menu").click();
             window.run_steps(3);
         }
     }

@@ -89,10 +89,11 @@ fn head(ui: &mut Ui, library: &ShopLibrary, answer: &mut Option<LibraryAnswer>) 
         match &library.path {
             Some(path) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                ui.label(RichText::new(name).weak()).on_hover_text(path.display().to_string());
+                let label = egui::Label::new(RichText::new(name).weak()).extend();
+                ui.add(label).on_hover_text(path.display().to_string());
             }
             None => {
-                ui.label(RichText::new("The program's own tools").weak());
+                ui.add(egui::Label::new(RichText::new("The program's own tools").weak()).extend());
             }
         }
         if !library.content.notes.is_empty() {
