@@ -202,7 +202,7 @@ fn edits_survive_a_kill_on_a_real_screen() {
             edit();
             edits.push(began.elapsed());
             // Two in a frame would be one.
-            std::thread::sleep(Duration::from_millis(500 + random.below(700)));
+            std::thread::sleep(Duration::from_millis(700 + random.below(700)));
         }
         program.0.kill().expect("it runs");
         let killed = began.elapsed();
