@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -22,11 +23,6 @@ fn is_there(program: &str) -> bool {
     found.is_ok_and(|status| status.success())
 }
 
-fn xdotool(display: &str, arguments: &[&str]) -> Option<String> {
-    let output = Command::new("xdotool").args(arguments).env("DISPLAY", display).output().ok()?;
-    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
-}
-
 /// What takes longer hangs, on however busy a machine.
 const HANG: Duration = Duration::from_secs(300);
 
@@ -41,63 +37,95 @@ fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
+/// A virtual screen.
+struct Screen {
+    display: String,
+    _server: Stopped,
+}
+
+impl Screen {
+    /// The server picks a free number and prints it as soon as clients may connect. Without `-noreset` it starts
+    /// anew whenever its last client leaves, and refuses connections meanwhile.
+    fn new() -> Self {
+        for (program, package) in [("Xvfb", "xvfb"), ("xdotool", "xdotool")] {
+            assert!(
+                is_there(program),
+                "{program} is not installed; install {package} (`scripts/setup screen` does), or leave this test \
+                 out: `scripts/test -- --skip on_a_real_screen`"
+            );
+        }
+        let mut server = Stopped(
+            Command::new("Xvfb")
+                .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+                .stdout(Stdio::piped())
+                .stderr(Stdio::null())
+                .spawn()
+                .expect("Xvfb starts"),
+        );
+        let mut number = String::new();
+        let printed = server.0.stdout.take().expect("the output of Xvfb");
+        BufReader::new(printed).read_line(&mut number).expect("the number of the display");
+        Self { display: format!(":{}", number.trim()), _server: server }
+    }
+
+    /// Starts the program with the sample pump6, its data in `folder`.
+    fn start(&self, folder: &Path) -> Stopped {
+        let part = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/pump6.toml");
+        let program = Command::new(env!("CARGO_BIN_EXE_vanecut"))
+            .arg(part)
+            // What is written by a name without a folder goes there.
+            .current_dir(folder)
+            .env("DISPLAY", &self.display)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("WAYLAND_SOCKET")
+            .env("XDG_DATA_HOME", folder)
+            .env("XDG_RUNTIME_DIR", folder)
+            .env("VANECUT_GPU", "software")
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        Stopped(program)
+    }
+
+    /// Title and id of the window of the program.
+    fn title(&self) -> Option<(String, String)> {
+        let window = self.xdotool(&["search", "--onlyvisible", "--name", "Vanecut"])?;
+        let window = window.lines().next()?.to_owned();
+        Some((self.xdotool(&["getwindowname", &window])?, window))
+    }
+
+    /// Id of the window of `program`, once it has the part.
+    fn window_with_part(&self, program: &mut Stopped) -> String {
+        let (_, window) = until("window with the part", || {
+            if let Ok(Some(status)) = program.0.try_wait() {
+                let mut errors = String::new();
+                let _ = program.0.stderr.take().map(|mut pipe| pipe.read_to_string(&mut errors));
+                panic!("the program ended, {status}: {errors}");
+            }
+            self.title().filter(|(name, _)| name.contains("pump6"))
+        });
+        window
+    }
+
+    fn xdotool(&self, arguments: &[&str]) -> Option<String> {
+        let output = Command::new("xdotool").args(arguments).env("DISPLAY", &self.display).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    }
+}
+
 #[test]
 fn keys_and_mouse_reach_the_program_on_a_real_screen() {
-    for (program, package) in [("Xvfb", "xvfb"), ("xdotool", "xdotool")] {
-        assert!(
-            is_there(program),
-            "{program} is not installed; install {package} (`scripts/setup screen` does), or leave this test \
-             out: `scripts/test -- --skip on_a_real_screen`"
-        );
-    }
     let folder = tempfile::tempdir().expect("a folder");
-    // The server picks a free number and prints it as soon as clients may connect. Without `-noreset` it starts
-    // anew whenever its last client leaves, and refuses connections meanwhile.
-    let mut server = Stopped(
-        Command::new("Xvfb")
-            .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("Xvfb starts"),
-    );
-    let mut number = String::new();
-    let printed = server.0.stdout.take().expect("the output of Xvfb");
-    BufReader::new(printed).read_line(&mut number).expect("the number of the display");
-    let display = format!(":{}", number.trim());
-    let part = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/pump6.toml");
-    let program = Command::new(env!("CARGO_BIN_EXE_vanecut"))
-        .arg(part)
-        .env("DISPLAY", &display)
-        .env_remove("WAYLAND_DISPLAY")
-        .env_remove("WAYLAND_SOCKET")
-        .env("XDG_DATA_HOME", folder.path())
-        .env("XDG_RUNTIME_DIR", folder.path())
-        .env("VANECUT_GPU", "software")
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let mut program = Stopped(program);
-    let title = |display: &str| {
-        let window = xdotool(display, &["search", "--onlyvisible", "--name", "Vanecut"])?;
-        let window = window.lines().next()?.to_owned();
-        Some((xdotool(display, &["getwindowname", &window])?, window))
-    };
-    let (_, window) = until("window with the part", || {
-        if let Ok(Some(status)) = program.0.try_wait() {
-            let mut errors = String::new();
-            let _ = program.0.stderr.take().map(|mut pipe| pipe.read_to_string(&mut errors));
-            panic!("the program ended, {status}: {errors}");
-        }
-        title(&display).filter(|(name, _)| name.contains("pump6"))
-    });
+    let screen = Screen::new();
+    let mut program = screen.start(folder.path());
+    let window = screen.window_with_part(&mut program);
     // Edit something to mark the project unsaved: Ctrl+D saves a variant.
-    xdotool(&display, &["windowfocus", &window]);
-    xdotool(&display, &["mousemove", "640", "400"]);
+    screen.xdotool(&["windowfocus", &window]);
+    screen.xdotool(&["mousemove", "640", "400"]);
     until("mark of something unsaved", || {
-        xdotool(&display, &["key", "--window", &window, "ctrl+d"]);
+        screen.xdotool(&["key", "--window", &window, "ctrl+d"]);
         std::thread::sleep(Duration::from_millis(500));
-        title(&display).filter(|(name, _)| name.contains('•'))
+        screen.title().filter(|(name, _)| name.contains('•'))
     });
     // A drag rotates the wheel, and the program keeps running.
     for arguments in [
@@ -106,14 +134,14 @@ fn keys_and_mouse_reach_the_program_on_a_real_screen() {
         &["mousemove", "760", "440"],
         &["mouseup", "1"],
     ] {
-        xdotool(&display, arguments);
+        screen.xdotool(arguments);
     }
     if is_there("import") {
         let picture = folder.path().join("window.png");
         let taken = Command::new("import")
             .args(["-window", "root"])
             .arg(&picture)
-            .env("DISPLAY", &display)
+            .env("DISPLAY", &screen.display)
             .status()
             .is_ok_and(|status| status.success());
         assert!(
@@ -139,4 +167,172 @@ fn ticks(process: u32) -> Option<u64> {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
     Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
+}
+
+/// Kills the program at random moments while someone edits, as `kill -9` does: every edit older than two seconds is
+/// in its recovery copy. `KILL_MOMENTS` and `KILL_SEED` set how often, and when.
+#[test]
+#[ignore = "takes fifteen seconds a moment; scripts/nightly runs it"]
+fn edits_survive_a_kill_on_a_real_screen() {
+    let (moments, seed) = (number("KILL_MOMENTS", 20), number("KILL_SEED", 1));
+    let mut random = Random(seed);
+    let screen = Screen::new();
+    let mut lost = Vec::new();
+    for moment in 0..moments {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut program = screen.start(folder.path());
+        let window = screen.window_with_part(&mut program);
+        screen.xdotool(&["windowfocus", &window]);
+        // An edit of one key, which cannot go half astray: each saves the setup as another variant.
+        let edit = || screen.xdotool(&["key", "ctrl+d"]);
+        until("mark of something unsaved", || {
+            edit();
+            std::thread::sleep(Duration::from_millis(500));
+            screen.title().filter(|(name, _)| name.contains('•'))
+        });
+        // The first plan ends, which takes all cores.
+        screen.xdotool(&["key", "Escape", "Escape"]);
+        std::thread::sleep(Duration::from_secs(3));
+        let first = variants(folder.path()).expect("a copy of what was edited three seconds ago");
+        let began = Instant::now();
+        let life = Duration::from_millis(1500 + random.below(8000));
+        // When the key of each edit was sent.
+        let mut edits: Vec<Duration> = Vec::new();
+        while began.elapsed() < life {
+            edit();
+            edits.push(began.elapsed());
+            // Two in a frame would be one.
+            std::thread::sleep(Duration::from_millis(700 + random.below(700)));
+        }
+        program.0.kill().expect("it runs");
+        let killed = began.elapsed();
+        program.0.wait().expect("it ends");
+        let due = edits.iter().filter(|at| killed - **at > Duration::from_secs(2)).count();
+        let kept = variants(folder.path()).unwrap_or_default().saturating_sub(first);
+        let count = edits.len();
+        let line =
+            format!("moment {moment}: killed at {killed:.1?} after {count} edits; {due} due, {kept} kept");
+        println!("{line}");
+        if kept < due {
+            lost.push(line);
+        }
+    }
+    assert!(lost.is_empty(), "seed {seed}: {lost:#?}");
+}
+
+/// A number of the environment.
+fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |text| text.parse().expect("a whole number"))
+}
+
+/// Random clicks, drags, turns of the wheel and keys: the program may be closed by them, but it does not end by
+/// itself. `EVENT_COUNT` and `EVENT_SEED` set how many, and which.
+#[test]
+#[ignore = "takes minutes; scripts/nightly runs it"]
+fn random_events_end_in_no_panic_on_a_real_screen() {
+    let (count, seed) = (number("EVENT_COUNT", 3000), number("EVENT_SEED", 1));
+    let mut random = Random(seed);
+    let screen = Screen::new();
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut sent, mut starts) = (0, 0);
+    while sent < count {
+        let mut program = screen.start(folder.path());
+        starts += 1;
+        let window = screen.window_with_part(&mut program);
+        screen.xdotool(&["windowfocus", &window]);
+        while sent < count {
+            let mut arguments = Vec::new();
+            for _ in 0..10 {
+                random_event(&mut random, &mut arguments);
+                sent += 1;
+            }
+            let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+            screen.xdotool(&arguments);
+            if let Ok(Some(status)) = program.0.try_wait() {
+                let mut errors = String::new();
+                let _ = program.0.stderr.take().map(|mut pipe| pipe.read_to_string(&mut errors));
+                assert!(status.success(), "seed {seed}, after {sent} events: {status}: {errors}");
+                break;
+            }
+        }
+        // It still draws: the title is answered, and a window that hangs would not take a key.
+        if matches!(program.0.try_wait(), Ok(None)) {
+            until("answer of the window", || screen.title());
+        }
+        println!("{sent} events, start {starts}");
+    }
+}
+
+/// Adds the arguments of an event for xdotool.
+fn random_event(random: &mut Random, arguments: &mut Vec<String>) {
+    const KEYS: [&str; 34] = [
+        "Tab",
+        "Return",
+        "Escape",
+        "space",
+        "BackSpace",
+        "Left",
+        "Right",
+        "Up",
+        "Down",
+        "F1",
+        "F5",
+        "F6",
+        "F7",
+        "b",
+        "n",
+        "k",
+        "g",
+        "a",
+        "m",
+        "p",
+        "1",
+        "4",
+        "7",
+        "period",
+        "minus",
+        "ctrl+z",
+        "ctrl+y",
+        "ctrl+d",
+        "ctrl+k",
+        "ctrl+plus",
+        "ctrl+minus",
+        "ctrl+0",
+        "ctrl+a",
+        "Delete",
+    ];
+    let place = [random.below(1280).to_string(), random.below(800).to_string()];
+    let mut push = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
+    push(&["mousemove", &place[0], &place[1]]);
+    match random.below(10) {
+        0..4 => push(&["click", "1"]),
+        4 => push(&["click", "3"]),
+        5 => push(&["click", "--repeat", "3", if random.below(2) == 0 { "4" } else { "5" }]),
+        6 => {
+            let to = [random.below(1280).to_string(), random.below(800).to_string()];
+            push(&["mousedown", "1", "mousemove", &to[0], &to[1], "mouseup", "1"]);
+        }
+        _ => push(&["key", KEYS[random.below(KEYS.len() as u64) as usize]]),
+    }
+}
+
+/// Number of variants in the recovery copy below `folder`.
+fn variants(folder: &Path) -> Option<usize> {
+    let copies = std::fs::read_dir(folder.join("vanecut/recovery")).ok()?;
+    let mut copies = copies.flatten().map(|entry| entry.path());
+    let copy = copies.find(|path| path.extension().is_some_and(|ending| ending == "vanecut"))?;
+    Some(vanecut::io::project_file::read_project(&copy).expect("the copy opens").sets.len())
+}
+
+/// Random numbers (SplitMix64): the same in each run with one seed.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: u64) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut x = self.0;
+        x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        (x ^ (x >> 31)) % limit
+    }
 }

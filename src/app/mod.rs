@@ -277,9 +277,10 @@ impl App {
 
     /// The tool library.
     fn tool_library(&mut self, ui: &mut Ui) {
+        let is_docked = !self.state.look.panels.floats(DockPanel::ToolLibrary);
         let document = &mut self.state.document;
         let setup = document.part.is_some().then_some(&mut document.edited.setup);
-        match self.library.show(ui, setup) {
+        match self.library.show(ui, setup, is_docked) {
             Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
             Some(LibraryAnswer::Taken(number)) => {
                 self.state.report_done(format!("T{number} is in the setup"));
@@ -381,6 +382,7 @@ impl eframe::App for App {
         if self.was_handed_over() {
             return;
         }
+        views::modal::hide_tooltips_below(ui.ctx());
         views::units::set(ui.ctx(), self.state.look.units);
         views::field_faults::set(ui.ctx(), self.state.field_faults());
         let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;

@@ -18,7 +18,7 @@ use crate::setup::{FlankStrategy, Setup, tool_of};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN};
 
 /// Version of the file format; newer files are rejected.
-const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 2;
 /// Steps per mm to which positions and points are rounded.
 const STEPS_PER_MM: f64 = 1e6;
 /// Steps per unit to which axis components are rounded.

@@ -17,6 +17,7 @@ pub mod nc;
 pub mod part_file;
 pub mod part_hash;
 pub mod plan_file;
+pub mod plan_inputs;
 pub mod program_file;
 pub mod project_file;
 pub mod setup_file;

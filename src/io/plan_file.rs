@@ -20,7 +20,7 @@ use crate::setup::{AxisPolicy, CutDirection, Setup, tool_of};
 use crate::toolpath::ClProgram;
 
 /// Version of the file format; newer files are rejected.
-const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct PlanRecord {

@@ -3,10 +3,12 @@
 //! made once more around these, and the edits apply to that one.
 
 use super::goal::{self, MetGoal, WholeInput};
-use super::{FIRST_SHARE, JobError, Listener, PlanCache, PlanOutcome, PlanRequest, measure_residual, plan};
+use super::{
+    FIRST_SHARE, JobError, Listener, PlanCache, PlanOutcome, PlanRequest, PlanStage, measure_residual, plan,
+};
 use crate::error::ErrorCode;
 use crate::monitor::Monitor;
-use crate::plunge::{PlanError, Planner, SectionCache};
+use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache};
 use crate::setup::{AxisPolicy, PlungeChange, PlungeEdit, SetupFault, SetupPlace};
 
 /// Like [`PlanJob::run_with_listener`], with the cache `known`.
@@ -43,7 +45,7 @@ pub(super) fn plan_with_edits(
     };
     let mut outcome = edited(found.clone())?;
     if outcome.edits.adds_locked
-        && let Some(around) = known.around(&found, locks, &monitor.span(share, 1.0))?
+        && let Some(around) = known.around(&found, locks, &monitor.span(share, 1.0), listener)?
     {
         outcome = edited(around)?;
     }
@@ -61,6 +63,7 @@ impl PlanCache {
         found: &PlanOutcome,
         locks: Vec<PlungeEdit>,
         monitor: &Monitor,
+        listener: Listener,
     ) -> Result<Option<PlanOutcome>, JobError> {
         if found.after.plan.is_unfinished() || monitor.is_stopped() {
             return Ok(None);
@@ -70,7 +73,7 @@ impl PlanCache {
         {
             return Ok(Some(outcome.clone()));
         }
-        let outcome = found.planned_around(&locks, monitor)?;
+        let outcome = found.planned_around(&locks, monitor, listener)?;
         if let Some(outcome) = &outcome {
             self.around = Some((locks, outcome.clone()));
         }
@@ -80,13 +83,26 @@ impl PlanCache {
 
 impl PlanOutcome {
     /// The outcome with the requested plan made again around the plunges that `locks` keep; `None` after a stop.
-    fn planned_around(&self, locks: &[PlungeEdit], monitor: &Monitor) -> Result<Option<Self>, JobError> {
+    /// Its stages are reported: they replace those of the plan without them.
+    fn planned_around(
+        &self,
+        locks: &[PlungeEdit],
+        monitor: &Monitor,
+        listener: Listener,
+    ) -> Result<Option<Self>, JobError> {
         let (workpiece, setup) = (&*self.workpiece, &self.setup);
         let policy = self.after.plan.policy;
         let planner = Planner::new(workpiece, setup).keeping_locked(locks);
-        let planned =
-            planner.plan_cached(policy, &mut SectionCache::default(), &monitor.span(0.0, FIRST_SHARE));
-        let plan = match planned {
+        let planned = || -> Result<PlungePlan, PlanError> {
+            let monitor = &monitor.span(0.0, FIRST_SHARE);
+            let placed = planner.place_plunges(policy, &mut SectionCache::default(), monitor)?;
+            listener.notify(|| PlanStage::Placed(placed.plan().clone()));
+            let plan = planner.evaluate(placed, monitor)?;
+            listener.notify(|| PlanStage::Evaluated(plan.clone()));
+            monitor.report(1.0);
+            Ok(plan)
+        };
+        let plan = match planned() {
             Ok(plan) if !plan.is_unfinished() => plan,
             Err(PlanError::Cancelled(_)) if !monitor.is_stopped() => return Err(JobError::Cancelled),
             Err(PlanError::Setup(fault)) => return Err(fault.into()),

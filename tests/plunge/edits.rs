@@ -1,11 +1,11 @@
 //! Plans that were edited by hand: plunges left out, lifted, moved, locked, and cut in another order.
 
 use std::f64::consts::PI;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex};
 
 use vanecut::geometry::Vector;
 use vanecut::io::setup_file::{read_setup_bytes, write_setup};
-use vanecut::job::{JobError, PlanJob, PlanOutcome, PlanRequest};
+use vanecut::job::{JobError, Listener, PlanJob, PlanOutcome, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::plunge::{Planner, PlungeMark, PlungePlan, Position, UnappliedReason};
@@ -236,6 +236,35 @@ fn others_are_planned_around_a_locked_plunge() {
     let fresh = vanecut::job::run(&request(read.expect("a setup")), &Monitor::default()).expect("a plan");
     assert_eq!(fresh.after.plan.positions.len(), plan.positions.len());
     assert_eq!(fresh.after.summary.interfering, outcome.after.summary.interfering);
+}
+
+/// What is shown while that plan is made is not the one without the locked plunge.
+#[test]
+fn the_plan_around_a_locked_plunge_is_reported_as_it_is_made() {
+    let own = &FOUND.after.plan.positions[4];
+    let at = pose(own).lifted(0.35);
+    let change = PlungeChange::Lock { tool: 1, lift: own.lift + 0.35 };
+    let mut setup = setup(SETUP);
+    setup.plunge.edits = vec![PlungeEdit { plunge: at, whole_row: false, change }];
+    let policy = setup.plunge.axis;
+    let stages: Mutex<Vec<(bool, bool)>> = Mutex::default();
+    let listen = |stage: PlanStage| {
+        let (is_checked, poses) = match &stage {
+            PlanStage::Placed(plan) if plan.policy == policy => {
+                (false, plan.positions.iter().map(|p| PlungePose { tip: p.tip, axis: p.axis }).collect())
+            }
+            PlanStage::Evaluated(plan) if plan.policy == policy => {
+                (true, plan.positions.iter().map(pose).collect::<Vec<_>>())
+            }
+            _ => return,
+        };
+        let holds = poses.iter().any(|pose| pose.is(&at));
+        stages.lock().expect("no panic").push((is_checked, holds));
+    };
+    let job = PlanJob::default();
+    job.run_with_listener(&request(setup), &Monitor::default(), Listener::new(&listen)).expect("a plan");
+    let stages = stages.into_inner().expect("no panic");
+    assert_eq!(stages, [(false, false), (true, false), (false, true), (true, true)]);
 }
 
 #[test]

@@ -358,3 +358,64 @@ fn popped_out_panels_stay_within_the_smallest_window_from_100_to_200_percent() {
         }
     }
 }
+
+/// Names of what the Tab key goes through in `count` presses from the field "Step" on; empty for what has none.
+fn stops(window: &mut Window, count: usize) -> Vec<String> {
+    use egui_kittest::kittest::NodeT;
+    window.get_by_role_and_label(Role::SpinButton, "Step").focus();
+    window.run_steps(3);
+    let mut names = Vec::new();
+    for _ in 0..count {
+        window.key_press(egui::Key::Tab);
+        window.run_steps(2);
+        let focused = window.query_all_by(|node| node.is_focused()).next();
+        names.push(focused.and_then(|node| node.accesskit_node().label()).unwrap_or_default());
+    }
+    names
+}
+
+#[test]
+fn the_tab_key_goes_through_fields_and_neither_grips_nor_borders() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let names = stops(&mut window, 150);
+    assert!(names.iter().any(|name| name == "Stepover") && names.iter().any(|name| name == "Timeline"));
+    let is_handle =
+        |name: &&String| name.is_empty() || name.starts_with("Move panel") || name.starts_with("Border");
+    let handles: Vec<&String> = names.iter().filter(is_handle).collect();
+    assert!(handles.is_empty(), "{handles:?} of {names:?}");
+}
+
+#[test]
+fn a_double_click_on_a_border_brings_back_the_size_at_first() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(Vec2::new(1100.0, 700.0));
+    // A frame is a quarter of a second here.
+    window.ctx.options_mut(|options| options.input_options.max_double_click_delay = 3.0);
+    window.run_steps(4);
+    let before = places(&window);
+    // The borders beside the picture.
+    for by in [80.0, 0.0] {
+        for side in [-1.0, 1.0] {
+            let edge = |window: &Window| {
+                let picture = picture(window);
+                let x = if side < 0.0 { picture.left() - 0.5 } else { picture.right() + 0.5 };
+                Pos2::new(x, 300.0)
+            };
+            let at = edge(&window);
+            if by != 0.0 {
+                drag(&mut window, at, at + Vec2::new(-side * by, 0.0));
+                let moved = edge(&window);
+                assert!((moved.x - at.x + side * by).abs() < 3.0, "dragged from {at} to {moved}");
+            }
+            let at = edge(&window);
+            for _ in 0..2 {
+                crate::harness::press(&mut window, at);
+            }
+            // A third click soon after would be another thing.
+            window.run_steps(20);
+            assert_eq!(places(&window), before, "{by} {side}");
+        }
+    }
+}

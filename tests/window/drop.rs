@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::io::part_file::read_part;
+use vanecut::io::plan_file::write_plan;
 
 use crate::fake;
 use crate::harness::{Window, settle, window, with_sample};
@@ -101,4 +103,45 @@ fn a_dropped_part_asks_before_unsaved_work_is_lost_and_a_strange_file_is_named()
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(part_name(&window).as_deref(), Some("pump6"));
+}
+
+/// A plan of the command line holds its part and setup.
+#[test]
+fn a_plan_opens_with_its_part_and_setup() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let first = with_sample(engine.clone());
+    let planned = first.state().state().results.planned.clone().expect("planned");
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
+    let description = read_part(Path::new(sample)).expect("a part");
+    let mut setup = planned.outcome.setup.clone();
+    setup.plunge.step = Some(7.25);
+    let plan = folder.path().join("plan.json");
+    std::fs::write(&plan, write_plan(&description, &setup, &planned.outcome.after.plan, 1)).expect("writes");
+
+    let mut second = window(engine.clone());
+    drop_on(&mut second, &[&plan]);
+    assert_eq!(part_name(&second).as_deref(), Some("impeller532"), "{:?}", second.state().state().problems);
+    let document = &second.state().state().document;
+    assert_eq!((step(&second), &document.edited.setup.tools), (Some(7.25), &setup.tools));
+    assert!(second.state().state().results.planned.is_some(), "calculated");
+    // A project of it finds the part again.
+    let project = folder.path().join("p.vanecut");
+    let ctx = second.ctx.clone();
+    second.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(&mut second);
+    let mut third = window(engine);
+    drop_on(&mut third, &[&project]);
+    assert_eq!((part_name(&third).as_deref(), step(&third)), (Some("impeller532"), Some(7.25)));
+    // It is no program.
+    third.state_mut().file_chosen(&ctx, Purpose::CheckProgram, plan);
+    settle(&mut third);
+    let said = &third.state().state().problems;
+    assert!(said.iter().any(|p| p.message.contains("is a plan, not a program")), "{said:?}");
+    // What is no plan either is named.
+    let strange = folder.path().join("strange.json");
+    std::fs::write(&strange, "{\"a\": 1}").expect("writes");
+    drop_on(&mut third, &[&strange]);
+    let said = &third.state().state().problems;
+    assert!(said.iter().any(|p| p.message.contains("strange.json")), "{said:?}");
 }

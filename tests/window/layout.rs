@@ -4,6 +4,7 @@ use egui::accesskit::Role;
 use egui::{Color32, Theme};
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::look::Operation;
+use vanecut::app::model::panels::DockPanel;
 use vanecut::app::model::part_source::PartSource;
 use vanecut::app::views::theme::{self, Condition};
 
@@ -268,4 +269,83 @@ fn the_states_of_cutters_have_their_legend_wherever_there_is_room() {
     window.run_steps(3);
     window.get_by_label_contains("OK, ");
     window.get_by_label("Residual on hub");
+}
+
+/// The details below the table leave it less than ten rows in the smallest window.
+#[test]
+fn the_selected_row_and_the_last_one_are_in_view_in_a_low_table() {
+    for (scale, size) in [(1.0, [800.0, 500.0]), (1.5, [853.0, 533.0]), (2.0, [800.0, 500.0])] {
+        let (engine, _) = fake::engine();
+        let mut window = sample_in(scaled(engine, scale));
+        window.set_size(size.into());
+        window.run_steps(4);
+        let last = window.state().state().position_count();
+        // So late that the table must scroll farther than it could while it was higher.
+        window.state_mut().look_mut().select(Some(29));
+        window.run_steps(4);
+        settle(&mut window);
+        window.run_steps(30);
+        let row = |window: &Window, number: usize| {
+            let name = format!("Position {number}");
+            window.query_by_role_and_label(Role::Row, &name).map(|node| node.rect())
+        };
+        let head = window.get_by_label("Sort by contact").rect();
+        let details = window.get_by_label_contains("Position 30 of ").rect();
+        let is_seen = |at: Option<egui::Rect>| {
+            at.is_some_and(|at| at.top() >= head.bottom() - 4.0 && at.bottom() <= details.top() + 4.0)
+        };
+        let selected = row(&window, 30);
+        assert!(is_seen(selected), "{scale} {size:?}: {selected:?} between {head} and {details}");
+        window.hover_at(head.center_bottom() + egui::vec2(0.0, 30.0));
+        for _ in 0..10 {
+            turn_wheel(&mut window, -400.0, 4);
+        }
+        let end = row(&window, last);
+        assert!(is_seen(end), "{scale} {size:?}: {end:?} between {head} and {details}");
+    }
+}
+
+/// Columns beside each other that do not fit scroll, instead of cutting their fields.
+#[test]
+fn four_columns_in_the_smallest_window_scroll_to_all_of_their_fields() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(800.0, 500.0));
+    window.state_mut().look_mut().select(Some(2));
+    window.state_mut().look_mut().panels.open(DockPanel::Machinability);
+    window.state_mut().look_mut().panels.dock(DockPanel::Machinability);
+    window.run_steps(6);
+    for panel in ["Machinability", "Details"] {
+        for name in ["View", "Panels", "Arrange", panel, "Move to the right"] {
+            // A tab has the name of its panel, too: the menu is drawn before it.
+            window.get_all_by_role_and_label(Role::Button, name).next().expect("a menu").click();
+            window.run_steps(3);
+        }
+    }
+    window.run_steps(6);
+    settle(&mut window);
+    let picture = view(&window);
+    // The fields of the setup, the last column of the table, the tabs of the details.
+    for (at, role, name) in [
+        (egui::pos2(60.0, 300.0), Role::SpinButton, "Step"),
+        (picture.right_center() + egui::vec2(60.0, 0.0), Role::Button, "Sort by residual stock"),
+    ] {
+        window.hover_at(at);
+        for _ in 0..6 {
+            window.event(egui::Event::MouseWheel {
+                unit: egui::MouseWheelUnit::Point,
+                delta: egui::vec2(-60.0, 0.0),
+                phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Wheel,
+                modifiers: egui::Modifiers::NONE,
+            });
+            window.run_steps(4);
+        }
+        let field = window.get_by_role_and_label(role, name).rect();
+        let column = if name == "Step" { 0.0..=picture.left() } else { picture.right()..=800.0 };
+        assert!(
+            column.contains(&field.left()) && column.contains(&field.right()),
+            "{name}: {field} {column:?}"
+        );
+    }
 }

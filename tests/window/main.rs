@@ -36,6 +36,7 @@ mod timeline;
 mod tools;
 mod tradeoff;
 mod tuning;
+mod typed;
 mod units;
 mod walk;
 mod windows;

@@ -252,8 +252,7 @@ fn a_crash_loses_nothing() {
     save_as(&mut first, &project);
     let saved = std::fs::read(&project).expect("reads");
     edit_step(&mut first, 6.5);
-    // The harness clock advances by a quarter of a second per frame; the copy is written after two idle
-    // seconds.
+    // The harness clock advances by a quarter of a second per frame; the copy is written within a second.
     first.run_steps(14);
     let recovery = home.join("recovery");
     let copies = || -> Vec<_> {

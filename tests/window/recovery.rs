@@ -177,3 +177,28 @@ fn what_waited_for_a_cancelled_saving_waits_no_longer() {
     click_enabled(&window, "Cancel");
     window.run_steps(2);
 }
+
+/// Nobody pauses for two seconds after each edit.
+#[test]
+fn edits_are_copied_while_editing_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let mut first = window_at(&engine, &home);
+    first.state_mut().open_path(part_in(folder.path()));
+    settle(&mut first);
+    // An edit each half second of the window's clock, for six seconds.
+    for k in 0..12 {
+        let field = first.get_by_role_and_label(Role::SpinButton, "Step");
+        field.set_value_accesskit(5.0 + 0.25 * f64::from(k));
+        first.run_steps(2);
+    }
+    drop(first);
+    let mut second = window_at(&engine, &home);
+    second.get_by_label("Recover").click();
+    second.run_steps(2);
+    settle(&mut second);
+    // All but those of the last two seconds.
+    let recovered = step(&second).expect("an edit");
+    assert!(recovered >= 5.0 + 0.25 * 7.0, "{recovered}");
+}

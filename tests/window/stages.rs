@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::preview::PreviewPlan;
 use vanecut::app::tasks::engine::Engine;
@@ -14,7 +15,7 @@ use vanecut::job::{Listener, PlanJob, PlanRequest, PlanStage};
 use vanecut::monitor::Monitor;
 use vanecut::setup::AxisPolicy;
 
-use crate::harness::{HANG, Window, settle, snapshot_view, with_sample};
+use crate::harness::{HANG, Window, settle, snapshot_view, window, with_sample};
 
 const SETUP: &str = "[[tool]]\nnumber = 1\ndiameter = 30\ninsert_width = 10\noverhang = 120\n\
                      [[plunge.section]]\ntool = 1\nfrom = 1.0\nto = 0.5\n";
@@ -63,6 +64,24 @@ fn until(window: &mut Window, what: &str, done: impl Fn(&Window) -> bool) {
 fn coming(window: &Window) -> Option<(AxisPolicy, bool, usize)> {
     let cutters = window.state().state().preview_on(Side::After)?;
     Some((cutters.policy(), cutters.is_checked(), cutters.count()))
+}
+
+#[test]
+fn the_first_plan_is_said_to_be_under_way() {
+    let (engine, allowed) = gated();
+    let mut window = window(engine);
+    // Waits with the conventional plan.
+    allowed.store(2, Ordering::SeqCst);
+    window.state_mut().open_part(PartSource::Sample("impeller532".to_owned()));
+    window.step();
+    until(&mut window, "a stage", |window| window.state().state().results.preview.is_some());
+    window.run_steps(2);
+    // In the verdict, in the table, and in the status bar.
+    assert_eq!(window.query_all_by_label("Calculating…").count(), 3);
+    assert!(window.query_by_label("Not calculated yet").is_none());
+    allowed.store(usize::MAX, Ordering::SeqCst);
+    settle(&mut window);
+    assert_eq!(window.query_all_by_label("Calculating…").count(), 0);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
+use vanecut::app::model::panels::DockPanel;
 use vanecut::app::model::part_source::PartSource;
 use vanecut::io::part_file::read_part;
 use vanecut::io::part_hash::PartHash;
@@ -15,7 +16,9 @@ use vanecut::setup::Setup;
 use vanecut::study::{RESULT_VERSION, RunResult, RunStatus, merge::merge};
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, press, settle, snapshot_view, window, with_sample};
+use crate::harness::{
+    Window, click_enabled, press, sample_in, scaled, settle, snapshot_view, window, with_sample,
+};
 
 /// A run: its name, its step, and time in min and 95th percentile of the stock where it has a plan.
 type StudyRun = (&'static str, f64, Option<(f64, f64)>);
@@ -115,7 +118,7 @@ fn runs_are_sorted_plotted_and_opened_as_plans() {
     open(&mut window, path);
     window.get_by_label("4 runs, 1 without a plan");
     assert_eq!(listed(&window), ["Run 1", "Run 2", "Run 3", "Run 4"]);
-    window.get_by_label("Sort runs by plunge.step").click();
+    window.get_by_label("Sort runs by plunge.step, mm").click();
     window.run_steps(3);
     assert_eq!(listed(&window), ["Run 4", "Run 3", "Run 2", "Run 1"], "4 is less than 10");
     window.get_by_label("Sort runs by Stock 95 %, mm").click();
@@ -275,4 +278,53 @@ fn a_merged_table_leads_to_its_runs_and_a_damaged_one_is_refused() {
     open(&mut window, damaged);
     let said = &window.state().state().problems;
     assert!(said.iter().any(|p| p.message.contains("damaged.csv:2")), "{said:?}");
+}
+
+/// Every column can be read in the smallest window and beside the picture, at any scale.
+#[test]
+fn the_table_scrolls_with_its_head_and_the_numbers_of_the_runs_in_view() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = study(folder.path()).join("study.json");
+    for (scale, size) in [(0.8, [1600.0, 900.0]), (1.0, [800.0, 500.0]), (2.0, [800.0, 500.0])] {
+        for docked in [false, true] {
+            let (engine, _) = fake::engine();
+            let mut window = sample_in(scaled(engine, scale));
+            window.set_size(size.into());
+            open(&mut window, path.clone());
+            if docked {
+                window.state_mut().look_mut().panels.dock(DockPanel::Study);
+            }
+            window.run_steps(6);
+            let head = |window: &Window, name: &str| {
+                window.query_by_label(&format!("Sort runs by {name}")).map(|node| node.rect())
+            };
+            let first = head(&window, "number").expect("the numbers");
+            let at = window.get_by_role_and_label(Role::Row, "Run 2").rect().center();
+            window.hover_at(at);
+            let names =
+                ["plunge.step, mm", "Status", "Time, min", "Stock 95 %, mm", "Stock max, mm", "Faults"];
+            for name in names {
+                for _ in 0..40 {
+                    let right = window.get_by_role_and_label(Role::Row, "Run 2").rect().right();
+                    if head(&window, name).is_some_and(|rect| rect.right() <= right) {
+                        break;
+                    }
+                    window.event(egui::Event::MouseWheel {
+                        unit: egui::MouseWheelUnit::Point,
+                        delta: egui::vec2(-40.0, 0.0),
+                        phase: egui::TouchPhase::Move,
+                        source: egui::MouseWheelSource::Wheel,
+                        modifiers: egui::Modifiers::NONE,
+                    });
+                    window.run_steps(4);
+                }
+                let rect = head(&window, name);
+                let row = window.get_by_role_and_label(Role::Row, "Run 2").rect();
+                let whole =
+                    rect.is_some_and(|rect| rect.right() <= row.right() && rect.left() >= first.right());
+                assert!(whole, "{name} at {scale}, {size:?}, docked {docked}: {rect:?} {row}");
+                assert_eq!(head(&window, "number"), Some(first), "it stays");
+            }
+        }
+    }
 }

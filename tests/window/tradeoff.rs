@@ -186,3 +186,34 @@ fn the_goal_is_chosen_with_its_limit() {
     window.run_steps(3);
     assert!(window.query_by_role_and_label(Role::ComboBox, "Goal").is_none(), "the usual one needs no row");
 }
+
+#[test]
+fn what_was_typed_for_a_goal_is_there_when_it_is_chosen_again() {
+    let mut window = window(rough());
+    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
+    window.set_size(egui::vec2(1280.0, 900.0));
+    settle(&mut window);
+    window.key_press(egui::Key::G);
+    window.run_steps(2);
+    settle(&mut window);
+    // Only the values of the fields are looked at.
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    choose(&mut window, "Goal", "Least total");
+    set(&mut window, "Finish rate", 900.0);
+    choose(&mut window, "Semi-finishing", "Passes");
+    set(&mut window, "Finish depth", 0.3);
+    set(&mut window, "Pass time", 7.0);
+    let passes = Goal::Total { finishing: SemiFinishing::Passes { depth: 0.3, pass_time_min: 7.0 } };
+    assert_eq!(goal(&window), passes);
+    choose(&mut window, "Semi-finishing", "Removal rate");
+    assert_eq!(goal(&window), Goal::Total { finishing: SemiFinishing::Rate { mm3_per_min: 900.0 } });
+    choose(&mut window, "Semi-finishing", "Passes");
+    assert_eq!(goal(&window), passes);
+    choose(&mut window, "Goal", "Least time");
+    set(&mut window, "Max stock", 0.7);
+    choose(&mut window, "Goal", "Least total");
+    assert_eq!(goal(&window), passes);
+    choose(&mut window, "Goal", "Least time");
+    assert_eq!(goal(&window), Goal::Time { max_stock: 0.7 });
+}

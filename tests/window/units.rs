@@ -1,10 +1,16 @@
 //! Lengths and feed rates in inches: shown and typed, while files stay in mm.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::units::DisplayUnits;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::io::project_file::read_project;
+use vanecut::job::{Listener, PlanRequest};
+use vanecut::monitor::Monitor;
 
 use crate::fake;
 use crate::harness::{Window, labels, settle, snapshot_view, window, with_sample};
@@ -33,6 +39,59 @@ fn type_allowance(window: &mut Window, text: &str) {
 
 fn allowance(window: &Window) -> f64 {
     window.state().state().document.edited.setup.allowances.hub_allowance
+}
+
+/// The fake planner, whose tool has this diameter.
+fn engine_with_tool_of(diameter: f64) -> Engine {
+    let (engine, _) = fake::engine();
+    let plan = Arc::clone(&engine.plan);
+    let sized = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        for plan in [&mut outcome.before.plan, &mut outcome.after.plan] {
+            plan.sections[0].tool.diameter = diameter;
+        }
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(sized), ..engine }
+}
+
+#[test]
+fn the_diameter_of_a_tool_has_all_its_digits_in_the_table() {
+    let mut window = with_sample(engine_with_tool_of(9.525));
+    for (unit, text) in [("Units: mm", "9.525"), ("Units: inch", "0.375")] {
+        choose(&mut window, unit);
+        window.run_steps(3);
+        let shown = labels(&window, text);
+        assert!(shown.iter().any(|shown| shown == text), "{unit}: {shown:?}");
+        // It fits between the columns beside it.
+        let cell = window.query_all_by_label(text).next().expect("a cell").rect();
+        let head = |name: &str| window.get_by_label(name).rect();
+        assert!(cell.left() > head("Sort by row").right(), "{cell} {}", head("Sort by row"));
+        assert!(cell.right() <= head("Sort by lead angle").left(), "{cell}");
+    }
+}
+
+#[test]
+fn a_setup_sheet_says_its_units_whatever_the_window_shows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    choose(&mut window, "Units: inch");
+    let path = folder.path().join("sheet.html");
+    let ctx = window.ctx.clone();
+    let purpose = Purpose::ExportSheet { operation: Operation::Roughing };
+    window.state_mut().file_chosen(&ctx, purpose, path.clone());
+    settle(&mut window);
+    if window.query_by_label("Export anyway").is_some() {
+        window.get_by_label("Export anyway").click();
+        window.run_steps(3);
+        settle(&mut window);
+    }
+    let notice = window.state().state().notice.clone().expect("a word about it");
+    assert!(notice.text.ends_with("in mm"), "{notice:?}");
+    let page = std::fs::read_to_string(&path).expect("a page");
+    assert!(page.contains("Lengths are in mm and feed rates in mm/min"));
+    assert!(page.contains("⌀30 R0 mm, insert width 10 mm"));
 }
 
 /// Whether some label says `text`.

@@ -2,11 +2,12 @@
 
 use std::sync::atomic::Ordering;
 
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::panels::DockPanel;
 
 use crate::fake;
-use crate::harness::{settle, with_sample};
+use crate::harness::{self, settle, with_sample};
 
 #[test]
 fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
@@ -42,4 +43,26 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
     settle(&mut window);
     assert!(slow.load(Ordering::SeqCst), "by itself it would go on");
     assert_eq!(window.state().running_task(), None, "cancelled");
+}
+
+#[test]
+fn no_tooltip_stays_over_a_dialog() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let field = window.get_by_role_and_label(Role::SpinButton, "Stepover");
+    let at = field.rect().center();
+    window.hover_at(at);
+    let shown =
+        |window: &harness::Window| window.query_by_label_contains("distance of neighbouring rows").is_some();
+    window.run_steps(10);
+    assert!(shown(&window), "the tooltip of the field under the pointer");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::TextInput, "Search commands");
+    assert!(!shown(&window), "not over the dialog");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    window.hover_at(at + egui::vec2(2.0, 0.0));
+    window.run_steps(10);
+    assert!(shown(&window), "it is there again");
 }

@@ -22,6 +22,7 @@ use crate::app::tasks::opening::Opened;
 use crate::app::tasks::project::{edited_of, source_of};
 use crate::app::tasks::work::PlanKey;
 use crate::gpu::device::DEVICE_LOST_PREFIX;
+use crate::io::plan_inputs::is_plan_file;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::Outcome;
@@ -58,7 +59,7 @@ impl App {
         self.submit_open(OpenTask::Run { results, row, open, keeps_part });
     }
 
-    /// Opens a project, setup, part or study, depending on the file.
+    /// Opens a project, setup, part or study, or the part and setup of a plan, depending on the file.
     pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
         if !self.is_recoverable(&path) {
             self.dialogs.note_folder(&path);
@@ -71,6 +72,8 @@ impl App {
             self.submit_open(OpenTask::Project(path, None));
         } else if files::is_setup(&path) {
             self.open_files(None, Some(path));
+        } else if is_plan_file(&path) {
+            self.open_files(Some(PartSource::File(path.clone())), Some(path));
         } else {
             self.open_files(Some(PartSource::File(path)), None);
         }

@@ -49,8 +49,8 @@ pub(in crate::app) struct Session {
     pub(super) home: Option<Home>,
     /// Content of the recovery copy on disk.
     pub(super) copied: Option<Edited>,
-    /// Last seen content and the time of its change, s: a copy waits until it is stable.
-    pub(super) edited: Option<(Edited, f64)>,
+    /// When the recovery copy was due last, s.
+    pub(super) copied_at: Option<f64>,
     /// Recovery copy of the project that was opened, while it is asked what to do with it.
     pub(super) found: Option<RecoveryCopy>,
     pending: Option<Pending>,

@@ -12,8 +12,9 @@ use crate::app::tasks::project::project_of;
 use crate::app::views::recover::{self, RecoverAnswer};
 use crate::io::project_file::{Project, write_project};
 
-/// Delay of the recovery copy after the last change.
-const COPY_AFTER: Duration = Duration::from_secs(2);
+/// Least time between two recovery copies: half of the two seconds after which no edit may be lost, as an edit waits
+/// for a frame, too.
+const COPY_EVERY: Duration = Duration::from_secs(1);
 
 impl App {
     /// Whether `path` is a recovery copy that is offered.
@@ -69,30 +70,22 @@ impl App {
         home::remove_copy(path);
     }
 
-    /// Writes the recovery copy once the content is stable. Call once per frame.
+    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon. Call once per
+    /// frame.
     pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
+        let session = &mut self.session;
         // Closing was confirmed: what was not saved is meant to go.
-        if self.session.closing || self.session.home.is_none() || !self.state.document.is_unsaved() {
+        let is_needed = !session.closing && session.home.is_some() && self.state.document.is_unsaved();
+        if !is_needed || session.copied.as_ref() == Some(&self.state.document.edited) {
             return;
         }
         let now = ctx.input(|input| input.time);
-        let edited = &self.state.document.edited;
-        if self.session.copied.as_ref() == Some(edited) {
-            return;
-        }
-        match &self.session.edited {
-            Some((last, since)) if last == edited => {
-                let rest = COPY_AFTER.as_secs_f64() - (now - since);
-                if rest <= 0.0 {
-                    self.copy_now();
-                } else {
-                    ctx.request_repaint_after(Duration::from_secs_f64(rest));
-                }
-            }
-            _ => {
-                self.session.edited = Some((edited.clone(), now));
-                ctx.request_repaint_after(COPY_AFTER);
-            }
+        let rest = session.copied_at.map_or(0.0, |at| COPY_EVERY.as_secs_f64() - (now - at));
+        if rest <= 0.0 {
+            session.copied_at = Some(now);
+            self.copy_now();
+        } else {
+            ctx.request_repaint_after(Duration::from_secs_f64(rest));
         }
     }
 

@@ -4,12 +4,15 @@ use std::path::Path;
 
 use super::look::Operation;
 use crate::io::nc::Dialect;
-use crate::io::part_file;
 use crate::io::project_file::EXTENSION;
 
 /// Endings of programs: APT, and NC code of the known controls.
 pub const PROGRAM_ENDINGS: &[&str] =
     &["apt", "cl", "aptsource", "nc", "ngc", "mpf", "spf", "h", "i", "tap", "cnc", "iso", "gcode"];
+
+/// Endings of parts, and of plans, which hold their part.
+pub const PART_ENDINGS: &[&str] =
+    &["toml", "geomTurbo", "geomturbo", "inf", "step", "stp", "p21", "stl", "glb", "gltf", "json"];
 
 /// Purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -130,7 +133,7 @@ impl Purpose {
     /// What the files are, and their endings.
     pub fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenPart => ("Impellers", part_file::EXTENSIONS),
+            Self::OpenPart => ("Impellers and plans", PART_ENDINGS),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::OpenLibrary => ("Tool libraries", &["toml", "json", "tools", "fctb", "fctl"]),
@@ -156,5 +159,16 @@ fn endings_of(dialect: Dialect) -> &'static [&'static str] {
         Dialect::Siemens => &["mpf", "spf"],
         Dialect::Fanuc | Dialect::Haas => &["nc", "tap", "cnc"],
         Dialect::LinuxCnc => &["ngc", "nc"],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::part_file;
+
+    #[test]
+    fn every_part_that_is_read_is_listed() {
+        assert_eq!(&PART_ENDINGS[..part_file::EXTENSIONS.len()], part_file::EXTENSIONS);
     }
 }

@@ -7,6 +7,7 @@ use crate::plunge::inspect::CutPlane;
 use crate::setup::{AxisPolicy, PlungePose};
 
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
+use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::panels::Panels;
 use crate::app::model::planned::{PerSide, Side};
@@ -305,6 +306,8 @@ pub struct Look {
     pub tab: Tab,
     /// Fields of the tab that edits it.
     pub edit: EditFields,
+    /// Goals that were given before.
+    pub known_goals: KnownGoals,
     /// The plunge to be selected when the plan that cuts it in another order arrives.
     pub followed: Option<PlungePose>,
     /// Display of the sectional view.
@@ -421,6 +424,7 @@ impl Default for Look {
             panels: Panels::default(),
             tab: Tab::Section,
             edit: EditFields::default(),
+            known_goals: KnownGoals::default(),
             followed: None,
             sectional: SectionalLook::default(),
             mouse: MousePreset::default(),

@@ -10,6 +10,7 @@ pub mod figures;
 pub mod file_purpose;
 pub mod flank_passes;
 pub mod history;
+pub mod known_goals;
 pub mod layout;
 pub mod listing;
 pub mod look;

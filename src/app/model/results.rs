@@ -62,6 +62,11 @@ pub struct Results {
 }
 
 impl Results {
+    /// Words in place of a plan that is not there yet.
+    pub fn words_without_plan(&self) -> &'static str {
+        if self.preview.is_some() { "Calculating…" } else { "Not calculated yet" }
+    }
+
     /// Stores a plan, and its figures if it is finished. Its change of tools is described
     /// in `units`.
     pub fn take(&mut self, planned: DisplayPlan, units: DisplayUnits) {

@@ -87,6 +87,47 @@ impl StudyFigure {
     }
 }
 
+/// Last names of keys of a setup that have a unit, by unit.
+const UNITS_OF_KEYS: [(&str, &[&str]); 7] = [
+    (
+        "mm",
+        &[
+            "hub_allowance",
+            "blade_allowance",
+            "safety_distance",
+            "inlet_extension",
+            "shank",
+            "holder",
+            "diameter",
+            "corner_radius",
+            "insert_width",
+            "overhang",
+            "flute_length",
+            "feed_per_tooth",
+            "step",
+            "stepover",
+            "row_spacing",
+            "wall_scallop",
+            "lift",
+            "peck",
+            "max_stock",
+            "finish_depth",
+        ],
+    ),
+    ("°", &["max_axis_change", "max_tilt", "max_axis_tilt", "taper"]),
+    ("mm/min", &["plunge_feed"]),
+    ("rev/min", &["spindle"]),
+    ("m/min", &["cutting_speed"]),
+    ("min", &["max_time", "finish_pass_time"]),
+    ("mm³/min", &["finish_rate"]),
+];
+
+/// The unit of a key of a study, which is that of setup files whatever the window shows; empty without one.
+fn unit_of_key(key: &str) -> &'static str {
+    let name = key.rsplit('.').next().unwrap_or_default();
+    UNITS_OF_KEYS.iter().find(|(_, names)| names.contains(&name)).map_or("", |(unit, _)| unit)
+}
+
 /// A column of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StudyColumn {
@@ -169,6 +210,12 @@ impl StudyTable {
         self.order = order;
     }
 
+    /// Returns to the order of the study.
+    pub fn unsort(&mut self) {
+        self.sort = None;
+        self.order = (0..self.results.table.rows.len()).collect();
+    }
+
     /// Chooses the figures of the plot.
     pub fn set_axes(&mut self, axes: [StudyFigure; 2]) {
         if self.axes != axes {
@@ -215,7 +262,10 @@ impl StudyTable {
     pub fn head(&self, column: usize, units: DisplayUnits) -> String {
         match &self.columns[column] {
             StudyColumn::Status => "Status".to_owned(),
-            StudyColumn::Key(key) => key.clone(),
+            StudyColumn::Key(key) => match unit_of_key(key) {
+                "" => key.clone(),
+                unit => format!("{key}, {unit}"),
+            },
             StudyColumn::Figure(figure) => figure.title(units),
         }
     }
@@ -224,7 +274,8 @@ impl StudyTable {
     pub fn describe(&self, row: usize, units: DisplayUnits) -> String {
         let keys = self.columns.iter().filter_map(|column| match column {
             StudyColumn::Key(key) => {
-                Some(format!("{key} = {}", self.results.field(row, key).unwrap_or_default()))
+                let value = self.results.field(row, key).unwrap_or_default();
+                Some(format!("{key} = {value} {}", unit_of_key(key)).trim_end().to_owned())
             }
             StudyColumn::Status | StudyColumn::Figure(_) => None,
         });
@@ -270,6 +321,22 @@ mod tests {
         table.sort_by(time);
         assert_eq!(table.order, [3, 1, 0, 2], "what has no plan stays last");
         assert_eq!(table.cell(0, time, DisplayUnits::Metric), "10.0");
+    }
+
+    #[test]
+    fn keys_have_the_unit_of_setup_files() {
+        let table = table();
+        for units in [DisplayUnits::Metric, DisplayUnits::Inch] {
+            assert_eq!(table.head(0, units), "plunge.step, mm");
+            assert!(
+                table.describe(0, units).starts_with("plunge.step = 10 mm\n"),
+                "{}",
+                table.describe(0, units)
+            );
+        }
+        for (key, unit) in [("tool.2.spindle", "rev/min"), ("plunge.axis", ""), ("part", "")] {
+            assert_eq!(unit_of_key(key), unit);
+        }
     }
 
     #[test]

@@ -79,6 +79,11 @@ impl DisplayUnits {
         format!("{} {}", self.number(mm, decimals), self.length_unit())
     }
 
+    /// Two lengths with one unit, "a to b".
+    pub fn range(self, from: f64, to: f64, decimals: usize) -> String {
+        format!("{} to {}", self.number(from, decimals), self.length(to, decimals))
+    }
+
     /// A length with its unit; a dash where it is not known.
     pub fn known_length(self, mm: f64, decimals: usize) -> String {
         if mm.is_finite() { self.length(mm, decimals) } else { "-".to_owned() }

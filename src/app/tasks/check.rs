@@ -17,6 +17,7 @@ use crate::error::ErrorCode;
 use crate::gpu::cutters::CutterState;
 use crate::gpu::mesh::Segment;
 use crate::io::InputError;
+use crate::io::plan_inputs::is_plan_file;
 use crate::io::program_file::{NcTarget, ProgramReading, read_program_bytes};
 use crate::io::source::{name_of, read_bytes};
 use crate::monitor::Monitor;
@@ -59,6 +60,10 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
     let name = name_of(path);
     check_part(setup, part)
         .map_err(|fault| InputError::new(fault.code, "", 0, fault.message.clone(), fault.help.clone()))?;
+    if is_plan_file(path) {
+        let help = "check the program that was written with it, or open the plan as a part";
+        return Err(InputError::new(ErrorCode::FileFormat, &name, 0, "is a plan, not a program", help).into());
+    }
     let bytes = read_bytes(path)?;
     let target = NcTarget { machine: Path::new(machine), control: control.as_deref() };
     let ProgramReading { program, overruns, on_machine } =

@@ -9,6 +9,7 @@ use crate::io::InputError;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::part_hash::PartHash;
+use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::EXTENSION;
 use crate::io::setup_file::write_setup_beside;
 use crate::io::shop_tools::{ToolLibrary, write_fusion, write_toml};
@@ -66,6 +67,9 @@ pub fn samples() -> Vec<Sample> {
 /// [`InputError`] when the file cannot be read, the sample does not exist, or the part is invalid.
 pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, PartHash), InputError> {
     let (file, description) = match source {
+        PartSource::File(path) if is_plan_file(path) => {
+            (path.display().to_string(), read_plan_inputs(path)?.description)
+        }
         PartSource::File(path) => (path.display().to_string(), read_part(path)?),
         PartSource::Mesh(path, options) => (path.display().to_string(), read_part_with(path, options)?),
         PartSource::Sample(name) => {
@@ -219,7 +223,11 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
 
 fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
     write_all_atomically(&document.files_at(path))?;
-    Ok(Written { text: format!("Wrote {} and its pictures", path.display()), project: None, program: None })
+    Ok(Written {
+        text: format!("Wrote {} and its pictures, in mm", path.display()),
+        project: None,
+        program: None,
+    })
 }
 
 fn scene_bytes(scene: &SceneTask) -> Vec<u8> {

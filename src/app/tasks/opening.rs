@@ -14,6 +14,7 @@ use crate::io::InputError;
 use crate::io::blank_file::read_blank_file;
 use crate::io::machine_file::is_built_in;
 use crate::io::part_hash::PartHash;
+use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::{Project, read_project};
 use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
@@ -85,6 +86,12 @@ pub(in crate::app) fn open(
     };
     let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
         let Some((path, known)) = setup else { return Ok(None) };
+        if is_plan_file(path) {
+            let mut setup = read_plan_inputs(path)?.setup;
+            // As in a project: planning says what is wrong with its machine.
+            let _ = locate_machine(&mut setup, path);
+            return Ok(Some((path.clone(), setup)));
+        }
         let mut setup = read_setup(path, defaults.unwrap_or(known))?;
         locate_machine(&mut setup, path)?;
         Ok(Some((path.clone(), setup)))

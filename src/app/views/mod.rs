@@ -12,6 +12,7 @@ pub(in crate::app) mod field_faults;
 pub mod help;
 pub mod legend;
 mod menu;
+pub(in crate::app) mod modal;
 mod mouse;
 pub mod nc_dialog;
 mod overlay;
@@ -32,10 +33,12 @@ pub(in crate::app) mod timeline_tool;
 mod tool_drawing;
 pub mod tool_form;
 pub mod tour;
+mod typed;
 pub(in crate::app) mod units;
 pub mod unsaved;
 pub mod view3d;
 pub mod viewport;
+mod wide_table;
 
 use std::sync::Arc;
 

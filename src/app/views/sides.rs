@@ -61,7 +61,8 @@ impl App {
         let open = self.state.document.part.as_ref();
         let defaults = open.map(|part| part.defaults.clone()).unwrap_or_default();
         let setup = &mut self.state.document.edited.setup;
-        heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, &defaults, chosen));
+        let known = &mut self.state.look.known_goals;
+        heading(ui, "Plunge", fresh, |ui| panels::setup::plunge(ui, setup, known, &defaults, chosen));
         let asked = heading(ui, "Allowances", fresh, |ui| panels::setup::stock(ui, setup, &defaults));
         if let Some(command) = asked.flatten() {
             self.run_command(ui.ctx(), command);

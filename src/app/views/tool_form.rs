@@ -1,8 +1,11 @@
 //! The fields of a tool, below its drawing: cutter, shank, holder, cutting data.
 
-use egui::{DragValue, Response, TextEdit, Ui};
+use std::cell::RefCell;
+
+use egui::{DragValue, Id, Response, TextEdit, Ui};
 
 use super::panels::fields::{self, FieldSpec};
+use super::typed::{self, Typed, TypedLimits};
 use super::{tool_drawing, units};
 use crate::app::model::number::Quantity;
 use crate::io::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TEETH};
@@ -32,24 +35,33 @@ const TEETH: FieldSpec = FieldSpec {
     decimals: 0,
     slide: None,
     absent: "auto",
+    why_most: "",
 };
+/// What sets the greatest insert width and corner radius, and how more is possible.
+const RADIUS: &str = ", the radius. For more, make the diameter larger first";
+/// The same of the flute length.
+const STICK_OUT: &str = ", the stick-out. For more, make that longer first";
 
 /// Draws the tool and its fields, and keeps what hangs together within its limits.
 pub fn show(ui: &mut Ui, tool: &mut Tool) {
     tool_drawing::show(ui, tool);
     fields::form(ui, "tool fields", |ui| {
+        let form = ui.scope_id();
+        let radius = tool.radius();
         name_row(ui, tool);
         fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
-        fields::plain_row(ui, &mut tool.insert_width, &INSERT);
-        fields::plain_row(ui, &mut tool.corner_radius, &CORNER);
+        fields::plain_row(ui, &mut tool.insert_width, &INSERT.at_most(radius.min(INSERT.max), RADIUS));
+        fields::plain_row(ui, &mut tool.corner_radius, &CORNER.at_most(radius.min(CORNER.max), RADIUS));
         fields::plain_row(ui, &mut tool.overhang, &OVERHANG);
-        fields::optional_row(ui, &mut tool.assembly.flute_length, &FLUTES, None);
+        let flutes = FLUTES.at_most(tool.overhang.min(FLUTES.max), STICK_OUT);
+        fields::optional_row(ui, &mut tool.assembly.flute_length, &flutes, None);
         let mut teeth = tool.assembly.teeth.map(f64::from);
         if fields::optional_row(ui, &mut teeth, &TEETH, None) {
             tool.assembly.teeth = teeth.map(|teeth| teeth as u32);
         }
         fields::plain_row(ui, &mut tool.plunge_feed, &FEED);
         fields::plain_row(ui, &mut tool.spindle, &SPINDLE);
+        fit_and_say(ui, form, tool);
     });
     let overhang = tool.overhang;
     segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, [10.0, 0.5 * overhang]);
@@ -57,6 +69,27 @@ pub fn show(ui: &mut Ui, tool: &mut Tool) {
     let heads = ["lower diameter", "upper diameter", "length"];
     segments(ui, "Holder", &heads, &mut tool.assembly.holder, [lower, lower, 2.0 * lower]);
     fit(tool);
+}
+
+/// Fits the tool, and says at its fields in `form` what that changed.
+fn fit_and_say(ui: &Ui, form: Id, tool: &mut Tool) {
+    let units = units::of(ui);
+    let values = |tool: &Tool| {
+        let flutes = tool.assembly.flute_length;
+        [
+            (INSERT.label, Some(tool.insert_width)),
+            (CORNER.label, Some(tool.corner_radius)),
+            (FLUTES.label, flutes),
+        ]
+    };
+    let before = values(tool);
+    fit(tool);
+    for ((label, was), (_, is)) in before.into_iter().zip(values(tool)) {
+        let Some((was, is)) = was.zip(is).filter(|(was, is)| was != is) else { continue };
+        let with = if label == FLUTES.label { "stick-out" } else { "diameter" };
+        let [was_text, is_text] = [units.short(was, 3), units.short(is, 3)];
+        typed::say(ui, form, label, is, format!("{was_text} made {is_text} with the {with}"));
+    }
 }
 
 fn name_row(ui: &mut Ui, tool: &mut Tool) {
@@ -79,20 +112,23 @@ fn segments<const N: usize>(
     new: [f64; N],
 ) {
     let mut remove = None;
+    let form = ui.scope_id();
     for (k, row) in rows.iter_mut().enumerate() {
-        ui.horizontal(|ui| {
+        let name = format!("{what} {}", k + 1);
+        let line = ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
-            let label = ui.label(format!("{what} {}", k + 1));
+            let label = ui.label(&name);
             for (value, head) in row.iter_mut().zip(heads) {
-                length_box(ui, value, head).labelled_by(label.id);
+                length_box(ui, form, (&name, head), value).labelled_by(label.id);
             }
             let button = ui.small_button("×").on_hover_text("Removes this piece");
-            let name = format!("Remove {} {}", what.to_lowercase(), k + 1);
+            let name = format!("Remove {}", name.to_lowercase());
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.clicked() {
                 remove = Some(k);
             }
         });
+        typed::show(ui, form, &name, PIECE, line.response.rect);
     }
     if let Some(k) = remove {
         rows.remove(k);
@@ -106,15 +142,32 @@ fn segments<const N: usize>(
     }
 }
 
-fn length_box(ui: &mut Ui, value: &mut f64, what: &str) -> Response {
+/// Value that the notes of a piece go by: it has several fields.
+const PIECE: f64 = 0.0;
+
+/// A length of a piece: `name` is that of the piece, and what the length is.
+fn length_box(ui: &mut Ui, form: Id, (name, what): (&str, &str), value: &mut f64) -> Response {
     ui.spacing_mut().interact_size.x = 50.0;
     let units = units::of(ui);
+    let show = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
+    let range = 0.1..=1000.0;
+    let why_most = "";
+    let limits =
+        TypedLimits { quantity: Quantity::Length, units, range: range.clone(), why_most, show: &show };
+    let (shown, refused) = (units.short(*value, 3), RefCell::default());
     let field = DragValue::new(value)
         .speed(0.1)
-        .range(0.1..=1000.0)
-        .custom_formatter(move |length, _| units.short(length, 3))
-        .custom_parser(move |text| units.parse(text, Quantity::Length));
-    ui.add(field).on_hover_text(format!("{what}, {}", units.length_unit()))
+        .range(range)
+        .custom_formatter(|length, _| units.short(length, 3))
+        .custom_parser(|text| limits.parse(text, &shown, &refused))
+        .update_while_editing(false);
+    let field = ui.add(field).on_hover_text(format!("{what}, {}", units.length_unit()));
+    let said = match refused.into_inner() {
+        Typed::Refused(reason) => Typed::Refused(format!("{what}: {reason}")),
+        other => other,
+    };
+    typed::keep(ui, form, name, PIECE, said);
+    field
 }
 
 /// Keeps what hangs on radius and stick-out of a tool within them, as a setup file must have it.

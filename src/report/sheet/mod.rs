@@ -27,6 +27,9 @@ const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-
     .tool{display:inline-block;vertical-align:top;margin:0 10pt 6pt 0;font-size:9pt}\
     .warning{border-left:4pt solid #d55e00;padding-left:6pt}";
 
+/// Units of the sheet, whatever the window shows: it goes with the program.
+const UNITS: &str = "Lengths are in mm and feed rates in mm/min, as in the program.";
+
 /// What the sheet shows.
 pub struct SheetInput<'a> {
     /// The plans.
@@ -127,7 +130,7 @@ impl SheetPart<'_> {
         };
         let material = stock.material.as_deref().map_or("not named in the setup".to_owned(), escaped);
         format!(
-            "<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
+            "<p>{UNITS}</p>\n<p>D {:.2} mm, {} blades{}. Material: {material}. Machine: {machine}.</p>\n\
              <div class=\"keep\">{}<p>Zero of the program: the axis of rotation at z = 0 of the part; \
              Z along the axis. Hub blue, shroud dashed, blank grey. Stock that stays: hub {} mm, \
              blades {} mm.</p></div>\n",
@@ -226,7 +229,7 @@ fn tool_card(tool: &Tool, feed_rates: &str) -> String {
     let rest = &tool.assembly;
     let offset = |name: &str, number: Option<u32>| number.map_or(String::new(), |n| format!("<br>{name}{n}"));
     format!(
-        "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{}, insert width {}<br>overhang {} mm<br>\
+        "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{} mm, insert width {} mm<br>overhang {} mm<br>\
          {} rev/min, {feed_rates}{}{}</div>\n",
         drawing::tool_svg(tool),
         tool.number,

@@ -19,8 +19,6 @@ pub struct DockBehavior<'a> {
     pub app: &'a mut App,
     /// Tabs that have a bar.
     pub bars: HashSet<TileId>,
-    /// Columns with no border to drag.
-    pub rigid: HashSet<TileId>,
     /// Tiles that have a tab.
     pub tabbed: Vec<TileId>,
     /// Whether the dragged panel would not be docked where the pointer is.
@@ -102,8 +100,10 @@ impl Behavior<DockPanel> for DockBehavior<'_> {
         self.bars.contains(&tile)
     }
 
-    fn is_container_resizable(&self, _: &Tiles<DockPanel>, tile: TileId) -> bool {
-        !self.rigid.contains(&tile)
+    /// The borders are [`super::splitters`]: those of the tree would be stops of the Tab key, and halve their
+    /// neighbours by a double click.
+    fn is_container_resizable(&self, _: &Tiles<DockPanel>, _: TileId) -> bool {
+        false
     }
 
     fn tab_bar_height(&self, _: &egui::Style) -> f32 {
@@ -122,12 +122,8 @@ impl Behavior<DockPanel> for DockBehavior<'_> {
         simplification()
     }
 
-    fn resize_stroke(&self, style: &egui::Style, state: ResizeState) -> Stroke {
-        match state {
-            ResizeState::Idle => style.visuals.widgets.noninteractive.bg_stroke,
-            ResizeState::Hovering => style.visuals.widgets.hovered.fg_stroke,
-            ResizeState::Dragging => style.visuals.widgets.active.fg_stroke,
-        }
+    fn resize_stroke(&self, style: &egui::Style, _: ResizeState) -> Stroke {
+        style.visuals.widgets.noninteractive.bg_stroke
     }
 
     fn tab_text_color(

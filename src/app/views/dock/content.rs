@@ -1,12 +1,17 @@
 //! What each panel shows, docked or in a window of its own.
 
-use egui::{Frame, Id, Margin, ScrollArea, Ui};
+use egui::{Frame, Id, Margin, ScrollArea, Ui, Vec2, Vec2b};
 
 use super::sizes::GAP;
 use crate::app::App;
 use crate::app::model::look::Operation;
 use crate::app::model::panels::DockPanel;
 use crate::app::views::panels;
+use crate::app::views::panels::library::LibraryPanel;
+
+/// Least widths of the details, and of tables other than that of positions, points.
+const DETAILS_WIDTH: f32 = 276.0;
+const TABLE_WIDTH: f32 = 270.0;
 
 /// Id of the content of a panel, wherever it is shown.
 pub fn panel_id(panel: DockPanel) -> Id {
@@ -25,24 +30,6 @@ fn margin(panel: DockPanel) -> Margin {
         | DockPanel::Tradeoff
         | DockPanel::ToolLibrary
         | DockPanel::Study => Margin::same(8),
-    }
-}
-
-/// Width below which a docked panel gets a horizontal scroll bar, points.
-fn min_width(panel: DockPanel) -> Option<f32> {
-    match panel {
-        DockPanel::SectionalView => Some(280.0),
-        DockPanel::Tradeoff => Some(300.0),
-        DockPanel::Study => Some(360.0),
-        DockPanel::Machinability => Some(440.0),
-        DockPanel::ToolLibrary => Some(600.0),
-        DockPanel::Setup
-        | DockPanel::Picture
-        | DockPanel::Plots
-        | DockPanel::Axes
-        | DockPanel::Timeline
-        | DockPanel::Table
-        | DockPanel::Details => None,
     }
 }
 
@@ -92,9 +79,22 @@ impl App {
         if self.state.look.operation != Operation::Roughing {
             return 0.0;
         }
-        let has_machine = self.state.document.edited.setup.machine.file.is_some();
-        let axes = if has_machine { panels::positions::AXES_WIDTH + 6.0 } else { 0.0 };
-        panels::positions::COLUMNS_WIDTH + axes + margin(DockPanel::Table).sum().x
+        panels::positions::columns_width(&self.state) + margin(DockPanel::Table).sum().x
+    }
+
+    /// Size below which a panel scrolls, points; 0 where it fits into what there is.
+    fn min_size(&self, panel: DockPanel) -> Vec2 {
+        match panel {
+            DockPanel::Setup => Vec2::new(232.0, 0.0),
+            DockPanel::Table => Vec2::new((self.table_width() - margin(panel).sum().x).max(TABLE_WIDTH), 0.0),
+            DockPanel::Details => Vec2::new(DETAILS_WIDTH, 0.0),
+            DockPanel::SectionalView => Vec2::new(270.0, 210.0),
+            DockPanel::Tradeoff => Vec2::new(270.0, 290.0),
+            DockPanel::Study => Vec2::new(270.0, 360.0),
+            DockPanel::Machinability => Vec2::new(270.0, 160.0),
+            DockPanel::ToolLibrary => Vec2::new(LibraryPanel::MIN_WIDTH, 0.0),
+            DockPanel::Picture | DockPanel::Plots | DockPanel::Axes | DockPanel::Timeline => Vec2::ZERO,
+        }
     }
 
     /// Draws a docked panel. `details_height`: height of the content of the details, which is measured.
@@ -112,25 +112,35 @@ impl App {
 
     /// Draws a panel within its margins; with them it is `height` points high.
     fn filled_panel(&mut self, ui: &mut Ui, panel: DockPanel, height: f32, details_height: &mut f32) {
-        match (panel, min_width(panel)) {
-            (DockPanel::Details, _) if self.state.look.operation == Operation::Roughing => {
-                // Higher than its content, where nothing else stands in its column.
-                let fill_height = (height > *details_height + 1.0).then_some(ui.available_height());
-                let measured = (self.selected_position(ui, fill_height) + margin(panel).sum().y).ceil();
-                if fill_height.is_none() && measured != *details_height {
-                    *details_height = measured;
-                    ui.ctx().request_repaint();
-                }
+        if panel == DockPanel::Details && self.state.look.operation == Operation::Roughing {
+            // Higher than its content, where nothing else stands in its column.
+            let fill_height = (height > *details_height + 1.0).then_some(ui.available_height());
+            let measured = (self.selected_position(ui, fill_height) + margin(panel).sum().y).ceil();
+            if fill_height.is_none() && measured != *details_height {
+                *details_height = measured;
+                ui.ctx().request_repaint();
             }
-            (_, Some(min)) => {
-                let directions = egui::Vec2b::new(true, panel == DockPanel::ToolLibrary);
-                ScrollArea::new(directions).id_salt("docked").auto_shrink(false).show(ui, |ui| {
-                    ui.set_width(ui.available_width().max(min));
-                    self.panel(ui, panel, None);
-                });
-            }
-            (_, None) => self.panel(ui, panel, None),
+        } else {
+            self.scrolled_panel(ui, panel, None);
         }
+    }
+
+    /// Draws the content of a panel, which scrolls where there is less room than it needs.
+    pub(super) fn scrolled_panel(&mut self, ui: &mut Ui, panel: DockPanel, fill_height: Option<f32>) {
+        let min = self.min_size(panel);
+        if min == Vec2::ZERO || panel == DockPanel::Details {
+            self.panel(ui, panel, fill_height);
+            return;
+        }
+        // The tool library is as high as its content.
+        let directions = Vec2b::new(true, min.y > 0.0 || panel == DockPanel::ToolLibrary);
+        ScrollArea::new(directions).id_salt("panel").auto_shrink(false).show(ui, |ui| {
+            ui.set_width(ui.available_width().max(min.x));
+            if min.y > 0.0 {
+                ui.set_height(ui.available_height().max(min.y));
+            }
+            self.panel(ui, panel, fill_height);
+        });
     }
 
     /// Draws the content of a panel. `fill_height`: height that the details take up, points; `None`:
@@ -167,8 +177,12 @@ impl App {
 
     /// The selected position; returns the height of its content, which scrolls where it does not fit, points.
     fn selected_position(&mut self, ui: &mut Ui, fill_height: Option<f32>) -> f32 {
-        let area = ScrollArea::vertical().id_salt("details").auto_shrink(false);
-        area.show(ui, |ui| self.details(ui, fill_height)).content_size.y
+        let area = ScrollArea::both().id_salt("details").auto_shrink(false);
+        let shown = area.show(ui, |ui| {
+            ui.set_width(ui.available_width().max(DETAILS_WIDTH));
+            self.details(ui, fill_height);
+        });
+        shown.content_size.y
     }
 
     /// The 3D view, with problems over it: a message that took space would move what is under the pointer.

@@ -47,19 +47,19 @@ pub struct GripUse {
     pub request: Option<PanelRequest>,
 }
 
-/// Draws the grip of a panel in `rect`; it is seen while the pointer is near or the keyboard has selected it.
+/// Draws the grip of a panel in `rect`; it is seen while the pointer is near. It is no stop of the Tab key, which
+/// goes through the fields: the menu View has what it does.
 pub fn grip(ui: &Ui, rect: Rect, panel: DockPanel, is_floating: bool) -> GripUse {
     let at = Rect::from_center_size(rect.center_top() + Vec2::new(0.0, 0.5 * SIZE.y), SIZE);
     let id = egui::Id::unique(("grip of a panel", panel));
-    let response = ui.interact(at, id, Sense::click_and_drag());
+    let response = ui.interact(at, id, Sense::CLICK | Sense::DRAG);
     let name = format!("Move panel: {}", panel.title());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
     let strip = rect.split_top_bottom_at_y(rect.top() + REACH.min(REACH_SHARE * rect.height())).0;
     let menu = Popup::menu(&response).show(|ui| panel_menu(ui, panel, is_floating));
-    if ui.rect_contains_pointer(strip) || response.has_focus() || menu.is_some() {
+    if ui.rect_contains_pointer(strip) || menu.is_some() {
         let visuals = ui.visuals();
-        let is_active = response.hovered() || response.has_focus();
-        let ink = if is_active { theme::accent(visuals) } else { visuals.weak_text_color() };
+        let ink = if response.hovered() { theme::accent(visuals) } else { visuals.weak_text_color() };
         ui.painter().rect_filled(at.shrink2(Vec2::new(4.0, 2.0)), 2.0, ink);
     }
     let drag_started = response.drag_started();

@@ -7,6 +7,7 @@ mod content;
 mod fronts;
 mod grip;
 mod sizes;
+mod splitters;
 mod stored;
 mod windows;
 
@@ -174,7 +175,6 @@ impl App {
         let mut behavior = DockBehavior {
             app: self,
             bars,
-            rigid,
             tabbed,
             is_outside: is_outside || is_over_window,
             details_height: &mut dock.details_height,
@@ -183,6 +183,7 @@ impl App {
         };
         dock.tree.ui(&mut behavior, ui);
         let (was_dropped, request) = (behavior.was_dropped, behavior.request);
+        splitters::show(ui, &mut dock.tree, &rigid, &mut dock.kept);
         if let Some(tree) = tree_before.filter(|_| was_dropped) {
             dock.tree = tree;
         }

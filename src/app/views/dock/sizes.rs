@@ -185,18 +185,28 @@ impl Sizes<'_> {
         all.fold((0.0, 0.0), |widest, one| (widest.0.max(one.0), widest.1.max(one.1)))
     }
 
-    /// Whether a tile is the 3D view or contains it.
-    pub fn holds_picture(&self, id: TileId) -> bool {
-        self.panels_in(id).contains(&DockPanel::Picture)
+    fn holds_picture(&self, id: TileId) -> bool {
+        holds_picture(self.tiles, id)
     }
 
     fn panels_in(&self, id: TileId) -> Vec<DockPanel> {
-        match self.tiles.get(id) {
-            Some(Tile::Pane(panel)) => vec![*panel],
-            Some(Tile::Container(container)) => {
-                self.shown(container).into_iter().flat_map(|child| self.panels_in(child)).collect()
-            }
-            None => Vec::new(),
+        panels_in(self.tiles, id)
+    }
+}
+
+/// Whether a tile is the 3D view or contains it.
+pub fn holds_picture(tiles: &Tiles<DockPanel>, id: TileId) -> bool {
+    panels_in(tiles, id).contains(&DockPanel::Picture)
+}
+
+/// The panels in a tile that are shown.
+fn panels_in(tiles: &Tiles<DockPanel>, id: TileId) -> Vec<DockPanel> {
+    match tiles.get(id) {
+        Some(Tile::Pane(panel)) => vec![*panel],
+        Some(Tile::Container(container)) => {
+            let shown = container.children().copied().filter(|&child| tiles.is_visible_in_layout(child));
+            shown.flat_map(|child| panels_in(tiles, child)).collect()
         }
+        None => Vec::new(),
     }
 }

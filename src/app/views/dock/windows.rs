@@ -96,7 +96,7 @@ impl App {
             if is_docked_at_first {
                 // As it is docked, with what is opened and scrolled in it.
                 let builder = UiBuilder::new().max_rect(rect).scope_id(panel_id(panel));
-                ui.scope_builder(builder, |ui| self.panel(ui, panel, Some(rect.height())));
+                ui.scope_builder(builder, |ui| self.scrolled_panel(ui, panel, Some(rect.height())));
             } else {
                 self.panel(ui, panel, None);
             }

@@ -66,10 +66,12 @@ fn figures(ui: &mut Ui, assessed: &AssessedPart) {
     let (narrow, wide) = measured.width_range();
     let units = units::of(ui);
     let mm = |value: f64| shown_length(value, units);
+    let is_known = narrow.is_finite() && wide.is_finite();
+    let widths = if is_known { units.range(narrow, wide, 2) } else { mm(narrow) };
     Grid::new("passages").num_columns(2).spacing([16.0, 3.0]).show(ui, |ui| {
         for (name, value, tip) in [
             ("Largest cutter", mm(measured.largest_cutter()), CUTTER_TIP),
-            ("Width of the passages", format!("{} to {}", mm(narrow), mm(wide)), WIDTH_TIP),
+            ("Width of passages", widths, WIDTH_TIP),
             ("Depth up to", mm(measured.depth()), DEPTH_TIP),
         ] {
             ui.label(name).on_hover_text(tip);
@@ -78,38 +80,56 @@ fn figures(ui: &mut Ui, assessed: &AssessedPart) {
         }
     });
     ui.add_space(8.0);
-    Grid::new("blades").num_columns(5).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
-        for (name, tip) in BLADE_COLUMNS {
-            ui.label(RichText::new(name).strong()).on_hover_text(tip);
-        }
-        ui.end_row();
-        for (blade, name) in measured.blades.iter().zip(BLADE_NAMES) {
-            blade_row(ui, blade, name);
-        }
-    });
+    // A column for each blade: there are fewer of them than figures.
+    let blades = || measured.blades.iter().zip(BLADE_NAMES);
+    Grid::new("blades").num_columns(1 + measured.blades.len()).striped(true).spacing([16.0, 3.0]).show(
+        ui,
+        |ui| {
+            ui.label(RichText::new("Blade").strong())
+                .on_hover_text("Main blade, and splitter if there is one");
+            for (_, name) in blades() {
+                ui.label(RichText::new(name).strong());
+            }
+            ui.end_row();
+            for (name, tip, figure) in BLADE_FIGURES {
+                ui.label(name).on_hover_text(tip);
+                for (blade, _) in blades() {
+                    ui.label(figure(blade, units));
+                }
+                ui.end_row();
+            }
+        },
+    );
 }
 
 const CUTTER_TIP: &str =
     "Diameter of the largest cutter that fits everywhere along the channel, down to the hub";
 const WIDTH_TIP: &str = "Distance between the walls of a passage: the least and the greatest";
 const DEPTH_TIP: &str = "Distance from shroud to hub";
-const BLADE_COLUMNS: [(&str, &str); 5] = [
-    ("Blade", "Main blade, and splitter if there is one"),
-    ("Twist", "Greatest angle between the chords of the camber line and the axis of rotation, span by span"),
-    ("Turn", "How far the blade's normal turns from hub to tip; about 0 for cylindrical blades"),
-    ("Bow", "Distance of the middle of the span from the straight line between hub and tip"),
-    ("Envelope gap", "Gap between the wall and its ruled envelope: what a flank of a cutter cannot follow"),
+/// A figure of a blade: its name, what it is, and its text.
+type BladeFigure = (&'static str, &'static str, fn(&BladeMeasure, DisplayUnits) -> String);
+const BLADE_FIGURES: [BladeFigure; 4] = [
+    (
+        "Twist",
+        "Greatest angle between the chords of the camber line and the axis of rotation, span by span",
+        |blade, _| format!("{:.1}°", blade.twisting().to_degrees()),
+    ),
+    (
+        "Turn",
+        "How far the blade's normal turns from hub to tip; about 0 for cylindrical blades",
+        |blade, _| format!("{:.1}°", blade.shape.normal_turn_rad.to_degrees()),
+    ),
+    (
+        "Bow",
+        "Distance of the middle of the span from the straight line between hub and tip",
+        |blade, units| units.length(blade.shape.bow.offset, 3),
+    ),
+    (
+        "Envelope gap",
+        "Gap between the wall and its ruled envelope: what a flank of a cutter cannot follow",
+        |blade, units| units.length(blade.envelope_gap(), 3),
+    ),
 ];
-
-fn blade_row(ui: &mut Ui, blade: &BladeMeasure, name: &str) {
-    ui.label(name);
-    ui.label(format!("{:.1}°", blade.twisting().to_degrees()));
-    ui.label(format!("{:.1}°", blade.shape.normal_turn_rad.to_degrees()));
-    let units = units::of(ui);
-    ui.label(units.length(blade.shape.bow.offset, 3));
-    ui.label(units.length(blade.envelope_gap(), 3));
-    ui.end_row();
-}
 
 /// What the tools reach of the floor, section by section.
 fn reach(ui: &mut Ui, assessed: &AssessedPart) {
@@ -121,33 +141,32 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         return;
     };
     let classes: [fn(ReachSides) -> bool; 4] = [|s| s.any, |s| s.outlet, |s| s.inlet, ReachSides::both];
-    Grid::new("reach").num_columns(6).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
+    ui.label("Share of the floor that is reached, %");
+    Grid::new("reach").num_columns(5).min_col_width(0.0).striped(true).spacing([7.0, 3.0]).show(ui, |ui| {
         for (name, tip) in REACH_COLUMNS {
             ui.label(RichText::new(name).strong()).on_hover_text(tip);
         }
         ui.end_row();
         for section in assessed.sections() {
-            ui.label(format!("{:.2} to {:.2}", section.from, section.to));
-            ui.label(format!("D {}", units::of(ui).size(section.tool.diameter)));
+            let tool = units::of(ui).diameter(section.tool.diameter);
+            ui.label(format!("{tool}, {:.2}–{:.2}", section.from, section.to));
             for class in classes {
-                ui.label(format!("{:.1} %", 100.0 * map.share_between(section.from, section.to, class)));
+                ui.label(format!("{:.1}", 100.0 * map.share_between(section.from, section.to, class)));
             }
             ui.end_row();
         }
         ui.label("all");
-        ui.label("");
         for class in classes {
-            ui.label(format!("{:.1} %", 100.0 * map.share(class)));
+            ui.label(format!("{:.1}", 100.0 * map.share(class)));
         }
         ui.end_row();
     });
 }
 
-const REACH_COLUMNS: [(&str, &str); 6] = [
-    ("Section", "From and to along the hub: 0 leading edge, 1 outlet"),
-    ("Tool", "Tool of the section"),
-    ("Reached", "Share of the floor that the tool reaches from any side"),
-    ("From outlet", "Share that it reaches with its axis leaning towards the outlet"),
-    ("From inlet", "Share that it reaches with its axis leaning towards the inlet"),
-    ("From both", "Share that it reaches from both"),
+const REACH_COLUMNS: [(&str, &str); 5] = [
+    ("Section", "Tool of the section; from and to along the hub: 0 leading edge, 1 outlet"),
+    ("Any", "Share of the floor that the tool reaches from any side"),
+    ("Outlet", "Share that it reaches with its axis leaning towards the outlet"),
+    ("Inlet", "Share that it reaches with its axis leaning towards the inlet"),
+    ("Both", "Share that it reaches from both"),
 ];

@@ -5,6 +5,7 @@ use egui::{Button, Grid, RichText, Ui};
 use super::fields::{self, FieldSpec};
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
+use crate::app::views::typed;
 use crate::geometry::without_conversion_error;
 use crate::plunge::UnappliedEdit;
 use crate::setup::{PlungeChange, PlungeMove};
@@ -115,8 +116,13 @@ pub fn is_possible(state: &AppState, command: Command) -> bool {
 }
 
 fn number(ui: &mut Ui, value: &mut f64, spec: &FieldSpec) {
+    let form = ui.scope_id();
     let label = ui.label(spec.label).on_hover_text(spec.tip);
-    fields::number_box(ui, value, spec, None).labelled_by(label.id);
+    ui.vertical(|ui| {
+        let (field, typed) = fields::number_box(ui, value, spec, None);
+        typed::keep(ui, form, spec.label, *value, typed);
+        typed::show(ui, form, spec.label, *value, field.labelled_by(label.id).rect);
+    });
 }
 
 fn angle(ui: &mut Ui, radians: &mut f64, spec: &FieldSpec) {

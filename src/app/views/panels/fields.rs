@@ -2,12 +2,14 @@
 //! Both have an accessible name, and a dot where the value differs from the default; a click on the dot
 //! resets it.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2};
 
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
+use crate::app::views::typed::{self, Typed, TypedLimits};
 use crate::app::views::{field_faults, theme, units};
 use crate::geometry::without_conversion_error;
 
@@ -32,25 +34,60 @@ pub struct FieldSpec {
     pub slide: Option<(f64, f64)>,
     /// Text that stands for an optional value that is absent.
     pub absent: &'static str,
+    /// What sets the maximum and how more is possible, as the end of a sentence that names it.
+    pub why_most: &'static str,
 }
 
 impl FieldSpec {
     /// A length in mm.
     pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
         let (unit, speed, decimals) = (" mm", 0.05, 3);
-        Self { label, tip, unit, min: least, max: greatest, speed, decimals, slide: None, absent: "auto" }
+        Self {
+            label,
+            tip,
+            unit,
+            min: least,
+            max: greatest,
+            speed,
+            decimals,
+            slide: None,
+            absent: "auto",
+            why_most: "",
+        }
     }
 
     /// An angle in degrees.
     pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
         let (unit, speed, decimals) = ("°", 0.1, 2);
-        Self { label, tip, unit, min: least, max: greatest, speed, decimals, slide: None, absent: "auto" }
+        Self {
+            label,
+            tip,
+            unit,
+            min: least,
+            max: greatest,
+            speed,
+            decimals,
+            slide: None,
+            absent: "auto",
+            why_most: "",
+        }
     }
 
     /// A whole number with a unit.
     pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
         let (tip, min, speed, decimals) = ("", 1.0, 1.0, 0);
-        Self { label, tip, unit, min, max: greatest, speed, decimals, slide: None, absent: "auto" }
+        Self {
+            label,
+            tip,
+            unit,
+            min,
+            max: greatest,
+            speed,
+            decimals,
+            slide: None,
+            absent: "auto",
+            why_most: "",
+        }
     }
 }
 
@@ -71,6 +108,11 @@ impl FieldSpec {
         Self { absent: "none", ..self }
     }
 
+    /// The same with another maximum, and what sets it.
+    pub const fn at_most(self, max: f64, why_most: &'static str) -> Self {
+        Self { max, why_most, ..self }
+    }
+
     /// Adds a slider under the box.
     pub const fn sliding(self, low: f64, high: f64) -> Self {
         Self { slide: Some((low, high)), ..self }
@@ -88,38 +130,60 @@ fn show(value: f64, spec: &FieldSpec, units: DisplayUnits) -> String {
     }
 }
 
-/// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too.
-pub fn number_box(ui: &mut Ui, value: &mut f64, spec: &FieldSpec, automatic: Option<&str>) -> Response {
+/// A number box without label. `automatic`: the text that stands for 0; an empty input means 0, too. What is
+/// typed and not taken is returned with the reason.
+pub fn number_box(
+    ui: &mut Ui,
+    value: &mut f64,
+    spec: &FieldSpec,
+    automatic: Option<&str>,
+) -> (Response, Typed) {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
     let (quantity, units) = (spec.quantity(), units::of(ui));
-    let words = automatic.map(str::to_owned);
-    let parser_words = words.clone();
-    let spec_copy = *spec;
-    let parse = units.field_parser(quantity, *value, show(*value, spec, units));
+    let write = |value: f64| match automatic {
+        Some(words) if value <= 0.0 => words.to_owned(),
+        _ => show(value, spec, units),
+    };
+    let shown = write(*value);
+    let show_limit = |limit: f64| show(limit, spec, units);
+    let limits = TypedLimits {
+        quantity,
+        units,
+        range: least.max(spec.min)..=spec.max,
+        why_most: spec.why_most,
+        show: &show_limit,
+    };
+    let typed = RefCell::default();
     let mut field = DragValue::new(value)
         .speed(spec.speed)
         .range(least..=spec.max)
         // An out-of-range value from a file is kept until it is edited.
         .clamp_existing_to_range(false)
-        .custom_formatter(move |v, _| match &words {
-            Some(words) if v <= 0.0 => words.clone(),
-            _ => show(v, &spec_copy, units),
-        })
-        .custom_parser(move |text| match &parser_words {
-            Some(words) if text.trim().is_empty() || text.trim() == words => Some(0.0),
-            _ => parse(text),
+        .custom_formatter(|value, _| write(value))
+        .custom_parser(|text| match automatic {
+            Some(words) if text.trim().is_empty() || text.trim() == words || is_zero(text) => {
+                typed.replace(Typed::Taken);
+                Some(0.0)
+            }
+            _ => limits.parse(text, &shown, &typed),
         })
         .update_while_editing(false);
     if spec.decimals == 0 {
         field = field.speed(1.0);
     }
     let response = ui.add_sized(Vec2::new(theme::FIELD_WIDTH, 20.0), field);
+    let typed = typed.into_inner();
     if spec.tip.is_empty() {
-        return response;
+        return (response, typed);
     }
-    let limits = [least.max(spec.min), spec.max].map(|limit| show(limit, spec, units));
+    let limits = [least.max(spec.min), spec.max].map(show_limit);
     let limits = format!("{}\n{} to {}", spec.tip, limits[0], limits[1]);
-    response.on_hover_text(limits)
+    (response.on_hover_text(limits), typed)
+}
+
+/// Whether a typed text is the number 0.
+fn is_zero(text: &str) -> bool {
+    text.trim().parse() == Ok(0.0)
 }
 
 /// A form row with label, box, dot and slider; `true` when the value changed.
@@ -261,14 +325,15 @@ fn labelled(
     spec: &FieldSpec,
     automatic: Option<(&str, Option<f64>)>,
 ) -> bool {
-    let before = *value;
+    let (before, form) = (*value, ui.scope_id());
     let label = ui.label(spec.label).on_hover_text(spec.tip);
     ui.vertical(|ui| {
         ui.spacing_mut().item_spacing.y = 1.0;
         let mut at = egui::Rect::NOTHING;
         ui.horizontal(|ui| {
-            let field = number_box(ui, value, spec, automatic.map(|(word, _)| word)).labelled_by(label.id);
-            at = field.rect;
+            let (field, typed) = number_box(ui, value, spec, automatic.map(|(word, _)| word));
+            typed::keep(ui, form, spec.label, *value, typed);
+            at = field.labelled_by(label.id).rect;
             match default.filter(|default| default != value) {
                 Some(default) if reset_dot(ui, spec.label) => *value = default,
                 Some(_) => {}
@@ -284,6 +349,7 @@ fn labelled(
             *value = moved.unwrap_or(*value);
         }
         field_faults::show(ui, spec.label, at, *value != before);
+        typed::show(ui, form, spec.label, *value, at);
     });
     ui.end_row();
     *value != before

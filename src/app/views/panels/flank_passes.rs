@@ -31,8 +31,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     let selected = state.look.flank.pass;
     let mut builder = TableBuilder::new(ui)
         .striped(true)
-        .sense(Sense::click())
+        .sense(Sense::CLICK)
         .auto_shrink([false, false])
+        // No higher than its place, however low that is.
+        .min_scrolled_height(0.0)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
     for (_, _, width) in COLUMNS {
         builder = builder.column(Column::exact(width));

@@ -3,6 +3,7 @@
 use egui::Ui;
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
+use crate::app::model::known_goals::KnownGoals;
 use crate::setup::{Goal, SemiFinishing, Tool};
 
 /// What a plan of `minimal` is for, without its limit.
@@ -102,9 +103,11 @@ impl FinishingKind {
 
     fn tip(self) -> &'static str {
         match self {
-            Self::Rate => "By the volume that is left, with what stays uncut. The first value is an example",
+            Self::Rate => {
+                "By the volume that is left, with what stays uncut. The value is an example at first"
+            }
             Self::Passes => {
-                "By the passes that the thickness on 95 % of the cut floor needs. The first values are an example"
+                "By the passes that the thickness on 95 % of the cut floor needs. The values are an example at first"
             }
         }
     }
@@ -149,15 +152,18 @@ const FINISH_PASS_TIME: FieldSpec = FieldSpec {
     )
 };
 
-/// Rows of the time of semi-finishing.
-fn finishing_rows(ui: &mut Ui, finishing: &mut SemiFinishing) {
+/// Rows of the time of semi-finishing; `known` are the values given before.
+fn finishing_rows(ui: &mut Ui, finishing: &mut SemiFinishing, known: &KnownGoals) {
     let before = FinishingKind::of(*finishing);
     let mut kind = before;
     fields::choice_row(ui, &mut kind, FinishingKind::of(FINISHING), &FINISHING_KIND);
     if kind != before {
-        *finishing = match kind {
-            FinishingKind::Rate => FINISHING,
-            FinishingKind::Passes => FINISHING_PASSES,
+        let is_it =
+            |goal: &Goal| matches!(goal, Goal::Total { finishing } if FinishingKind::of(*finishing) == kind);
+        *finishing = match (known.latest(is_it), kind) {
+            (Some(Goal::Total { finishing }), _) => finishing,
+            (_, FinishingKind::Rate) => FINISHING,
+            (_, FinishingKind::Passes) => FINISHING_PASSES,
         };
     }
     match finishing {
@@ -171,20 +177,22 @@ fn finishing_rows(ui: &mut Ui, finishing: &mut SemiFinishing) {
     }
 }
 
-/// Rows of the goal and its limit; `first` is the first tool of the plan.
-pub fn goal_rows(ui: &mut Ui, goal: &mut Goal, default: Goal, first: Option<&Tool>) {
+/// Rows of the goal and its limit; `first` is the first tool of the plan, `known` what was given before.
+pub fn goal_rows(ui: &mut Ui, goal: &mut Goal, known: &mut KnownGoals, default: Goal, first: Option<&Tool>) {
+    known.note(*goal);
     let before = GoalKind::of(*goal);
     let mut kind = before;
     fields::choice_row(ui, &mut kind, GoalKind::of(default), &GOAL);
     let share = MAX_STOCK_SHARE * first.map_or(20.0, |tool| tool.diameter);
     let default_stock = (100.0 * share).round() / 100.0;
     if kind != before {
-        *goal = match kind {
+        let given = known.latest(|goal| GoalKind::of(*goal) == kind);
+        *goal = given.unwrap_or(match kind {
             GoalKind::Stock => Goal::Stock { max_time_min: None },
             GoalKind::Balance => Goal::Balance,
             GoalKind::Time => Goal::Time { max_stock: default_stock },
             GoalKind::Total => Goal::Total { finishing: FINISHING },
-        };
+        });
     }
     match goal {
         Goal::Stock { max_time_min } => {
@@ -194,6 +202,6 @@ pub fn goal_rows(ui: &mut Ui, goal: &mut Goal, default: Goal, first: Option<&Too
         Goal::Time { max_stock } => {
             fields::number_row(ui, max_stock, default_stock, &MAX_STOCK);
         }
-        Goal::Total { finishing } => finishing_rows(ui, finishing),
+        Goal::Total { finishing } => finishing_rows(ui, finishing, known),
     }
 }

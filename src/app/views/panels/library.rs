@@ -14,6 +14,10 @@ use crate::setup::Setup;
 
 /// Size of the list, points.
 const LIST: (f32, f32) = (280.0, 380.0);
+/// Height of the list where the tool stands below it, points.
+const LOW_LIST: f32 = 160.0;
+/// Width of list and tool side by side, points.
+const WIDTH: f32 = 600.0;
 
 /// What was asked for in the panel.
 pub enum LibraryAnswer {
@@ -40,18 +44,29 @@ impl LibraryPanel {
         self.library.as_ref()
     }
 
-    /// Draws it; returns what was asked for. `setup`: of the open part, if there is one.
-    pub fn show(&mut self, ui: &mut Ui, setup: Option<&mut Setup>) -> Option<LibraryAnswer> {
+    /// Least width, points.
+    pub const MIN_WIDTH: f32 = 270.0;
+
+    /// Draws it; returns what was asked for. `setup`: of the open part, if there is one. `is_docked`: it has the width
+    /// of its place, in which list and tool may have to stand one below the other.
+    pub fn show(&mut self, ui: &mut Ui, setup: Option<&mut Setup>, is_docked: bool) -> Option<LibraryAnswer> {
         // It begins with the program's own tools.
         let library = self.library.get_or_insert_default();
         let mut answer = None;
         head(ui, library, &mut answer);
         ui.separator();
+        if is_docked && ui.available_width() < WIDTH {
+            filters(ui, library);
+            list(ui, library, LOW_LIST);
+            ui.separator();
+            selected(ui, library, setup, &mut answer);
+            return answer;
+        }
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(LIST.0);
                 filters(ui, library);
-                list(ui, library);
+                list(ui, library, LIST.1);
             });
             ui.separator();
             ui.vertical(|ui| {
@@ -65,7 +80,7 @@ impl LibraryPanel {
 
 /// The file, and the buttons to open and save.
 fn head(ui: &mut Ui, library: &ShopLibrary, answer: &mut Option<LibraryAnswer>) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         for command in [Command::OpenLibrary, Command::SaveLibrary] {
             if ui.button(command.label()).on_hover_text(command.tip()).clicked() {
                 *answer = Some(LibraryAnswer::Command(command));
@@ -74,10 +89,11 @@ fn head(ui: &mut Ui, library: &ShopLibrary, answer: &mut Option<LibraryAnswer>) 
         match &library.path {
             Some(path) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                ui.label(RichText::new(name).weak()).on_hover_text(path.display().to_string());
+                let label = egui::Label::new(RichText::new(name).weak()).extend();
+                ui.add(label).on_hover_text(path.display().to_string());
             }
             None => {
-                ui.label(RichText::new("The program's own tools").weak());
+                ui.add(egui::Label::new(RichText::new("The program's own tools").weak()).extend());
             }
         }
         if !library.content.notes.is_empty() {
@@ -123,12 +139,12 @@ fn diameter_field(value: &mut f64, range: RangeInclusive<f64>, units: DisplayUni
     field.custom_formatter(move |mm, _| units.short(mm, 1)).custom_parser(parse)
 }
 
-fn list(ui: &mut Ui, library: &mut ShopLibrary) {
+fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let units = units::of(ui);
     let shown = library.shown(units);
     ui.label(RichText::new(format!("{} of {} tools", shown.len(), library.content.tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
-    ScrollArea::vertical().max_height(LIST.1).auto_shrink([false, false]).show_rows(
+    ScrollArea::vertical().max_height(height).auto_shrink([false, false]).show_rows(
         ui,
         row,
         shown.len(),

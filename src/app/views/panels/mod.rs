@@ -2,6 +2,7 @@
 //! command or action; it does not execute it.
 
 mod assess;
+mod axis_demand;
 pub mod edit_plunge;
 pub mod fields;
 pub mod flank;

@@ -100,7 +100,7 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
         }
         ui.heading("Drop a part here");
         ui.label(
-            ".toml, .geomTurbo, TurboGrid .inf, .step, .glb, .gltf or .stl, with or without a setup; or a project",
+            ".toml, .geomTurbo, TurboGrid .inf, .step, .glb, .gltf or .stl, with or without a setup; or a project or plan",
         );
         ui.add_space(10.0);
         for command in [Command::OpenPart, Command::OpenProject] {

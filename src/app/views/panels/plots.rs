@@ -68,7 +68,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let range = |mm: f64| (true, units.of_mm(mm));
     let curves = [
         curve("Lead angle", "Lead", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
-        curve("Contact", "C", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
+        curve("Contact", "Core", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
         curve("Stock", "St", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
         curve("Step", "Sp", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
         curve("Arc", "Arc", "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
+use egui::style::KineticScrollStyle;
 use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
+use super::axis_demand::{axis_remarks, axis_text, axis_warning};
 use super::hand_mark::{hand_mark, hand_words};
-use crate::machine::LimitFault;
 use crate::plunge::{Blocked, PlungeMark, Position};
 
 use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
-use crate::app::model::machine::AxisDemand;
 use crate::app::model::planned::Side;
 use crate::app::model::state::{AppState, ShownPlan};
 use crate::app::model::units::DisplayUnits;
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     });
     if state.results.planned.is_none() {
         ui.add_space(6.0);
-        ui.label(RichText::new("Not calculated yet").weak());
+        ui.label(RichText::new(state.results.words_without_plan()).weak());
         return None;
     }
     let rows = state.rows();
@@ -111,15 +111,22 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let has_machine = state.document.edited.setup.machine.file.is_some();
     let (can_edit, units) = (state.editable_plan().is_some(), state.look.units);
     let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
+    // The offset is set beyond the end of the higher table that was there before a panel opened below: a scroll
+    // with momentum would take that for a fling, and go on to where that end was.
+    ui.spacing_mut().scroll.kinetic =
+        KineticScrollStyle { decay_time: 0.0, rubber_band: false, ..KineticScrollStyle::default() };
     let mut builder = TableBuilder::new(ui)
         .striped(true)
-        .sense(Sense::click())
+        // The arrows go from row to row; each cell would be a stop of the Tab key.
+        .sense(Sense::CLICK)
         .auto_shrink([false, false])
+        // No higher than its place, however low that is.
+        .min_scrolled_height(0.0)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
         .column(Column::exact(12.0))
         .column(Column::exact(30.0))
         .column(Column::exact(28.0))
-        .column(Column::exact(30.0))
+        .column(Column::exact(diameter_width(state)))
         .column(Column::exact(46.0))
         .column(Column::exact(50.0))
         .column(Column::exact(44.0));
@@ -163,7 +170,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 let cells = [
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
-                    tool.map_or(String::new(), |t| table_diameter(t.diameter, units)),
+                    tool.map_or(String::new(), |t| units.size(t.diameter)),
                     format!("{:.1}", position.alpha_rad.to_degrees()),
                 ];
                 for (column, text) in cells.into_iter().enumerate() {
@@ -240,68 +247,25 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
 }
 
 /// Width of the column of axis warnings, points.
-pub const AXES_WIDTH: f32 = 54.0;
-/// Width of the other columns with the space between them, points.
-pub const COLUMNS_WIDTH: f32 = 282.0;
+const AXES_WIDTH: f32 = 54.0;
+/// Width of the other columns with the space between them, but for that of the diameters, points.
+const COLUMNS_WIDTH: f32 = 252.0;
+/// Least width of the column of diameters, and width of a digit, points.
+const DIAMETER_WIDTH: f32 = 30.0;
+const DIGIT_WIDTH: f32 = 7.3;
 
-/// The worst that a position asks of the axes: an axis with its excess, or the angle from the pole.
-fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>, units: DisplayUnits) {
-    let Some(demand) = demand.filter(|demand| demand.is_warning()) else { return };
-    let (text, condition) = match &demand.fault {
-        Some(LimitFault::Unreachable { .. }) => ("none".to_owned(), Condition::Interfering),
-        Some(fault @ LimitFault::Beyond { letter, is_rotary, .. }) => {
-            let excess = fault.excess().unwrap_or_default();
-            let text = if *is_rotary {
-                // A decimal only where it fits into the column.
-                let degrees = excess.to_degrees();
-                if degrees < 9.95 {
-                    format!("{letter} +{degrees:.1}°")
-                } else {
-                    format!("{letter} +{degrees:.0}°")
-                }
-            } else {
-                format!("{letter} +{}", units.number(excess, 0))
-            };
-            (text, Condition::Interfering)
-        }
-        None => (format!("P {:.1}°", demand.pole_rad.to_degrees()), Condition::Blocked),
-    };
-    cell(ui, RichText::new(text).color(condition.text(ui.visuals())).strong());
+/// Width of the column of diameters: all digits of every tool fit, points.
+fn diameter_width(state: &AppState) -> f32 {
+    let sections = state.shown().map(|shown| &shown.plan().sections[..]).unwrap_or_default();
+    let digits = |mm: f64| state.look.units.size(mm).chars().count();
+    let most = sections.iter().map(|section| digits(section.tool.diameter)).max().unwrap_or(0);
+    (DIGIT_WIDTH * most as f32).ceil().max(DIAMETER_WIDTH)
 }
 
-/// The position of an axis: its name, and its value with its unit: degrees, or mm without one.
-pub fn axis_text<N: std::fmt::Display>((name, value, unit): (N, f64, &str), units: DisplayUnits) -> String {
-    match unit {
-        "°" => format!("{name} {value:.3}{unit}"),
-        _ => format!("{name} {}", units.number(value, 3)),
-    }
-}
-
-/// What a position asks of the axes, in words.
-fn axis_remarks(ui: &mut Ui, state: &AppState, k: usize) {
-    let Some((plan, demand)) = state.on_machine().zip(state.axis_demand(k)) else { return };
-    if let Some(fault) = &demand.fault {
-        ui.label(format!("{}: {fault}", plan.machine.name));
-    } else if demand.is_near_pole() {
-        let [first, angle] = [plan.machine.rotary[0].letter.to_string(), degrees(demand.pole_rad)];
-        let ratio = 1.0 / demand.pole_rad.sin().max(1e-3);
-        ui.label(format!(
-            "{}: {angle} from the pole, the line of {first}, which turns {ratio:.0} times as much as the tool",
-            plan.machine.name
-        ));
-    }
-}
-
-fn degrees(angle_rad: f64) -> String {
-    format!("{:.1}°", angle_rad.to_degrees())
-}
-
-/// Diameter of a tool, with few enough digits for the column.
-fn table_diameter(mm: f64, units: DisplayUnits) -> String {
-    match units {
-        DisplayUnits::Metric => units.size(mm),
-        DisplayUnits::Inch => format!("{:.2}", units.of_mm(mm)),
-    }
+/// Width of the columns with the space between them, points.
+pub fn columns_width(state: &AppState) -> f32 {
+    let has_machine = state.document.edited.setup.machine.file.is_some();
+    COLUMNS_WIDTH + diameter_width(state) + if has_machine { AXES_WIDTH + 6.0 } else { 0.0 }
 }
 
 /// Contact depth, from mm; "0" if it would round to 0.00 mm.

@@ -13,6 +13,7 @@ use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
+use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::machine::choose_machine;
 use crate::app::views::command::Command;
 use crate::app::views::theme;
@@ -271,15 +272,21 @@ fn chosen_material(ui: &mut Ui, now: Option<&str>, known: Option<&CuttingData>) 
 }
 
 /// Draws the plunge fields; `defaults` are those of the part, `chosen` is the complete setup of the latest
-/// plan.
-pub fn plunge(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, chosen: Option<&Setup>) {
+/// plan, `known` are the goals given before.
+pub fn plunge(
+    ui: &mut Ui,
+    setup: &mut Setup,
+    known: &mut KnownGoals,
+    defaults: &Setup,
+    chosen: Option<&Setup>,
+) {
     let first = chosen.and_then(|chosen| chosen.tools.first());
     let Setup { plunge: default, machine, .. } = defaults;
     fields::form(ui, "plunge fields", |ui| {
         fields::choice_row(ui, &mut setup.plunge.axis, default.axis, &POLICY);
         // The usual goal needs no rows here: it is chosen beside the curve of time against stock.
         if setup.plunge.axis == AxisPolicy::Minimal && setup.plunge.goal != default.goal {
-            goal_rows(ui, &mut setup.plunge.goal, default.goal, first);
+            goal_rows(ui, &mut setup.plunge.goal, known, default.goal, first);
         }
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);

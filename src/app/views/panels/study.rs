@@ -2,22 +2,27 @@
 
 use std::sync::Arc;
 
-use egui::{ComboBox, RichText, Role, Sense, Ui, WidgetInfo};
-use egui_extras::{Column, TableBuilder};
+use egui::{ComboBox, RichText, Ui};
 
 use super::study_plot::StudyPlot;
 use crate::app::model::study_table::{StudyColumn, StudyFigure, StudyTable};
 use crate::app::model::units::DisplayUnits;
-use crate::app::views::theme;
 use crate::app::views::units;
+use crate::app::views::wide_table::{TableClick, WideColumn, WideTable, width_of_column};
 use crate::study::StudyResults;
 
 /// Share of the height that the plot takes, and its least height, points.
 const PLOT_SHARE: f32 = 0.42;
-const MIN_PLOT: f32 = 120.0;
-/// Widths of the columns of keys and figures, points.
-const KEY_WIDTH: f32 = 150.0;
-const FIGURE_WIDTH: f32 = 104.0;
+const MIN_PLOT: f32 = 110.0;
+/// Width that lists and note need beside each other, and widths of the lists, points.
+const WIDTH_OF_HEAD: f32 = 620.0;
+const LIST: f32 = 110.0;
+const NARROW_LIST: f32 = 86.0;
+/// Width of the column of numbers, least widths of those of keys and figures, and the greatest one, points.
+const RUN_WIDTH: f32 = 38.0;
+const KEY_WIDTH: f32 = 90.0;
+const FIGURE_WIDTH: f32 = 60.0;
+const MAX_WIDTH: f32 = 200.0;
 
 /// The panel, with the results while some were opened.
 #[derive(Default)]
@@ -79,17 +84,31 @@ fn head(ui: &mut Ui, table: &mut StudyTable) {
         ui.label(RichText::new(text).weak());
     });
     let mut axes = table.axes;
+    let is_narrow = ui.available_width() < WIDTH_OF_HEAD;
+    let note = RichText::new("the line joins the runs that no other beats in both").weak();
     ui.horizontal(|ui| {
-        axis_list(ui, "Across", &mut axes[0], table.shown);
-        axis_list(ui, "Up", &mut axes[1], table.shown);
-        ui.label(RichText::new("the line joins the runs that no other beats in both").weak());
+        let width = if is_narrow { NARROW_LIST } else { LIST };
+        axis_list(ui, "Across", &mut axes[0], table.shown, width);
+        axis_list(ui, "Up", &mut axes[1], table.shown, width);
+        if !is_narrow {
+            ui.label(note.clone());
+        }
     });
+    if is_narrow {
+        ui.add(egui::Label::new(note).truncate());
+    }
     table.set_axes(axes);
 }
 
-fn axis_list(ui: &mut Ui, name: &str, axis: &mut StudyFigure, shown: impl IntoIterator<Item = StudyFigure>) {
+fn axis_list(
+    ui: &mut Ui,
+    name: &str,
+    axis: &mut StudyFigure,
+    shown: impl IntoIterator<Item = StudyFigure>,
+    width: f32,
+) {
     let label = ui.label(name);
-    let list = ComboBox::from_id_salt(name).width(110.0).selected_text(axis.head);
+    let list = ComboBox::from_id_salt(name).width(width).truncate().selected_text(axis.head);
     let list = list.show_ui(ui, |ui| {
         for figure in shown {
             ui.selectable_value(axis, figure, figure.head);
@@ -123,65 +142,46 @@ fn actions(ui: &mut Ui, table: &StudyTable, units: DisplayUnits) -> Option<usize
 
 /// The table; a click on a head sorts, one on a row selects.
 fn rows(ui: &mut Ui, table: &mut StudyTable, units: DisplayUnits) {
-    let (mut sorted, mut clicked) = (None, None);
-    egui::ScrollArea::horizontal().auto_shrink([false, false]).show(ui, |ui| {
-        let mut builder = TableBuilder::new(ui)
-            .striped(true)
-            .sense(Sense::click())
-            .auto_shrink([false, false])
-            .cell_layout(egui::Layout::left_to_right(egui::Align::Center));
-        for column in &table.columns {
-            let width = match column {
-                StudyColumn::Key(_) => KEY_WIDTH,
-                _ => FIGURE_WIDTH,
-            };
-            builder = builder.column(Column::exact(width).clip(true));
+    let sorted = |column: usize| table.sort.filter(|(of, _)| *of == column).map(|(_, down)| down);
+    let first = WideColumn {
+        head: "Run".to_owned(),
+        tip: "Number in the study; click for the order of the study".to_owned(),
+        name: "Sort runs by number".to_owned(),
+        sorted: None,
+        width: RUN_WIDTH,
+    };
+    let others = (0..table.columns.len()).map(|column| {
+        let head = table.head(column, units);
+        let least =
+            if matches!(table.columns[column], StudyColumn::Key(_)) { KEY_WIDTH } else { FIGURE_WIDTH };
+        WideColumn {
+            tip: format!("{head}; click to sort"),
+            name: format!("Sort runs by {head}"),
+            sorted: sorted(column),
+            width: width_of_column(ui, &head, least, MAX_WIDTH),
+            head,
         }
-        builder
-            .header(theme::ROW_HEIGHT, |mut header| {
-                for column in 0..table.columns.len() {
-                    header.col(|ui| {
-                        let direction = table.sort.filter(|(of, _)| *of == column).map(|(_, down)| down);
-                        let title = table.head(column, units);
-                        let text = RichText::new(&title);
-                        let text = if direction.is_some() { text.strong() } else { text.weak() };
-                        let label = egui::Label::new(text).selectable(false).sense(Sense::click());
-                        let response = ui.add(label.truncate());
-                        if let Some(descending) = direction {
-                            theme::sort_mark(ui, response.rect.center_bottom(), descending);
-                        }
-                        let name = format!("Sort runs by {title}");
-                        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-                        if response.on_hover_text("Click to sort").clicked() {
-                            sorted = Some(column);
-                        }
-                    });
-                }
-            })
-            .body(|body| {
-                body.rows(theme::ROW_HEIGHT, table.order.len(), |mut row| {
-                    let Some(&of) = table.order.get(row.index()) else { return };
-                    let is_selected = table.selected == Some(of);
-                    row.set_selected(is_selected);
-                    for column in 0..table.columns.len() {
-                        row.col(|ui| {
-                            let text = RichText::new(table.cell(of, column, units));
-                            ui.add(egui::Label::new(text).selectable(false).truncate());
-                        });
-                    }
-                    let name = format!("Run {}", of + 1);
-                    let response = row.response();
-                    response.widget_info(|| WidgetInfo::selected(Role::Row, true, is_selected, &name));
-                    if response.clicked() {
-                        clicked = Some(of);
-                    }
-                });
-            });
     });
-    if let Some(column) = sorted {
-        table.sort_by(column);
+    let columns: Vec<WideColumn> = std::iter::once(first).chain(others).collect();
+    let cell = |row: usize, column: usize| {
+        let of = table.order[row];
+        match column.checked_sub(1) {
+            None => (of + 1).to_string(),
+            Some(column) => table.cell(of, column, units),
+        }
+    };
+    let clicked = WideTable {
+        columns: &columns,
+        rows: table.order.len(),
+        selected: table.selected.and_then(|selected| table.order.iter().position(|&of| of == selected)),
+        cell: &cell,
+        name: &|row| format!("Run {}", table.order[row] + 1),
     }
-    if clicked.is_some() {
-        table.selected = clicked;
+    .show(ui);
+    match clicked {
+        Some(TableClick::Head(0)) => table.unsort(),
+        Some(TableClick::Head(column)) => table.sort_by(column - 1),
+        Some(TableClick::Row(row)) => table.selected = Some(table.order[row]),
+        None => {}
     }
 }

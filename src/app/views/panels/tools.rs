@@ -1,16 +1,21 @@
 //! Panel "Tools": tools and their sections, chosen by the program or entered by the user.
 
-use egui::{ComboBox, Grid, RichText, Ui};
+use std::cell::RefCell;
+
+use egui::{ComboBox, Grid, Id, RichText, Ui};
 
 use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
 use crate::app::model::field_faults::{FieldScope, SECTION};
+use crate::app::model::number::Quantity;
 use crate::app::model::planned::DisplayPlan;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::field_faults;
-use crate::app::views::theme::Condition;
+use crate::app::views::theme::{self, Condition};
 use crate::app::views::tool_form;
+use crate::app::views::typed::{self, TypedLimits};
 use crate::app::views::units;
 
 const S: FieldSpec = FieldSpec {
@@ -23,6 +28,7 @@ const S: FieldSpec = FieldSpec {
     decimals: 3,
     slide: None,
     absent: "auto",
+    why_most: "",
 };
 
 /// Draws the panel; `planned` is the latest plan, and `change` what it changed in the tools. Returns the
@@ -92,6 +98,9 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan) {
     let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
     for (k, section) in plan.sections.iter().enumerate() {
         let tool = format!("T{} {}", section.tool.number, units::of(ui).diameter(section.tool.diameter));
+        // A tool may have several sections.
+        let is_only = plan.sections.iter().filter(|of| of.tool.number == section.tool.number).count() == 1;
+        let tool = if is_only { tool } else { format!("Section {}, {tool}", k + 1) };
         let text = match plan.idle_words(k) {
             Some(why) => RichText::new(format!("{tool}: no plunges, {why}"))
                 .color(Condition::Blocked.text(ui.visuals())),
@@ -142,6 +151,9 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
     }
 }
 
+/// What sets the greatest end of a section.
+const BEFORE_START: &str = ", before the start. For more, move the start first";
+
 /// Keeps the ends of a section in order, as a setup file must have them.
 fn fit_ends(section: &mut SectionSetup) {
     section.from = section.from.max(MIN_SECTION_LENGTH);
@@ -159,6 +171,7 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
     let mut remove = None;
     for (k, section) in setup.plunge.sections.iter_mut().enumerate() {
         ui.push_id(("section", k), |ui| {
+            let form = ui.scope_id();
             let title = ui.label(format!("Section {}", k + 1));
             let before = section.clone();
             let line = ui.horizontal(|ui| {
@@ -172,11 +185,19 @@ fn sections(ui: &mut Ui, setup: &mut Setup) {
                     })
                     .response
                     .labelled_by(title.id);
-                s_box(ui, &mut section.from).labelled_by(title.id);
+                let from = (MIN_SECTION_LENGTH, 1.0, "");
+                s_box(ui, form, &mut section.from, from).labelled_by(title.id);
                 ui.label("to");
-                s_box(ui, &mut section.to).labelled_by(title.id);
+                let most = (section.from - MIN_SECTION_LENGTH).max(0.0);
+                s_box(ui, form, &mut section.to, (0.0, most, BEFORE_START)).labelled_by(title.id);
+                let to = section.to;
                 fit_ends(section);
+                if section.to != to {
+                    let text = format!("its end was {to:.3}: {:.3} with the start", section.to);
+                    typed::say(ui, form, S.label, 0.0, text);
+                }
             });
+            typed::show(ui, form, S.label, 0.0, line.response.rect);
             field_faults::within(ui, FieldScope::Section(k), |ui| {
                 field_faults::show(ui, SECTION, line.response.rect, *section != before);
             });
@@ -272,30 +293,46 @@ pub fn move_border(sections: &mut [SectionSetup], k: usize, to: f64) {
 
 /// Sliders for the borders; adjoining sections move together.
 fn borders(ui: &mut Ui, sections: &mut [SectionSetup]) {
-    for k in 0..sections.len() {
-        let name = match adjoining(sections, k) {
-            Some(next) => format!("Border {} | {}", k + 1, next + 1),
-            None => format!("End of section {}", k + 1),
-        };
-        ui.horizontal(|ui| {
-            let label = ui.label(name);
-            ui.spacing_mut().slider_width = 96.0;
+    fields::form(ui, "borders", |ui| {
+        for k in 0..sections.len() {
+            let label = ui.label(match adjoining(sections, k) {
+                Some(next) => format!("Border {} | {}", k + 1, next + 1),
+                None => format!("End of section {}", k + 1),
+            });
+            ui.spacing_mut().slider_width = theme::FIELD_WIDTH;
             let (response, moved) = fields::slider(ui, sections[k].to, border_range(sections, k), 0.005);
             response.labelled_by(label.id);
             if let Some(to) = moved {
                 move_border(sections, k, to);
             }
-        });
-    }
+            ui.end_row();
+        }
+    });
 }
 
 /// Minimum length of a section at its border slider, in s.
 const MIN_SECTION_LENGTH: f64 = 0.02;
 
-fn s_box(ui: &mut Ui, value: &mut f64) -> egui::Response {
+/// An end of a section. `limits`: the least and greatest value, and what sets the greatest.
+fn s_box(ui: &mut Ui, form: Id, value: &mut f64, limits: (f64, f64, &str)) -> egui::Response {
     ui.spacing_mut().interact_size.x = 44.0;
-    let field = egui::DragValue::new(value).speed(S.speed).range(S.min..=S.max).max_decimals(S.decimals);
-    ui.add(field).on_hover_text(S.tip)
+    let (least, most, why_most) = limits;
+    let show = |s: f64| DisplayUnits::Metric.short(s, S.decimals);
+    let range = least..=most;
+    let (quantity, units) = (Quantity::Plain, DisplayUnits::Metric);
+    let limits = TypedLimits { quantity, units, range: range.clone(), why_most, show: &show };
+    let (shown, said) = (show(*value), RefCell::default());
+    let field = egui::DragValue::new(value)
+        .speed(S.speed)
+        .range(range)
+        .clamp_existing_to_range(false)
+        .custom_formatter(|s, _| show(s))
+        .custom_parser(|text| limits.parse(text, &shown, &said))
+        .update_while_editing(false);
+    let field = ui.add(field).on_hover_text(S.tip);
+    // Both ends share a line below them.
+    typed::keep(ui, form, S.label, 0.0, said.into_inner());
+    field
 }
 
 fn direction_label(feed: Option<CutDirection>) -> &'static str {

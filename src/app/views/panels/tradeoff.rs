@@ -128,7 +128,8 @@ fn show(
     let others: Vec<Marker> = planned.map(|outcome| markers(&outcome.policies())).unwrap_or_default();
     let first = planned.and_then(|outcome| outcome.setup.tools.first()).cloned();
     fields::form(ui, "goal fields", |ui| {
-        goal_rows(ui, &mut state.document.edited.setup.plunge.goal, Goal::default(), first.as_ref());
+        let (edited, known) = (&mut state.document.edited.setup.plunge.goal, &mut state.look.known_goals);
+        goal_rows(ui, edited, known, Goal::default(), first.as_ref());
     });
     let lines = if totals.is_empty() { 0.0 } else { LINE };
     let height = (ui.available_height() - BELOW - lines).max(MIN_HEIGHT);

@@ -37,7 +37,7 @@ fn roughing(ui: &mut Ui, state: &AppState) {
     // Both sides from one whole plan: figures of a running task appear only in the views.
     let Some((before, after)) = state.last_whole_plan(Side::Before).zip(state.last_whole_plan(Side::After))
     else {
-        ui.label(RichText::new("Not calculated yet").weak());
+        ui.label(RichText::new(state.results.words_without_plan()).weak());
         return;
     };
     if state.out_of_date() {

@@ -1,0 +1,157 @@
+//! Numbers that a field does not take: it keeps its value, and says below it why, and what to do. What a field
+//! changes by itself, since it hangs together with another one, is said there, too.
+
+use std::cell::RefCell;
+use std::ops::RangeInclusive;
+
+use egui::{Id, Label, Rect, RichText, Stroke, StrokeKind, Ui};
+
+use super::theme::{self, Condition};
+use crate::app::model::number::Quantity;
+use crate::app::model::units::DisplayUnits;
+
+/// What came of the text of a field when it was left.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Typed {
+    /// No text was typed.
+    #[default]
+    Nothing,
+    /// It was taken.
+    Taken,
+    /// It was not, for this reason.
+    Refused(String),
+}
+
+/// The numbers that a field takes.
+pub struct TypedLimits<'a> {
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Units of the window.
+    pub units: DisplayUnits,
+    /// Least and greatest value.
+    pub range: RangeInclusive<f64>,
+    /// What sets the greatest value and how more is possible, as an end of a sentence; may be empty.
+    pub why_most: &'a str,
+    /// Text of a value, with its unit.
+    pub show: &'a dyn Fn(f64) -> String,
+}
+
+impl TypedLimits<'_> {
+    /// The value of `text`, or why it is not taken.
+    fn value(&self, text: &str) -> Result<f64, String> {
+        let Some(value) = self.units.parse(text, self.quantity) else {
+            return Err(format!("“{}” is not {}", text.trim(), what_it_is(self.quantity)));
+        };
+        let typed = text.trim();
+        if value > *self.range.end() {
+            let most = (self.show)(*self.range.end());
+            return Err(format!("{typed} is too much: at most {most}{}", self.why_most));
+        }
+        if value < *self.range.start() {
+            return Err(format!("{typed} is too little: at least {}", (self.show)(*self.range.start())));
+        }
+        Ok(value)
+    }
+
+    /// The value of `text` in a field that shows `shown`: what is not taken gives none, and its reason goes to
+    /// `typed`. A text that is left as it was gives none either: it may be rounded.
+    pub fn parse(&self, text: &str, shown: &str, typed: &RefCell<Typed>) -> Option<f64> {
+        if text == shown {
+            return None;
+        }
+        match self.value(text) {
+            Ok(value) => {
+                typed.replace(Typed::Taken);
+                Some(value)
+            }
+            Err(reason) => {
+                typed.replace(Typed::Refused(reason));
+                None
+            }
+        }
+    }
+}
+
+/// What a text should have been, with examples.
+fn what_it_is(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Length => "a length: 12.5, 30/4 mm or 0.5 in are",
+        Quantity::Angle => "an angle: 30, 12.5° or 0.5 rad are",
+        Quantity::FeedRate => "a feed rate: 300, 300 mm/min or 12 in/min are",
+        Quantity::SpindleSpeed => "a speed: 1200 or 1200 rpm are",
+        Quantity::Plain => "a number: 12.5 or 30/4 are",
+    }
+}
+
+/// A text below a field, as long as this has the value that it had.
+#[derive(Clone, Debug, PartialEq)]
+struct Note {
+    text: String,
+    value: f64,
+}
+
+fn key(form: Id, label: &str) -> Id {
+    form.with(("note of a field", label))
+}
+
+/// Keeps what came of the text of the field of this label in `form`, whose value is `value` now.
+pub fn keep(ui: &Ui, form: Id, label: &str, value: f64, typed: Typed) {
+    match typed {
+        Typed::Nothing => {}
+        Typed::Taken => ui.data_mut(|data| data.remove::<Note>(key(form, label))),
+        Typed::Refused(text) => say(ui, form, label, value, text),
+    }
+}
+
+/// Says `text` below the field of this label in `form`, until its value is another than `value`.
+pub fn say(ui: &Ui, form: Id, label: &str, value: f64, text: String) {
+    ui.data_mut(|data| data.insert_temp(key(form, label), Note { text, value }));
+    ui.ctx().request_repaint();
+}
+
+/// Draws what is said of the field of this label in `form`, whose value is `value` and whose box is `at`.
+pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
+    let key = key(form, label);
+    let Some(note) = ui.data(|data| data.get_temp::<Note>(key)) else { return };
+    if note.value != value {
+        ui.data_mut(|data| data.remove::<Note>(key));
+        return;
+    }
+    let colour = Condition::Blocked.text(ui.visuals());
+    ui.painter().rect_stroke(at, 3.0, Stroke::new(1.0, colour), StrokeKind::Outside);
+    ui.scope(|ui| {
+        ui.set_max_width(theme::FIELD_WIDTH + 20.0);
+        ui.add(Label::new(RichText::new(note.text).small().color(colour)).wrap());
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_taken_has_a_reason_and_gives_no_value() {
+        let show = |mm: f64| format!("{mm} mm");
+        let limits = TypedLimits {
+            quantity: Quantity::Length,
+            units: DisplayUnits::Metric,
+            range: 0.5..=15.0,
+            why_most: ", the radius",
+            show: &show,
+        };
+        let typed = RefCell::default();
+        assert_eq!(limits.parse("10 mm", "10 mm", &typed), None);
+        assert_eq!(*typed.borrow(), Typed::Nothing, "it was left as it was");
+        for (text, value, word) in [
+            ("12", Some(12.0), None),
+            ("20", None, Some("20 is too much: at most 15 mm, the radius")),
+            ("1 in", None, Some("1 in is too much: at most 15 mm, the radius")),
+            ("-3", None, Some("-3 is too little: at least 0.5 mm")),
+            ("5 ft", None, Some("“5 ft” is not a length: 12.5, 30/4 mm or 0.5 in are")),
+        ] {
+            assert_eq!(limits.parse(text, "10 mm", &typed), value, "{text}");
+            let said = word.map_or(Typed::Taken, |word| Typed::Refused(word.to_owned()));
+            assert_eq!(*typed.borrow(), said, "{text}");
+        }
+    }
+}

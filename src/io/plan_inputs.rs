@@ -1,0 +1,69 @@
+//! What a plan was made from: the part and the setup in a `plan.json` or `flank.json`, without the plan.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use super::InputError;
+use super::source::{name_of, read_bytes};
+use super::stored::{StoredInputs, check_version, read_inputs};
+use super::{flank_file, plan_file};
+use crate::error::ErrorCode;
+use crate::part::PartDescription;
+use crate::setup::Setup;
+
+/// Bytes at the beginning of a plan file that hold its first key.
+const HEAD: usize = 64;
+
+/// Part and setup of a plan.
+#[derive(Clone, Debug)]
+pub struct PlanInputs {
+    /// The part.
+    pub description: PartDescription,
+    /// The setup, with every default filled in.
+    pub setup: Setup,
+}
+
+/// The keys of both kinds of plan files that are read here.
+#[derive(Deserialize)]
+struct InputsRecord {
+    vanecut_plan: Option<u32>,
+    vanecut_flank: Option<u32>,
+    part: String,
+    setup: String,
+}
+
+/// Whether a file is a plan, by its ending and its first key.
+pub fn is_plan_file(path: &Path) -> bool {
+    let is_json = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let Some(mut file) = is_json.then(|| File::open(path).ok()).flatten() else { return false };
+    let mut head = [0; HEAD];
+    let mut filled = 0;
+    while let Ok(count @ 1..) = file.read(&mut head[filled..]) {
+        filled += count;
+    }
+    let head = String::from_utf8_lossy(&head[..filled]);
+    ["\"vanecut_plan\"", "\"vanecut_flank\""].iter().any(|key| head.contains(key))
+}
+
+/// Reads part and setup of a plan file.
+///
+/// # Errors
+/// When the file cannot be read, is no plan file of a supported version, or holds a faulty part or setup.
+pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
+    let (name, bytes) = (name_of(path), read_bytes(path)?);
+    let file: InputsRecord = serde_json::from_slice(&bytes).map_err(|error| {
+        let what = format!("this is not a plan file ({error})");
+        let help = "give a plan.json or flank.json that `vanecut` wrote";
+        InputError::new(ErrorCode::PlanFile, &name, error.line(), what, help)
+    })?;
+    for (version, known) in
+        [(file.vanecut_plan, plan_file::VERSION), (file.vanecut_flank, flank_file::VERSION)]
+    {
+        check_version(&name, "plan file", version.unwrap_or(0), known)?;
+    }
+    let StoredInputs { description, setup, .. } = read_inputs(&name, &file.part, &file.setup)?;
+    Ok(PlanInputs { description, setup })
+}

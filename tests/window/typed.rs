@@ -1,0 +1,115 @@
+//! What fields do with numbers that they do not take: they keep their value, and say why.
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::setup::Tool;
+
+use crate::fake;
+use crate::harness::{Window, press, settle, with_sample};
+
+/// Types `text` into the field of this number among those of this name.
+fn type_into(window: &mut Window, (field, number): (&str, usize), text: &str) {
+    let at = window.get_all_by_role_and_label(Role::SpinButton, field).nth(number).expect("a field").rect();
+    press(window, at.center());
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text(text.to_owned()));
+    window.run_steps(2);
+    window.key_press(egui::Key::Enter);
+    window.run_steps(4);
+    settle(window);
+}
+
+/// A window with the form of the first tool of the setup.
+fn with_tool_form() -> Window {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 2600.0));
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Edit tools and sections").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let header = window.get_all_by_label_contains("T1  Ø30").next().expect("a header").rect();
+    press(&mut window, header.center());
+    window.run_steps(10);
+    window
+}
+
+fn tool(window: &Window) -> Tool {
+    window.state().state().document.edited.setup.tools[0].clone()
+}
+
+/// Whether some text begins with `text`.
+fn says(window: &Window, text: &str) -> bool {
+    window.query_all_by(|node| node.value().is_some_and(|value| value.starts_with(text))).next().is_some()
+}
+
+#[test]
+fn an_impossible_size_of_a_tool_is_refused_at_its_field_with_the_cure() {
+    let mut window = with_tool_form();
+    assert_eq!((tool(&window).diameter, tool(&window).insert_width), (30.0, 10.0));
+    type_into(&mut window, ("Insert width", 0), "20");
+    assert_eq!(tool(&window).insert_width, 10.0, "it keeps its value");
+    let refusal = "20 is too much: at most 15 mm, the radius. For more, make the diameter larger first";
+    assert!(says(&window, refusal));
+    type_into(&mut window, ("Insert width", 0), "12");
+    assert_eq!(tool(&window).insert_width, 12.0);
+    assert!(!says(&window, "20 is too much"), "what was refused is over");
+    type_into(&mut window, ("Insert width", 0), "8 ft");
+    assert_eq!(tool(&window).insert_width, 12.0);
+    assert!(says(&window, "“8 ft” is not a length"));
+    type_into(&mut window, ("Corner radius", 0), "16");
+    assert_eq!(tool(&window).corner_radius, 0.0);
+    assert!(says(&window, "16 is too much: at most 15 mm, the radius"));
+    type_into(&mut window, ("Flute length", 0), "130");
+    assert_eq!(tool(&window).assembly.flute_length, None);
+    assert!(says(&window, "130 is too much: at most 120 mm, the stick-out"));
+    // What changes with another field is said.
+    type_into(&mut window, ("Diameter", 0), "20");
+    assert_eq!((tool(&window).diameter, tool(&window).insert_width), (20.0, 10.0));
+    assert!(says(&window, "12 made 10 with the diameter"));
+    assert!(!says(&window, "“8 ft”"));
+    // An edit that is undone says nothing any more.
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(4);
+    settle(&mut window);
+    assert_eq!(tool(&window).insert_width, 12.0);
+    assert!(!says(&window, "12 made 10"));
+}
+
+#[test]
+fn lengths_of_holders_and_ends_of_sections_are_refused_too() {
+    let mut window = with_tool_form();
+    window.get_by_role_and_label(Role::Button, "Add holder").click();
+    window.run_steps(3);
+    let holder = tool(&window).assembly.holder[0];
+    type_into(&mut window, ("Holder 1", 2), "2 m");
+    assert_eq!(tool(&window).assembly.holder[0], holder);
+    assert!(says(&window, "length: 2 m is too much: at most 1000 mm"));
+    let section = |window: &Window| window.state().state().document.edited.setup.plunge.sections[0].clone();
+    let before = section(&window);
+    type_into(&mut window, ("Section 1", 1), "1");
+    assert_eq!(section(&window), before);
+    assert!(says(&window, "1 is too much: at most 0.98, before the start. For more, move the start first"));
+    type_into(&mut window, ("Section 1", 0), "0.4");
+    assert_eq!((section(&window).from, section(&window).to), (0.4, 0.38));
+    assert!(says(&window, "its end was 0.500: 0.380 with the start"));
+}
+
+#[test]
+fn every_field_of_the_setup_says_what_it_does_not_take() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let step = |window: &Window| window.state().state().document.edited.setup.plunge.step;
+    type_into(&mut window, ("Step", 0), "0.1");
+    assert_eq!(step(&window), None);
+    assert!(says(&window, "0.1 is too little: at least 0.5 mm"));
+    type_into(&mut window, ("Step", 0), "0");
+    assert_eq!(step(&window), None, "automatic");
+    assert!(!says(&window, "0.1 is too little"));
+    type_into(&mut window, ("Max tilt", 0), "100 mm");
+    assert!(says(&window, "“100 mm” is not an angle"));
+    // The field shows what it holds.
+    let shown = window.get_by_role_and_label(Role::SpinButton, "Max tilt").accesskit_node().value();
+    assert_eq!(shown.as_deref(), Some("45°"));
+}
