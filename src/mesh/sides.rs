@@ -17,6 +17,9 @@ const AT_GAP: f64 = 0.05;
 const BRIDGED: f64 = 0.01;
 /// A nose ends where the cosine between its direction and that at the foremost point falls below this.
 const NOSE_TURN: f64 = 0.5;
+/// A seam within this many times the distance of another one from the foremost point is that of a nose with a face of its
+/// own.
+const NEAR_SEAM: f64 = 4.0;
 /// Share of a side's length at which the thickness of the nose is measured.
 const NOSE_END: f64 = 0.04;
 
@@ -350,6 +353,22 @@ fn find_nose_seam(
                 break;
             }
             if points[at].seam && found.replace(at).is_some() {
+                return None;
+            }
+        }
+    }
+    // A nose may be a face of its own, of which one seam is on the nose and the other just behind it.
+    let seam = found?;
+    let from = points[lowest].point;
+    let near = NEAR_SEAM * (points[seam].point - from).norm();
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if (points[at].point - from).norm() > near {
+                break;
+            }
+            if points[at].seam && at != seam {
                 return None;
             }
         }

@@ -29,7 +29,7 @@ pub fn unwrapped(surface: &Surface, ring: &[u32], points: &[Point], poles: &[Pol
     let pole_at = |p: &Point| poles.iter().find(|pole| (pole.point - p).norm() < super::surface::ON_AXIS);
     let mut ring = ring.to_vec();
     // Begins where the parameters are not at a seam, where their inversion is ambiguous.
-    let at_seam = |i: u32| {
+    let seams = |i: u32| {
         let p = &points[i as usize];
         let q = surface.nearest(p, None);
         let near = |k: usize| {
@@ -39,10 +39,13 @@ pub fn unwrapped(surface: &Surface, ring: &[u32], points: &[Point], poles: &[Pol
                 !(EQUAL..=1.0 - EQUAL).contains(&share)
             })
         };
-        pole_at(p).is_some() || near(0) || near(1)
+        (pole_at(p).is_some(), near(0), near(1))
     };
     if periods != [None; 2] || !poles.is_empty() {
-        let start = ring.iter().position(|i| !at_seam(*i))?;
+        let free = ring.iter().position(|i| seams(*i) == (false, false, false));
+        // A border may run along a seam, as the inlet circle of a hub that begins parallel to the axis.
+        let along = || ring.iter().position(|&i| matches!(seams(i), (false, a, b) if !(a && b)));
+        let start = free.or_else(along)?;
         ring.rotate_left(start);
     }
     let mut places: Vec<([f64; 2], u32)> = Vec::with_capacity(ring.len() + 1);

@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Writes open_wheel.step with Open CASCADE (pip install cadquery-ocp): three cylindrical blades fused to a hub, their tips turned.
+
+Hub and shroud are arcs about (50, 40), of radius 36, and about (50, 27), of radius 18, in the meridional plane (r, z), mm.
+"""
+import math
+import sys
+
+from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Fuse
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
+from OCP.GC import GC_MakeArcOfCircle
+from OCP.GeomAPI import GeomAPI_Interpolate
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
+from OCP.TColgp import TColgp_HArray1OfPnt
+from OCP.TopLoc import TopLoc_Location
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+
+AXIS = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
+
+
+def at(r, z, theta=0.0):
+    return gp_Pnt(r * math.cos(theta), r * math.sin(theta), z)
+
+
+def hub(m):
+    return 50 - 36 * math.cos(m * math.pi / 2), 40 - 36 * math.sin(m * math.pi / 2)
+
+
+def shroud(m):
+    return 50 - 18 * math.cos(m * math.pi / 2), 27 - 18 * math.sin(m * math.pi / 2)
+
+
+def arc(curve, theta=0.0):
+    ends = [at(*curve(m), theta) for m in (0, 0.5, 1)]
+    return BRepBuilderAPI_MakeEdge(GC_MakeArcOfCircle(*ends).Value()).Edge()
+
+
+def line(a, b):
+    return BRepBuilderAPI_MakeEdge(at(*a), at(*b)).Edge()
+
+
+def turned(edges):
+    wire = BRepBuilderAPI_MakeWire()
+    for edge in edges:
+        wire.Add(edge)
+    return BRepPrimAPI_MakeRevol(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), AXIS).Shape()
+
+
+def blade():
+    """A cylindrical blade of 1.6 mm from r = 34 mm to beyond the rim, through hub and shroud."""
+
+    def place(r, side):
+        theta = 0.7 * (r - 33) / 17
+        return at(r, 1, theta + side * 0.8 / r)
+
+    def flank(side):
+        radii = [34, 38, 43, 49, 56]
+        array = TColgp_HArray1OfPnt(1, len(radii))
+        for i, r in enumerate(radii):
+            array.SetValue(i + 1, place(r, side))
+        curve = GeomAPI_Interpolate(array, False, 1e-9)
+        curve.Perform()
+        return BRepBuilderAPI_MakeEdge(curve.Curve()).Edge()
+
+    wire = BRepBuilderAPI_MakeWire()
+    ends = [BRepBuilderAPI_MakeEdge(place(r, 1), place(r, -1)).Edge() for r in (34, 56)]
+    for edge in (flank(1), ends[1], flank(-1), ends[0]):
+        wire.Add(edge)
+    return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), gp_Vec(0, 0, 30)).Shape()
+
+
+def main(path):
+    body = turned([arc(hub), line((50, 4), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (14, 40))])
+    # What the wheel is turned to: the shroud, the rim, and a cylinder before the shroud.
+    envelope = turned(
+        [arc(shroud), line((50, 9), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (32, 40)), line((32, 40), (32, 27))]
+    )
+    for k in range(3):
+        turn = gp_Trsf()
+        turn.SetRotation(AXIS, 2 * math.pi * k / 3)
+        body = BRepAlgoAPI_Fuse(body, blade().Moved(TopLoc_Location(turn))).Shape()
+    body = BRepAlgoAPI_Common(body, envelope).Shape()
+    writer = STEPControl_Writer()
+    writer.Transfer(body, STEPControl_AsIs)
+    assert writer.Write(path) == IFSelect_RetDone
+
+
+main(sys.argv[1])
