@@ -14,7 +14,10 @@ use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
 /// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
 const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 
-/// Points of its hub (r, z), of Open CASCADE's surface.
+/// A wheel in one body with turned tips, made by the script of the same name.
+const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
+
+/// Points of the hub of the KJ66 (r, z), of Open CASCADE's surface.
 const KJ66_HUB: [(f64, f64); 11] = [
     (42.6663, 4.1065),
     (36.4429, 5.7784),
@@ -29,7 +32,7 @@ const KJ66_HUB: [(f64, f64); 11] = [
     (10.3582, 31.9879),
 ];
 
-/// Points of both sides of its blade of median area, of Open CASCADE's surfaces, about Z.
+/// Points of both sides of the blade of median area of the KJ66, of Open CASCADE's surfaces, about Z.
 const KJ66_BLADE: [[(f64, f64, f64); 10]; 2] = [
     [
         (42.5137, -24.2767, 14.5024),
@@ -56,6 +59,10 @@ const KJ66_BLADE: [[(f64, f64, f64); 10]; 2] = [
         (16.1988, -16.3485, 27.6439),
     ],
 ];
+
+/// Points of Open CASCADE's surfaces of the same blade near the corner of leading edge and tip, which is rounded.
+const KJ66_EDGE: [(f64, f64, f64); 3] =
+    [(10.0011, -27.0394, 39.6748), (9.1065, -24.9705, 39.7387), (11.5973, -26.9562, 38.2988)];
 
 fn built(description: &Result<PartDescription, InputError>) -> Impeller {
     match description {
@@ -114,6 +121,34 @@ fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
         };
         let nearer = off(&sides[0]).min(off(&sides[1]));
         assert!(nearer < 0.02, "a side of the blade is {nearer} mm off");
+    }
+    for (x, y, z) in KJ66_EDGE {
+        let off = |probe: &SideProbe| probe.nearest_to_point(&Point::new(x, y, z)).distance.abs();
+        let nearer = off(&sides[0]).min(off(&sides[1]));
+        assert!(nearer < 0.01, "the blade is {nearer} mm off where its leading edge turns into the tip");
+    }
+}
+
+/// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to the axis, so
+/// that its inlet circle is on a seam of its torus.
+#[test]
+fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
+    let description = read_bytes("open_wheel.step", OPEN_WHEEL, &MeshOptions::default());
+    assert_eq!(description.as_ref().map(|part| part.notes.clone()), Ok(Vec::new()));
+    let part = built(&description);
+    assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
+    for (name, curve, middle, radius, inlet) in
+        [("hub", &part.hub, 40.0, 36.0, 14.0), ("shroud", &part.shroud, 27.0, 18.0, 39.992)]
+    {
+        let points = (0..=100).map(|k| curve.point(f64::from(k) / 100.0));
+        let off = |p: Meridional| ((p.r - 50.0).hypot(p.z - middle) - radius).abs();
+        assert!(points.map(off).fold(0.0, f64::max) < 1e-3, "{name}");
+        assert!((curve.point(0.0).r - inlet).abs() < 5e-3, "{name}: from r = {}", curve.point(0.0).r);
+        assert!((curve.point(1.0).r - 50.0).abs() < 5e-3, "{name}: to r = {}", curve.point(1.0).r);
+    }
+    for v in [0.0, 0.5, 1.0] {
+        let [leading, trailing] = [0.0, 1.0].map(|u| Meridional::of(&part.main.suction.point(u, v)).r);
+        assert!((leading - 40.0).abs() < 0.1 && (trailing - 50.0).abs() < 0.01, "{v}: {leading}, {trailing}");
     }
 }
 

@@ -49,14 +49,14 @@ def turned(edges):
 
 
 def blade():
-    """A cylindrical blade of 1.6 mm from r = 34 mm to beyond the rim, through hub and shroud."""
+    """A cylindrical blade of 1.6 mm from r = 40 mm to beyond the rim, through hub and shroud."""
 
     def place(r, side):
         theta = 0.7 * (r - 33) / 17
         return at(r, 1, theta + side * 0.8 / r)
 
     def flank(side):
-        radii = [34, 38, 43, 49, 56]
+        radii = [40, 43, 47, 51, 56]
         array = TColgp_HArray1OfPnt(1, len(radii))
         for i, r in enumerate(radii):
             array.SetValue(i + 1, place(r, side))
@@ -65,7 +65,7 @@ def blade():
         return BRepBuilderAPI_MakeEdge(curve.Curve()).Edge()
 
     wire = BRepBuilderAPI_MakeWire()
-    ends = [BRepBuilderAPI_MakeEdge(place(r, 1), place(r, -1)).Edge() for r in (34, 56)]
+    ends = [BRepBuilderAPI_MakeEdge(place(r, 1), place(r, -1)).Edge() for r in (40, 56)]
     for edge in (flank(1), ends[1], flank(-1), ends[0]):
         wire.Add(edge)
     return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), gp_Vec(0, 0, 30)).Shape()
