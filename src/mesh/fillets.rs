@@ -10,8 +10,10 @@ use super::sides::SpanSection;
 const STEPS: usize = 24;
 /// Excess growth of the thickness over a step within a fillet, mm per mm of the blade's height …
 const BEGUN: f64 = 2.5e-4;
-/// … and smallest excess at its end in nearly all zones: with less there is no fillet.
+/// … and smallest excess at its end: with less there is no fillet.
 const WHOLE: f64 = 4e-3;
+/// Fewest zones with a fillet: it need not go all around the blade.
+const FEWEST: usize = 2;
 /// Zones along the blade, each examined separately: a fillet takes a larger share of the height where the
 /// blade is low.
 const ZONES: usize = 6;
@@ -41,19 +43,26 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     };
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();
-    // From the end, the run of steps in which a zone grows faster than in the half away from the end. A
-    // single step does not count: close to the nose thickness depends on where the slice was divided.
+    // From the end, the run of steps in which a zone grows faster than its growth in the half away from the
+    // end lets expect. A single step does not count: close to the nose the thickness depends on where the
+    // slice was divided.
     let begins = |zone: usize| -> Option<usize> {
         let gain = |k: usize| thick[k][zone] - thick[k - 1][zone];
-        let mut usual: Vec<f64> = (1..=(last / 2).max(2)).map(gain).collect();
-        usual.sort_by(f64::total_cmp);
-        let usual = usual[usual.len() / 2];
-        let begun = (1..=last).rev().take_while(|&k| gain(k) > usual + BEGUN * height).last()?;
-        let over = thick[last][zone] - thick[begun - 1][zone] - usual * (last + 1 - begun) as f64;
+        let median = |steps: std::ops::RangeInclusive<usize>| {
+            let mut gains: Vec<f64> = steps.map(gain).collect();
+            gains.sort_by(f64::total_cmp);
+            gains[gains.len() / 2]
+        };
+        let quarter = last / 4;
+        let (first, second) = (median(1..=quarter), median(quarter + 1..=2 * quarter));
+        let rise = (second - first).max(0.0) / quarter as f64;
+        let expected = |k: usize| second + rise * (k as f64 - 1.5 * quarter as f64 - 0.5).max(0.0);
+        let begun = (1..=last).rev().take_while(|&k| gain(k) > expected(k) + BEGUN * height).last()?;
+        let over = (begun..=last).map(|k| gain(k) - expected(k)).sum::<f64>();
         (over > WHOLE * height).then_some(begun)
     };
     let begun: Vec<usize> = (0..ZONES).filter_map(begins).collect();
-    if begun.len() + 1 >= ZONES
+    if begun.len() >= FEWEST
         && let Some(first) = begun.iter().min()
     {
         return first.saturating_sub(2).max(1);

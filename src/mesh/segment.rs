@@ -21,6 +21,8 @@ const SCRAP: f64 = 0.05;
 
 /// Share of its largest radius from which on a piece is looked at to tell a blade from a wheel.
 const OUTER: f64 = 0.8;
+/// Sectors about the axis that are looked at.
+const SECTORS: usize = 24;
 
 /// The surfaces of a segmented wheel.
 pub struct Segments {
@@ -32,17 +34,21 @@ pub struct Segments {
     pub blades: Vec<MeshSurface>,
 }
 
+/// Number of sectors about the axis in which a piece has points at more than a share of its largest radius.
+fn sectors_met(piece: &MeshSurface, share: f64) -> usize {
+    let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let mut met = [false; SECTORS];
+    for p in piece.points.iter().filter(|p| Meridional::of(p).r > share * widest) {
+        let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
+        met[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
+    }
+    met.iter().filter(|m| **m).count()
+}
+
 /// Whether a piece has points all around the axis near its largest radius, as a wheel of one piece has and a
 /// blade has not.
 fn goes_around(piece: &MeshSurface) -> bool {
-    const SECTORS: usize = 24;
-    let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
-    let mut met = [false; SECTORS];
-    for p in piece.points.iter().filter(|p| Meridional::of(p).r > OUTER * widest) {
-        let share = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
-        met[((share * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
-    }
-    2 * met.iter().filter(|m| **m).count() > SECTORS
+    2 * sectors_met(piece, OUTER) > SECTORS
 }
 
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
@@ -252,7 +258,7 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let blades: Vec<MeshSurface> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
     // A single blade on the hub of one pitch or of a whole wheel is no wheel of connected blades.
-    if blades.len() < 2 && blades.first().is_none_or(goes_around) {
+    if blades.len() < 2 && blades.first().is_none_or(|blade| sectors_met(blade, 0.0) > SECTORS / 2) {
         return Err(unclear("the blades on its hub are connected with each other"));
     }
     let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));
