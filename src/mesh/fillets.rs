@@ -57,9 +57,17 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
         let (first, second) = (median(1..=quarter), median(quarter + 1..=2 * quarter));
         let rise = (second - first).max(0.0) / quarter as f64;
         let expected = |k: usize| second + rise * (k as f64 - 1.5 * quarter as f64 - 0.5).max(0.0);
-        let begun = (1..=last).rev().take_while(|&k| gain(k) > expected(k) + BEGUN * height).last()?;
-        let over = (begun..=last).map(|k| gain(k) - expected(k)).sum::<f64>();
-        (over > WHOLE * height).then_some(begun)
+        let mut over = vec![0.0; last + 1];
+        for k in 1..=last {
+            over[k] = over[k - 1] + gain(k) - expected(k);
+        }
+        let mut usual = over[..=2 * quarter].to_vec();
+        usual.sort_by(f64::total_cmp);
+        let usual = usual[usual.len() / 2];
+        // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to it.
+        let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > WHOLE * height;
+        let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
+        (over[last] - usual > WHOLE * height).then_some(begun)
     };
     let begun: Vec<usize> = (0..ZONES).filter_map(begins).collect();
     if begun.len() >= FEWEST

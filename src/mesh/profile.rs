@@ -154,11 +154,13 @@ impl Course {
             let Some(curve) = SmoothFunction::fit(&self.pairs(&profile.points), MAX_SPANS) else { break };
             let over: Vec<(f64, f64)> =
                 self.pairs(&points).into_iter().map(|(x, y)| (x, sign * (y - curve.at(x)))).collect();
-            let reach = NEARBY * (over[over.len() - 1].0 - over[0].0);
+            let (first, last) = (over[0].0, over[over.len() - 1].0);
             // The lowest point within reach of each: the front of a queue of candidates that rise.
             let (mut rising, mut entered) = (VecDeque::<usize>::new(), 0);
             let mut foot = vec![false; over.len()];
             for (i, (x, height)) in over.iter().enumerate() {
+                // As far to one side as to the other, so that the ends of the curve stay.
+                let reach = (NEARBY * (last - first)).min(x - first).min(last - x);
                 while entered < over.len() && over[entered].0 <= x + reach {
                     while rising.back().is_some_and(|last| over[*last].1 >= over[entered].1) {
                         rising.pop_back();
@@ -316,4 +318,36 @@ fn follows(course: &Course, surface: &MeshSurface, t: usize) -> bool {
     let across = n.r * course.across.r + n.z * course.across.z;
     // 0.2 allows a curve to turn slightly beyond the axial or radial direction.
     across.abs() > 0.2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_feet_of_fillets_do_not_make_a_curve_wave() {
+        // A quarter of an ellipse, and here and there rows of corners up to 0.018 mm above it.
+        let hub =
+            |a: f64, h: f64| Meridional { r: 50.0 - (38.0 - h) * a.cos(), z: 36.0 - (32.0 - h) * a.sin() };
+        let points: Vec<Meridional> = (0..=1200)
+            .flat_map(|i| {
+                let a = f64::from(i) / 1200.0 * std::f64::consts::FRAC_PI_2;
+                let rows = [0.0, 0.004, 0.011, 0.018];
+                let count = if i % 3 == 0 { 1 } else { 1 + (i / 100 % 4) as usize };
+                // Only every third place has a corner on the hub itself.
+                rows.into_iter().take(count).skip(usize::from(count > 1)).map(move |h| hub(a, h))
+            })
+            .collect();
+        let course = Course::of(&points);
+        let above = Meridional { r: 30.0, z: 30.0 };
+        let off = |profile: &FittedProfile| {
+            let curve = MeridionalCurve::through(&profile.points);
+            (0..=400)
+                .map(|i| curve.project(hub(f64::from(i) / 400.0 * 1.5708, 0.0)).1.abs())
+                .fold(0.0, f64::max)
+        };
+        let all = off(&course.fit_curve(&points).expect("a curve"));
+        let without = off(&course.fit_without_feet(&points, above, 0.05).expect("a curve"));
+        assert!(all > 0.004 && without < 0.001, "{all} and {without} mm");
+    }
 }

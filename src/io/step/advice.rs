@@ -22,3 +22,18 @@ pub(super) fn for_solids(error: PartError, whole: bool) -> PartError {
     };
     PartError { help: help.to_owned(), ..error }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_closed_solid_is_not_to_be_closed() {
+        let fault = |code| PartError::new(code, 0, "x", "close the mesh");
+        let help = |code, whole| for_solids(fault(code), whole).help;
+        for code in [ErrorCode::MeshNotClosed, ErrorCode::MeshInOne, ErrorCode::NoShroud] {
+            assert!(!help(code, true).contains("mesh"), "{}", help(code, true));
+        }
+        assert_eq!(help(ErrorCode::MeshNotClosed, false), "close the mesh");
+    }
+}
