@@ -323,7 +323,8 @@ fn fit_revolved(
     tolerance: f64,
 ) -> Result<FittedProfile, PartError> {
     let side = find_flow_side(surface, course, blades, name)?;
-    let profile = course.fit_curve(&side.corners).ok_or_else(|| {
+    let fitted = course.fit_without_feet(&side.corners, mean_point(blades), tolerance);
+    let profile = fitted.ok_or_else(|| {
         PartError::new(
             ErrorCode::MeshRoles,
             0,

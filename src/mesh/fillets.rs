@@ -8,12 +8,12 @@ use super::sides::SpanSection;
 
 /// Number of heights that are examined from the middle of the blade to either end.
 const STEPS: usize = 24;
-/// Number of steps over which the slope of the thickness is taken.
-const BASE: usize = 8;
-/// Excess thickness at which a fillet begins, mm per mm of the blade's height …
-const BEGUN: f64 = 1e-3;
-/// … and smallest excess at its end in nearly all zones: with less there is no fillet.
+/// Excess growth of the thickness over a step within a fillet, mm per mm of the blade's height …
+const BEGUN: f64 = 2.5e-4;
+/// … and smallest excess at its end: with less there is no fillet.
 const WHOLE: f64 = 4e-3;
+/// Fewest zones with a fillet: it need not go all around the blade.
+const FEWEST: usize = 2;
 /// Zones along the blade, each examined separately: a fillet takes a larger share of the height where the
 /// blade is low.
 const ZONES: usize = 6;
@@ -43,22 +43,37 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     };
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();
-    // The number of zones where the thickness at `k` exceeds the one extrapolated linearly from `from` by
-    // more than `share` of the height.
-    let thicker = |from: usize, k: usize, share: f64| {
-        let base = BASE.min(from);
-        let over = |zone: &usize| {
-            let slope = (thick[from][*zone] - thick[from - base][*zone]) / base as f64;
-            thick[k][*zone] - thick[from][*zone] - slope * (k - from) as f64
+    // From the end, the run of steps in which a zone grows faster than its growth in the half away from the
+    // end lets expect. A single step does not count: close to the nose the thickness depends on where the
+    // slice was divided.
+    let begins = |zone: usize| -> Option<usize> {
+        let gain = |k: usize| thick[k][zone] - thick[k - 1][zone];
+        let median = |steps: std::ops::RangeInclusive<usize>| {
+            let mut gains: Vec<f64> = steps.map(gain).collect();
+            gains.sort_by(f64::total_cmp);
+            gains[gains.len() / 2]
         };
-        (0..ZONES).filter(|zone| over(zone) > share * height).count()
-    };
-    if let Some(begun) = (3..=last).find(|&k| thicker(k - 1, k, BEGUN) > 0) {
-        // Only an excess that has grown up to the end is a fillet; any other is the shape of the blade.
-        let free = begun.saturating_sub(2).max(1);
-        if thicker(free, last, WHOLE) + 1 >= ZONES {
-            return free;
+        let quarter = last / 4;
+        let (first, second) = (median(1..=quarter), median(quarter + 1..=2 * quarter));
+        let rise = (second - first).max(0.0) / quarter as f64;
+        let expected = |k: usize| second + rise * (k as f64 - 1.5 * quarter as f64 - 0.5).max(0.0);
+        let mut over = vec![0.0; last + 1];
+        for k in 1..=last {
+            over[k] = over[k - 1] + gain(k) - expected(k);
         }
+        let mut usual = over[..=2 * quarter].to_vec();
+        usual.sort_by(f64::total_cmp);
+        let usual = usual[usual.len() / 2];
+        // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to it.
+        let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > WHOLE * height;
+        let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
+        (over[last] - usual > WHOLE * height).then_some(begun)
+    };
+    let begun: Vec<usize> = (0..ZONES).filter_map(begins).collect();
+    if begun.len() >= FEWEST
+        && let Some(first) = begun.iter().min()
+    {
+        return first.saturating_sub(2).max(1);
     }
     // Close to the end, where blade and hub meet, a slice may fall into pieces.
     if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }

@@ -1,6 +1,8 @@
 //! Meridional curves of hub and shroud from their meshes: the side that faces the flow, and the curve fitted
 //! through its corners.
 
+use std::collections::VecDeque;
+
 use super::fit::SmoothFunction;
 use super::nearest::MeridionalGrid;
 use super::surface::{MeshSurface, NONE, SHARP};
@@ -16,6 +18,11 @@ const VOTERS: usize = 1000;
 const MAX_SPANS: usize = 240;
 /// Largest number of iterations that remove points above a curve.
 const MAX_ITERATIONS: usize = 40;
+/// Largest number of rounds that remove the feet of fillets, the distance along the course within which a lower
+/// point tells a foot, as a share of the curve, and how much lower, as a share of the tolerance.
+const MAX_SETTLING: usize = 12;
+const NEARBY: f64 = 0.01;
+const FOOT: f64 = 0.02;
 /// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
 const MIN_CIRCUMFERENTIAL: f64 = 0.35;
 
@@ -83,13 +90,13 @@ impl Course {
         above: Meridional,
         tolerance: f64,
     ) -> Option<FittedProfile> {
-        let sign = (self.coordinates_of(above).1 - self.coordinates_of(mean_point(points)).1).signum();
+        let sign = self.side_of(above, points);
         let mut kept = points.to_vec();
         let mut near = f64::INFINITY;
         for _ in 0..MAX_ITERATIONS {
             let profile = self.fit_curve(&kept)?;
             if profile.max_deviation_mm < tolerance {
-                return Some(profile);
+                return Some(self.without_feet(kept, profile, sign, tolerance));
             }
             let curve = SmoothFunction::fit(&self.pairs(&profile.points), MAX_SPANS)?;
             let over: Vec<f64> = kept
@@ -109,6 +116,74 @@ impl Course {
             }
         }
         None
+    }
+
+    /// The curve through all `points` but those at the feet of fillets on the side of `above`, which are within
+    /// `tolerance`, mm, of it.
+    pub fn fit_without_feet(
+        &self,
+        points: &[Meridional],
+        above: Meridional,
+        tolerance: f64,
+    ) -> Option<FittedProfile> {
+        let profile = self.fit_curve(points)?;
+        let waves = FOOT * tolerance..tolerance;
+        if !waves.contains(&profile.max_deviation_mm) {
+            return Some(profile);
+        }
+        let sign = self.side_of(above, points);
+        Some(self.without_feet(points.to_vec(), profile, sign, tolerance))
+    }
+
+    /// +1 or −1: the direction across the course from the middle of `points` to `above`.
+    fn side_of(&self, above: Meridional, points: &[Meridional]) -> f64 {
+        (self.coordinates_of(above).1 - self.coordinates_of(mean_point(points)).1).signum()
+    }
+
+    /// The curve through those of `points` that have none below them nearby: the lowest rows of corners of a
+    /// fillet are within the tolerance of `profile`, but a curve that follows them waves.
+    fn without_feet(
+        &self,
+        mut points: Vec<Meridional>,
+        mut profile: FittedProfile,
+        sign: f64,
+        tolerance: f64,
+    ) -> FittedProfile {
+        points.sort_by(|a, b| self.coordinates_of(*a).0.total_cmp(&self.coordinates_of(*b).0));
+        for _ in 0..MAX_SETTLING {
+            let Some(curve) = SmoothFunction::fit(&self.pairs(&profile.points), MAX_SPANS) else { break };
+            let over: Vec<(f64, f64)> =
+                self.pairs(&points).into_iter().map(|(x, y)| (x, sign * (y - curve.at(x)))).collect();
+            let (first, last) = (over[0].0, over[over.len() - 1].0);
+            // The lowest point within reach of each: the front of a queue of candidates that rise.
+            let (mut rising, mut entered) = (VecDeque::<usize>::new(), 0);
+            let mut foot = vec![false; over.len()];
+            for (i, (x, height)) in over.iter().enumerate() {
+                // As far to one side as to the other, so that the ends of the curve stay.
+                let reach = (NEARBY * (last - first)).min(x - first).min(last - x);
+                while entered < over.len() && over[entered].0 <= x + reach {
+                    while rising.back().is_some_and(|last| over[*last].1 >= over[entered].1) {
+                        rising.pop_back();
+                    }
+                    rising.push_back(entered);
+                    entered += 1;
+                }
+                while rising.front().is_some_and(|first| over[*first].0 < x - reach) {
+                    rising.pop_front();
+                }
+                foot[i] = rising.front().is_some_and(|low| height - over[*low].1 > FOOT * tolerance);
+            }
+            let kept: Vec<Meridional> =
+                points.iter().zip(&foot).filter(|(_, foot)| !**foot).map(|(p, _)| *p).collect();
+            if kept.len() == points.len() || kept.len() < 8 {
+                break;
+            }
+            match self.fit_curve(&kept).filter(|better| better.max_deviation_mm < tolerance) {
+                Some(better) => (points, profile) = (kept, better),
+                None => break,
+            }
+        }
+        profile
     }
 
     fn pairs(&self, points: &[Meridional]) -> Vec<(f64, f64)> {
@@ -243,4 +318,36 @@ fn follows(course: &Course, surface: &MeshSurface, t: usize) -> bool {
     let across = n.r * course.across.r + n.z * course.across.z;
     // 0.2 allows a curve to turn slightly beyond the axial or radial direction.
     across.abs() > 0.2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_feet_of_fillets_do_not_make_a_curve_wave() {
+        // A quarter of an ellipse, and here and there rows of corners up to 0.018 mm above it.
+        let hub =
+            |a: f64, h: f64| Meridional { r: 50.0 - (38.0 - h) * a.cos(), z: 36.0 - (32.0 - h) * a.sin() };
+        let points: Vec<Meridional> = (0..=1200)
+            .flat_map(|i| {
+                let a = f64::from(i) / 1200.0 * std::f64::consts::FRAC_PI_2;
+                let rows = [0.0, 0.004, 0.011, 0.018];
+                let count = if i % 3 == 0 { 1 } else { 1 + (i / 100 % 4) as usize };
+                // Only every third place has a corner on the hub itself.
+                rows.into_iter().take(count).skip(usize::from(count > 1)).map(move |h| hub(a, h))
+            })
+            .collect();
+        let course = Course::of(&points);
+        let above = Meridional { r: 30.0, z: 30.0 };
+        let off = |profile: &FittedProfile| {
+            let curve = MeridionalCurve::through(&profile.points);
+            (0..=400)
+                .map(|i| curve.project(hub(f64::from(i) / 400.0 * 1.5708, 0.0)).1.abs())
+                .fold(0.0, f64::max)
+        };
+        let all = off(&course.fit_curve(&points).expect("a curve"));
+        let without = off(&course.fit_without_feet(&points, above, 0.05).expect("a curve"));
+        assert!(all > 0.004 && without < 0.001, "{all} and {without} mm");
+    }
 }

@@ -179,28 +179,33 @@ impl<'a> BladeSlicer<'a> {
     }
 
     /// The range of heights covered by the blade everywhere between its slanted edges, from the lowest and
-    /// the highest of its corners in each of `stretches` intervals along it.
+    /// the highest of its corners in each of `stretches` intervals between them.
     pub fn height_range(&self, stretches: usize) -> (f64, f64) {
         let mut spans = vec![(f64::INFINITY, f64::NEG_INFINITY); stretches];
-        // Edges are sampled, too, so that every interval of a coarse mesh has points.
         let ends =
             self.places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
-        let mut reached = |along: f64, height: f64| {
+        // Past the ends of the shroud, where the tips turn into the edges, blades are lower.
+        let ends = if self.band.past_tips { (ends.0.max(0.0), ends.1.min(1.0)) } else { ends };
+        // The intervals divide the middle only: one that its end cut short would hold few points of the tips.
+        let interval = |along: f64| {
             let share = (along - ends.0) / (ends.1 - ends.0);
-            let is_below_shroud = !self.band.past_tips || (0.0..=1.0).contains(&along);
-            if MIDDLE.contains(&share) && is_below_shroud {
-                let span = &mut spans[((along * stretches as f64).max(0.0) as usize).min(stretches - 1)];
+            (share - MIDDLE.start) / (MIDDLE.end - MIDDLE.start) * stretches as f64
+        };
+        let mut reached = |at: f64, height: f64| {
+            if (0.0..stretches as f64).contains(&at) {
+                let span = &mut spans[at as usize];
                 *span = (span.0.min(height), span.1.max(height));
             }
         };
+        // Edges are sampled, too, so that every interval of a coarse mesh has points.
         for t in &self.surface.triangles {
             for k in 0..3 {
                 let (a, b) = (self.places[t[k] as usize], self.places[t[(k + 1) % 3] as usize]);
-                let steps =
-                    ((b.0 - a.0).abs() * stretches as f64).ceil().clamp(1.0, stretches as f64) as usize;
+                let (from, to) = (interval(a.0), interval(b.0));
+                let steps = (to - from).abs().ceil().clamp(1.0, 2.0 * stretches as f64) as usize;
                 for i in 0..steps {
                     let x = i as f64 / steps as f64;
-                    reached(a.0 + (b.0 - a.0) * x, a.1 + (b.1 - a.1) * x);
+                    reached(from + (to - from) * x, a.1 + (b.1 - a.1) * x);
                 }
             }
         }

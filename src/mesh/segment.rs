@@ -2,7 +2,7 @@
 //! cover, the rest is blades.
 
 use super::describe::MOSTLY;
-use super::profile::{Course, mean_point, meridional_normal};
+use super::profile::{Course, FittedProfile, mean_point, meridional_normal};
 use super::surface::{MeshSurface, NONE};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
@@ -21,6 +21,8 @@ const SCRAP: f64 = 0.05;
 
 /// Share of its largest radius from which on a piece is looked at to tell a blade from a wheel.
 const OUTER: f64 = 0.8;
+/// Sectors about the axis that are looked at.
+const SECTORS: usize = 24;
 
 /// The surfaces of a segmented wheel.
 pub struct Segments {
@@ -32,17 +34,21 @@ pub struct Segments {
     pub blades: Vec<MeshSurface>,
 }
 
+/// Number of sectors about the axis in which a piece has points at more than a share of its largest radius.
+fn sectors_met(piece: &MeshSurface, share: f64) -> usize {
+    let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let mut met = [false; SECTORS];
+    for p in piece.points.iter().filter(|p| Meridional::of(p).r > share * widest) {
+        let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
+        met[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
+    }
+    met.iter().filter(|m| **m).count()
+}
+
 /// Whether a piece has points all around the axis near its largest radius, as a wheel of one piece has and a
 /// blade has not.
 fn goes_around(piece: &MeshSurface) -> bool {
-    const SECTORS: usize = 24;
-    let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
-    let mut met = [false; SECTORS];
-    for p in piece.points.iter().filter(|p| Meridional::of(p).r > OUTER * widest) {
-        let share = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
-        met[((share * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
-    }
-    2 * met.iter().filter(|m| **m).count() > SECTORS
+    2 * sectors_met(piece, OUTER) > SECTORS
 }
 
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
@@ -75,8 +81,73 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
     Ok(Some(Segments { hub, shroud: round.next(), blades }))
 }
 
+/// Shares of a face's stretches past the blades that are tried for its curve: smoothly joined to hub or cover
+/// may be the rounded edge of a collar and the plane beyond, which one curve does not follow.
+const PAST_BLADES: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
+/// Share of the area of a face on its curve from which on no shorter curve is tried.
+const NEARLY_ALL: f64 = 0.9;
+
+/// The curve of a smooth face of revolution with the corners `points` and the triangles `own`, over the blades
+/// and as far past them as one curve follows the face. The blades touch the face at `feet`.
+fn curve_of(
+    course: &Course,
+    (points, own): (&[Meridional], &[usize]),
+    feet: &[Meridional],
+    middle: Meridional,
+    (wheel, tolerance): (&MeshSurface, f64),
+) -> Option<FittedProfile> {
+    let along = |p: &Meridional| course.coordinates_of(*p).0;
+    let ends = |points: &[Meridional]| {
+        points.iter().map(along).fold((f64::INFINITY, f64::NEG_INFINITY), |e, x| (e.0.min(x), e.1.max(x)))
+    };
+    let ((first, last), (from, to)) = (ends(points), ends(feet));
+    let ranges: Vec<(f64, f64)> = PAST_BLADES
+        .into_iter()
+        .flat_map(|s| {
+            [(s, 1.0), (1.0, s), (s, s)].map(|(a, b)| (from + (first - from) * a, to + (last - to) * b))
+        })
+        .skip(2)
+        .collect();
+    let within = |(from, to): (f64, f64)| -> (Vec<Meridional>, Vec<usize>) {
+        let inside = |p: &Meridional| (from..=to).contains(&along(p));
+        let corner = |i: u32| inside(&Meridional::of(&wheel.points[i as usize]));
+        (
+            points.iter().filter(|p| inside(p)).copied().collect(),
+            own.iter().copied().filter(|t| wheel.triangles[*t].iter().all(|i| corner(*i))).collect(),
+        )
+    };
+    let exact = ranges.iter().find_map(|range| {
+        let (points, own) = within(*range);
+        course
+            .fit_curve(&points)
+            .filter(|p| p.max_deviation_mm < tolerance)
+            .filter(|p| p.area_share_on_curve(wheel, &own, tolerance) > MOSTLY)
+    });
+    if exact.is_some() {
+        return exact;
+    }
+    // A face with fillets continues smoothly up to the blades' noses: then the curve follows its bottom.
+    let mut best: Option<(f64, FittedProfile)> = None;
+    for range in ranges {
+        let (points, own) = within(range);
+        let Some(profile) = course.fit_bottom(&points, middle, tolerance) else { continue };
+        let share = profile.area_share_on_curve(wheel, &own, tolerance);
+        if best.as_ref().is_none_or(|(most, _)| share > *most) {
+            best = Some((share, profile));
+        }
+        if share > NEARLY_ALL {
+            break;
+        }
+    }
+    best.filter(|(share, _)| *share > MOSTLY).map(|(_, profile)| profile)
+}
+
 /// A face of revolution of a wheel: hub or cover.
 struct RevolvedFace {
+    /// Number of its group of triangles.
+    number: usize,
+    /// Extent of its curve along the course, mm.
+    extent: (f64, f64),
     /// Heights of all corners of the wheel over it, positive towards the blades, mm.
     heights: Vec<f64>,
     /// Smallest radius of its corners, mm.
@@ -94,7 +165,8 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
             ErrorCode::MeshInOne,
             0,
             format!("hub and blades of the single mesh `{name}` cannot be separated: {why}"),
-            "export hub and blades as separate meshes, or name them with --role NODE=hub and NODE=blade",
+            "export hub and blades as separate bodies, and give them their roles with --role NAME=hub and \
+             NAME=blade; if the axis in the file is not that of the wheel, give it with --rotation-axis",
         )
     };
     match segment_disconnected(wheel) {
@@ -143,16 +215,14 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let points = of(&own);
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
-        // A face with fillets continues smoothly up to the blades' noses: then the curve follows its bottom.
-        let profile = course
-            .fit_curve(&points)
-            .filter(|p| p.max_deviation_mm < tolerance)
-            .or_else(|| course.fit_bottom(&points, middle, tolerance))
-            .filter(|p| p.area_share_on_curve(wheel, &triangles, tolerance) > MOSTLY)?;
+        let at_blade = |t: usize| wheel.neighbours[t].iter().any(|n| *n != NONE && !turned[*n as usize]);
+        let feet = of(&|t| own(t) && at_blade(t));
+        let profile = curve_of(&course, (&points, &triangles), &feet, middle, (wheel, tolerance))?;
+        let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
         let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards(middle);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
-        Some(RevolvedFace { heights, inner })
+        Some(RevolvedFace { number, extent: (ends[0], ends[1]), heights, inner })
     };
     // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve that was
     // found before belong to it.
@@ -190,7 +260,16 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let below = |face: &RevolvedFace, t: usize| any(face, t, &|h| h < -tolerance);
     let stands = |face: &RevolvedFace, t: usize| !below(face, t) && any(face, t, &|h| h > tolerance);
     let lies = |face: &RevolvedFace, t: usize| !below(face, t) && !any(face, t, &|h| h > tolerance);
-    let blade = |t: usize| stands(&hub, t) && cover.as_ref().is_none_or(|cover| stands(cover, t));
+    // Where a face goes on past its curve it is not a blade, on whichever side of the curve's end it is.
+    let past = |face: &RevolvedFace, t: usize| {
+        let outside = |i: &u32| {
+            let x = course.coordinates_of(corners[*i as usize]).0;
+            x < face.extent.0 || x > face.extent.1
+        };
+        turned[t] && group[t] as usize == face.number && wheel.triangles[t].iter().any(outside)
+    };
+    let over = |face: &RevolvedFace, t: usize| stands(face, t) && !past(face, t);
+    let blade = |t: usize| over(&hub, t) && cover.as_ref().is_none_or(|cover| over(cover, t));
 
     let blades = wheel.subset(blade).into_pieces();
     let area = |blade: &MeshSurface| (0..blade.triangles.len()).map(|t| blade.area(t)).sum::<f64>();
@@ -198,7 +277,8 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
     let blades: Vec<MeshSurface> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
-    if blades.len() < 2 {
+    // A single blade on the hub of one pitch or of a whole wheel is no wheel of connected blades.
+    if blades.len() < 2 && blades.first().is_none_or(|blade| sectors_met(blade, 0.0) > SECTORS / 2) {
         return Err(unclear("the blades on its hub are connected with each other"));
     }
     let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));

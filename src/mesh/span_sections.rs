@@ -16,6 +16,8 @@ const SECTIONS: usize = 13;
 /// Distance of the outermost sections from hub and shroud as a share of the height, because slices there
 /// would run along the blade's border.
 const INSET: f64 = 0.01;
+/// Intervals along a blade in each of which its height is looked at.
+const STRETCHES: usize = 22;
 /// Smallest height of a blade between its fillets, as a share of the channel's height.
 const MIN_HEIGHT: f64 = 0.2;
 /// Holes up to this size are ignored, mm: the sections are interpolated across them.
@@ -91,7 +93,7 @@ fn sections_in(
             CLOSE,
         ));
     }
-    let (low, high) = cutter.height_range(40);
+    let (low, high) = cutter.height_range(STRETCHES);
     let (low, high) = (low.max(0.0) + INSET, high.min(1.0) - INSET);
     if !(MIN_HEIGHT..=1.0).contains(&(high - low)) {
         return Err(PartError::new(

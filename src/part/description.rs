@@ -121,6 +121,24 @@ impl PartError {
     pub fn new(code: ErrorCode, line: usize, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self { code, line, message: message.into(), help: help.into() }
     }
+
+    /// The same error with help for a part whose curves and sections were found in surfaces, so that no file
+    /// has a line of them.
+    pub(super) fn of_surfaces(self, part: &PartDescription) -> Self {
+        let help = match self.code {
+            _ if part.hub_line != 0 || self.line != 0 => return self,
+            ErrorCode::CurvesSwapped => {
+                "the line found along the blade tips is not that of the tips: add the surface of revolution \
+                 through them to the file, named `Shroud`"
+            }
+            ErrorCode::BladeTooShort => {
+                "curves and sections were found in the file's surfaces: where tips or trailing edges are not \
+                 turned, add the surface of revolution through the tips to the file, named `Shroud`"
+            }
+            _ => return self,
+        };
+        Self { help: help.to_owned(), ..self }
+    }
 }
 
 impl From<PartError> for UserError {

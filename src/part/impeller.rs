@@ -48,7 +48,10 @@ impl Impeller {
     /// and shroud swapped or crossing, blades that miss hub or shroud, no radial outlet, an unsupported
     /// number of blades, overlapping blades.
     pub fn build(description: &PartDescription) -> Result<Self, PartError> {
-        let d = description;
+        Self::build_from(description).map_err(|error| error.of_surfaces(description))
+    }
+
+    fn build_from(d: &PartDescription) -> Result<Self, PartError> {
         if !BLADE_COUNTS.contains(&d.blade_count) {
             return Err(PartError::new(
                 ErrorCode::BladeCount,

@@ -8,7 +8,7 @@ use vanecut::io::step::{read_bytes, read_scene_bytes, write_part};
 use vanecut::io::stl::{read_part_bytes, write_stl};
 use vanecut::io::{InputError, read_part};
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
-use vanecut::mesh::{MeshOptions, TriangleMesh};
+use vanecut::mesh::{MeshOptions, Role, TriangleMesh};
 use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
 
 /// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
@@ -239,4 +239,32 @@ fn files_cut_off_or_changed_are_refused_in_one_line_or_read() {
             assert_eq!(error.to_string().lines().count(), 1, "{error}");
         }
     }
+}
+
+#[test]
+fn a_body_without_a_name_has_that_of_its_product_and_a_mark_in_front_is_skipped() {
+    let part = sample("pump6.toml");
+    let text = write_part(&part, "a.step");
+    let start = text.find("MANIFOLD_SOLID_BREP(").expect("a solid");
+    let end = start + text[start..].find(',').expect("its shell");
+    let unnamed = format!("\u{feff}{}MANIFOLD_SOLID_BREP(''{}", &text[..start], &text[end..]);
+    let scene = read_scene_bytes("a.step", unnamed.as_bytes(), Some(1.0)).expect("sound");
+    let names: Vec<String> = scene.into_meshes().into_iter().map(|mesh| mesh.name).collect();
+    assert!(names.contains(&part.name) && names.iter().all(|name| !name.starts_with('#')), "{names:?}");
+}
+
+#[test]
+fn a_refusal_says_what_was_not_whole() {
+    let part = sample("pump6.toml");
+    let text = write_part(&part, "a.step");
+    // One face less, and a role for a body that is not there.
+    let start = text.find("CLOSED_SHELL(").expect("a shell");
+    let from = start + text[start..].find('#').expect("a face");
+    let to = from + text[from..].find(',').expect("more faces") + 1;
+    let open = format!("{}{}", &text[..from], &text[to..]);
+    let options = MeshOptions { roles: vec![("nut".to_owned(), Role::Ignored)], ..MeshOptions::default() };
+    let refused = |text: &str| read_bytes("a.step", text.as_bytes(), &options).expect_err("no such body");
+    let (whole, open) = (refused(&text).to_string(), refused(&open).to_string());
+    assert!(open.contains("is not closed") && !whole.contains("is not closed"), "{whole} / {open}");
+    assert_eq!(open.lines().count(), 1);
 }

@@ -226,6 +226,18 @@ fn fillets_belong_to_neither_hub_nor_blade() {
 }
 
 #[test]
+fn a_collar_with_a_rounded_edge_belongs_to_the_hub() {
+    for (name, radius) in [("impeller532.toml", 1.0), ("impeller532.toml", 3.0)] {
+        let part = sample(name);
+        let shape = Body::default();
+        let mut body = shape.of(&part);
+        body.add_collar(&part, &shape, radius);
+        println!("{name}, edge of {radius} mm");
+        same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.02);
+    }
+}
+
+#[test]
 fn a_covered_wheel_in_one_mesh_is_taken_apart() {
     for fillet in [0.0, 2.0] {
         let part = sample("impeller532.toml");

@@ -110,6 +110,8 @@ impl<'a> Exchange<'a> {
 /// When the bytes are not an exchange structure of a known schema, or two instances have the same number.
 pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError> {
     let source = Source::new(name, ErrorCode::StepFile);
+    // Editors put a byte order mark in front of text.
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let mut parser = ExchangeParser::new(bytes);
     if !parser.takes(b"ISO-10303-21;") {
         let what = "is not a STEP file: it does not begin with ISO-10303-21";

@@ -9,8 +9,10 @@
 //! | `assembly` | bodies with their placements, names and colours |
 //! | `edges`, `chart`, `face`, `body` | tessellation: shared edges, parameter charts, constrained Delaunay |
 //! | `read` | bodies as named meshes, and as a part |
+//! | `advice` | what to do about bodies that are no part |
 //! | `write` | parts as solids |
 
+mod advice;
 mod assembly;
 mod body;
 mod chart;

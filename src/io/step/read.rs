@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicUsize;
 
 use rayon::prelude::*;
 
+use super::advice;
 use super::assembly::{PlacedBody, placed_bodies};
 use super::body::{MeshedBody, mesh_body};
 use super::edges::StepFineness;
@@ -56,10 +57,16 @@ pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, Input
 /// As [`read`].
 pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
     let scene = read_scene_bytes(name, bytes, None)?;
-    let fault = |e: PartError| InputError::of_part(name, e);
+    let notes = scene.notes();
+    // What was not whole may be why the rest is no part.
+    let cause = notes.first().map_or_else(String::new, |note| format!(" ({note})"));
+    let fault = |e: PartError| {
+        let e = advice::for_solids(e, notes.is_empty());
+        InputError::of_part(name, PartError { message: format!("{}{cause}", e.message), ..e })
+    };
     let normals = ExactNormals::of(scene.bodies.iter().flat_map(|body| body.normals.iter().copied()));
     let source =
-        MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: scene.notes(), normals };
+        MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: notes.clone(), normals };
     // The file gives its unit, and one that Vanecut wrote the sense of rotation.
     let rotation = options.rotation.or(scene.rotation);
     let options = MeshOptions { unit: None, rotation, ..options.clone() };
@@ -171,7 +178,11 @@ impl StepScene {
     /// The bodies as meshes with the names of bodies and components.
     pub fn into_meshes(self) -> Vec<NamedMesh> {
         let named = |(node, body): (usize, MeshedBody)| NamedMesh {
-            name: if body.name.is_empty() { format!("#{node}") } else { body.name.clone() },
+            // Most systems name products, not their solids.
+            name: match std::iter::once(&body.name).chain(&body.parents).find(|name| !name.is_empty()) {
+                Some(name) => name.clone(),
+                None => format!("#{node}"),
+            },
             other_names: body.parents.clone(),
             node,
             instance: 0,

@@ -55,6 +55,40 @@ impl Patches {
         (hub, vec![blades])
     }
 
+    /// Goes on upstream of the hub: along it, round an edge of `radius` mm, and towards the axis.
+    pub fn add_collar(&mut self, part: &Impeller, body: &Body, radius: f64) {
+        let curve = part.hub.curve();
+        let foot = |side: &BladeSide| {
+            let p = side.point(0.0, 0.0);
+            (curve.project(Meridional::of(&p)).0, p.y.atan2(p.x))
+        };
+        let ((t, from), (_, to)) = (foot(&part.main.suction), foot(&part.main.pressure));
+        let begin = curve.point(0.5 * t);
+        let next = curve.point(0.5 * t + 1e-4);
+        let (dr, dz) = ((begin.r - next.r) * 1e4, (begin.z - next.z) * 1e4);
+        // Upstream, and from there towards the axis.
+        let inwards = (-dz.abs(), dr * dz.signum());
+        let length = 6.0 * radius;
+        let row = |i: usize| -> Meridional {
+            let (ahead, down) = match i {
+                0..=8 => (length * i as f64 / 8.0, 0.0),
+                9..=20 => {
+                    let a = (i - 8) as f64 / 12.0 * std::f64::consts::FRAC_PI_2;
+                    (length + radius * a.sin(), radius * (1.0 - a.cos()))
+                }
+                _ => (length + radius, radius + 0.1 * begin.r * (i - 20) as f64),
+            };
+            let r = begin.r + ahead * dr + down * inwards.0;
+            Meridional { r, z: begin.z + ahead * dz + down * inwards.1 }
+        };
+        let width = (to - from + part.pitch()).rem_euclid(TAU.copysign(part.pitch()));
+        let width = if part.pitch() < 0.0 && width > 0.0 { width - TAU } else { width };
+        for k in 0..part.blade_count {
+            let at = |j: usize| from + width * j as f64 / body.across as f64 + part.pitch() * k as f64;
+            patch(&mut self.hub, 24, body.across, |i, j| row(24 - i).at_angle(at(j)));
+        }
+    }
+
     /// A ring of triangles from the tip of each blade to that of the next.
     pub fn join_blades(&mut self, part: &Impeller) {
         let points = self.blades.points.clone();
