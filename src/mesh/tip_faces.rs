@@ -23,14 +23,14 @@ const TURNED_AWAY: f64 = 0.42;
 /// Fewest corners that a curve is fitted through.
 const FEWEST: usize = 8;
 
-/// Sums over the triangles of a face, weighted by area, and its least height over the hub.
+/// Sums over the triangles of a face, weighted by area, and its smallest height over the hub.
 struct FaceSums {
     area: f64,
     circumferential: f64,
     /// Components of the normal of either sign along the hub's normal, at right angles to it, and their product: a
     /// mean direction whatever the signs.
     squares: [f64; 3],
-    least_height: f64,
+    min_height: f64,
 }
 
 /// The meridional curve through the tip faces of `blade` over the hub; `None` where the file does not tell them, or
@@ -47,7 +47,7 @@ pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -
             continue;
         }
         let none =
-            || FaceSums { area: 0.0, circumferential: 0.0, squares: [0.0; 3], least_height: f64::INFINITY };
+            || FaceSums { area: 0.0, circumferential: 0.0, squares: [0.0; 3], min_height: f64::INFINITY };
         let sums = faces.entry(face).or_insert_with(none);
         let (area, (normal, across)) = (blade.area(t), meridional_normal(blade, t));
         let below = curve.at(places[triangle[0] as usize].0).normal;
@@ -58,12 +58,12 @@ pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -
             *sum += area * product;
         }
         let lowest = triangle.iter().map(|i| places[*i as usize].1).fold(f64::INFINITY, f64::min);
-        sums.least_height = sums.least_height.min(lowest);
+        sums.min_height = sums.min_height.min(lowest);
     }
     let is_tip = |sums: &FaceSums| {
         let [uu, bb, ub] = sums.squares;
         let lean = 0.5 * (2.0 * ub).atan2(uu - bb);
-        sums.least_height > OFF_HUB * height
+        sums.min_height > OFF_HUB * height
             && sums.circumferential < MERIDIONAL * sums.area
             && lean.cos() > ALONG
     };
