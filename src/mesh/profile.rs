@@ -343,7 +343,7 @@ mod tests {
         let off = |profile: &FittedProfile| {
             let curve = MeridionalCurve::through(&profile.points);
             (0..=400)
-                .map(|i| curve.project(hub(f64::from(i) / 400.0 * 1.5708, 0.0)).1.abs())
+                .map(|i| curve.project(hub(f64::from(i) / 400.0 * std::f64::consts::FRAC_PI_2, 0.0)).1.abs())
                 .fold(0.0, f64::max)
         };
         let all = off(&course.fit_curve(&points).expect("a curve"));
