@@ -51,7 +51,7 @@ fn without_turn(line: &str) -> String {
     line.split(' ').filter(|word| !turns(word)).collect::<Vec<_>>().join(" ")
 }
 
-/// Every twelfth cut: the last turn before it is left out, and the retract after it. Of turns in several blocks that is
+/// Every ninth cut: the last turn before it is left out, and the retract after it. Of turns in several blocks that is
 /// the last; one of the others is made up for by the next block, and what comes of it is a link like others. That the
 /// tip is no longer held where it should be, or still is, `a_mode_left_out_is_always_caught` looks at.
 #[test]
@@ -74,7 +74,7 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
         let cuts: Vec<usize> = (0..lines.len()).filter(is_cut).collect();
         let mut tried = [0; 2];
         // Before the first cut the axes stand as they should already when the tip is first held.
-        for &cut in cuts.iter().skip(1).step_by(12) {
+        for &cut in cuts.iter().skip(1).step_by(9) {
             let found = |changed: Vec<&str>| found_by(&machine, control, &changed.join("\n"), &meant);
             let case = |what: &str| format!("{name} {control} {}: {what}: {}", output.name(), lines[cut]);
             // A line of its own for the cut where the turn ends before it.

@@ -183,7 +183,7 @@ fn plans_that_the_machine_refuses_have_no_time() {
 #[test]
 fn flank_plans_have_the_time_of_their_program() {
     let mut request = short_request(AxisPolicy::Monotone, false);
-    let text = "[stock]\nblank = \"turned\"\n[flank]\nlayer_depth = 60\nscheme = \"layers\"\n\
+    let text = "[stock]\nblank = \"turned\"\n[flank]\nlayer_depth = 30\nscheme = \"layers\"\n\
         scallop_height = 3\n[machine]\nfile = \"ac-trunnion\"\n";
     let defaults = Setup::for_part(&request.part);
     request.setup = read_setup_with_defaults("s.toml", text.as_bytes(), &defaults).expect("a setup");
