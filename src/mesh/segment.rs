@@ -165,8 +165,8 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
             ErrorCode::MeshInOne,
             0,
             format!("hub and blades of the single mesh `{name}` cannot be separated: {why}"),
-            "export hub and blades as separate bodies, and give them their roles with --role NAME=hub and \
-             NAME=blade; if the axis in the file is not that of the wheel, give it with --rotation-axis",
+            "export hub and blades as separate bodies, or give them --role NODE=hub and NODE=blade; if the axis in \
+             the file is not that of the wheel, give it with --rotation-axis",
         )
     };
     match segment_disconnected(wheel) {
