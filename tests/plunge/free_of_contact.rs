@@ -240,8 +240,8 @@ fn made_wheels_with_made_setups_are_freed() {
 #[test]
 #[ignore = "as the test before it, with more wheels; scripts/nightly runs it"]
 fn more_made_wheels_with_made_setups_are_freed() {
-    let planned = made_plans(22, 12, Stacking::LeadingEdge, 64).len();
-    assert!(planned >= 6, "only {planned} wheels could be planned");
+    let planned = made_plans(21, 5, Stacking::LeadingEdge, 64).len();
+    assert!(planned >= 3, "only {planned} wheels could be planned");
 }
 
 #[test]
