@@ -218,13 +218,10 @@ impl MeridionalCurve {
         if t < self.length {
             return (t, distance);
         }
-        let end = self.at(t);
-        let (dr, dz) = (to.r - end.point.r, to.z - end.point.z);
-        let past = dr * end.tangent.r + dz * end.tangent.z;
-        if past < AT_END * self.length {
-            return (t, distance);
+        match self.along_tangent(self.length, to) {
+            (past, distance) if past >= AT_END * self.length => (t + past, distance),
+            _ => (t, distance),
         }
-        (t + past, dr * end.normal.r + dz * end.normal.z)
     }
 
     /// As [`Self::project_past_end`], at both ends: before the first point t is negative.
@@ -233,13 +230,17 @@ impl MeridionalCurve {
         if t > 0.0 {
             return (t, distance);
         }
-        let start = self.at(0.0);
-        let (dr, dz) = (to.r - start.point.r, to.z - start.point.z);
-        let ahead = dr * start.tangent.r + dz * start.tangent.z;
-        if ahead > -AT_END * self.length {
-            return (t, distance);
+        match self.along_tangent(0.0, to) {
+            (past, distance) if past <= -AT_END * self.length => (past, distance),
+            _ => (t, distance),
         }
-        (ahead, dr * start.normal.r + dz * start.normal.z)
+    }
+
+    /// A point projected onto the tangent at arc length `t`: distance from there along it, and signed distance, mm.
+    fn along_tangent(&self, t: f64, to: Meridional) -> (f64, f64) {
+        let CurvePoint { point, tangent, normal, .. } = self.at(t);
+        let (dr, dz) = (to.r - point.r, to.z - point.z);
+        (dr * tangent.r + dz * tangent.z, dr * normal.r + dz * normal.z)
     }
 
     /// As [`Self::project`], but only within `reach` mm of arc length about `guess`.

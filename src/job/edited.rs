@@ -4,11 +4,12 @@
 
 use super::goal::{self, MetGoal, WholeInput};
 use super::{
-    FIRST_SHARE, JobError, Listener, PlanCache, PlanOutcome, PlanRequest, PlanStage, measure_residual, plan,
+    FIRST_SHARE, JobError, Listener, PlanCache, PlanOutcome, PlanRequest, measure_residual, plan,
+    plan_in_stages,
 };
 use crate::error::ErrorCode;
 use crate::monitor::Monitor;
-use crate::plunge::{PlanError, Planner, PlungePlan, SectionCache};
+use crate::plunge::{PlanError, Planner, SectionCache};
 use crate::setup::{AxisPolicy, PlungeChange, PlungeEdit, SetupFault, SetupPlace};
 
 /// Like [`PlanJob::run_with_listener`], with the cache `known`.
@@ -93,16 +94,12 @@ impl PlanOutcome {
         let (workpiece, setup) = (&*self.workpiece, &self.setup);
         let policy = self.after.plan.policy;
         let planner = Planner::new(workpiece, setup).keeping_locked(locks);
-        let planned = || -> Result<PlungePlan, PlanError> {
-            let monitor = &monitor.span(0.0, FIRST_SHARE);
-            let placed = planner.place_plunges(policy, &mut SectionCache::default(), monitor)?;
-            listener.notify(|| PlanStage::Placed(placed.plan().clone()));
-            let plan = planner.evaluate(placed, monitor)?;
-            listener.notify(|| PlanStage::Evaluated(plan.clone()));
-            monitor.report(1.0);
-            Ok(plan)
-        };
-        let plan = match planned() {
+        let planning = &monitor.span(0.0, FIRST_SHARE);
+        let planned = plan_in_stages(&planner, policy, &mut SectionCache::default(), planning, listener);
+        if planned.is_ok() {
+            planning.report(1.0);
+        }
+        let plan = match planned {
             Ok(plan) if !plan.is_unfinished() => plan,
             Err(PlanError::Cancelled(_)) if !monitor.is_stopped() => return Err(JobError::Cancelled),
             Err(PlanError::Setup(fault)) => return Err(fault.into()),

@@ -314,6 +314,21 @@ fn plan(
     }
 }
 
+/// Plans by `policy`, and reports the stages of the plan.
+fn plan_in_stages(
+    planner: &Planner,
+    policy: AxisPolicy,
+    known: &mut SectionCache,
+    monitor: &Monitor,
+    listener: Listener,
+) -> Result<PlungePlan, PlanError> {
+    let placed = planner.place_plunges(policy, known, monitor)?;
+    listener.notify(|| PlanStage::Placed(placed.plan().clone()));
+    let plan = planner.evaluate(placed, monitor)?;
+    listener.notify(|| PlanStage::Evaluated(plan.clone()));
+    Ok(plan)
+}
+
 /// Plans the sections of `resolved`.
 fn plan_sections(
     request: &PlanRequest,
@@ -338,12 +353,8 @@ fn plan_sections(
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.
     let closing = &monitor.ignoring_stop();
-    let judged = |policy, known: &mut SectionCache, monitor: &Monitor| -> Result<PlungePlan, PlanError> {
-        let placed = planner.place_plunges(policy, known, monitor)?;
-        listener.notify(|| PlanStage::Placed(placed.plan().clone()));
-        let plan = planner.evaluate(placed, monitor)?;
-        listener.notify(|| PlanStage::Evaluated(plan.clone()));
-        Ok(plan)
+    let judged = |policy, known: &mut SectionCache, monitor: &Monitor| {
+        plan_in_stages(&planner, policy, known, monitor, listener)
     };
     let measured = |plan: PlungePlan, grid: &Arc<FloorGrid>| -> Result<PolicyResult, PlanError> {
         closing.check()?;

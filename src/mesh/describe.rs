@@ -169,26 +169,25 @@ pub fn describe_source(
             notes.push(format!("the blades reach {depth:.2} mm into the {name}; they are cut off at it"));
         }
     }
-    let mut past_tips = false;
-    let shroud_curve = match fitted_shroud {
-        Some(shroud) => shroud,
+    // With whether the tips turn into leading and trailing edge past its ends.
+    let (shroud_curve, past_tips) = match fitted_shroud {
+        Some(shroud) => (shroud, false),
         None => {
             let by_edges = || {
                 let hub = MeridionalCurve::through(&hub_curve.points);
-                fit_tip_curve(std::slice::from_ref(&main), &hub, &course)
+                Some((fit_tip_curve(std::slice::from_ref(&main), &hub, &course)?, false))
             };
-            let by_border = || fit_tip_border(&main, &hub_curve.points, &course);
-            let by_faces = || fit_tip_faces(&main, &hub_curve.points, &course);
+            let by_border = || Some((fit_tip_border(&main, &hub_curve.points, &course)?, is_cad));
+            let by_faces = || {
+                let tips = fit_tip_faces(&main, &hub_curve.points, &course)?;
+                (tips.max_deviation_mm < tolerance).then_some((tips, false))
+            };
             // Meshes show their tips by sharp edges; models from CAD, which know their faces, often have none.
             let tips = match is_cad {
                 false => by_edges().or_else(by_border),
-                true => by_faces().filter(|tips| tips.max_deviation_mm < tolerance).or_else(|| {
-                    let border = by_border();
-                    past_tips = border.is_some();
-                    border.or_else(by_edges)
-                }),
+                true => by_faces().or_else(by_border).or_else(by_edges),
             };
-            let tips = tips.ok_or_else(|| {
+            let (tips, past_tips) = tips.ok_or_else(|| {
                 PartError::new(
                     ErrorCode::NoShroud,
                     0,
@@ -202,7 +201,7 @@ pub fn describe_source(
                     "the blade tips are up to {off:.2} mm off the surface of revolution through them"
                 ));
             }
-            check_deviation(tips, "line of the blade tips", tip_tolerance)?
+            (check_deviation(tips, "line of the blade tips", tip_tolerance)?, past_tips)
         }
     };
     let curve = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);

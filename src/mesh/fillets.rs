@@ -8,9 +8,9 @@ use super::sides::SpanSection;
 
 /// Number of heights that are examined from the middle of the blade to either end.
 const STEPS: usize = 24;
-/// Excess growth of the thickness over a step within a fillet, mm per mm of the blade's height …
+/// Smallest excess growth of the thickness over a step within a fillet, mm per mm of the blade's height.
 const BEGUN: f64 = 2.5e-4;
-/// … and smallest excess at its end: with less there is no fillet.
+/// Smallest excess of the thickness at the end of a fillet, mm per mm of the blade's height.
 const WHOLE: f64 = 4e-3;
 /// Fewest zones with a fillet: it need not go all around the blade.
 const FEWEST: usize = 2;

@@ -78,6 +78,12 @@ impl Course {
         (p.r * self.along.r + p.z * self.along.z, p.r * self.across.r + p.z * self.across.z)
     }
 
+    /// The smallest and the largest distance of points along the course, mm.
+    pub fn extent_of<'p>(&self, points: impl IntoIterator<Item = &'p Meridional>) -> (f64, f64) {
+        let along = points.into_iter().map(|p| self.coordinates_of(*p).0);
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), x| (from.min(x), to.max(x)))
+    }
+
     fn point(&self, x: f64, y: f64) -> Meridional {
         Meridional { r: x * self.along.r + y * self.across.r, z: x * self.along.z + y * self.across.z }
     }

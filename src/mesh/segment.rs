@@ -34,21 +34,16 @@ pub struct Segments {
     pub blades: Vec<MeshSurface>,
 }
 
-/// Number of sectors about the axis in which a piece has points at more than a share of its largest radius.
-fn sectors_met(piece: &MeshSurface, share: f64) -> usize {
+/// Whether a piece has points all around the axis at more than a `share` of its largest radius, as a wheel of one piece
+/// has near its rim and a blade has not.
+fn goes_around(piece: &MeshSurface, share: f64) -> bool {
     let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     let mut met = [false; SECTORS];
     for p in piece.points.iter().filter(|p| Meridional::of(p).r > share * widest) {
         let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
         met[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
     }
-    met.iter().filter(|m| **m).count()
-}
-
-/// Whether a piece has points all around the axis near its largest radius, as a wheel of one piece has and a
-/// blade has not.
-fn goes_around(piece: &MeshSurface) -> bool {
-    2 * sectors_met(piece, OUTER) > SECTORS
+    2 * met.iter().filter(|m| **m).count() > SECTORS
 }
 
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
@@ -67,7 +62,7 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
         if across < TURNED * area { round.push(surface) } else { blades.push(surface) }
     }
     // One piece beside the hub is a blade where it does not go around the axis, else a wheel of one piece.
-    if blades.len() < 2 && blades.first().is_none_or(goes_around) {
+    if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, OUTER)) {
         return Ok(None);
     }
     if round.len() > 2 {
@@ -96,11 +91,7 @@ fn curve_of(
     middle: Meridional,
     (wheel, tolerance): (&MeshSurface, f64),
 ) -> Option<FittedProfile> {
-    let along = |p: &Meridional| course.coordinates_of(*p).0;
-    let ends = |points: &[Meridional]| {
-        points.iter().map(along).fold((f64::INFINITY, f64::NEG_INFINITY), |e, x| (e.0.min(x), e.1.max(x)))
-    };
-    let ((first, last), (from, to)) = (ends(points), ends(feet));
+    let ((first, last), (from, to)) = (course.extent_of(points), course.extent_of(feet));
     let ranges: Vec<(f64, f64)> = PAST_BLADES
         .into_iter()
         .flat_map(|s| {
@@ -109,7 +100,7 @@ fn curve_of(
         .skip(2)
         .collect();
     let within = |(from, to): (f64, f64)| -> (Vec<Meridional>, Vec<usize>) {
-        let inside = |p: &Meridional| (from..=to).contains(&along(p));
+        let inside = |p: &Meridional| (from..=to).contains(&course.coordinates_of(*p).0);
         let corner = |i: u32| inside(&Meridional::of(&wheel.points[i as usize]));
         (
             points.iter().filter(|p| inside(p)).copied().collect(),
@@ -202,12 +193,15 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let size = wheel.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let corners: Vec<Meridional> = wheel.points.iter().map(Meridional::of).collect();
-    let of = |keep: &dyn Fn(usize) -> bool| -> Vec<Meridional> {
+    let corners_of = |keep: &dyn Fn(usize) -> bool| -> Vec<usize> {
         let mut used = vec![false; corners.len()];
         for t in (0..group.len()).filter(|&t| keep(t)) {
             wheel.triangles[t].iter().for_each(|i| used[*i as usize] = true);
         }
-        corners.iter().zip(used).filter(|(_, used)| *used).map(|(p, _)| *p).collect()
+        (0..corners.len()).filter(|&i| used[i]).collect()
+    };
+    let of = |keep: &dyn Fn(usize) -> bool| -> Vec<Meridional> {
+        corners_of(keep).into_iter().map(|i| corners[i]).collect()
     };
     let standing = of(&|t| !turned[t]);
     let (course, middle) = (Course::of(&standing), mean_point(&standing));
@@ -228,13 +222,8 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     // found before belong to it.
     let mut faces: Vec<(RevolvedFace, [f64; 2])> = Vec::new();
     for number in carrying {
-        let mut own = vec![false; corners.len()];
-        for t in (0..group.len()).filter(|&t| turned[t] && group[t] as usize == number) {
-            wheel.triangles[t].iter().for_each(|i| own[*i as usize] = true);
-        }
-        let is_on = |face: &RevolvedFace| {
-            face.heights.iter().zip(&own).all(|(height, own)| !own || height.abs() < tolerance)
-        };
+        let own = corners_of(&|t| turned[t] && group[t] as usize == number);
+        let is_on = |face: &RevolvedFace| own.iter().all(|&i| face.heights[i].abs() < tolerance);
         let sums = [areas[number], borders[number]];
         match faces.iter_mut().find(|(face, _)| is_on(face)) {
             Some((_, all)) => *all = [all[0] + sums[0], all[1] + sums[1]],
@@ -277,8 +266,9 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
     let blades: Vec<MeshSurface> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
-    // A single blade on the hub of one pitch or of a whole wheel is no wheel of connected blades.
-    if blades.len() < 2 && blades.first().is_none_or(|blade| sectors_met(blade, 0.0) > SECTORS / 2) {
+    // A single piece may be the only blade of the file, on one pitch of the hub or on all of it; connected blades go
+    // around the axis.
+    if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, 0.0)) {
         return Err(unclear("the blades on its hub are connected with each other"));
     }
     let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));

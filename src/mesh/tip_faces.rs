@@ -79,8 +79,7 @@ pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -
         return None;
     }
     if let Some((low, high)) = tip_extent(blade, hub, course) {
-        let along = tips.iter().map(|p| course.coordinates_of(*p).0);
-        let (from, to) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |e, x| (e.0.min(x), e.1.max(x)));
+        let (from, to) = course.extent_of(&tips);
         let slack = MISSING * (high - low);
         if from > low + slack || to < high - slack {
             return None;

@@ -133,12 +133,12 @@ fn a_plan_opens_with_its_part_and_setup() {
     let mut third = window(engine);
     drop_on(&mut third, &[&project]);
     assert_eq!((part_name(&third).as_deref(), step(&third)), (Some("impeller532"), Some(7.25)));
-    // It is no program.
+    // A plan is not a program.
     third.state_mut().file_chosen(&ctx, Purpose::CheckProgram, plan);
     settle(&mut third);
     let said = &third.state().state().problems;
     assert!(said.iter().any(|p| p.message.contains("is a plan, not a program")), "{said:?}");
-    // What is no plan either is named.
+    // A JSON file that is not a plan is refused with its name.
     let strange = folder.path().join("strange.json");
     std::fs::write(&strange, "{\"a\": 1}").expect("writes");
     drop_on(&mut third, &[&strange]);

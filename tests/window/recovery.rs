@@ -20,6 +20,14 @@ fn window_at(engine: &Engine, home: &Path) -> Window {
     window
 }
 
+/// As [`window_at`], with a part of `folder` open.
+fn window_with_part(engine: &Engine, home: &Path, folder: &Path) -> Window {
+    let mut window = window_at(engine, home);
+    window.state_mut().open_path(part_in(folder));
+    settle(&mut window);
+    window
+}
+
 fn save_as(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.to_owned());
@@ -62,9 +70,7 @@ fn what_is_recovered_is_saved_beside_its_part_and_not_among_the_copies() {
     let folder = tempfile::tempdir().expect("a folder");
     let home = folder.path().join("home");
     let (engine, _) = fake::engine();
-    let mut first = window_at(&engine, &home);
-    first.state_mut().open_path(part_in(folder.path()));
-    settle(&mut first);
+    let first = window_with_part(&engine, &home, folder.path());
     edit_and_crash(first, 6.5);
     let mut second = window_at(&engine, &home);
     second.get_by_label("Recover").click();
@@ -112,9 +118,7 @@ fn unsaved_changes_of_a_project_are_offered_when_it_is_opened() {
     let folder = tempfile::tempdir().expect("a folder");
     let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
     let (engine, _) = fake::engine();
-    let mut first = window_at(&engine, &home);
-    first.state_mut().open_path(part_in(folder.path()));
-    settle(&mut first);
+    let mut first = window_with_part(&engine, &home, folder.path());
     save_as(&mut first, &project);
     edit_and_crash(first, 6.5);
     let opened = || {
@@ -184,9 +188,7 @@ fn edits_are_copied_while_editing_goes_on() {
     let folder = tempfile::tempdir().expect("a folder");
     let home = folder.path().join("home");
     let (engine, _) = fake::engine();
-    let mut first = window_at(&engine, &home);
-    first.state_mut().open_path(part_in(folder.path()));
-    settle(&mut first);
+    let mut first = window_with_part(&engine, &home, folder.path());
     // An edit each half second of the window's clock, for six seconds.
     for k in 0..12 {
         let field = first.get_by_role_and_label(Role::SpinButton, "Step");

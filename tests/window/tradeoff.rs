@@ -105,14 +105,20 @@ fn rough() -> Engine {
     Engine { plan: Arc::new(plan), ..Engine::default() }
 }
 
-#[test]
-fn the_curve_has_progress_can_be_cancelled_and_is_kept() {
+/// A window in which the curve of a sample is just being weighed.
+fn weighing() -> Window {
     let mut window = window(rough());
     window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
     window.set_size(egui::vec2(1280.0, 900.0));
     settle(&mut window);
     window.key_press(egui::Key::G);
     window.run_steps(2);
+    window
+}
+
+#[test]
+fn the_curve_has_progress_can_be_cancelled_and_is_kept() {
+    let mut window = weighing();
     assert_eq!(window.state().running_task().map(|(name, _)| name), Some("Weighing plunges"));
     window.get_by_label_contains("Weighing the plunges ");
     window.get_by_label("Cancel curve").click();
@@ -189,12 +195,7 @@ fn the_goal_is_chosen_with_its_limit() {
 
 #[test]
 fn what_was_typed_for_a_goal_is_there_when_it_is_chosen_again() {
-    let mut window = window(rough());
-    window.state_mut().open_part(PartSource::Sample("pump6".to_owned()));
-    window.set_size(egui::vec2(1280.0, 900.0));
-    settle(&mut window);
-    window.key_press(egui::Key::G);
-    window.run_steps(2);
+    let mut window = weighing();
     settle(&mut window);
     // Only the values of the fields are looked at.
     window.get_by_label("Auto-update").click();

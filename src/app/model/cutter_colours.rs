@@ -3,8 +3,7 @@
 use super::planned::DisplayPlan;
 use super::units::DisplayUnits;
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN, category};
-use crate::plunge::Condition;
-use crate::plunge::PlungePlan;
+use crate::plunge::{Condition, PlungePlan};
 use crate::setup::AxisPolicy;
 
 /// Quantity that colours the cutters.

@@ -10,9 +10,7 @@ use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::palette::{self, Rgb, category};
 use crate::part::{Impeller, Workpiece};
-use crate::plunge::Condition;
-use crate::plunge::Position;
-use crate::plunge::plan::PlungePlan;
+use crate::plunge::{Condition, PlungePlan, Position};
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
     Contact, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer, StockSurface,

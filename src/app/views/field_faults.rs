@@ -63,16 +63,20 @@ fn fault_of(ui: &Ui, label: &str) -> Option<FieldFault> {
 /// ends the fault.
 pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) {
     let Some(fault) = fault_of(ui, label) else { return };
-    let colour = Condition::Interfering.text(ui.visuals());
-    ui.painter().rect_stroke(at, 3.0, Stroke::new(1.5, colour), StrokeKind::Outside);
-    let text = RichText::new(fault.text).small().color(colour);
-    ui.scope(|ui| {
-        ui.set_max_width(theme::FIELD_WIDTH + 20.0);
-        ui.add(Label::new(text).wrap());
-    });
+    mark(ui, at, &fault.text, (Condition::Interfering, 1.5));
     if edited {
         ui.data_mut(|data| {
             data.get_temp_mut_or_default::<ShownFaults>(key()).edited.push(fault.field);
         });
     }
+}
+
+/// Draws a frame in the colour of a condition and of a width, points, round the box `at` of a field, and `text` below it.
+pub fn mark(ui: &mut Ui, at: Rect, text: &str, (condition, width): (Condition, f32)) {
+    let colour = condition.text(ui.visuals());
+    ui.painter().rect_stroke(at, 3.0, Stroke::new(width, colour), StrokeKind::Outside);
+    ui.scope(|ui| {
+        ui.set_max_width(theme::FIELD_WIDTH + 20.0);
+        ui.add(Label::new(RichText::new(text).small().color(colour)).wrap());
+    });
 }

@@ -4,9 +4,10 @@
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use egui::{Id, Label, Rect, RichText, Stroke, StrokeKind, Ui};
+use egui::{Id, Rect, Ui};
 
-use super::theme::{self, Condition};
+use super::field_faults;
+use super::theme::Condition;
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
 
@@ -117,12 +118,7 @@ pub fn show(ui: &mut Ui, form: Id, label: &str, value: f64, at: Rect) {
         ui.data_mut(|data| data.remove::<Note>(key));
         return;
     }
-    let colour = Condition::Blocked.text(ui.visuals());
-    ui.painter().rect_stroke(at, 3.0, Stroke::new(1.0, colour), StrokeKind::Outside);
-    ui.scope(|ui| {
-        ui.set_max_width(theme::FIELD_WIDTH + 20.0);
-        ui.add(Label::new(RichText::new(note.text).small().color(colour)).wrap());
-    });
+    field_faults::mark(ui, at, &note.text, (Condition::Blocked, 1.0));
 }
 
 #[cfg(test)]

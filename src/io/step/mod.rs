@@ -9,7 +9,7 @@
 //! | `assembly` | bodies with their placements, names and colours |
 //! | `edges`, `chart`, `face`, `body` | tessellation: shared edges, parameter charts, constrained Delaunay |
 //! | `read` | bodies as named meshes, and as a part |
-//! | `advice` | what to do about bodies that are no part |
+//! | `advice` | help where no part can be made from the bodies |
 //! | `write` | parts as solids |
 
 mod advice;

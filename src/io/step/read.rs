@@ -58,7 +58,7 @@ pub fn read(path: &Path, options: &MeshOptions) -> Result<PartDescription, Input
 pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<PartDescription, InputError> {
     let scene = read_scene_bytes(name, bytes, None)?;
     let notes = scene.notes();
-    // What was not whole may be why the rest is no part.
+    // An incomplete body may be the reason why no part was found.
     let cause = notes.first().map_or_else(String::new, |note| format!(" ({note})"));
     let fault = |e: PartError| {
         let e = advice::for_solids(e, notes.is_empty());

@@ -3,8 +3,7 @@
 use super::AppState;
 use crate::app::model::look::{Filter, Operation, REVEAL, TableColumn};
 use crate::app::model::machine::AxisDemand;
-use crate::plunge::Condition;
-use crate::plunge::Position;
+use crate::plunge::{Condition, Position};
 
 impl AppState {
     /// Positions that pass the filter, in table order.

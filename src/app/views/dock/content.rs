@@ -125,7 +125,7 @@ impl App {
         }
     }
 
-    /// Draws the content of a panel, which scrolls where there is less room than it needs.
+    /// Draws the content of a panel, with scroll bars where the panel is smaller than its content needs.
     pub(super) fn scrolled_panel(&mut self, ui: &mut Ui, panel: DockPanel, fill_height: Option<f32>) {
         let min = self.min_size(panel);
         if min == Vec2::ZERO || panel == DockPanel::Details {

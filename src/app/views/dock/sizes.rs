@@ -149,7 +149,7 @@ impl Sizes<'_> {
 
     /// Visible children of a container.
     fn shown(&self, container: &Container) -> Vec<TileId> {
-        container.children().copied().filter(|&child| self.tiles.is_visible_in_layout(child)).collect()
+        shown_children(self.tiles, container).collect()
     }
 
     /// Height of a tile whose panels are all as high as their content.
@@ -194,6 +194,14 @@ impl Sizes<'_> {
     }
 }
 
+/// The children of a container that are shown.
+pub fn shown_children<'t>(
+    tiles: &'t Tiles<DockPanel>,
+    container: &'t Container,
+) -> impl Iterator<Item = TileId> + 't {
+    container.children().copied().filter(|&child| tiles.is_visible_in_layout(child))
+}
+
 /// Whether a tile is the 3D view or contains it.
 pub fn holds_picture(tiles: &Tiles<DockPanel>, id: TileId) -> bool {
     panels_in(tiles, id).contains(&DockPanel::Picture)
@@ -204,8 +212,7 @@ fn panels_in(tiles: &Tiles<DockPanel>, id: TileId) -> Vec<DockPanel> {
     match tiles.get(id) {
         Some(Tile::Pane(panel)) => vec![*panel],
         Some(Tile::Container(container)) => {
-            let shown = container.children().copied().filter(|&child| tiles.is_visible_in_layout(child));
-            shown.flat_map(|child| panels_in(tiles, child)).collect()
+            shown_children(tiles, container).flat_map(|child| panels_in(tiles, child)).collect()
         }
         None => Vec::new(),
     }

@@ -1,15 +1,15 @@
-//! Borders between docked panels: dragged by the mouse, and reset by a double click. They are no stops of the Tab
-//! key, which goes through the fields.
+//! Borders between docked panels: dragged by the mouse, and reset by a double click. The Tab key skips them and moves
+//! from field to field.
 
 use std::collections::{HashMap, HashSet};
 
 use egui::{CursorIcon, Id, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo};
 use egui_tiles::{Container, LinearDir, Tile, TileId, Tree};
 
-use super::sizes::{KeptSize, holds_picture};
+use super::sizes::{KeptSize, holds_picture, shown_children};
 use crate::app::model::panels::DockPanel;
 
-/// Least size that a drag leaves to what is beside a border, points.
+/// Minimum size that a drag leaves to what is beside a border, points.
 const LEAST: f32 = 60.0;
 
 /// A border between two tiles of a row or column.
@@ -81,7 +81,7 @@ fn name_of(tree: &Tree<DockPanel>, mut tile: TileId) -> &'static str {
             Some(Tile::Container(container)) => {
                 let front = match container {
                     Container::Tabs(tabs) => tabs.active,
-                    _ => container.children().copied().find(|&child| tree.tiles.is_visible_in_layout(child)),
+                    _ => shown_children(&tree.tiles, container).next(),
                 };
                 match front {
                     Some(front) => tile = front,
@@ -99,8 +99,7 @@ fn borders(tree: &Tree<DockPanel>, rigid: &HashSet<TileId>) -> Vec<Border> {
     let mut waiting: Vec<TileId> = tree.root.into_iter().collect();
     while let Some(id) = waiting.pop() {
         let Some(container) = tree.tiles.get_container(id) else { continue };
-        let shown: Vec<TileId> =
-            container.children().copied().filter(|&child| tree.tiles.is_visible_in_layout(child)).collect();
+        let shown: Vec<TileId> = shown_children(&tree.tiles, container).collect();
         match container {
             Container::Linear(linear) => {
                 waiting.extend(&shown);

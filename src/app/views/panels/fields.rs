@@ -39,59 +39,35 @@ pub struct FieldSpec {
 }
 
 impl FieldSpec {
+    /// A number without name, limits and unit, which the others complete.
+    const PLAIN: Self = Self {
+        label: "",
+        tip: "",
+        unit: "",
+        min: 0.0,
+        max: f64::INFINITY,
+        speed: 1.0,
+        decimals: 0,
+        slide: None,
+        absent: "auto",
+        why_most: "",
+    };
+
     /// A length in mm.
     pub const fn mm(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        let (unit, speed, decimals) = (" mm", 0.05, 3);
-        Self {
-            label,
-            tip,
-            unit,
-            min: least,
-            max: greatest,
-            speed,
-            decimals,
-            slide: None,
-            absent: "auto",
-            why_most: "",
-        }
+        Self { label, tip, unit: " mm", min: least, max: greatest, speed: 0.05, decimals: 3, ..Self::PLAIN }
     }
 
     /// An angle in degrees.
     pub const fn degrees(label: &'static str, tip: &'static str, least: f64, greatest: f64) -> Self {
-        let (unit, speed, decimals) = ("°", 0.1, 2);
-        Self {
-            label,
-            tip,
-            unit,
-            min: least,
-            max: greatest,
-            speed,
-            decimals,
-            slide: None,
-            absent: "auto",
-            why_most: "",
-        }
+        Self { label, tip, unit: "°", min: least, max: greatest, speed: 0.1, decimals: 2, ..Self::PLAIN }
     }
 
     /// A whole number with a unit.
     pub const fn plain(label: &'static str, unit: &'static str, greatest: f64) -> Self {
-        let (tip, min, speed, decimals) = ("", 1.0, 1.0, 0);
-        Self {
-            label,
-            tip,
-            unit,
-            min,
-            max: greatest,
-            speed,
-            decimals,
-            slide: None,
-            absent: "auto",
-            why_most: "",
-        }
+        Self { label, unit, min: 1.0, max: greatest, ..Self::PLAIN }
     }
-}
 
-impl FieldSpec {
     /// What the number measures, by its unit.
     fn quantity(&self) -> Quantity {
         match self.unit.trim() {
