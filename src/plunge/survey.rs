@@ -17,12 +17,17 @@ const HALF_STEP: f64 = 0.5 / STEPS as f64;
 const MAX_LEAN_RAD: f64 = std::f64::consts::FRAC_PI_3;
 /// A joint this close to a station (in s) uses that station instead of a new one.
 const SAME_STATION: f64 = 1e-6;
+/// Width of a passage, as a share of the widest one beside it, up to which it is set aside if it is so narrow
+/// all along. A cutter for it would take more than 1/share² times the plunges in the wide one.
+const NARROW_SHARE: f64 = 0.2;
 
 /// Measures of one passage at one station.
 #[derive(Clone, Copy, Debug)]
 pub struct PassageExtent {
     /// Index in [`Channel::passages`].
     pub passage: usize,
+    /// Minimum width over the height, mm.
+    pub narrowest: f64,
     /// Distance between the walls on the hub, perpendicular to the flow or to the axis, whichever is smaller,
     /// mm.
     pub hub: f64,
@@ -42,18 +47,20 @@ pub struct PassageExtent {
 pub struct SurveyStation {
     /// s.
     pub s: f64,
-    /// Minimum width of all passages over their height, mm; infinite where the blades do not extend to this
-    /// s.
+    /// Minimum width of `passages` over their height, mm; infinite where the blades do not extend to this s.
     pub narrowest: f64,
     /// Longest isoparametric axis, walls included, mm.
     pub deepest: f64,
-    /// Largest diameter of the tried cylinders that clears both walls of every passage with the conventional
+    /// Largest diameter of the tried cylinders that clears both walls of all `passages` with the conventional
     /// axis, mm; infinite before [`Survey::try_cylinders`], 0 if none clears.
     pub clear_diameter: f64,
     /// Numbers of the tools whose given shank or holder is in the way here; see [`Survey::try_assemblies`].
     pub hindered: Vec<u32>,
-    /// The passages at this s.
+    /// The passages at this s by which sections are chosen.
     pub passages: Vec<PassageExtent>,
+    /// The passages that are set aside: all along less than a fifth as wide as the widest one beside them, as
+    /// where a splitter stands close to a blade. They are cut where the chosen cutters fit.
+    pub narrow: Vec<PassageExtent>,
 }
 
 /// The channel along s.
@@ -85,7 +92,28 @@ impl Survey {
             before = joint;
         }
         let tape = Surveyor::new(part, channel);
-        Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joints }
+        let mut survey = Self { stations: s.into_par_iter().map(|s| tape.station(s)).collect(), joints };
+        survey.set_narrow_aside(channel.passages.len());
+        survey
+    }
+
+    /// Sets the passages, of `count`, aside that are narrow all along; see [`SurveyStation::narrow`].
+    fn set_narrow_aside(&mut self, count: usize) {
+        let mut shares = vec![0.0f64; count];
+        for station in &self.stations {
+            let widest = station.passages.iter().map(|across| across.narrowest).fold(0.0, f64::max);
+            for across in &station.passages {
+                let share = &mut shares[across.passage];
+                *share = share.max(across.narrowest / widest);
+            }
+        }
+        for station in &mut self.stations {
+            let is_narrow = |across: &PassageExtent| shares[across.passage] < NARROW_SHARE;
+            let passages = std::mem::take(&mut station.passages);
+            (station.narrow, station.passages) = passages.into_iter().partition(is_narrow);
+            station.narrowest =
+                station.passages.iter().map(|across| across.narrowest).fold(f64::INFINITY, f64::min);
+        }
     }
 
     /// Tries cylinders of `diameters` (mm, largest first) between the walls at every station, with the same
@@ -193,12 +221,12 @@ impl<'a> Surveyor<'a> {
             clear_diameter: f64::INFINITY,
             hindered: Vec::new(),
             passages: Vec::new(),
+            narrow: Vec::new(),
         };
         for index in self.channel.passages_at(s) {
             let (passage, width) = (&self.channel.passages[index], &self.widths[index]);
             let widths: [Option<f64>; 5] = std::array::from_fn(|j| width.at(s, j as f64 / 4.0));
             let narrowest = widths.into_iter().flatten().fold(f64::INFINITY, f64::min);
-            station.narrowest = station.narrowest.min(narrowest);
             let axis = |s: f64, lambda: f64| self.axis(passage, s, lambda);
             let depth = axis(s, 0.5).map_or_else(|| self.depth(s), |[foot, top]| (top - foot).norm());
             for lambda in [0.0, 0.5, 1.0] {
@@ -208,6 +236,7 @@ impl<'a> Surveyor<'a> {
             if narrowest.is_finite() {
                 station.passages.push(PassageExtent {
                     passage: index,
+                    narrowest,
                     hub: self.width(passage, s, 0.0).unwrap_or(narrowest),
                     shroud: self.width(passage, s, 1.0).unwrap_or(narrowest),
                     depth,

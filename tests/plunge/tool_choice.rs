@@ -215,6 +215,48 @@ fn tiny_and_huge_wheels_find_cutters_too() {
     }
 }
 
+/// Ten blades and splitters turned by `turn` degrees from them at the inlet: in the middle of the channel at -10,
+/// a millimetre off a blade at -18.
+fn with_splitters_at(turn: f64) -> Impeller {
+    let blade = |kind: &str, leading_edge: f64, theta: f64| {
+        let span = |span: f64, angle: f64, thickness: [f64; 2]| {
+            format!(
+                "[[{kind}.span]]\nspan = {span:?}\nleading_edge = {leading_edge}\n\
+                 theta_leading_edge = {theta}\nangle = [[0.0, {angle}], [1.0, -36.5]]\n\
+                 thickness = [[0.0, {}], [1.0, {}]]\n",
+                thickness[0], thickness[1]
+            )
+        };
+        span(0.0, -26.5, [1.9, 1.4]) + &span(1.0, -52.8, [0.7, 0.95])
+    };
+    part_of(&format!(
+        "name = \"close\"\nblades = 10\n\
+         [hub]\ncontrol = [[22.5, 0], [22.5, 45.5], [52.9, 73.3], [98.5, 73.3]]\n\
+         [shroud]\ncontrol = [[50.3, 0], [50.3, 40.6], [67.2, 65.4], [98.5, 65.4]]\n{}{}",
+        blade("main", 0.06, 0.0),
+        blade("splitter", 0.42, turn)
+    ))
+}
+
+/// A cutter for a passage of one millimetre would take tens of thousands of plunges in the wide one beside it.
+#[test]
+fn a_splitter_close_to_a_blade_does_not_make_the_cutters_of_the_wide_passage_tiny() {
+    let narrowest = |part: &Impeller| {
+        let passages = Channel::of(part).beside_splitter;
+        passages.iter().map(|p| PassageWidth::new(part, p).min_width(0.9)).fold(f64::INFINITY, f64::min)
+    };
+    let told = |resolved: &Resolved| {
+        resolved.reasons.iter().flatten().any(|reason| reason.contains("beside much wider ones"))
+    };
+    let (middle, close) = (with_splitters_at(-10.0), with_splitters_at(-18.0));
+    assert!(narrowest(&close) < 1.5 && narrowest(&middle) > 5.0);
+    let resolved = chosen(&close, &Setup::default());
+    assert!(diameters(&resolved).iter().all(|&diameter| diameter > 2.0), "{:?}", diameters(&resolved));
+    assert!(told(&resolved), "{:?}", resolved.reasons);
+    let resolved = chosen(&middle, &Setup::default());
+    assert!(!told(&resolved), "every passage counts: {:?}", resolved.reasons);
+}
+
 #[test]
 fn a_tool_whose_holder_is_in_the_way_is_not_chosen() {
     let part = sample("impeller532");

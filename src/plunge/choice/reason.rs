@@ -25,8 +25,13 @@ impl Reasons<'_> {
     /// another diameter there would take.
     pub fn of(&self, index: usize) -> String {
         let stretch = self.found.stretches[index];
-        let parts =
-            [Some(self.size(stretch)), Some(self.end(index)), self.broken(stretch), self.rival(stretch)];
+        let parts = [
+            Some(self.size(stretch)),
+            Some(self.end(index)),
+            self.set_aside(stretch),
+            self.broken(stretch),
+            self.rival(stretch),
+        ];
         parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
     }
 
@@ -82,6 +87,13 @@ impl Reasons<'_> {
             }
             _ => format!("to s = {s:.2}, from where D {} takes less time", self.tool(*next).diameter),
         }
+    }
+
+    /// The passages that the choice does not go by, if any.
+    fn set_aside(&self, stretch: ToolStretch) -> Option<String> {
+        let narrow = (stretch.to..=stretch.from).flat_map(|i| &self.station(i).narrow);
+        let width = narrow.map(|across| across.narrowest).reduce(f64::min)?;
+        Some(format!("chosen without regard to a passage down to {width:.1} mm wide beside much wider ones"))
     }
 
     /// The rule of fit that the cutter breaks, if any.

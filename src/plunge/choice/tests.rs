@@ -29,12 +29,14 @@ fn channel(widths: &[f64], joint: Option<usize>) -> Survey {
             hindered: Vec::new(),
             passages: vec![PassageExtent {
                 passage,
+                narrowest: width,
                 hub: width,
                 shroud: 1.1 * width,
                 depth: 40.0,
                 advance: 200.0,
                 turn_rad: 1.0,
             }],
+            narrow: Vec::new(),
         }
     };
     Survey { stations: widths.iter().enumerate().map(station).collect(), joints: joint.into_iter().collect() }
