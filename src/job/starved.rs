@@ -14,8 +14,8 @@ const STARVED_UNCUT: f64 = 0.05;
 const MUCH_LESS: f64 = 0.8;
 
 /// The sections of `outcome` in another cutting order, where its plan of `minimal` starves and that leaves
-/// much less uncut: from both ends of the channel up to where they leave least, or all from the inlet. The
-/// plan is kept in `known`.
+/// much less uncut: from both ends of the channel up to where they leave least, or all from one end. The plan is
+/// kept in `known`.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
@@ -32,7 +32,7 @@ pub(super) fn reordered(
         return Ok(None);
     }
     let resolved = Resolved { setup: outcome.setup.clone(), reasons: outcome.reasons.clone() };
-    for s in meeting_s(outcome, minimal).into_iter().chain([1.0]) {
+    for s in meeting_s(outcome, minimal).into_iter().chain([1.0, 0.0]) {
         let Some(turned) = cutting_order::from_both_ends(&resolved, s) else { continue };
         let planner = Planner::new(&outcome.workpiece, &turned.setup);
         let known = known.policies.entry(AxisPolicy::Minimal).or_default();

@@ -42,16 +42,12 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
 /// `resolved` with its chosen sections of rows cut from both ends of the channel, for a plan whose rows starve:
 /// those outside `s` from the outlet inwards, those inside from the inlet outwards, the innermost first. The
 /// section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one side. If s
-/// is 1, all are cut from the inlet. Returns `None` if this does not change the order (a single section tries
-/// both directions anyway), or if the direction of a section is already set.
+/// is 1, all are cut from the inlet, if it is 0 from the outlet. Returns `None` if this is the order of `resolved`, or
+/// if there is a single section (it tries both directions anyway).
 pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
-    let rows = chosen_rows(resolved);
-    let is_open = |index: &usize| resolved.setup.plunge.sections[*index].cut_direction.is_none();
+    let mut arranged = from_outlet(resolved);
+    let rows = chosen_rows(&arranged);
     let (&first, &last) = rows.first().zip(rows.last())?;
-    if !rows.iter().all(is_open) {
-        return None;
-    }
-    let mut arranged = resolved.clone();
     let Resolved { setup, reasons } = &mut arranged;
     let sections = &mut setup.plunge.sections;
     let is_across = |section: &SectionSetup| {
@@ -65,17 +61,46 @@ pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
         reasons.insert(across + 1, reasons[across].clone());
         rows.end += 1;
     }
+    if rows.len() < 2 {
+        return None;
+    }
     let is_outside = |section: &SectionSetup| 0.5 * (section.from + section.to) > s;
     let outer = sections[rows.clone()].iter().take_while(|section| is_outside(section)).count();
     let (outer, inner) = (rows.start..rows.start + outer, rows.start + outer..rows.end);
-    if inner.is_empty() || rows.len() < 2 {
-        return None;
+    if !inner.is_empty() {
+        for index in outer {
+            sections[index].cut_direction = Some(CutDirection::OutletToInlet);
+        }
+        cut_from_inlet(&mut arranged, &inner.collect::<Vec<_>>(), STARVED);
     }
-    for index in outer {
-        sections[index].cut_direction = Some(CutDirection::OutletToInlet);
+    (arranged.setup.plunge.sections != resolved.setup.plunge.sections).then_some(arranged)
+}
+
+/// `resolved` with its chosen sections of rows as they were chosen: from the outlet inwards, without a direction.
+/// They stand one after the other.
+fn from_outlet(resolved: &Resolved) -> Resolved {
+    let mut resolved = resolved.clone();
+    let rows = chosen_rows(&resolved);
+    let Resolved { setup, reasons } = &mut resolved;
+    let mut chosen: Vec<(SectionSetup, Option<String>)> = rows
+        .iter()
+        .map(|&index| {
+            let section = SectionSetup { cut_direction: None, ..setup.plunge.sections[index].clone() };
+            (section, reasons[index].as_deref().map(without_direction))
+        })
+        .collect();
+    chosen.sort_by(|(a, _), (b, _)| b.from.total_cmp(&a.from));
+    for (index, (section, reason)) in rows.into_iter().zip(chosen) {
+        setup.plunge.sections[index] = section;
+        reasons[index] = reason;
     }
-    cut_from_inlet(&mut arranged, &inner.collect::<Vec<_>>(), STARVED);
-    Some(arranged)
+    resolved
+}
+
+/// A reason without what [`cut_from_inlet`] adds to it.
+fn without_direction(reason: &str) -> String {
+    let added = [NO_LEAN, STARVED].into_iter().find_map(|why| reason.strip_suffix(why)?.strip_suffix("; "));
+    added.unwrap_or(reason).to_owned()
 }
 
 /// Indices of the chosen sections of rows.
@@ -185,14 +210,29 @@ mod tests {
     }
 
     #[test]
-    fn a_single_section_and_given_directions_stay_as_they_are() {
-        assert_eq!(
-            from_both_ends(&chosen(&[(1, 1.0, 0.0)]), 1.0),
-            None,
-            "it tries both directions by itself"
-        );
+    fn a_single_section_stays_as_it_is() {
+        let one = chosen(&[(1, 1.0, 0.0)]);
+        assert_eq!(from_both_ends(&one, 1.0), None, "it tries both directions by itself");
+        assert_eq!(from_both_ends(&one, 0.0), None);
+    }
+
+    #[test]
+    fn sections_that_are_cut_from_the_inlet_are_turned_to_the_outlet_too() {
+        let two = chosen(&[(1, 1.0, 0.5), (2, 0.5, 0.0)]);
+        let mut inwards = two.clone();
+        cut_from_inlet(&mut inwards, &[0, 1], NO_LEAN);
+        assert_eq!(order(&inwards), [(2, 0.5, 0.0, FROM_INLET), (1, 1.0, 0.5, FROM_INLET)]);
+        assert_eq!(from_both_ends(&inwards, 0.0), Some(two), "as they were chosen, reasons too");
+        assert_eq!(from_both_ends(&inwards, 1.0), None, "the order that it has");
+        let both = from_both_ends(&inwards, 0.5).expect("another order");
+        assert_eq!(order(&both), [(1, 1.0, 0.5, FROM_OUTLET), (2, 0.5, 0.0, FROM_INLET)]);
+    }
+
+    #[test]
+    fn sections_of_the_setup_stay_where_they_are() {
         let mut given = chosen(&[(1, 1.0, 0.5), (2, 0.5, 0.0)]);
         given.setup.plunge.sections[1].cut_direction = FROM_INLET;
+        given.reasons = vec![None; 2];
         assert_eq!(from_both_ends(&given, 0.7), None);
     }
 }
