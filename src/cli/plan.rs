@@ -27,6 +27,7 @@ use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::report::words;
 use crate::setup::AxisPolicy;
+use crate::toolpath::min_rapid_length;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
 use crate::job::FIELD_CELLS;
@@ -63,6 +64,7 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let report =
         report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default())
             .map_err(|error| Failure::of_verify(&name, error))?;
+    let min_rapids = min_rapid_length(&written);
     let on_machine = outcome.clock.on_machine().map(|clock| MachineFigures::of_plan(clock, &written));
     if args.report {
         let files = [ProgramFile::plan("plan.json"), ProgramFile::apt("plunge.apt")];
@@ -75,13 +77,14 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let curve = count.map(|count| time_stock_curve(&outcome, usize::from(count)));
     if args.json {
         let mut object = plan_json(&outcome, &report, channels);
+        object.insert("rapid_length_min".into(), json!(min_rapids.map(output::number)));
         object.extend(MachineFigures::keys_of(on_machine.as_ref(), &outcome.setup));
         if let Some(Ok(curve)) = &curve {
             object.insert("pareto".into(), curve.iter().map(|point| point_object(point, &outcome)).collect());
         }
         print_stdout(&format!("{}\n", Value::Object(object)))?;
     } else {
-        print_stdout(&plan_text(&outcome, &report, on_machine.as_ref(), channels, args))?;
+        print_stdout(&plan_text(&outcome, &report, (on_machine.as_ref(), min_rapids), channels, args))?;
         if let Some(Ok(curve)) = &curve {
             print_stdout(&curve_text(curve, &outcome))?;
         }
@@ -214,10 +217,11 @@ fn written_figures<'a>(
     }
 }
 
+/// The table of the plan with what has to be said about it; `min_rapids` is that of [`min_rapid_length`].
 fn plan_text(
     outcome: &PlanOutcome,
     report: &PlungeReport,
-    on_machine: Option<&MachineFigures>,
+    (on_machine, min_rapids): (Option<&MachineFigures>, Option<f64>),
     channels: usize,
     args: &PlanArgs,
 ) -> String {
@@ -272,6 +276,14 @@ fn plan_text(
         };
     }
     text += &words::clearances_text(&report.summary, channels);
+    if let Some(least) = min_rapids {
+        let rapids = report.summary.rapid_length;
+        text += &format!(
+            "rapids {:.1} m; in no order of the cuts less than {:.1} m\n",
+            rapids / 1e3,
+            least / 1e3
+        );
+    }
     text += &MachineFigures::text_of(on_machine, &outcome.setup);
     if let Some(wheel) = outcome.after.summary.wheel_time_s {
         text += &format!("the wheel, {} channels, tool by tool: {:.1} min\n", part.blade_count, wheel / 60.0);

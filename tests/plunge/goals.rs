@@ -63,6 +63,15 @@ fn every_point_of_the_curve_is_a_sound_plan() {
         assert!(fast.time_estimate < slow.time_estimate);
         assert!(fast.residual_mean >= slow.residual_mean - 1e-6, "less stock in less time");
     }
+    // Convex within 3 %: no point is above the chord between any two others.
+    let at = |k: usize| (curve[k].summary.time_estimate, curve[k].summary.residual_p95);
+    for k in 0..curve.len() {
+        for (a, b) in (0..k).flat_map(|a| (k + 1..curve.len()).map(move |b| (a, b))) {
+            let ((t, p95), (from, most), (to, least)) = (at(k), at(a), at(b));
+            let chord = most + (least - most) * (t - from) / (to - from);
+            assert!(p95 <= 1.03 * chord, "point {k} leaves {p95} mm, the chord {a} to {b} {chord}");
+        }
+    }
     for point in &curve {
         assert_eq!(
             faults(&WHOLE, &point.plan),

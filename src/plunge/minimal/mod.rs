@@ -21,6 +21,7 @@ mod section;
 mod stages;
 mod touch_up;
 mod uncut_floor;
+mod visit_order;
 
 pub use candidate::CandidateMaker;
 pub use crossing::RowCrossing;

@@ -4,10 +4,12 @@ use rayon::prelude::*;
 
 use super::ExtraSearch;
 use super::section::cut_split;
+use super::visit_order::{Place, short_path};
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
 use crate::plunge::cycle::PlanError;
+use crate::plunge::row::Station;
 use crate::plunge::section_layout::PassageStretch;
 use crate::setup::Tool;
 
@@ -52,10 +54,31 @@ impl PoolRounds<'_, '_> {
         self.budget -= rows.iter().map(Vec::len).sum::<usize>();
         let before = cut.rows.len();
         let closing = &monitor.ignoring_stop();
-        for (stations, &lambda) in rows.into_iter().zip(self.lambdas) {
-            let lambda = self.stretch.lambda_in_channel(lambda);
+        for (lambda, stations) in in_visit_order(rows, cut) {
+            let lambda = self.stretch.lambda_in_channel(self.lambdas[lambda]);
             cut_split(self.context, stations, lambda, self.tool, cut, closing)?;
         }
         Ok(cut.drop_hindered_rows(before))
     }
+}
+
+/// The found plunges, by λ, in an order with short links after those of `cut`, in runs of the same λ (as index): all of
+/// them are free of contact after the plunges before this round, so any order will do.
+fn in_visit_order(rows: Vec<Vec<Station>>, cut: &SectionCut) -> Vec<(usize, Vec<Station>)> {
+    let found: Vec<(usize, Station)> = rows
+        .into_iter()
+        .enumerate()
+        .flat_map(|(lambda, stations)| stations.into_iter().map(move |station| (lambda, station)))
+        .collect();
+    let places: Vec<Place> = found.iter().map(|(_, station)| (station.tip, station.axis)).collect();
+    let last = cut.columns.as_slice().last().map(|column| (column.cutter.tip, column.cutter.axis));
+    let mut runs: Vec<(usize, Vec<Station>)> = Vec::new();
+    for index in short_path(last.as_ref(), &places) {
+        let (lambda, station) = found[index];
+        match runs.last_mut() {
+            Some((run, stations)) if *run == lambda => stations.push(station),
+            _ => runs.push((lambda, vec![station])),
+        }
+    }
+    runs
 }
