@@ -58,7 +58,7 @@ pub(super) fn assembly_findings(
     }
     if clearance.holder.collides() {
         let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
-        let help = match only.and_then(|pose| around.stick_out(tool, pose)) {
+        let help = match only.and_then(|pose| around.stick_out(tool, pose, f64::INFINITY)) {
             Some(overhang) => format!("an overhang of {overhang} mm would do, instead of {}", tool.overhang),
             None => "no longer overhang frees it: tilt the axis, or give a thinner holder".to_owned(),
         };
