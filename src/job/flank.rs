@@ -185,8 +185,8 @@ impl Opener {
     /// The opener for passes with `tool`; `None` where the blank hardly stands above the shroud.
     fn of(part: &Impeller, setup: &Setup, tool: &Tool, machine: Option<&MachineTool>) -> Option<Self> {
         // Of tools with a round bottom a plunge leaves much.
-        let is_flat = |tool: &&Tool| tool.corner_radius < 0.5 * tool.radius();
-        let own: Vec<Tool> = setup.tools.iter().filter(is_flat).cloned().collect();
+        let is_for_plunges = |tool: &&Tool| tool.is_flat() && !tool.is_tapered();
+        let own: Vec<Tool> = setup.tools.iter().filter(is_for_plunges).cloned().collect();
         let from = if own.is_empty() { plunge_cutters() } else { &own };
         let mut setup = setup.clone();
         let step = OPENING_STEP_RADII * tool.radius();

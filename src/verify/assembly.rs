@@ -283,9 +283,27 @@ pub(super) fn holder_in_stock(
     None
 }
 
+/// What is not judged of the tools of a program: a remark on tapered ones, and on those whose shank and holder
+/// are unknown.
+pub fn unjudged_tools(program: &ClProgram, setup: &Setup) -> Option<String> {
+    let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
+    let tapered: Vec<String> = program
+        .tools
+        .iter()
+        .enumerate()
+        .filter(|(index, tool)| tool.completed(setup).is_tapered() && used(*index))
+        .map(|(_, tool)| tool.number.to_string())
+        .collect();
+    let tapered = (!tapered.is_empty())
+        .then(|| format!("tapered, their edges judged as cylinders: tool {}", tapered.join(", ")));
+    let remarks = [tapered, unknown_assemblies(program, setup)];
+    let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+    (!remarks.is_empty()).then(|| remarks.join("; "))
+}
+
 /// Tools of a program whose shank and holder are unknown: a remark. Of programs that mill along curves their holder
 /// is assumed, of others it is not looked at.
-pub fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
+fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
     let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
     let unknown: Vec<String> = program
         .tools

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
-pub use assembly::unknown_assemblies;
+pub use assembly::unjudged_tools;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, TILT_TOLERANCE, VerifyError, count_by_kind, falls_short};

@@ -146,7 +146,28 @@ fn the_stick_out_frees_the_holder_and_no_shorter_one_does() {
     let missing =
         |overhang: f64| around.at(tool, &tool.assembly.segments(overhang), pose, 0.0).holder.missing;
     assert!(missing(tool.overhang) > 1.0, "the short tool collides");
-    let overhang = around.stick_out(tool, pose).expect("a longer one does");
+    let overhang = around.stick_out(tool, pose, f64::INFINITY).expect("a longer one does");
     assert!(missing(overhang) <= 1e-3, "{overhang}");
     assert!(missing(overhang - 1.0) > 0.0, "1 mm less does not do");
+    assert_eq!(around.stick_out(tool, pose, overhang), Some(overhang));
+    assert_eq!(around.stick_out(tool, pose, overhang - 1.0), None, "no more than asked for");
+}
+
+#[test]
+fn a_tapered_cutter_is_refused_by_planners_with_a_cure() {
+    let part = pump();
+    let text = "[[tool]]\nnumber = 7\ndiameter = 4\ncorner_radius = 2\ntaper = 5\noverhang = 40\n";
+    let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+    let workpiece = setup.allowances.workpiece_of(part);
+    let plunge = vanecut::job::resolve(&setup, &workpiece).expect_err("no other tool");
+    let flank = vanecut::flank::choice::choose_tool(&workpiece, &setup, &[]).expect_err("no other tool");
+    for fault in [plunge, flank] {
+        let text = fault.to_string();
+        assert!(text.contains("tool 7 widens by 5.0°") && text.contains("cylindrical"), "{text}");
+    }
+    // Beside another it is left out of the choice.
+    let more = format!("{text}[[tool]]\nnumber = 8\ndiameter = 6\noverhang = 60\n");
+    let setup = read_setup_bytes("s.toml", more.as_bytes()).expect("reads");
+    let resolved = vanecut::job::resolve(&setup, &workpiece).expect("the other one");
+    assert!(resolved.setup.plunge.sections.iter().all(|section| section.tool == 8));
 }
