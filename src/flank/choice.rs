@@ -1,6 +1,7 @@
 //! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
 //! enough space for passes side by side, or a thicker one where that is too short.
 
+use super::passes::UncutLength;
 use crate::error::ErrorCode;
 use crate::part::{Channel, Division, Impeller, Passage, PassageWidth, Workpiece};
 use crate::setup::{Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
@@ -96,6 +97,21 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
         tool.diameter, tool.overhang
     );
     Ok(ChosenTool { tool: tool.clone(), reason: Some(reason) })
+}
+
+/// What a longer tool would free, one line: where a holder is in the way of passes, and the tool shorter than the
+/// channel asks for. The overhang that it names keeps the holder out of the channel.
+pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
+    let depth = deepest(part);
+    let wanted = (OVERHANG_MARGIN * depth).ceil();
+    let is_hindered = uncut.iter().any(|left| left.why.contains("holder"));
+    (is_hindered && tool.overhang < wanted).then(|| {
+        format!(
+            "the holder is in the way of passes: in a channel {depth:.1} mm deep an overhang of {wanted} mm keeps \
+             it out, instead of {}",
+            tool.overhang
+        )
+    })
 }
 
 /// The tools to choose from: cylindrical ones that end in a ball, where there are such.

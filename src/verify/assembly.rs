@@ -269,15 +269,21 @@ pub(super) fn holder_in_stock(
         let placed = segment.placed(&cutter.tip, &cutter.axis);
         let depth = depth_in_stock(&placed, columns.before(k + 1), None, blank);
         if depth > TOOL_TOLERANCE {
-            let (kind, name) = match segment.part {
-                AssemblyPart::Shank => (FaultKind::ShankCollision, "shank"),
-                AssemblyPart::Holder => (FaultKind::HolderCollision, "holder"),
+            let (kind, name, help) = match segment.part {
+                AssemblyPart::Shank => {
+                    (FaultKind::ShankCollision, "shank", "cut in steps, or give a thinner shank".to_owned())
+                }
+                AssemblyPart::Holder => {
+                    let overhang = (tool.overhang + depth).ceil();
+                    let help = format!("cut in steps, or give an overhang of {overhang} mm");
+                    (FaultKind::HolderCollision, "holder", help)
+                }
             };
             let what = format!(
                 "the {name} of tool {} runs {depth:.1} mm into stock that no plunge before it removed",
                 tool.number
             );
-            return Some(Finding::new(kind, depth, what).with_help("cut in steps, or give more overhang"));
+            return Some(Finding::new(kind, depth, what).with_help(help));
         }
     }
     None

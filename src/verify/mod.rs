@@ -219,7 +219,8 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
         "cuts {depth:.1} mm deep at once, but tool {} is {:.1} mm long below its holder",
         tool.number, tool.overhang
     );
-    Finding::new(FaultKind::TooDeep, depth, what).with_help("cut in steps, or give more overhang")
+    let help = format!("cut in steps, or give an overhang of {} mm", depth.ceil());
+    Finding::new(FaultKind::TooDeep, depth, what).with_help(help)
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, `None` where it has none; and the

@@ -355,7 +355,10 @@ fn read_holder(holder: &Value, notes: &mut Vec<String>) -> Result<Vec<[f64; 3]>,
         kept += 1;
     }
     if kept < segments.len() {
-        notes.push(format!("{} holder segments beyond the gauge line are left out", segments.len() - kept));
+        notes.push(match segments.len() - kept {
+            1 => "the holder segment beyond the gauge line is left out".to_owned(),
+            more => format!("{more} holder segments beyond the gauge line are left out"),
+        });
         segments.truncate(kept);
     }
     Ok(segments)

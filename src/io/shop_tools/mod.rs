@@ -221,8 +221,8 @@ fn number_tools(library: &mut ToolLibrary) {
         if tool.number == 0 || !taken.insert(tool.number) {
             next += 1;
             notes.push(match tool.number {
-                0 => format!("no number in the library: number {next} given"),
-                other => format!("number {other} is taken by another tool: number {next} given"),
+                0 => "no number in the library: a free one given".to_owned(),
+                _ => "its number is taken by another tool: a free one given".to_owned(),
             });
             tool.number = next;
             taken.insert(next);
