@@ -15,7 +15,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::choice::choose_opening;
 use crate::plunge::choice::times::MoveTimes;
-use crate::plunge::sections::check_part;
+use crate::plunge::sections::{check_part, keep_needed_tools};
 use crate::plunge::{PlanError, Planner};
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Travel};
@@ -139,6 +139,7 @@ impl FlankJob {
             setup.tools.push(chosen.tool.clone());
         }
         setup.flank.tool = Some(chosen.tool.number);
+        keep_needed_tools(&mut setup, opener.as_ref().map(|opener| opener.tool.number));
         let elapsed = started.elapsed().as_secs_f64();
         Ok(FlankOutcome {
             workpiece,

@@ -92,22 +92,26 @@ pub fn resolve(
     check_some_fit(&resolved, &survey, library)?;
     if !given {
         resolved.tools = used_tools(&resolved);
-    } else if resolved.tools.len() > MAX_KEPT_TOOLS {
-        let is_kept = needed_numbers(&resolved);
-        resolved.tools.retain(|tool| is_kept.contains(&tool.number));
+    } else {
+        keep_needed_tools(&mut resolved, None);
     }
     check_size(&resolved, part, &survey)?;
     Ok(Resolved { setup: resolved, reasons })
 }
 
-/// Numbers of the tools that a setup names: in sections, edits, and for flank passes.
-fn needed_numbers(setup: &Setup) -> HashSet<u32> {
+/// Leaves in a setup that has a whole library the tools that it names, in sections, edits, and for flank passes,
+/// and that of number `more`.
+pub fn keep_needed_tools(setup: &mut Setup, more: Option<u32>) {
+    if setup.tools.len() <= MAX_KEPT_TOOLS {
+        return;
+    }
     let sections = setup.plunge.sections.iter().map(|section| section.tool);
     let locked = setup.plunge.edits.iter().filter_map(|edit| match edit.change {
         PlungeChange::Lock { tool, .. } => Some(tool),
         _ => None,
     });
-    sections.chain(locked).chain(setup.flank.tool).collect()
+    let needed: HashSet<u32> = sections.chain(locked).chain(setup.flank.tool).chain(more).collect();
+    setup.tools.retain(|tool| needed.contains(&tool.number));
 }
 
 /// The tools that sections use, in cutting order.

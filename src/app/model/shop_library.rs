@@ -193,8 +193,8 @@ mod tests {
     #[test]
     fn a_tool_without_rates_is_taken_with_those_of_the_material() {
         let mut library = ShopLibrary::default();
-        library.selected = Some(0);
         library.content.tools[0].missing = MissingRates { plunge_feed: true, spindle: true };
+        library.selected = Some(0);
         let mut setup = Setup::default();
         setup.allowances.material = Some("titanium".to_owned());
         library.take_into(&mut setup).expect("a tool");
