@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 use super::json::{elements, json_text, tool_tree};
-use super::left_out::LeftOut;
+use super::left_out::LeftOutTools;
 use super::length::{angle_deg, length_mm};
 use super::{
     LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools, rated,
@@ -156,7 +156,7 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
         list.ok_or_else(|| fault("has no list `tools`".to_owned(), "give a tool library of FreeCAD"))?;
     too_many(name, list.len())?;
     let mut library = ToolLibrary::default();
-    let mut left_out = LeftOut::default();
+    let mut left_out = LeftOutTools::default();
     // The first error of a tool bit. It becomes the error of the library if no bit can be read.
     let mut refused = None;
     for (index, text) in list.iter().enumerate() {

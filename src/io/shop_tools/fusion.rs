@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::expression::Expressions;
 use super::json::{elements, json_text, tool_tree};
-use super::left_out::LeftOut;
+use super::left_out::LeftOutTools;
 use super::{
     LibraryTool, MAX_SEGMENTS, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools,
     rated, round_lengths, short_name, too_many,
@@ -63,7 +63,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
         return Err(fault(what, "split the library").with_code(ErrorCode::FileTooLarge));
     }
     let mut library = ToolLibrary::default();
-    let mut left_out = LeftOut::default();
+    let mut left_out = LeftOutTools::default();
     let mut holders = 0;
     // The first error of a mill. It becomes the error of the library if no mill can be read.
     let mut refused = None;

@@ -7,7 +7,7 @@ const MAX_REASONS: usize = 12;
 
 /// Tools that are left out, by reason, in the order of the file.
 #[derive(Debug, Default)]
-pub struct LeftOut {
+pub struct LeftOutTools {
     reasons: Vec<Reason>,
     /// Those with further reasons.
     others: usize,
@@ -21,7 +21,7 @@ struct Reason {
     named: Vec<String>,
 }
 
-impl LeftOut {
+impl LeftOutTools {
     /// Adds the tool `shown`, and why it is left out.
     pub fn add(&mut self, shown: String, why: String) {
         let known = self.reasons.iter().position(|reason| reason.why == why);
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn many_tools_with_few_reasons_take_few_lines() {
-        let mut left_out = LeftOut::default();
+        let mut left_out = LeftOutTools::default();
         left_out.add("tool 1".to_owned(), "it is broken".to_owned());
         for k in 2..1000 {
             left_out.add(format!("tool {k}"), "`drill` is not a mill".to_owned());

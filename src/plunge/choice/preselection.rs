@@ -2,21 +2,19 @@
 //! library of a maker has thousands.
 //!
 //! Up to [`ALL_TOOLS`] every tool is looked at. Of more, those wider than the channel, and those much
-//! thinner than need be, are left out; the others are put into classes of diameters. From each class come, for
-//! each of [`REACHES`] of the overhangs that the channel asks for, the tool that removes most and the one
-//! with the slimmest holder.
+//! thinner than need be, are left out. If these are still more, there come, for each station and each of
+//! [`ROOM_SHARES`] of its room, of the tools that fit and are long enough, the two that remove most and the
+//! one with the slimmest holder.
 
-use super::fit::Rules;
+use super::fit::{Rules, TILT_ROOM};
 use crate::plunge::spacing::{step_limit, stepover};
 use crate::plunge::survey::Survey;
 use crate::setup::{PlungeSetup, Tool};
 
 /// Number of tools that are all looked at.
 const ALL_TOOLS: usize = 100;
-/// Classes of diameters between the least and the greatest that may be of use.
-const CLASSES: usize = 20;
-/// Shares of the stations whose overhang a tool of a class reaches.
-const REACHES: [f64; 3] = [0.4, 0.75, 1.0];
+/// Shares of the room at a station that a tool may take: twisted walls leave less than all of it.
+const ROOM_SHARES: [f64; 4] = [1.0, 0.85, 0.7, 0.5];
 /// Diameter below which a tool is of no use, in widths of the narrowest passage.
 const LEAST_SHARE: f64 = 0.15;
 
@@ -41,42 +39,41 @@ fn thinned<'t>(list: &[&'t Tool], survey: &Survey, rules: &Rules, plunge: &Plung
     let widest = widths.iter().copied().fold(0.0, f64::max);
     let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
     let thinnest = list.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
-    let most = widest.max(thinnest);
-    let fitting: Vec<&Tool> = list.iter().copied().filter(|tool| tool.diameter <= most).collect();
-    let thickest = fitting.iter().map(|tool| tool.diameter).fold(0.0, f64::max);
-    let least = (LEAST_SHARE * narrowest).min(thickest);
-    let mut overhangs: Vec<f64> = survey.stations.iter().map(|station| rules.overhang(station)).collect();
-    overhangs.sort_by(f64::total_cmp);
-    let needed = REACHES.map(|share| {
-        let last = overhangs.len().saturating_sub(1);
-        overhangs.get((share * last as f64).round() as usize).copied().unwrap_or(0.0)
-    });
-    let mut classes: Vec<Vec<usize>> = vec![Vec::new(); CLASSES];
-    let span = (thickest / least).ln().max(1e-9);
-    for (index, tool) in fitting.iter().enumerate().filter(|(_, tool)| tool.diameter >= least) {
-        let class = (CLASSES as f64 * (tool.diameter / least).ln() / span) as usize;
-        classes[class.min(CLASSES - 1)].push(index);
+    let range = (LEAST_SHARE * narrowest).min(thinnest.max(widest))..=thinnest.max(widest);
+    let fitting: Vec<&Tool> = list.iter().copied().filter(|tool| range.contains(&tool.diameter)).collect();
+    if fitting.len() <= ALL_TOOLS {
+        // Not all of them may be too thin.
+        return if fitting.is_empty() { list[..ALL_TOOLS].to_vec() } else { fitting };
     }
-    let removal = |index: usize| {
-        let tool = fitting[index];
-        tool.plunge_feed * step_limit(plunge, tool, false) * stepover(plunge, tool)
-    };
+    let removal: Vec<f64> = fitting
+        .iter()
+        .map(|tool| tool.plunge_feed * step_limit(plunge, tool, false) * stepover(plunge, tool))
+        .collect();
     let mut taken = vec![false; fitting.len()];
-    for class in &classes {
-        for reach in needed {
-            let long = || class.iter().copied().filter(|&index| fitting[index].overhang >= reach);
-            let fastest = long().max_by(|&a, &b| removal(a).total_cmp(&removal(b)));
-            let slimmest = long().min_by(|&a, &b| {
-                let holders = fitting[a].holder_diameter().total_cmp(&fitting[b].holder_diameter());
-                holders.then(removal(b).total_cmp(&removal(a)))
-            });
-            // Where none is long enough the longest.
-            let longest = class
+    for station in &survey.stations {
+        let room = rules.free_width(station.narrowest).min(widest) / TILT_ROOM;
+        let needed = rules.overhang(station);
+        for share in ROOM_SHARES {
+            let good = |index: &usize| {
+                fitting[*index].diameter <= share * room && fitting[*index].overhang >= needed
+            };
+            let good: Vec<usize> = (0..fitting.len()).filter(good).collect();
+            let fastest = good.iter().copied().max_by(|&a, &b| removal[a].total_cmp(&removal[b]));
+            let second = good
                 .iter()
                 .copied()
-                .max_by(|&a, &b| fitting[a].overhang.total_cmp(&fitting[b].overhang))
-                .filter(|_| fastest.is_none());
-            for index in [fastest, slimmest, longest].into_iter().flatten() {
+                .filter(|index| Some(*index) != fastest)
+                .max_by(|&a, &b| removal[a].total_cmp(&removal[b]));
+            let slimmest = good.iter().copied().min_by(|&a, &b| {
+                let holders = fitting[a].holder_diameter().total_cmp(&fitting[b].holder_diameter());
+                holders.then(removal[b].total_cmp(&removal[a]))
+            });
+            // Where none fits well the thinnest of those that are long enough, and the longest.
+            let all = || (0..fitting.len()).filter(|_| fastest.is_none());
+            let long = all().filter(|&index| fitting[index].overhang >= needed);
+            let thinnest = long.min_by(|&a, &b| fitting[a].diameter.total_cmp(&fitting[b].diameter));
+            let longest = all().max_by(|&a, &b| fitting[a].overhang.total_cmp(&fitting[b].overhang));
+            for index in [fastest, second, slimmest, thinnest, longest].into_iter().flatten() {
                 taken[index] = true;
             }
         }
