@@ -1,9 +1,9 @@
 //! Which tools of a large library the choice looks at: its time grows with the square of their number, and a
 //! library of a maker has thousands.
 //!
-//! Up to [`ALL_TOOLS`] every tool is looked at. Of more, those wider than the channel, and those much
+//! Up to `ALL_TOOLS` every tool is looked at. Of more, those wider than the channel, and those much
 //! thinner than need be, are left out. If these are still more, there come, for each station and each of
-//! [`ROOM_SHARES`] of its room, of the tools that fit and are long enough, the two that remove most and the
+//! `ROOM_SHARES` of its room, of the tools that fit and are long enough, the two that remove most and the
 //! one with the slimmest holder.
 
 use super::fit::{Rules, TILT_ROOM};
