@@ -6,7 +6,7 @@ use super::limits::{MIN_INCLINATION, ReachLimits, ReachSides};
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, frame_about};
 use crate::part::{Blank, FinishedPart, Impeller, Passage, SideProbe, Workpiece};
-use crate::setup::Tool;
+use crate::setup::{AssemblySegment, Tool};
 
 /// Maximum number of pushes of an axis between the walls before it counts as blocked.
 const PUSHES: usize = 5;
@@ -99,20 +99,28 @@ impl<'a> ReachObstacles<'a> {
         if around < tool.radius() + self.limits.blade_allowance {
             return ReachSides::default();
         }
-        let stands = |aim: &Inclination| self.is_placeable(&foot, aim, lambda, tool);
+        let segments = tool.assembly.segments(tool.overhang);
+        let stands = |aim: &Inclination| self.is_placeable(&foot, aim, lambda, (tool, &segments));
         let (outlet, inlet) = (aims.outlet.iter().any(stands), aims.inlet.iter().any(stands));
         ReachSides { outlet, inlet, any: outlet || inlet || aims.normal.as_ref().is_some_and(stands) }
     }
 
     /// Whether a tool can be placed at `foot` with an axis inclined as `aim` along the flow.
-    fn is_placeable(&self, foot: &Point, aim: &Inclination, lambda: f64, tool: &Tool) -> bool {
+    fn is_placeable(
+        &self,
+        foot: &Point,
+        aim: &Inclination,
+        lambda: f64,
+        (tool, segments): (&Tool, &[AssemblySegment]),
+    ) -> bool {
         let mut theta = aim.walls[0] + lambda * (aim.walls[1] - aim.walls[0]);
         let mut last = 0.0;
         for _ in 0..PUSHES {
             let top = aim.top.at_angle(theta);
             let Some(axis) = (top - foot).try_normalize(1e-9) else { return false };
             let Some(push) = self.push(&tool.placed(*foot, axis), &top) else {
-                return self.column_clears_hub(foot, &axis, tool) && self.holder_clears(foot, &axis, tool);
+                return self.column_clears_hub(foot, &axis, tool)
+                    && self.holder_clears(foot, &axis, tool, segments);
             };
             // Pushed clear of one wall and too near to the other: no axis fits between them.
             if !push.is_finite() || push.abs() > self.part.pitch().abs() || push * last < 0.0 {
@@ -155,8 +163,7 @@ impl<'a> ReachObstacles<'a> {
     }
 
     /// Whether shank and holder clear the blades, the hub and the turned blank.
-    fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool) -> bool {
-        let segments = tool.assembly.segments(tool.overhang);
+    fn holder_clears(&self, foot: &Point, axis: &Vector, tool: &Tool, segments: &[AssemblySegment]) -> bool {
         if !segments.is_empty() {
             let around = AssemblySurroundings {
                 finished: self.finished,
@@ -165,7 +172,7 @@ impl<'a> ReachObstacles<'a> {
                 allowances: [self.limits.hub_allowance, self.limits.blade_allowance],
                 clearances: self.limits.clearances,
             };
-            let found = around.at(tool, &segments, (*foot, *axis), 0.0);
+            let found = around.at(tool, segments, (*foot, *axis), 0.0);
             if found.shank.collides() || found.holder.collides() {
                 return false;
             }

@@ -23,7 +23,6 @@ use crate::mesh::TriangleMesh;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
 use crate::part::{Impeller, PartDescription};
-use crate::setup::Tool;
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, field_cutters, residual_field, stretches_of};
 
@@ -52,6 +51,8 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
     if let Some(format) = library_format(&args.input, &args.output)? {
         return convert_library(args, format);
     }
+    // A wrong input is named before what follows from it for the output.
+    open::check_is_input(&args.input)?;
     let format = format_of(&args.output)?;
     if !(args.chord_error.is_finite() && (1e-4..=10.0).contains(&args.chord_error)) {
         let option = format!("--chord-error {}", args.chord_error);
@@ -121,7 +122,7 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
             return Err(Failure::input(ErrorCode::FileFormat, what, "name such a file").at_path(&args.output));
         }
     };
-    let library = read_library(&args.input, format)?;
+    let mut library = read_library(&args.input, format)?;
     if same_file(&args.input, &args.output) {
         return Err(is_the_input(&args.output));
     }
@@ -130,20 +131,14 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
     let count = library.tools.len();
     let tools = if count == 1 { "tool" } else { "tools" };
     let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
-    for tool in &library.tools {
-        for note in &tool.notes {
-            text += &format!("tool {}: {note}\n", tool.tool.number);
-        }
-        if loses_insert_width && tool.tool.core_radius() > 0.0 {
-            let Tool { number, insert_width, .. } = tool.tool;
-            text += &format!(
-                "tool {number}: Fusion has no insert width; its {insert_width} mm have to be given again where \
-                 the library is read\n"
-            );
+    if loses_insert_width {
+        for entry in library.tools.iter_mut().filter(|entry| entry.tool.core_radius() > 0.0) {
+            let what = "Fusion has no insert width; it has to be given again where the library is read";
+            entry.notes.push(what.to_owned());
         }
     }
-    for note in &library.notes {
-        text += &format!("{note}\n");
+    for remark in library.remarks() {
+        text += &format!("{remark}\n");
     }
     print_stdout(&text)
 }

@@ -13,6 +13,7 @@ use super::verify::flank::walls_text;
 use super::watch::run_with_progress;
 use super::{Failure, open, print_stdout};
 use crate::error::ErrorCode;
+use crate::flank::choice::overhang_note;
 use crate::flank::curves::WIDEST_GAP;
 use crate::flank::{FlankPlan, UncutLength};
 use crate::io::apt::write_apt;
@@ -322,7 +323,11 @@ fn text(outcome: &FlankOutcome) -> String {
     for height in &curves.empty {
         text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");
     }
-    text + &left_out_text(&plan.uncut)
+    text += &left_out_text(&plan.uncut);
+    if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
+        text += &format!("{note}\n");
+    }
+    text
 }
 
 /// Passes that were left out, by layer and reason, a line each.

@@ -7,7 +7,7 @@ use super::Failure;
 use super::args::MeshArgs;
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
-use crate::io::part_file::read_part_with;
+use crate::io::part_file::{check_part_format, read_part_with};
 use crate::io::setup_file::{line_of_place, locate_machine, read_setup_with_defaults};
 use crate::io::source::{MAX_BYTES, name_of, read_bytes};
 use crate::part::{Impeller, PartDescription};
@@ -15,6 +15,17 @@ use crate::setup::{Setup, SetupFault};
 
 /// How messages name standard input.
 const STANDARD_INPUT: &str = "standard input";
+
+/// Checks that a file that is to be converted is there, and by its extension a part or a plan.
+///
+/// # Errors
+/// [`Failure::input`] when it is not.
+pub fn check_is_input(path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        return Ok(());
+    }
+    Ok(check_part_format(path)?)
+}
 
 /// Reads and builds a part, and prints its notes to stderr.
 ///

@@ -22,7 +22,7 @@ use crate::part::{BlankShape, Impeller};
 use crate::setup::Setup;
 use crate::stock::solid::{Contact, SolidBlank, SolidError, SolidProgram, SolidStock, StockSurface};
 use crate::toolpath::ClProgram;
-use crate::verify::unknown_assemblies;
+use crate::verify::unjudged_tools;
 
 /// Output format, by extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -74,7 +74,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
     };
     write_atomically(&args.output, &bytes)?;
     let collisions = Collisions { name: &name, program: &program, contacts: &contacts };
-    let notes = unknown_assemblies(&program, &setup);
+    let notes = unjudged_tools(&program, &setup);
     if args.json {
         let mut map = Map::new();
         map.insert("volume".into(), number(volume));

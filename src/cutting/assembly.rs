@@ -21,9 +21,6 @@ const MIN_LOOK_AHEAD: f64 = 4.0;
 const MAX_LOOK_AHEAD: f64 = 20.0;
 /// Shares of the length of a segment at which circles are compared with the hub.
 const CIRCLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
-/// Least increment and largest extension of the search for a stick-out, mm; a whole number of mm is proposed.
-const STICK_OUT_STEP: f64 = 0.05;
-const MAX_EXTENSION: f64 = 1000.0;
 
 /// Least distance of shank or holder, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,7 +157,13 @@ impl<'a> AssemblySurroundings<'a> {
     }
 
     /// Whether a segment misses more than `tolerance` mm of its clearance in a pose.
-    fn misses(&self, segment: &AssemblySegment, tool: &Tool, pose: (Point, Vector), tolerance: f64) -> bool {
+    pub(super) fn misses(
+        &self,
+        segment: &AssemblySegment,
+        tool: &Tool,
+        pose: (Point, Vector),
+        tolerance: f64,
+    ) -> bool {
         let frustum = segment.placed(&pose.0, &pose.1);
         let clearance = self.clearances.of(segment.part);
         let [hub, blade] = self.allowances.map(|allowance| allowance + clearance - tolerance);
@@ -185,7 +188,7 @@ impl<'a> AssemblySurroundings<'a> {
 
     /// Whether what `frustum` comes nearer to than `clearance` of the blank was removed before, or by the
     /// cutter of its own tool.
-    fn was_removed(
+    pub(super) fn was_removed(
         &self,
         frustum: &Frustum,
         clearance: f64,
@@ -247,32 +250,6 @@ impl<'a> AssemblySurroundings<'a> {
         let frustum = segment.placed(&pose.0, &pose.1);
         let hub = hub_distance(self.finished, &frustum, cap);
         hub.min(blade_distance(self.finished, &frustum, hub.max(0.0)))
-    }
-
-    /// The least overhang, in whole mm, with which the holder of `tool` is clear at a pose; `None` where the
-    /// shank is in the way, too, or no overhang within reason suffices.
-    pub fn stick_out(&self, tool: &Tool, pose: (Point, Vector)) -> Option<f64> {
-        if tool.assembly.holder.is_empty() {
-            return None;
-        }
-        let mut overhang = tool.overhang;
-        while overhang <= tool.overhang + MAX_EXTENSION {
-            let clearance = self.at(tool, &tool.assembly.segments(overhang), pose, 0.0);
-            if clearance.shank.collides() {
-                return None;
-            }
-            if !clearance.holder.collides() {
-                let whole = overhang.ceil();
-                if overhang == whole {
-                    return Some(whole);
-                }
-                overhang = whole;
-                continue;
-            }
-            // A holder that is raised by some distance gains at most that.
-            overhang += clearance.holder.missing.max(STICK_OUT_STEP);
-        }
-        None
     }
 }
 
@@ -428,7 +405,7 @@ pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSo
 }
 
 /// Signed distance to the top of the blank, mm, of the ends and the middle.
-fn blank_distance(frustum: &Frustum, blank: &Blank) -> f64 {
+pub(super) fn blank_distance(frustum: &Frustum, blank: &Blank) -> f64 {
     let disc = |share: f64| {
         let tip = frustum.base + frustum.axis * (share * frustum.length);
         let radius = frustum.radius_at(share);

@@ -1,9 +1,10 @@
 //! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
 //! enough space for passes side by side, or a thicker one where that is too short.
 
+use super::passes::UncutLength;
 use crate::error::ErrorCode;
 use crate::part::{Channel, Division, Impeller, Passage, PassageWidth, Workpiece};
-use crate::setup::{Setup, SetupFault, SetupPlace, Tool, tool_of};
+use crate::setup::{Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
 /// walls at once.
@@ -37,15 +38,17 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
             Some(tool) => tool,
             None => tool_of(setup, number).map_err(|fault| fault.at(SetupPlace::Flank("tool")))?,
         };
+        check_taper(tool)?;
         return Ok(ChosenTool { tool: tool.clone(), reason: None });
     }
-    let tools = if setup.tools.is_empty() { library } else { &setup.tools };
+    let tools = suited(if setup.tools.is_empty() { library } else { &setup.tools })?;
     let [width, widest] = widths(&workpiece.part, &workpiece.channel);
     let depth = deepest(&workpiece.part);
     let free_width = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);
     let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && free_width(t) >= 0.0;
-    let thickest =
-        |fits: &dyn Fn(&&Tool) -> bool| tools.iter().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp);
+    let thickest = |fits: &dyn Fn(&&Tool) -> bool| {
+        tools.iter().copied().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp)
+    };
     let least = tools.iter().map(|t| t.diameter).fold(f64::INFINITY, f64::min);
     // Where not even the thinnest tool passes the narrowest width it still cuts the wider part.
     let reaches = widest > least + 2.0 * setup.allowances.blade_allowance;
@@ -57,11 +60,12 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
     };
     // Of several lengths the shortest that reaches the hub with the holder outside, otherwise the longest.
     let wanted = OVERHANG_MARGIN * depth;
-    let same = || tools.iter().filter(|t| t.diameter == diameter);
+    let same = || tools.iter().copied().filter(|t| t.diameter == diameter);
     let reach = same().map(|t| t.overhang.min(wanted)).fold(0.0, f64::max);
     // Where that is too short: the thinnest of the thicker tools that reach further.
     let longer = tools
         .iter()
+        .copied()
         .filter(|t| {
             t.diameter > diameter
                 && t.diameter <= MAX_DIAMETER_SHARE_FOR_LENGTH * width
@@ -93,6 +97,31 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
         tool.diameter, tool.overhang
     );
     Ok(ChosenTool { tool: tool.clone(), reason: Some(reason) })
+}
+
+/// What a longer tool would free, one line: where a holder is in the way of passes, and the tool shorter than the
+/// channel asks for. The overhang that it names keeps the holder out of the channel.
+pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
+    let depth = deepest(part);
+    let wanted = (OVERHANG_MARGIN * depth).ceil();
+    let is_hindered = uncut.iter().any(|left| left.why.contains("holder"));
+    (is_hindered && tool.overhang < wanted).then(|| {
+        format!(
+            "the holder is in the way of passes: in a channel {depth:.1} mm deep an overhang of {wanted} mm keeps \
+             it out, instead of {}",
+            tool.overhang
+        )
+    })
+}
+
+/// The tools to choose from: cylindrical ones that end in a ball, where there are such.
+fn suited(tools: &[Tool]) -> Result<Vec<&Tool>, SetupFault> {
+    let cylindrical: Vec<&Tool> = tools.iter().filter(|tool| !tool.is_tapered()).collect();
+    if cylindrical.is_empty() {
+        tools.iter().try_for_each(check_taper)?;
+    }
+    let balls: Vec<&Tool> = cylindrical.iter().copied().filter(|tool| !tool.is_flat()).collect();
+    Ok(if balls.is_empty() { cylindrical } else { balls })
 }
 
 /// The error that no tool fits into a channel of this narrowest and widest width, mm.

@@ -50,6 +50,18 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
     }
 }
 
+/// Checks by its extension that a file is a part, without reading it.
+///
+/// # Errors
+/// When it has another one.
+pub fn check_part_format(path: &Path) -> Result<(), InputError> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    match extension.as_str() {
+        "inf" | "glb" | "gltf" | "step" | "stp" | "p21" | "stl" | "geomturbo" | "toml" => Ok(()),
+        other => Err(unknown(&name_of(path), other)),
+    }
+}
+
 /// Reads a part from the bytes of a single file; `ext` is `toml`, `geomTurbo`, `step`, `stl`, `glb` or
 /// `gltf` in any case. `name` is the file name used in messages; its stem names a part without a name.
 ///

@@ -87,8 +87,8 @@ struct PositionRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     feed: Option<f64>,
     /// Way off the stock at the end, mm.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    lift_off: [f64; 3],
+    #[serde(default, alias = "lift_off", skip_serializing_if = "is_zero")]
+    lead_out: [f64; 3],
     /// Height at which it enters the blank, and depth between two interruptions, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     peck: Option<[f64; 2]>,
@@ -143,7 +143,7 @@ impl PositionRecord {
             towards_stock: engagement.towards_stock.into(),
             interrupted: engagement.is_interrupted,
             feed: motion.feed_mm_per_min,
-            lift_off: motion.lift_off.into(),
+            lead_out: motion.lead_out.into(),
             peck: motion.pecking.map(|pecking| [pecking.from, pecking.depth]),
             approach: motion.approach,
         }
@@ -152,7 +152,7 @@ impl PositionRecord {
     /// The position of a plan with this many sections; `None` if the record is damaged.
     fn position(&self, sections: usize) -> Option<Position> {
         let moved =
-            self.lift_off.iter().chain(self.peck.iter().flatten()).chain(&self.feed).chain(&self.approach);
+            self.lead_out.iter().chain(self.peck.iter().flatten()).chain(&self.feed).chain(&self.approach);
         let is_sound =
             are_coordinates(self.tip.iter().chain(&self.retract).chain(moved)) && self.section < sections;
         Some(Position {
@@ -181,7 +181,7 @@ impl PositionRecord {
                 },
                 motion: PlungeMotion {
                     feed_mm_per_min: self.feed.filter(|feed| *feed > 0.0),
-                    lift_off: self.lift_off.into(),
+                    lead_out: self.lead_out.into(),
                     pecking: self
                         .peck
                         .filter(|[from, depth]| *from > 0.0 && *depth > 0.0)

@@ -197,7 +197,15 @@ pub fn line_at(bytes: &[u8], offset: usize) -> usize {
 /// # Errors
 /// When the bytes are empty, too many, contain a NUL, or are not UTF-8.
 pub fn text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a str, InputError> {
-    let bytes = checked(source, bytes)?;
+    text_up_to(source, bytes, MAX_BYTES)
+}
+
+/// As [`text`], of at most `limit` bytes.
+///
+/// # Errors
+/// As [`text`].
+pub fn text_up_to<'a>(source: Source<'_>, bytes: &'a [u8], limit: usize) -> Result<&'a str, InputError> {
+    let bytes = checked(source, bytes, limit)?;
     std::str::from_utf8(bytes).map_err(|error| {
         let line = line_at(bytes, error.valid_up_to());
         let help = "check that this is the right file, or save it as UTF-8";
@@ -210,11 +218,11 @@ pub fn text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a str, InputErr
 /// # Errors
 /// When the bytes are empty, too many, or contain a NUL.
 pub fn text_lossy<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<Cow<'a, str>, InputError> {
-    Ok(String::from_utf8_lossy(checked(source, bytes)?))
+    Ok(String::from_utf8_lossy(checked(source, bytes, MAX_BYTES)?))
 }
 
-fn checked<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<&'a [u8], InputError> {
-    check_size(source, bytes, MAX_BYTES)?;
+fn checked<'a>(source: Source<'_>, bytes: &'a [u8], limit: usize) -> Result<&'a [u8], InputError> {
+    check_size(source, bytes, limit)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     if let Some(offset) = bytes.iter().position(|b| *b == 0) {
         let line = line_at(bytes, offset);

@@ -21,12 +21,13 @@
 //! cutting_speed = 180        # m/min
 //! ```
 
+use std::collections::HashSet;
 use std::fmt::Write;
 
 use super::InputError;
 use super::table::{Located, NumberRange, TomlDocument, TomlTable, degrees_text, quoted};
 use crate::error::ErrorCode;
-use crate::setup::cutting_data::{ASSUMED_TEETH, CuttingData};
+use crate::setup::cutting_data::{CuttingData, MissingRates, usual_feed, usual_spindle};
 use crate::setup::{Tool, ToolAssembly};
 
 /// Maximum length in a setup, mm.
@@ -39,8 +40,8 @@ pub const ALLOWANCE: NumberRange = NumberRange::Between(0.0, MAX_LENGTH);
 pub const RATE: NumberRange = NumberRange::Above(0.0, 1e6);
 /// Maximum number of a tool or an offset.
 pub const MAX_NUMBER: u32 = 1_000_000;
-/// Maximum number of tools in a setup.
-pub const MAX_TOOLS: usize = 500;
+/// Maximum number of tools in a setup or library. Makers' libraries hold some ten thousand.
+pub const MAX_TOOLS: usize = 50_000;
 /// Maximum number of teeth.
 pub const MAX_TEETH: u32 = 200;
 /// Maximum number of segments of a shank or holder.
@@ -49,9 +50,14 @@ pub const MAX_SEGMENTS: usize = 50;
 pub const MAX_NAME: usize = 200;
 /// Range of half angles of tapered cutters, degrees.
 const TAPER: NumberRange = NumberRange::Between(0.0, 60.0);
-/// Feed rate and spindle speed of a tool that says nothing about them.
-const DEFAULT_FEED: f64 = 300.0;
-const DEFAULT_SPINDLE: f64 = 1200.0;
+/// Range of feed per tooth, mm: beyond it a number or its unit is wrong.
+pub const FEED_PER_TOOTH: NumberRange = NumberRange::Between(1e-4, 5.0);
+/// The same of the cutting speed, m/min.
+pub const CUTTING_SPEED: NumberRange = NumberRange::Between(0.1, 1e4);
+/// The same of the plunge feed, mm/min.
+pub const PLUNGE_FEED: NumberRange = NumberRange::Between(0.01, 1e5);
+/// The same of the spindle speed, rev/min.
+pub const SPINDLE: NumberRange = NumberRange::Between(1.0, 1e6);
 
 const TOOL_KEYS: [&str; 17] = [
     "number",
@@ -78,11 +84,22 @@ const TOOL_KEYS: [&str; 17] = [
 /// # Errors
 /// When the bytes are not TOML, a key is unknown, or a value is outside its range.
 pub fn read_tools_bytes(name: &str, bytes: &[u8]) -> Result<Vec<Tool>, InputError> {
+    Ok(read_tools_with_rates(name, bytes)?.into_iter().map(|(tool, _)| tool).collect())
+}
+
+/// As [`read_tools_bytes`], with what each tool does not say of its rates.
+///
+/// # Errors
+/// As [`read_tools_bytes`].
+pub(super) fn read_tools_with_rates(
+    name: &str,
+    bytes: &[u8],
+) -> Result<Vec<(Tool, MissingRates)>, InputError> {
     let document = TomlDocument::new(name, bytes, ErrorCode::ToolFile)?;
     let tree = document.parse()?;
     let root = document.root(&tree);
     root.check_keys(&["tool"])?;
-    read_tool_tables(&root, None)
+    tools_of(&root, None)
 }
 
 /// The `[[tool]]` tables, in file order; what they do not say of speeds and feeds is by the cutting data of
@@ -91,14 +108,17 @@ pub(super) fn read_tool_tables(
     root: &TomlTable<'_>,
     material: Option<&CuttingData>,
 ) -> Result<Vec<Tool>, InputError> {
+    Ok(tools_of(root, material)?.into_iter().map(|(tool, _)| tool).collect())
+}
+
+fn tools_of(
+    root: &TomlTable<'_>,
+    material: Option<&CuttingData>,
+) -> Result<Vec<(Tool, MissingRates)>, InputError> {
     let tables = root.tables("tool")?;
     check_count(&tables, MAX_TOOLS, "tools")?;
-    let mut tools = Vec::with_capacity(tables.len());
-    for table in tables {
-        let tool = tool(&table, &tools, material)?;
-        tools.push(tool);
-    }
-    Ok(tools)
+    let mut numbers = HashSet::with_capacity(tables.len());
+    tables.iter().map(|table| tool(table, &mut numbers, material)).collect()
 }
 
 /// Returns an error at the first table beyond `max_count`.
@@ -121,15 +141,20 @@ pub(super) fn name(table: &TomlTable<'_>, key: &str) -> Result<Option<String>, I
     Ok(Some(text.value.to_owned()))
 }
 
-fn tool(table: &TomlTable<'_>, before: &[Tool], material: Option<&CuttingData>) -> Result<Tool, InputError> {
+/// Reads one tool; `numbers` are those of the tools before it.
+fn tool(
+    table: &TomlTable<'_>,
+    numbers: &mut HashSet<u32>,
+    material: Option<&CuttingData>,
+) -> Result<(Tool, MissingRates), InputError> {
     table.check_keys(&TOOL_KEYS)?;
     let given = table.whole("number", 1, MAX_NUMBER)?;
-    let number = given.map_or(before.len() as u32 + 1, |n| n.value);
+    let number = given.map_or(numbers.len() as u32 + 1, |n| n.value);
     let at = |at: Option<usize>, what: String, help: &str| match at {
         Some(at) => table.fault_at(at, what, help),
         None => table.fault(what, help).with_code(ErrorCode::ConflictingKeys),
     };
-    if before.iter().any(|tool| tool.number == number) {
+    if !numbers.insert(number) {
         let what = format!("two tools have the number {number}");
         return Err(at(given.map(|n| n.at), what, "give each tool its own number"));
     }
@@ -156,27 +181,49 @@ fn tool(table: &TomlTable<'_>, before: &[Tool], material: Option<&CuttingData>) 
     };
     let overhang = table.number_or("overhang", NumberRange::Above(0.0, 10.0 * MAX_LENGTH), 4.0 * diameter)?;
     let assembly = assembly(table, overhang)?;
-    let spindle = match assembly.cutting_speed {
-        Some(speed) => (speed * 1000.0 / (std::f64::consts::PI * diameter)).clamp(1.0, 1e6),
-        None => material.map_or(DEFAULT_SPINDLE, |data| data.spindle_for(diameter)),
+    let spindle = match table.number("spindle", SPINDLE)? {
+        Some(given) => (given.value, false),
+        None => {
+            let speed = usual_spindle(diameter, &assembly, material);
+            let what = format!("`cutting_speed` makes {speed:.3e} rev/min of a diameter of {diameter}");
+            within(table, SPINDLE, speed, (what, "spindle"))?
+        }
     };
-    let spindle = table.number_or("spindle", RATE, spindle)?;
-    let by_material = |data: &CuttingData| data.feed_per_tooth_for(diameter);
-    let teeth = assembly.teeth.or(material.map(|_| ASSUMED_TEETH));
-    let feed = match (assembly.feed_per_tooth.or(material.map(by_material)), teeth) {
-        (Some(feed), Some(teeth)) => (feed * f64::from(teeth) * spindle).clamp(1e-3, 1e6),
-        _ => DEFAULT_FEED,
+    let feed = match table.number("plunge_feed", PLUNGE_FEED)? {
+        Some(given) => (given.value, false),
+        None => {
+            let feed = usual_feed(diameter, &assembly, spindle.0, material);
+            let what = format!("feed per tooth, teeth and spindle make a feed rate of {feed:.3e} mm/min");
+            within(table, PLUNGE_FEED, feed, (what, "plunge_feed"))?
+        }
     };
-    Ok(Tool {
+    let missing = MissingRates { plunge_feed: feed.1, spindle: spindle.1 };
+    let tool = Tool {
         number,
         diameter,
         corner_radius: within_radius("corner_radius", ALLOWANCE, 0.0)?,
         insert_width: within_radius("insert_width", LENGTH, 0.9 * radius)?,
         overhang,
-        plunge_feed: table.number_or("plunge_feed", RATE, feed)?,
-        spindle,
+        plunge_feed: feed.0,
+        spindle: spindle.0,
         assembly,
-    })
+    };
+    Ok((tool, missing))
+}
+
+/// A rate that follows from others, marked as not given.
+fn within(
+    table: &TomlTable<'_>,
+    range: NumberRange,
+    value: f64,
+    (what, key): (String, &str),
+) -> Result<(f64, bool), InputError> {
+    match range.check(value) {
+        Ok(()) => Ok((value, true)),
+        Err(_) => {
+            Err(table.fault(what, format!("correct them, or give {key}")).with_code(ErrorCode::ValueRange))
+        }
+    }
 }
 
 /// Shank, holder and library data of a tool whose holder begins `overhang` mm above the tip.
@@ -212,8 +259,8 @@ fn assembly(table: &TomlTable<'_>, overhang: f64) -> Result<ToolAssembly, InputE
         holder: holder.value,
         length_offset: table.whole("length_offset", 0, MAX_NUMBER)?.map(|n| n.value),
         diameter_offset: table.whole("diameter_offset", 0, MAX_NUMBER)?.map(|n| n.value),
-        feed_per_tooth: table.number("feed_per_tooth", NumberRange::Above(0.0, 100.0))?.map(|x| x.value),
-        cutting_speed: table.number("cutting_speed", NumberRange::Above(0.0, 1e5))?.map(|x| x.value),
+        feed_per_tooth: table.number("feed_per_tooth", FEED_PER_TOOTH)?.map(|x| x.value),
+        cutting_speed: table.number("cutting_speed", CUTTING_SPEED)?.map(|x| x.value),
     })
 }
 
@@ -251,20 +298,24 @@ pub fn write_tool_library(tools: &[Tool]) -> String {
 pub(super) fn write_tools(out: &mut String, tools: &[Tool]) -> std::fmt::Result {
     for tool in tools {
         writeln!(out, "\n[[tool]]")?;
-        write_tool(out, tool)?;
+        write_tool(out, tool, MissingRates::default())?;
     }
     Ok(())
 }
 
-/// Writes the keys of one tool.
-pub(super) fn write_tool(out: &mut String, tool: &Tool) -> std::fmt::Result {
+/// Writes the keys of one tool, without the rates that are `missing`.
+pub(super) fn write_tool(out: &mut String, tool: &Tool, missing: MissingRates) -> std::fmt::Result {
     writeln!(out, "number = {}", tool.number)?;
     writeln!(out, "diameter = {:?}", tool.diameter)?;
     writeln!(out, "corner_radius = {:?}", tool.corner_radius)?;
     writeln!(out, "insert_width = {:?}", tool.insert_width)?;
     writeln!(out, "overhang = {:?}", tool.overhang)?;
-    writeln!(out, "plunge_feed = {:?}", tool.plunge_feed)?;
-    writeln!(out, "spindle = {:?}", tool.spindle)?;
+    if !missing.plunge_feed {
+        writeln!(out, "plunge_feed = {:?}", tool.plunge_feed)?;
+    }
+    if !missing.spindle {
+        writeln!(out, "spindle = {:?}", tool.spindle)?;
+    }
     let more = &tool.assembly;
     if let Some(name) = &more.name {
         writeln!(out, "name = {}", quoted(name))?;

@@ -15,7 +15,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::choice::choose_opening;
 use crate::plunge::choice::times::MoveTimes;
-use crate::plunge::sections::check_part;
+use crate::plunge::sections::{check_part, keep_needed_tools};
 use crate::plunge::{PlanError, Planner};
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Travel};
@@ -139,6 +139,7 @@ impl FlankJob {
             setup.tools.push(chosen.tool.clone());
         }
         setup.flank.tool = Some(chosen.tool.number);
+        keep_needed_tools(&mut setup, opener.as_ref().map(|opener| opener.tool.number));
         let elapsed = started.elapsed().as_secs_f64();
         Ok(FlankOutcome {
             workpiece,
@@ -185,8 +186,8 @@ impl Opener {
     /// The opener for passes with `tool`; `None` where the blank hardly stands above the shroud.
     fn of(part: &Impeller, setup: &Setup, tool: &Tool, machine: Option<&MachineTool>) -> Option<Self> {
         // Of tools with a round bottom a plunge leaves much.
-        let is_flat = |tool: &&Tool| tool.corner_radius < 0.5 * tool.radius();
-        let own: Vec<Tool> = setup.tools.iter().filter(is_flat).cloned().collect();
+        let is_for_plunges = |tool: &&Tool| tool.is_flat() && !tool.is_tapered();
+        let own: Vec<Tool> = setup.tools.iter().filter(is_for_plunges).cloned().collect();
         let from = if own.is_empty() { plunge_cutters() } else { &own };
         let mut setup = setup.clone();
         let step = OPENING_STEP_RADII * tool.radius();

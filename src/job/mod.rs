@@ -457,7 +457,7 @@ fn plan_sections(
         None => before.clone(),
     };
     if after.plan.positions.is_empty() {
-        return Err(JobError::Setup(nothing_cut(&after.plan, &setup)));
+        return Err(JobError::Setup(nothing_cut(&after.plan, &setup, &workpiece.part)));
     }
     let elapsed = started.elapsed().as_secs_f64();
     Ok(PlanOutcome {

@@ -65,9 +65,12 @@ impl<'a> AssemblyRule<'a> {
         })
     }
 
-    /// `why`, with the smallest overhang that makes the holder clear at `pose`.
-    pub fn cause(&self, why: DropReason, pose: (Point, Vector)) -> DropCause {
+    /// `why`, with the smallest overhang that makes the holder clear at `pose`, if that is at most `limit` mm.
+    pub fn cause(&self, why: DropReason, pose: (Point, Vector), limit: f64) -> DropCause {
         let by_length = matches!(why, DropReason::Holder | DropReason::Overhang);
-        DropCause { why, stick_out: by_length.then(|| self.around.stick_out(self.tool, pose)).flatten() }
+        DropCause {
+            why,
+            stick_out: by_length.then(|| self.around.stick_out(self.tool, pose, limit)).flatten(),
+        }
     }
 }

@@ -157,7 +157,7 @@ pub(super) fn assemble_all(
                     Err(why) => {
                         let s = station.ends.s_hub;
                         let cause = match &rule {
-                            Some(rule) => rule.cause(*why, (station.tip, station.axis)),
+                            Some(rule) => rule.cause(*why, (station.tip, station.axis), f64::INFINITY),
                             None => (*why).into(),
                         };
                         let DropCause { why, stick_out } = cause;

@@ -7,7 +7,7 @@ use super::approach::add_approaches;
 use super::context::PlanContext;
 use super::cycle::{PlacedPlan, PlanError};
 use super::links::raise_links;
-use super::motion::{motions, with_lifts};
+use super::motion::{motions, with_lead_outs};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan};
 use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contact};
 use crate::cutting::retract::RetractSurface;
@@ -56,7 +56,7 @@ pub(super) fn evaluate(
     let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
     let motions = motions(context, &plan, &columns, monitor)?;
     let measured = MeasuredPlunges { contacts, motions, retracts };
-    Ok(with_lifts(context, evaluated(plan, measured, &columns, blank, context.setup, monitor)?))
+    Ok(with_lead_outs(context, evaluated(plan, measured, &columns, blank, context.setup, monitor)?))
 }
 
 /// What is measured of each position of a plan by itself and those before it.
@@ -81,8 +81,8 @@ pub(super) fn evaluated<E: Sync>(
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
     let MeasuredPlunges { contacts, mut motions, retracts } = measured;
-    let lift_offs: Vec<Vector> = motions.iter().map(|(_, motion)| motion.lift_off).collect();
-    let raised = raise_links(&plan, retracts, &lift_offs, blank, setup.allowances.safety_distance, monitor)?;
+    let lead_outs: Vec<Vector> = motions.iter().map(|(_, motion)| motion.lead_out).collect();
+    let raised = raise_links(&plan, retracts, &lead_outs, blank, setup.allowances.safety_distance, monitor)?;
     add_approaches(&plan, &raised, &mut motions, columns, blank, setup, monitor)?;
     Ok(plan.with_evaluations(|k| {
         let (retract, retract_clearance) = raised[k];

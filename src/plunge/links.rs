@@ -20,14 +20,14 @@ const MAX_TOOL_DEPTH: f64 = 1e-3;
 
 /// `retracts`, the retract point of each position of `plan`, moved up its axis until links and retracts keep
 /// `safety` mm from `blank`; each with the clearance of itself and its following link, mm. A tool leaves a
-/// position `lift_offs` (across the axis, mm) of its retract point.
+/// position `lead_outs` (across the axis, mm) of its retract point.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
 pub(super) fn raise_links<E: Sync>(
     plan: &PlungePlan<E>,
     retracts: Vec<Point>,
-    lift_offs: &[Vector],
+    lead_outs: &[Vector],
     blank: &Blank,
     safety: f64,
     monitor: &Monitor,
@@ -45,7 +45,7 @@ pub(super) fn raise_links<E: Sync>(
         plan,
         raised: vec![0.0; retracts.len()],
         retracts,
-        lift_offs,
+        lead_outs,
         bottoms: Vec::new(),
         blank,
         surfaces: &surfaces,
@@ -96,7 +96,7 @@ struct Links<'a, E> {
     /// By how much each has been raised, mm.
     raised: Vec<f64>,
     /// Where the tool leaves every position, from its retract point, mm.
-    lift_offs: &'a [Vector],
+    lead_outs: &'a [Vector],
     /// The bottom of every position where the tool arrives, and where it leaves.
     bottoms: Vec<[NearBottom; 2]>,
     blank: &'a Blank,
@@ -108,7 +108,7 @@ struct Links<'a, E> {
 impl<E> Links<'_, E> {
     /// Where the tool leaves position `k`.
     fn exit(&self, k: usize) -> Point {
-        self.retracts[k] + self.lift_offs[k]
+        self.retracts[k] + self.lead_outs[k]
     }
 
     /// The cutter of position `k` with its tip at a point.
@@ -120,7 +120,7 @@ impl<E> Links<'_, E> {
     /// The bottom of position `k` where the tool arrives, and where it leaves.
     fn bottoms_at(&self, k: usize) -> [NearBottom; 2] {
         let arrives = NearBottom::of(&self.cutter(k, self.retracts[k]), self.blank);
-        let leaves = match self.lift_offs[k] == Vector::zeros() {
+        let leaves = match self.lead_outs[k] == Vector::zeros() {
             true => arrives,
             false => NearBottom::of(&self.cutter(k, self.exit(k)), self.blank),
         };
@@ -133,7 +133,7 @@ impl<E> Links<'_, E> {
         let [arrives, leaves] = self.bottoms[k].map(|bottom| bottom.clearance);
         let cutter = self.cutter(k, self.retracts[k]);
         let (tip, clearance) = retract_clear(&cutter, arrives, self.blank, self.safety);
-        if self.lift_offs[k] == Vector::zeros() {
+        if self.lead_outs[k] == Vector::zeros() {
             return (tip, clearance);
         }
         let exit = self.exit(k);

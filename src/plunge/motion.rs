@@ -21,13 +21,13 @@ use crate::setup::Tool;
 use crate::setup::cutting_data::feed_by_engagement;
 
 /// Shares of the wanted lead-out that are tried.
-const LIFT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+const LEAD_OUT_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Points of a lead-out that are checked: half a radius apart at most.
-const LIFT_PLACES: usize = 4;
+const LEAD_OUT_PLACES: usize = 4;
 /// Radius of the body of a cutter above its edges, in radii: bodies are relieved.
 const BODY_SHARE: f64 = 0.95;
 /// Largest engaged arc with a lead-out, rad.
-const MAX_LIFT_ARC_RAD: f64 = std::f64::consts::PI;
+const MAX_LEAD_OUT_ARC_RAD: f64 = std::f64::consts::PI;
 
 /// Engagement and motion of each plunge of `plan`, whose `columns` are given.
 ///
@@ -48,12 +48,12 @@ pub(super) fn motions<E: Sync>(
         let whole = PlungeColumn::new(tool.placed(position.tip, position.axis), tool.radius(), &top);
         let engaged = engagement(&whole, columns.before(k), &context.workpiece.blank);
         let rule = rules[position.section].as_ref();
-        let lift_off = context.setup.plunge.lift.and_then(|length| {
-            lift_off(context, length, tool, &whole, &engaged, rule, columns.before(k + 1), &top)
+        let lead_out = context.setup.plunge.lead_out.and_then(|length| {
+            lead_out(context, length, tool, &whole, &engaged, rule, columns.before(k + 1), &top)
         });
         let motion = PlungeMotion {
             feed_mm_per_min: feed_for(context, tool, &engaged),
-            lift_off: lift_off.unwrap_or_default(),
+            lead_out: lead_out.unwrap_or_default(),
             pecking: context
                 .setup
                 .plunge
@@ -68,8 +68,8 @@ pub(super) fn motions<E: Sync>(
 }
 
 /// `plan` with the distances of its cutters to hub and blades over their lead-outs, too.
-pub(super) fn with_lifts(context: &PlanContext, mut plan: PlungePlan) -> PlungePlan {
-    if context.setup.plunge.lift.is_none() {
+pub(super) fn with_lead_outs(context: &PlanContext, mut plan: PlungePlan) -> PlungePlan {
+    if context.setup.plunge.lead_out.is_none() {
         return plan;
     }
     let finished = &context.workpiece.finished;
@@ -77,7 +77,7 @@ pub(super) fn with_lifts(context: &PlanContext, mut plan: PlungePlan) -> PlungeP
     plan.positions.par_iter_mut().for_each(|position| {
         let (motion, tip, axis) = (position.evaluation.motion, position.tip, position.axis);
         let tool = &sections[position.section].tool;
-        let travel = motion.lifted(tip, &axis) - tip;
+        let travel = motion.led_out(tip, &axis) - tip;
         // As densely as `verify` samples a move; without a lead-out only the end of the plunge.
         let steps = (travel.norm() / (0.5 * tool.radius())).ceil() as usize;
         let at = |k: usize| tool.placed(tip + travel * (k as f64 / steps.max(1) as f64), axis);
@@ -103,7 +103,7 @@ fn feed_for(context: &PlanContext, tool: &Tool, engaged: &Engagement) -> Option<
 /// The lead-out across the axis, at most `length` mm and the radius of the cutter long, after the plunges
 /// `until` this one; `None` where it is half engaged or more, or no lead-out is free.
 #[expect(clippy::too_many_arguments, reason = "one plunge with all that may be in its way")]
-fn lift_off(
+fn lead_out(
     context: &PlanContext,
     length: f64,
     tool: &Tool,
@@ -114,7 +114,7 @@ fn lift_off(
     top: &BlankTop,
 ) -> Option<Vector> {
     let bottom_arc = engaged.bottom_arc_rad;
-    if bottom_arc <= 0.0 || bottom_arc >= MAX_LIFT_ARC_RAD || engaged.towards_stock.norm() < 0.5 {
+    if bottom_arc <= 0.0 || bottom_arc >= MAX_LEAD_OUT_ARC_RAD || engaged.towards_stock.norm() < 0.5 {
         return None;
     }
     let axis = whole.cutter.axis;
@@ -131,9 +131,9 @@ fn lift_off(
     };
     // Beyond its radius the cutter has left the arc that it engaged.
     let length = length.min(tool.radius());
-    LIFT_SHARES.into_iter().map(|share| -engaged.towards_stock * (share * length)).find(|off| {
-        (1..=LIFT_PLACES).all(|k| {
-            let share = k as f64 / LIFT_PLACES as f64;
+    LEAD_OUT_SHARES.into_iter().map(|share| -engaged.towards_stock * (share * length)).find(|off| {
+        (1..=LEAD_OUT_PLACES).all(|k| {
+            let share = k as f64 / LEAD_OUT_PLACES as f64;
             is_free(whole.cutter.tip + (off + axis * off.norm()) * share)
         })
     })

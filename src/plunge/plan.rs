@@ -36,7 +36,7 @@ pub struct PlungeMotion {
     pub feed_mm_per_min: Option<f64>,
     /// Lead-out away from the stock beside it, across the axis, mm; the tool rises by the same length. Zero:
     /// it retracts straight.
-    pub lift_off: Vector,
+    pub lead_out: Vector,
     /// Where it is interrupted to break the chip.
     pub pecking: Option<Pecking>,
     /// Height above the tip at which the rapid down ends and the feed begins, mm; `None`: at the retract
@@ -46,13 +46,13 @@ pub struct PlungeMotion {
 
 impl PlungeMotion {
     /// The tip after the lead-out, from the `tip` at the end of a plunge along `axis`.
-    pub fn lifted(&self, tip: Point, axis: &Vector) -> Point {
-        tip + self.lift_off + axis * self.lift_off.norm()
+    pub fn led_out(&self, tip: Point, axis: &Vector) -> Point {
+        tip + self.lead_out + axis * self.lead_out.norm()
     }
 
     /// It, with the part turned about Z by `angle`, rad.
     pub fn rotated_z(&self, angle: f64) -> Self {
-        Self { lift_off: rotate_vector_z(&self.lift_off, angle), ..*self }
+        Self { lead_out: rotate_vector_z(&self.lead_out, angle), ..*self }
     }
 }
 

@@ -84,9 +84,9 @@ fn plunge_moves(position: &Position, tool: &Tool) -> Vec<(Motion, Point)> {
         }
     }
     moves.push((feed, tip));
-    if evaluation.motion.lift_off != Vector::zeros() {
-        moves.push((feed, evaluation.motion.lifted(tip, &axis)));
+    if evaluation.motion.lead_out != Vector::zeros() {
+        moves.push((feed, evaluation.motion.led_out(tip, &axis)));
     }
-    moves.push((Motion::Rapid, evaluation.retract + evaluation.motion.lift_off));
+    moves.push((Motion::Rapid, evaluation.retract + evaluation.motion.lead_out));
     moves
 }

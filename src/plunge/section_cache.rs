@@ -39,7 +39,7 @@ impl SectionKey {
                 edits: Vec::new(),
                 rest: false,
                 goal: Goal::default(),
-                lift: None,
+                lead_out: None,
                 peck: None,
                 adapt_feed: false,
                 rapid_approach: false,

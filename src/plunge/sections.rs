@@ -1,7 +1,10 @@
 //! Sections: stretches of the channel with their tool, given by the setup or chosen automatically; checks of
 //! the setup against the part.
 
-use super::choice::fit::cylinders;
+use std::collections::HashSet;
+
+use super::choice::fit::{Rules, cylinders};
+use super::choice::preselection::preselect;
 use super::choice::search::MIN_SECTION_S;
 use super::choice::times::MoveTimes;
 use super::choice::{choose, choose_opening, choose_rest};
@@ -11,11 +14,15 @@ use crate::error::ErrorCode;
 use crate::machine::MachineTool;
 use crate::part::{Impeller, Workpiece};
 use crate::setup::{
-    PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, round_down, tool_of,
+    PlungeChange, PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, check_taper,
+    round_down, tool_of,
 };
 
 /// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
 pub const MAX_POSITIONS: usize = 200_000;
+
+/// Number of given tools up to which a plan keeps those that it does not use.
+const MAX_KEPT_TOOLS: usize = 500;
 
 /// A setup with all defaults filled in.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,20 +59,21 @@ pub fn resolve(
     }
     let mut reasons = vec![None; setup.plunge.sections.len()];
     if setup.plunge.sections.is_empty() {
-        survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&resolved.tools));
-        survey.try_assemblies(workpiece, setup, &resolved.tools);
+        let rules = Rules::new(&setup.allowances);
+        let tools = preselect(&resolved.tools, &survey, &rules, &setup.plunge);
+        survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&tools));
+        survey.try_assemblies(workpiece, setup, &tools);
         let limit = (!given).then(|| largest_diameter(setup, part, &survey));
         let times = MoveTimes::on(machine);
-        let mut chosen = choose(&resolved.tools, limit, &survey, setup, times);
+        let mut chosen = choose(&tools, limit, &survey, setup, times);
         if setup.plunge.rest {
             let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
-            chosen.extend(choose_rest(&sections, &resolved.tools, &survey, &setup.allowances));
+            chosen.extend(choose_rest(&sections, &tools, &survey, &setup.allowances));
         }
         let first = chosen.first().map(|chosen| chosen.section.tool);
         let used = |tool: &&Tool| chosen.iter().any(|chosen| chosen.section.tool == tool.number);
-        let largest = resolved.tools.iter().filter(used).max_by(|a, b| a.diameter.total_cmp(&b.diameter));
-        let opening =
-            largest.and_then(|largest| choose_opening(setup, &resolved.tools, part, largest, first, times));
+        let largest = tools.iter().filter(used).max_by(|a, b| a.diameter.total_cmp(&b.diameter));
+        let opening = largest.and_then(|largest| choose_opening(setup, &tools, part, largest, first, times));
         for chosen in opening.into_iter().chain(chosen) {
             resolved.plunge.sections.push(chosen.section);
             reasons.push(Some(chosen.reason));
@@ -73,15 +81,37 @@ pub fn resolve(
     }
     for (index, section) in resolved.plunge.sections.iter().enumerate() {
         let place = SetupPlace::Section { index, tool: section.tool };
-        tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
+        let tool = tool_of(&resolved, section.tool).map_err(|fault| fault.at(place))?;
+        check_taper(tool)?;
+    }
+    if resolved.plunge.sections.is_empty() {
+        // All that are given are tapered.
+        resolved.tools.iter().try_for_each(check_taper)?;
     }
     check_blade_allowance(&resolved, &survey)?;
     check_some_fit(&resolved, &survey, library)?;
     if !given {
         resolved.tools = used_tools(&resolved);
+    } else {
+        keep_needed_tools(&mut resolved, None);
     }
     check_size(&resolved, part, &survey)?;
     Ok(Resolved { setup: resolved, reasons })
+}
+
+/// Leaves in a setup that has a whole library the tools that it names, in sections, edits, and for flank passes,
+/// and that of number `more`.
+pub fn keep_needed_tools(setup: &mut Setup, more: Option<u32>) {
+    if setup.tools.len() <= MAX_KEPT_TOOLS {
+        return;
+    }
+    let sections = setup.plunge.sections.iter().map(|section| section.tool);
+    let locked = setup.plunge.edits.iter().filter_map(|edit| match edit.change {
+        PlungeChange::Lock { tool, .. } => Some(tool),
+        _ => None,
+    });
+    let needed: HashSet<u32> = sections.chain(locked).chain(setup.flank.tool).chain(more).collect();
+    setup.tools.retain(|tool| needed.contains(&tool.number));
 }
 
 /// The tools that sections use, in cutting order.

@@ -3,7 +3,7 @@
 use super::context::PlanContext;
 use super::cycle::PlanError;
 use super::evaluation::{MeasuredPlunges, evaluated};
-use super::motion::{motions, with_lifts};
+use super::motion::{motions, with_lead_outs};
 use super::plan::{PlungePlan, Position};
 use crate::cutting::contact::{Columns, core_contacts};
 use crate::monitor::Monitor;
@@ -45,5 +45,5 @@ pub(super) fn keep_plunges(
     let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
     let motions = motions(context, &thinned, columns, monitor)?;
     let measured = MeasuredPlunges { contacts, motions, retracts };
-    Ok(with_lifts(context, evaluated(thinned, measured, columns, blank, context.setup, monitor)?))
+    Ok(with_lead_outs(context, evaluated(thinned, measured, columns, blank, context.setup, monitor)?))
 }

@@ -1,6 +1,6 @@
 //! Cutting data by material, and the feed rate of a plunge by its engagement.
 
-use super::Tool;
+use super::{Tool, ToolAssembly};
 
 /// A group of materials that are cut alike, by ISO 513.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -148,6 +148,58 @@ impl CuttingData {
     }
 }
 
+/// Rates that a tool, or the library it is from, does not say: they follow from its cutting speed and feed per
+/// tooth, else from the material.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MissingRates {
+    /// Its plunge feed is not given.
+    pub plunge_feed: bool,
+    /// Its spindle speed is not given.
+    pub spindle: bool,
+}
+
+impl MissingRates {
+    /// `tool` with the rates that are missing as they are in a setup of this material.
+    pub fn filled(self, tool: &Tool, material: Option<&CuttingData>) -> Tool {
+        let mut tool = tool.clone();
+        if self.spindle {
+            tool.spindle = usual_spindle(tool.diameter, &tool.assembly, material);
+        }
+        if self.plunge_feed {
+            tool.plunge_feed = usual_feed(tool.diameter, &tool.assembly, tool.spindle, material);
+        }
+        tool
+    }
+}
+
+/// Spindle speed of a tool that does not say it, rev/min: by its cutting speed, else by the material, else the
+/// default.
+pub fn usual_spindle(diameter: f64, assembly: &ToolAssembly, material: Option<&CuttingData>) -> f64 {
+    match assembly.cutting_speed {
+        Some(speed) => speed * 1000.0 / (std::f64::consts::PI * diameter),
+        None => material.map_or(DEFAULT_SPINDLE, |data| data.spindle_for(diameter)),
+    }
+}
+
+/// Plunge feed of a tool that does not say it, mm/min: by feed per tooth and teeth at its `spindle` speed, of the
+/// material where the tool has none, else the default.
+pub fn usual_feed(
+    diameter: f64,
+    assembly: &ToolAssembly,
+    spindle: f64,
+    material: Option<&CuttingData>,
+) -> f64 {
+    let by_material = |data: &CuttingData| data.feed_per_tooth_for(diameter);
+    let teeth = assembly.teeth.or(material.map(|_| ASSUMED_TEETH));
+    match (assembly.feed_per_tooth.or(material.map(by_material)), teeth) {
+        (Some(feed), Some(teeth)) => feed * f64::from(teeth) * spindle,
+        _ => DEFAULT_FEED,
+    }
+}
+
+/// Feed rate and spindle speed of a tool that says nothing about them, in no known material.
+const DEFAULT_FEED: f64 = 300.0;
+const DEFAULT_SPINDLE: f64 = 1200.0;
 /// Greatest spindle speed that cutting data lead to, rev/min.
 const MAX_SPINDLE: f64 = 20_000.0;
 /// Teeth of a tool that does not say how many it has, where its feed rate comes from cutting data: the fewest

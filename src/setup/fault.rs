@@ -85,3 +85,23 @@ pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
         .at(SetupPlace::Tool(number))
     })
 }
+
+/// Checks that a tool is a cylinder: of a tapered one neither planners nor `verify` know the upper part.
+///
+/// # Errors
+/// When it is tapered.
+pub fn check_taper(tool: &Tool) -> Result<(), SetupFault> {
+    if !tool.is_tapered() {
+        return Ok(());
+    }
+    let degrees = tool.assembly.taper_rad.unwrap_or_default().to_degrees();
+    Err(SetupFault::new(
+        ErrorCode::UndefinedTool,
+        format!(
+            "tool {} widens by {degrees:.1}° above its tip; plans know cylindrical cutters only",
+            tool.number
+        ),
+        "give a cylindrical tool",
+    )
+    .at(SetupPlace::Tool(tool.number)))
+}

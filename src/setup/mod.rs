@@ -21,7 +21,7 @@ pub mod tool;
 
 pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
 pub use edits::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
-pub use fault::{SetupFault, SetupPlace, round_down, round_up, tool_of};
+pub use fault::{SetupFault, SetupPlace, check_taper, round_down, round_up, tool_of};
 pub use flank_settings::{FlankFeedRates, FlankSetup, FlankStrategy};
 pub use plunge_settings::{
     AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup, SemiFinishing,

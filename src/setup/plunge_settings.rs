@@ -145,7 +145,7 @@ pub struct PlungeSetup {
     pub max_tilt_rad: f64,
     /// Distance by which the tool moves off the stock beside it after a plunge, and up as far, at 45°, before
     /// it retracts, mm; absent: it retracts straight.
-    pub lift: Option<f64>,
+    pub lead_out: Option<f64>,
     /// Depth after which a plunge is interrupted to break the chip, mm; absent: it is not.
     pub peck: Option<f64>,
     /// Whether the feed rate of a plunge follows its engagement, for tools whose number of teeth is known.

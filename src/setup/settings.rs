@@ -245,7 +245,7 @@ impl Default for Setup {
                 wall_scallop: 0.6,
                 max_axis_change_rad: 5f64.to_radians(),
                 max_tilt_rad: 45f64.to_radians(),
-                lift: None,
+                lead_out: None,
                 peck: None,
                 adapt_feed: true,
                 rapid_approach: false,

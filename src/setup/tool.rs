@@ -71,6 +71,16 @@ impl Tool {
         self.radius() - self.insert_width
     }
 
+    /// Whether its bottom is flat but for its corners: a mill for plunging. Others end in a ball, or nearly.
+    pub fn is_flat(&self) -> bool {
+        self.corner_radius < 0.5 * self.radius()
+    }
+
+    /// Whether its edges widen towards the shank; planners and `verify` know cylindrical cutters only.
+    pub fn is_tapered(&self) -> bool {
+        self.assembly.taper_rad.is_some_and(|taper| taper > 0.0)
+    }
+
     /// Largest diameter of the holder, mm; where none is given it is assumed to be twice the cutter's. The
     /// holder begins at the end of the overhang.
     pub fn holder_diameter(&self) -> f64 {

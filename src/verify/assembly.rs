@@ -58,7 +58,7 @@ pub(super) fn assembly_findings(
     }
     if clearance.holder.collides() {
         let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
-        let help = match only.and_then(|pose| around.stick_out(tool, pose)) {
+        let help = match only.and_then(|pose| around.stick_out(tool, pose, f64::INFINITY)) {
             Some(overhang) => format!("an overhang of {overhang} mm would do, instead of {}", tool.overhang),
             None => "no longer overhang frees it: tilt the axis, or give a thinner holder".to_owned(),
         };
@@ -269,23 +269,47 @@ pub(super) fn holder_in_stock(
         let placed = segment.placed(&cutter.tip, &cutter.axis);
         let depth = depth_in_stock(&placed, columns.before(k + 1), None, blank);
         if depth > TOOL_TOLERANCE {
-            let (kind, name) = match segment.part {
-                AssemblyPart::Shank => (FaultKind::ShankCollision, "shank"),
-                AssemblyPart::Holder => (FaultKind::HolderCollision, "holder"),
+            let (kind, name, help) = match segment.part {
+                AssemblyPart::Shank => {
+                    (FaultKind::ShankCollision, "shank", "cut in steps, or give a thinner shank".to_owned())
+                }
+                AssemblyPart::Holder => {
+                    let overhang = (tool.overhang + depth).ceil();
+                    let help = format!("cut in steps, or give an overhang of {overhang} mm");
+                    (FaultKind::HolderCollision, "holder", help)
+                }
             };
             let what = format!(
                 "the {name} of tool {} runs {depth:.1} mm into stock that no plunge before it removed",
                 tool.number
             );
-            return Some(Finding::new(kind, depth, what).with_help("cut in steps, or give more overhang"));
+            return Some(Finding::new(kind, depth, what).with_help(help));
         }
     }
     None
 }
 
+/// What is not judged of the tools of a program: a remark on tapered ones, and on those whose shank and holder
+/// are unknown.
+pub fn unjudged_tools(program: &ClProgram, setup: &Setup) -> Option<String> {
+    let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
+    let tapered: Vec<String> = program
+        .tools
+        .iter()
+        .enumerate()
+        .filter(|(index, tool)| tool.completed(setup).is_tapered() && used(*index))
+        .map(|(_, tool)| tool.number.to_string())
+        .collect();
+    let tapered = (!tapered.is_empty())
+        .then(|| format!("tapered, their edges judged as cylinders: tool {}", tapered.join(", ")));
+    let remarks = [tapered, unknown_assemblies(program, setup)];
+    let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+    (!remarks.is_empty()).then(|| remarks.join("; "))
+}
+
 /// Tools of a program whose shank and holder are unknown: a remark. Of programs that mill along curves their holder
 /// is assumed, of others it is not looked at.
-pub fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
+fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
     let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
     let unknown: Vec<String> = program
         .tools

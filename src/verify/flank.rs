@@ -20,7 +20,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::assembly::{
-    AssemblyDistances, AssemblyStep, clearances, min_distances, segments_of, unknown_assemblies,
+    AssemblyDistances, AssemblyStep, clearances, min_distances, segments_of, unjudged_tools,
 };
 use super::fault::{Fault, VerifyError};
 use crate::cutting::assembly::AssemblySurroundings;
@@ -209,7 +209,7 @@ impl<'a> FlankVerifier<'a> {
                 .map(|d| d.0)
                 .fold(0.0, f64::max),
             assembly: distances,
-            notes: unknown_assemblies(program, setup).into_iter().collect(),
+            notes: unjudged_tools(program, setup).into_iter().collect(),
             faults,
             ..FlankVerdict::empty()
         };

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
-pub use assembly::unknown_assemblies;
+pub use assembly::unjudged_tools;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, TILT_TOLERANCE, VerifyError, count_by_kind, falls_short};
@@ -219,7 +219,8 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
         "cuts {depth:.1} mm deep at once, but tool {} is {:.1} mm long below its holder",
         tool.number, tool.overhang
     );
-    Finding::new(FaultKind::TooDeep, depth, what).with_help("cut in steps, or give more overhang")
+    let help = format!("cut in steps, or give an overhang of {} mm", depth.ceil());
+    Finding::new(FaultKind::TooDeep, depth, what).with_help(help)
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, `None` where it has none; and the

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::assembly::unknown_assemblies;
+use super::assembly::unjudged_tools;
 use super::summary::{CutFigures, Floors, Summary};
 use super::{JudgedCut, PlungeVerdict, VerifyError, verify};
 use crate::geometry::{rotate_vector_z, rotate_z};
@@ -64,7 +64,7 @@ pub fn report_plunges(
     if summary.uncut_share > MAX_UNCUT_SHARE {
         notes.push(format!("{:.1} % of the reachable floor stays uncut", 100.0 * summary.uncut_share));
     }
-    notes.extend(unknown_assemblies(program, setup));
+    notes.extend(unjudged_tools(program, setup));
     Ok(PlungeReport { verdict, summary, sections, notes })
 }
 

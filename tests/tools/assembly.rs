@@ -146,7 +146,66 @@ fn the_stick_out_frees_the_holder_and_no_shorter_one_does() {
     let missing =
         |overhang: f64| around.at(tool, &tool.assembly.segments(overhang), pose, 0.0).holder.missing;
     assert!(missing(tool.overhang) > 1.0, "the short tool collides");
-    let overhang = around.stick_out(tool, pose).expect("a longer one does");
+    let overhang = around.stick_out(tool, pose, f64::INFINITY).expect("a longer one does");
     assert!(missing(overhang) <= 1e-3, "{overhang}");
     assert!(missing(overhang - 1.0) > 0.0, "1 mm less does not do");
+    assert_eq!(around.stick_out(tool, pose, overhang), Some(overhang));
+    assert_eq!(around.stick_out(tool, pose, overhang - 1.0), None, "no more than asked for");
+}
+
+#[test]
+fn a_tapered_cutter_is_refused_by_planners_with_a_cure() {
+    let part = pump();
+    let text = "[[tool]]\nnumber = 7\ndiameter = 4\ncorner_radius = 2\ntaper = 5\noverhang = 40\n";
+    let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+    let workpiece = setup.allowances.workpiece_of(part);
+    let plunge = vanecut::job::resolve(&setup, &workpiece).expect_err("no other tool");
+    let flank = vanecut::flank::choice::choose_tool(&workpiece, &setup, &[]).expect_err("no other tool");
+    for fault in [plunge, flank] {
+        let text = fault.to_string();
+        assert!(text.contains("tool 7 widens by 5.0°") && text.contains("cylindrical"), "{text}");
+    }
+    // Beside another it is left out of the choice.
+    let more = format!("{text}[[tool]]\nnumber = 8\ndiameter = 6\noverhang = 60\n");
+    let setup = read_setup_bytes("s.toml", more.as_bytes()).expect("reads");
+    let resolved = vanecut::job::resolve(&setup, &workpiece).expect("the other one");
+    assert!(resolved.setup.plunge.sections.iter().all(|section| section.tool == 8));
+}
+
+#[test]
+fn a_tool_that_is_too_short_is_answered_by_a_length() {
+    let request = |tool: &str| {
+        let text = format!("[[tool]]\nnumber = 1\ndiameter = 8\noverhang = 9\n{tool}");
+        let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+        let policy = vanecut::setup::AxisPolicy::Conventional;
+        vanecut::job::PlanRequest { part: pump().into(), setup, policy, compare: false, field_cells: 32 }
+    };
+    for tool in ["", "flute_length = 5\nholder = [[20, 30, 40]]\n"] {
+        let mut request = request(tool);
+        let error = vanecut::job::run(&request, &Default::default()).expect_err("too short").to_string();
+        let length = error.split("give an overhang of ").nth(1).unwrap_or_else(|| panic!("{error}"));
+        let length: f64 = length.split(' ').next().unwrap().parse().expect("a number");
+        assert!((20.0..100.0).contains(&length), "{error}");
+        request.setup.tools[0].overhang = length;
+        let outcome = vanecut::job::run(&request, &Default::default()).expect("that length does");
+        let plan = &outcome.after.plan;
+        let short =
+            |dropped: &&vanecut::plunge::Dropped| dropped.why == vanecut::plunge::DropReason::Overhang;
+        let left = plan.dropped.iter().filter(short).count();
+        assert!(left * 10 < plan.positions.len(), "{left} are too short, {} are cut", plan.positions.len());
+    }
+}
+
+#[test]
+fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
+    use vanecut::flank::{UncutLength, choice::overhang_note, region::Region};
+    let part = pump();
+    let text = "[[tool]]\ndiameter = 6\ncorner_radius = 3\noverhang = 18\nholder = [[30, 40, 40]]\n";
+    let mut tool = read_setup_bytes("s.toml", text.as_bytes()).expect("reads").tools[0].clone();
+    let left = |why| [UncutLength { layer: 0, region: Region::INLET, length: 9.0, why }];
+    let note = overhang_note(&tool, &left("the holder meets the part"), &part).expect("too short");
+    assert!(note.contains("an overhang of 40 mm keeps it out, instead of 18"), "{note}");
+    assert_eq!(overhang_note(&tool, &left("a blade is too near"), &part), None);
+    tool.overhang = 40.0;
+    assert_eq!(overhang_note(&tool, &left("the holder meets the part"), &part), None);
 }

@@ -117,20 +117,20 @@ fn deep_plunges_are_interrupted_and_stay_one_cut_each() {
 
 #[test]
 fn the_tool_leaves_the_stock_at_45_degrees_where_less_than_half_is_engaged() {
-    let outcome = planned("[plunge]\nlift = 1.0");
+    let outcome = planned("[plunge]\nlead_out = 1.0");
     let plan = &outcome.after.plan;
     let mut lifted = 0;
     for position in &plan.positions {
         let (motion, engagement) = (position.evaluation.motion, position.evaluation.engagement);
-        let way = motion.lifted(position.tip, &position.axis) - position.tip;
+        let way = motion.led_out(position.tip, &position.axis) - position.tip;
         if way.norm() == 0.0 {
             continue;
         }
         lifted += 1;
         assert!(engagement.bottom_arc_rad < PI, "{}", engagement.bottom_arc_rad);
         assert!((way.angle(&position.axis) - PI / 4.0).abs() < 1e-9, "at 45°");
-        assert!(motion.lift_off.dot(&engagement.towards_stock) < 0.0, "away from the stock");
-        assert!(motion.lift_off.norm() <= 1.0 + 1e-12);
+        assert!(motion.lead_out.dot(&engagement.towards_stock) < 0.0, "away from the stock");
+        assert!(motion.lead_out.norm() <= 1.0 + 1e-12);
     }
     assert!(lifted > plan.positions.len() / 4, "{lifted} of {}", plan.positions.len());
     let (program, verdict) = verified(&outcome);
@@ -146,8 +146,8 @@ fn the_tool_leaves_the_stock_at_45_degrees_where_less_than_half_is_engaged() {
 
 #[test]
 fn a_long_lead_out_ends_at_the_radius_of_the_cutter_and_hits_no_blade() {
-    let outcome = planned("[plunge]\nlift = 1000.0");
-    let ways = outcome.after.plan.positions.iter().map(|p| p.evaluation.motion.lift_off.norm());
+    let outcome = planned("[plunge]\nlead_out = 1000.0");
+    let ways = outcome.after.plan.positions.iter().map(|p| p.evaluation.motion.lead_out.norm());
     let longest = ways.fold(0.0, f64::max);
     assert!(longest > 0.0 && longest <= 10.0 + 1e-9, "{longest} mm");
     let (_, verdict) = verified(&outcome);
@@ -165,7 +165,7 @@ fn fine_interruptions_stay_within_their_plunge() {
 
 #[test]
 fn a_lead_out_into_a_blade_is_found() {
-    let outcome = planned("[plunge]\nlift = 1.0");
+    let outcome = planned("[plunge]\nlead_out = 1.0");
     let mut program = ClProgram::of_plan("wheel", &outcome.after.plan);
     // The first lead-out goes 60 mm to the other side.
     let k = (1..program.moves.len())

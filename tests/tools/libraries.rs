@@ -1,6 +1,7 @@
 //! Tool libraries of Fusion and FreeCAD, and our own.
 
 use serde_json::{Value, json};
+use vanecut::io::setup_file::read_setup_bytes;
 use vanecut::io::shop_tools::{LibraryFormat, ToolLibrary, read_library_bytes, write_fusion, write_toml};
 use vanecut::setup::Tool;
 
@@ -205,9 +206,18 @@ fn thirty_broken_libraries_are_named_in_one_line() {
         (FusionJson, b"[]".to_vec(), "no list `data`"),
         (FusionJson, b"{\"data\": 3}".to_vec(), "no list `data`"),
         (FusionJson, b"{\"data\": []}".to_vec(), "no end mill"),
-        (FusionJson, b"{\"data\": [7]}".to_vec(), "entry 1 is not a tool"),
+        (FusionJson, b"{\"data\": [7]}".to_vec(), "entry 1: it is not a tool"),
         (FusionJson, vec![b'['; 100_000], "not valid JSON"),
-        (FusionJson, format!("[{}0]", "0,".repeat(3_000_001)).into_bytes(), "more than"),
+        (
+            FusionJson,
+            format!("{{\"data\": [{{\"type\": [{}0]}}]}}", "0,".repeat(100_001)).into_bytes(),
+            "more than 100000 values",
+        ),
+        (
+            FusionJson,
+            format!("{{\"data\": [{}0]}}", "0,".repeat(200_001)).into_bytes(),
+            "more than 200000 entries",
+        ),
         (FusionJson, with("/data/0/unit", json!("feet")).into(), "`feet`"),
         (FusionJson, with("/data/0/unit", json!(3)).into(), "neither millimeters nor inches"),
         (FusionJson, with("/data/0/geometry", json!(null)).into(), "no `geometry`"),
@@ -241,7 +251,14 @@ fn thirty_broken_libraries_are_named_in_one_line() {
         (Toml, toml("holder = [[40, 50, 0]]").into(), "segment 1 of `holder`"),
         (Toml, toml("shank = [[8, 60]]").into(), "no flute length"),
         (Toml, toml("flute_length = 60").into(), "longer than the overhang"),
+        (Toml, "[[tool]]\ndiameter = 8\n".repeat(50_001).into(), "more than 50000 tools"),
         (Toml, toml("teeth = 0").into(), "whole number"),
+        (Toml, toml("feed_per_tooth = 1e-12").into(), "give a number from 0.0001 to 5"),
+        (Toml, toml("cutting_speed = 1e5").into(), "give a number from 0.1 to 10000"),
+        (Toml, toml("plunge_feed = 1e-9").into(), "give a number from 0.01 to 100000"),
+        (Toml, toml("spindle = 1e-9").into(), "give a number from 1 to 1000000"),
+        (Toml, toml("teeth = 200\nfeed_per_tooth = 5\nspindle = 20000").into(), "2.000e7 mm/min"),
+        (Toml, "[[tool]]\ndiameter = 0.001\ncutting_speed = 9999\n".into(), "rev/min of a diameter of 0.001"),
         (Toml, toml("taper = 80").into(), "`taper` is 80"),
         (Toml, toml(&format!("name = \"{}\"", "x".repeat(201))).into(), "more than 200"),
     ];
@@ -258,4 +275,170 @@ fn thirty_broken_libraries_are_named_in_one_line() {
         assert!(error.contains(words) && error.starts_with("shop"), "{words}: {error}");
         assert!(error.lines().count() == 1 && error.len() < 400, "{error}");
     }
+}
+
+/// A library of `count` end mills in inches with holders in mm, of three lengths each, and a drill for each ten.
+fn large(count: usize) -> Vec<u8> {
+    let mut tools = Vec::new();
+    for k in 0..count {
+        let diameter = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 1.0][k % 7];
+        let length = diameter * [2.5, 4.0, 6.0][k % 3] + 0.001 * k as f64 / count as f64;
+        tools.push(json!({
+            "guid": format!("{k:08x}-0000-4000-8000-000000000000"), "unit": "inches", "BMC": "carbide",
+            "type": if k % 10 == 9 { "drill" } else { ["flat end mill", "bull nose end mill", "ball end mill"][k % 3] },
+            "description": format!("{diameter} in end mill, no. {k} \"XL\" [long] {{coated}}"), "vendor": "maker",
+            "geometry": {"DC": diameter, "RE": if k % 3 == 1 { 0.03 } else { 0.0 }, "LCF": 1.5 * diameter,
+                "LB": length, "OAL": length + 1.5, "NOF": 4, "SFDM": diameter, "shoulder-length": 1.6 * diameter,
+                "shoulder-diameter": diameter, "CSP": false, "HAND": true, "assemblyGaugeLength": length + 3.0},
+            "expressions": {"tool_diameter": format!("{diameter} in"), "tool_description": "'x'"},
+            "holder": {"type": "holder", "unit": "millimeters", "gaugeLength": 60.0, "description": "ER16", "segments": [
+                {"height": 20, "lower-diameter": 22, "upper-diameter": 28},
+                {"height": 40, "lower-diameter": 40, "upper-diameter": 40},
+                {"height": 2, "lower-diameter": 46, "upper-diameter": 46}]},
+            "post-process": {"number": 0, "length-offset": 0, "diameter-offset": 0},
+            "start-values": {"presets": [{"name": "steel", "n": 0, "f_z": 0, "v_f_plunge": 0}]},
+        }));
+    }
+    serde_json::to_vec(&json!({"data": tools, "version": 36})).expect("writes")
+}
+
+#[test]
+fn a_library_of_a_maker_with_many_thousand_tools_is_read_and_told_in_few_lines() {
+    let bytes = large(20_000);
+    let started = std::time::Instant::now();
+    let library = read_library_bytes("maker.json", &bytes, LibraryFormat::FusionJson).expect("reads");
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
+    assert_eq!(library.tools.len(), 18_000);
+    let numbers: std::collections::BTreeSet<u32> = library.tools.iter().map(|t| t.tool.number).collect();
+    assert_eq!(numbers.len(), 18_000, "each has a number of its own");
+    let remarks = library.remarks();
+    assert!(remarks.len() < 30, "{remarks:#?}");
+    assert!(remarks.iter().any(|line| line.starts_with("2000 tools are left out: `drill`")), "{remarks:#?}");
+    let text = write_toml(&library);
+    let own = read_library_bytes("t.toml", text.as_bytes(), LibraryFormat::Toml).expect("reads");
+    assert_eq!(own.tools.len(), 18_000);
+    let mills = library.tools.iter().zip(&own.tools);
+    assert!(mills.into_iter().all(|(read, own)| (&read.tool, read.missing) == (&own.tool, own.missing)));
+}
+
+#[test]
+fn a_setup_with_a_library_of_thousands_is_resolved_with_what_the_part_needs() {
+    let library = read_library_bytes("maker.json", &large(6_000), LibraryFormat::FusionJson).expect("reads");
+    let part = super::assembly::pump();
+    let setup = read_setup_bytes("s.toml", write_toml(&library).as_bytes()).expect("a setup");
+    assert_eq!(setup.tools.len(), 5_400);
+    let workpiece = setup.allowances.workpiece_of(part);
+    let started = std::time::Instant::now();
+    let resolved = vanecut::job::resolve(&setup, &workpiece).expect("a choice");
+    assert!(started.elapsed().as_secs() < 30, "{:?}", started.elapsed());
+    let used = &resolved.setup.tools;
+    assert!((1..=5).contains(&used.len()), "{} tools stay in the plan", used.len());
+    assert!(used.iter().all(Tool::is_flat), "balls do not plunge where there are others");
+}
+
+#[test]
+fn rates_that_a_library_does_not_say_stay_unknown() {
+    let mut tree = library();
+    tree["data"][0]["start-values"]["presets"][0] = json!({"name": "x"});
+    tree["data"][1]["start-values"]["*"] = json!({"f_z": 0.005, "v_c": 251.3});
+    let read = read(&tree);
+    let [first, second] = read.tools.as_slice() else { panic!("two mills") };
+    assert!(first.missing.plunge_feed && first.missing.spindle);
+    assert!(first.notes.iter().any(|note| note.contains("by `material`")), "{:?}", first.notes);
+    // What follows from the cutting data of the tool is no guess.
+    assert!(!second.notes.iter().any(|note| note.contains("by `material`")), "{:?}", second.notes);
+    assert!((second.tool.spindle - 251_300.0 / (4.0 * std::f64::consts::PI)).abs() < 1e-6);
+    let text = write_toml(&read);
+    assert!(!text.contains("spindle =") && !text.contains("plunge_feed ="), "{text}");
+    for (material, spindle) in [("titanium", 40.0), ("aluminium", 400.0)] {
+        let setup = format!("{text}\n[stock]\nmaterial = \"{material}\"\n");
+        let setup = read_setup_bytes("s.toml", setup.as_bytes()).expect("reads");
+        let wanted = spindle * 1e3 / (std::f64::consts::PI * 31.75);
+        assert!((setup.tools[0].spindle - wanted).abs() <= 0.5, "{material}: {}", setup.tools[0].spindle);
+        assert_eq!(setup.tools[1].spindle, second.tool.spindle, "its own cutting speed stands");
+    }
+    let fusion: Value = serde_json::from_str(&write_fusion(&read)).expect("JSON");
+    assert_eq!(fusion["data"][0]["start-values"]["presets"][0]["n"], Value::Null);
+    let again = read_library_bytes("t.json", write_fusion(&read).as_bytes(), LibraryFormat::FusionJson);
+    assert_eq!(again.expect("reads").tools[0].missing, first.missing);
+    let own = read_library_bytes("t.toml", text.as_bytes(), LibraryFormat::Toml).expect("reads");
+    assert_eq!(own.tools[0].missing, first.missing);
+}
+
+#[test]
+fn corner_radii_that_are_assumed_or_changed_are_named() {
+    for (kind, given, taken, words) in [
+        ("ball end mill", json!(0), 2.0, "corner radius assumed: half of the diameter"),
+        ("ball end mill", json!(null), 2.0, "corner radius assumed: half of the diameter"),
+        ("ball end mill", json!(1), 2.0, "1 mm does not fit a ball end mill"),
+        ("lollipop mill", json!(2), 2.0, ""),
+        ("bull nose end mill", json!(9), 2.0, "9 mm does not fit a bull nose end mill"),
+        ("bull nose end mill", json!(0), 0.0, "a sharp corner"),
+        ("flat end mill", json!(-1), 0.0, "-1 mm does not fit a flat end mill"),
+        ("flat end mill", json!(0), 0.0, ""),
+    ] {
+        let mut tree = library();
+        tree["data"][1]["type"] = json!(kind);
+        tree["data"][1]["geometry"]["RE"] = given.clone();
+        let read = read(&tree);
+        let found = &read.tools[1];
+        assert_eq!(found.tool.corner_radius, taken, "{kind}, {given}");
+        let corner: Vec<&String> = found.notes.iter().filter(|note| note.contains("corner")).collect();
+        match words {
+            "" => assert!(corner.is_empty(), "{corner:?}"),
+            words => assert!(corner.len() == 1 && corner[0].contains(words), "{kind}, {given}: {corner:?}"),
+        }
+    }
+}
+
+#[test]
+fn impossible_rates_of_a_preset_are_left_out_and_named() {
+    let mut tree = library();
+    tree["data"][1]["start-values"]["*"] = json!({"n": 20000, "v_f_plunge": 1e-9, "f_z": 1e-12, "v_c": 1e9});
+    let read = read(&tree);
+    let found = &read.tools[1];
+    assert_eq!((found.tool.assembly.feed_per_tooth, found.tool.assembly.cutting_speed), (None, None));
+    assert!(found.missing.plunge_feed && !found.missing.spindle);
+    for key in ["`v_f_plunge`", "`f_z`", "`v_c`"] {
+        assert!(found.notes.iter().any(|note| note.contains(key)), "{key}: {:?}", found.notes);
+    }
+}
+
+#[test]
+fn fractions_and_commas_of_freecad_are_lengths_and_bits_at_fault_are_left_out() {
+    let bit = |diameter: &str, shape: &str| {
+        json!({"name": "x", "shape": shape, "parameter": {"Diameter": diameter, "Length": "2 1/2\"",
+            "CuttingEdgeHeight": "12,5 mm", "Flutes": "3"}})
+        .to_string()
+    };
+    for (text, mm) in [("1/4 in", 6.35), ("5,0 mm", 5.0), ("1 1/4\"", 31.75), ("0.375 \"", 9.525)] {
+        let read = read_library_bytes("b.fctb", bit(text, "endmill").as_bytes(), LibraryFormat::FreeCadBit);
+        let tool = &read.expect(text).tools[0].tool;
+        assert!((tool.diameter - mm).abs() < 1e-9, "{text}: {}", tool.diameter);
+        assert_eq!((tool.overhang, tool.assembly.flute_length), (63.5, Some(12.5)));
+    }
+    let folder = tempfile_folder("fctl");
+    std::fs::write(folder.join("good.fctb"), bit("6 mm", "endmill.fcstd")).unwrap();
+    std::fs::write(folder.join("bad.fctb"), bit("six", "endmill.fcstd")).unwrap();
+    let mut tools = vec![json!({"nr": 4, "path": "good.fctb"}), json!({"nr": 1, "path": "bad.fctb"})];
+    tools.push(json!({"nr": 2}));
+    tools.push(json!({"nr": 3, "path": "../up.fctb"}));
+    for k in 0..40 {
+        std::fs::write(folder.join(format!("d{k}.fctb")), bit("6 mm", "drill.fcstd")).unwrap();
+        tools.push(json!({"nr": 10 + k, "path": format!("d{k}.fctb")}));
+    }
+    let path = folder.join("shop.fctl");
+    std::fs::write(&path, json!({"tools": tools}).to_string()).unwrap();
+    let read =
+        vanecut::io::shop_tools::read_library(&path, LibraryFormat::FreeCadLibrary).expect("one is good");
+    assert_eq!(read.tools.iter().map(|t| t.tool.number).collect::<Vec<_>>(), [4]);
+    assert!(read.tools[0].missing.spindle, "FreeCAD has no feeds");
+    assert_eq!(read.notes.len(), 4, "{:#?}", read.notes);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+fn tempfile_folder(name: &str) -> std::path::PathBuf {
+    let folder = std::env::temp_dir().join(format!("vanecut-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
 }

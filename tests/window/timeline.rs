@@ -188,7 +188,7 @@ fn the_clock_counts_every_move_of_a_plunge() {
     let lifted = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
         let mut outcome = sound(request, monitor, listener)?;
         for position in &mut outcome.after.plan.positions {
-            position.evaluation.motion.lift_off = position.axis * 3.0;
+            position.evaluation.motion.lead_out = position.axis * 3.0;
         }
         Ok(outcome)
     };

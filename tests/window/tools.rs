@@ -145,3 +145,71 @@ fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
     let text = vanecut::io::write_setup(setup);
     assert_eq!(&vanecut::io::read_setup_bytes("s.toml", text.as_bytes()).expect("opens"), setup);
 }
+
+#[test]
+fn a_library_of_thousands_is_searched_without_delay() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shop = folder.path().join("maker.json");
+    let tool = |k: usize| {
+        format!(
+            r#"{{"type": "flat end mill", "unit": "millimeters", "description": "no. {k}",
+                "geometry": {{"DC": {}, "LB": 60, "LCF": 20, "RE": 0}}, "post-process": {{"number": {}}}}}"#,
+            4 + k % 20,
+            k + 1
+        )
+    };
+    let tools: Vec<String> = (0..5_000).map(tool).collect();
+    std::fs::write(&shop, format!(r#"{{"data": [{}]}}"#, tools.join(","))).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.state_mut().use_own_file_dialogs();
+    window.run_steps(3);
+    click(&mut window, "Shop library…");
+    window.set_size(egui::vec2(1100.0, 800.0));
+    window.run_steps(3);
+    click(&mut window, "Open library…");
+    name_file(&mut window, &shop);
+    window.get_by_label("5000 of 5000 tools");
+    let frames = |window: &mut Window| {
+        let started = std::time::Instant::now();
+        window.run_steps(20);
+        started.elapsed()
+    };
+    let with_all = frames(&mut window);
+    window.get_by_role_and_label(Role::TextInput, "Search").focus();
+    window.run_steps(1);
+    window.event(egui::Event::Text("no. 4321".to_owned()));
+    window.run_steps(3);
+    window.get_by_label("2 of 5000 tools");
+    // A frame with all tools costs little more than one with a single tool: only the rows that show are drawn.
+    let with_one = frames(&mut window);
+    assert!(with_all < 4 * with_one + std::time::Duration::from_millis(400), "{with_all:?}, {with_one:?}");
+    click(&mut window, "T4322 Ø5 L60 no. 4321");
+    click(&mut window, "Take into setup");
+    assert_eq!(window.state().state().document.edited.setup.tools[0].number, 4322);
+}
+
+#[test]
+fn of_a_setup_with_a_whole_library_the_tools_that_are_used_are_listed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tools.toml");
+    let tool = |k: usize| format!("[[tool]]\nnumber = {k}\ndiameter = {}\n", 5 + k % 20);
+    let tools: String = (1..=150).map(tool).collect();
+    std::fs::write(&path, format!("{tools}[[plunge.section]]\ntool = 3\nfrom = 1\nto = 0\n"))
+        .expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.state_mut().open_path(path);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(window.state().state().document.edited.setup.tools.len(), 150);
+    window.get_by_label_contains("more, to choose from");
+    window.get_by_label_contains("T3  Ø8");
+    assert!(window.query_by_label_contains("T77  ").is_none());
+    click(&mut window, "Keep only these");
+    let left = &window.state().state().document.edited.setup.tools;
+    assert!(left.len() < 10 && left.iter().any(|tool| tool.number == 3), "{} are left", left.len());
+    assert!(window.query_by_label_contains("more, to choose from").is_none());
+}

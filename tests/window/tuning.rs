@@ -170,12 +170,12 @@ fn lead_out_peck_and_material_are_edited_and_saved() {
     window.set_size(egui::vec2(1200.0, 1000.0));
     window.run_steps(3);
     let setup = |window: &Window| window.state().state().document.edited.setup.clone();
-    assert_eq!((setup(&window).plunge.lift, setup(&window).plunge.peck), (None, None));
+    assert_eq!((setup(&window).plunge.lead_out, setup(&window).plunge.peck), (None, None));
     for (name, value) in [("Lead-out", 1.5), ("Peck depth", 20.0)] {
         window.get_by_role_and_label(Role::SpinButton, name).set_value_accesskit(value);
         window.run_steps(3);
     }
-    assert_eq!((setup(&window).plunge.lift, setup(&window).plunge.peck), (Some(1.5), Some(20.0)));
+    assert_eq!((setup(&window).plunge.lead_out, setup(&window).plunge.peck), (Some(1.5), Some(20.0)));
     window.get_by_role_and_label(Role::ComboBox, "Material").click();
     window.run_steps(2);
     window.get_by_label("titanium").click();
@@ -201,13 +201,13 @@ fn lead_out_peck_and_material_are_edited_and_saved() {
     window.state_mut().file_chosen(&ctx, Purpose::SaveSetup, path.clone());
     settle(&mut window);
     let saved = vanecut::io::setup_file::read_setup(&path, &Setup::default()).expect("readable");
-    assert_eq!((saved.plunge.lift, saved.plunge.peck), (Some(1.5), Some(20.0)));
+    assert_eq!((saved.plunge.lead_out, saved.plunge.peck), (Some(1.5), Some(20.0)));
     assert_eq!(saved.allowances.material.as_deref(), Some("1.4571"));
 
     for name in ["Reset lead-out", "Reset peck depth", "Reset material"] {
         window.get_by_label(name).click();
         window.run_steps(3);
     }
-    assert_eq!((setup(&window).plunge.lift, setup(&window).plunge.peck), (None, None));
+    assert_eq!((setup(&window).plunge.lead_out, setup(&window).plunge.peck), (None, None));
     assert_eq!(setup(&window).allowances.material, None);
 }

@@ -58,7 +58,7 @@ const FIELDS: [(&str, &str, &str); 38] = [
     ("plunge", "finish_rate", "Goal"),
     ("plunge", "finish_depth", "Goal"),
     ("plunge", "finish_pass_time", "Goal"),
-    ("plunge", "lift", "Lead-out"),
+    ("plunge", "lead_out", "Lead-out"),
     ("plunge", "peck", "Peck depth"),
     ("plunge", "rapid_approach", "Rapid approach"),
     ("machine", "file", "Machine"),

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::io::shop_tools::{LibraryTool, ToolLibrary};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
+use crate::setup::cutting_data::MissingRates;
 use crate::setup::{Setup, Tool};
 
 use super::units::DisplayUnits;
@@ -64,12 +65,24 @@ pub struct ShopLibrary {
     pub diameters: [f64; 2],
     /// Index of the selected tool.
     pub selected: Option<usize>,
+    /// What was searched last, and what that left: libraries of makers have many thousand tools.
+    found: Option<(SearchKey, Vec<usize>)>,
+}
+
+/// What the tools shown depend on, besides the tools.
+#[derive(Clone, Debug, PartialEq)]
+struct SearchKey {
+    search: String,
+    form: ToolForm,
+    diameters: [f64; 2],
+    units: DisplayUnits,
 }
 
 impl Default for ShopLibrary {
     fn default() -> Self {
         let own = plunge_cutters().iter().chain(flank_cutters());
-        let tools = own.map(|tool| LibraryTool { tool: tool.clone(), notes: Vec::new() }).collect();
+        let missing = MissingRates::default();
+        let tools = own.map(|tool| LibraryTool { tool: tool.clone(), missing, notes: Vec::new() }).collect();
         Self::new(None, ToolLibrary { tools, notes: Vec::new() })
     }
 }
@@ -78,25 +91,53 @@ impl ShopLibrary {
     /// A library from a file.
     pub fn new(path: Option<PathBuf>, content: ToolLibrary) -> Self {
         let form = ToolForm::Any;
-        Self { path, content, search: String::new(), form, diameters: ALL_DIAMETERS, selected: None }
+        Self {
+            path,
+            content,
+            search: String::new(),
+            form,
+            diameters: ALL_DIAMETERS,
+            selected: None,
+            found: None,
+        }
+    }
+
+    /// Must be called after a tool was changed, added or removed: what is shown may have changed.
+    pub fn changed(&mut self) {
+        self.found = None;
     }
 
     /// Indices of the tools that search and filters leave.
-    pub fn shown(&self, units: DisplayUnits) -> Vec<usize> {
+    pub fn shown(&mut self, units: DisplayUnits) -> &[usize] {
+        let Self { form, diameters, .. } = *self;
+        let key = SearchKey { search: self.search.clone(), form, diameters, units };
+        let found = match self.found.take() {
+            Some((known, found)) if known == key => found,
+            _ => self.search(units),
+        };
+        &self.found.insert((key, found)).1
+    }
+
+    fn search(&self, units: DisplayUnits) -> Vec<usize> {
         let words: Vec<String> = self.search.to_lowercase().split_whitespace().map(str::to_owned).collect();
         let fits = |tool: &Tool| {
-            let text = describe(tool, units).to_lowercase();
-            words.iter().all(|word| text.contains(word))
-                && (self.form == ToolForm::Any || self.form == ToolForm::of(tool))
+            let has_words = || {
+                let text = describe(tool, units).to_lowercase();
+                words.iter().all(|word| text.contains(word))
+            };
+            (self.form == ToolForm::Any || self.form == ToolForm::of(tool))
                 && (self.diameters[0]..=self.diameters[1]).contains(&tool.diameter)
+                && (words.is_empty() || has_words())
         };
         let tools = self.content.tools.iter().enumerate();
         tools.filter(|(_, entry)| fits(&entry.tool)).map(|(index, _)| index).collect()
     }
 
-    /// Puts a copy of the selected tool into `setup`, under a number of its own. Returns that number.
+    /// Puts a copy of the selected tool into `setup`, under a number of its own, with the rates that it lacks by
+    /// the material of the setup. Returns that number.
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
-        let mut tool = self.content.tools.get(self.selected?)?.tool.clone();
+        let entry = self.content.tools.get(self.selected?)?;
+        let mut tool = entry.missing.filled(&entry.tool, setup.allowances.cutting_data());
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
         if tool.number == 0 || taken(tool.number) {
             tool.number = setup.tools.iter().map(|known| known.number).max().unwrap_or(0) + 1;
@@ -129,13 +170,14 @@ mod tests {
         let all = library.shown(DisplayUnits::Metric).len();
         assert!(all > 80, "the program's own tools");
         library.form = ToolForm::Ball;
-        assert!(library.shown(DisplayUnits::Metric).iter().all(|&k| {
+        let balls = library.shown(DisplayUnits::Metric).to_vec();
+        assert!(balls.iter().all(|&k| {
             let tool = &library.content.tools[k].tool;
             tool.corner_radius == tool.radius()
         }));
         (library.form, library.diameters) = (ToolForm::Any, [20.0, 25.0]);
-        let between = library.shown(DisplayUnits::Metric);
-        assert!(!between.is_empty() && between.len() < all);
+        let between = library.shown(DisplayUnits::Metric).len();
+        assert!(between > 0 && between < all);
         library.search = "Ø25 l125".to_owned();
         assert_eq!(library.shown(DisplayUnits::Metric).len(), 1);
         library.selected = library.shown(DisplayUnits::Metric).first().copied();
@@ -146,5 +188,32 @@ mod tests {
         assert_eq!(setup.tools.len(), 2);
         library.search = "nothing like this".to_owned();
         assert!(library.shown(DisplayUnits::Metric).is_empty());
+    }
+
+    #[test]
+    fn a_tool_without_rates_is_taken_with_those_of_the_material() {
+        let mut library = ShopLibrary::default();
+        library.content.tools[0].missing = MissingRates { plunge_feed: true, spindle: true };
+        library.selected = Some(0);
+        let mut setup = Setup::default();
+        setup.allowances.material = Some("titanium".to_owned());
+        library.take_into(&mut setup).expect("a tool");
+        let data = setup.allowances.cutting_data().expect("known");
+        let tool = &setup.tools[0];
+        assert_eq!(tool.spindle, data.spindle_for(tool.diameter));
+        assert_eq!(tool.plunge_feed, data.feed_per_tooth_for(tool.diameter) * 2.0 * tool.spindle);
+    }
+
+    #[test]
+    fn what_is_shown_follows_search_and_changes() {
+        let mut library = ShopLibrary::default();
+        let all = library.shown(DisplayUnits::Metric).len();
+        let copy = library.content.tools[0].clone();
+        library.content.tools.push(copy);
+        library.changed();
+        assert_eq!(library.shown(DisplayUnits::Metric).len(), all + 1);
+        library.search = "t1 ".to_owned();
+        let few = library.shown(DisplayUnits::Metric).len();
+        assert!(few > 0 && few < all);
     }
 }

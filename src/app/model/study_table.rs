@@ -108,6 +108,7 @@ const UNITS_OF_KEYS: [(&str, &[&str]); 7] = [
             "stepover",
             "row_spacing",
             "wall_scallop",
+            "lead_out",
             "lift",
             "peck",
             "max_stock",

@@ -12,7 +12,7 @@ use crate::setup::{AxisPolicy, CutDirection, PlungeSetup, SectionKind, SectionSe
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
 
 /// `[plunge]`: keys that were renamed in version 2.
-pub(super) const RENAMED_IN_PLUNGE: RenamedKeys = &[("stepover", "row_spacing")];
+pub(super) const RENAMED_IN_PLUNGE: RenamedKeys = &[("stepover", "row_spacing"), ("lead_out", "lift")];
 /// `[[plunge.section]]`: keys that were renamed in version 2.
 const RENAMED_IN_SECTION: RenamedKeys = &[("cutting_direction", "feed")];
 
@@ -32,7 +32,7 @@ pub(super) fn plunge(
         "wall_scallop",
         "max_axis_change",
         "max_tilt",
-        "lift",
+        "lead_out",
         "peck",
         "adapt_feed",
         "rapid_approach",
@@ -54,7 +54,7 @@ pub(super) fn plunge(
         plunge.max_tilt_rad = angle.value.to_radians();
     }
     plunge.goal = read_goal(table)?.unwrap_or(plunge.goal);
-    plunge.lift = table.number("lift", ALLOWANCE)?.map(|lift| lift.value).filter(|lift| *lift > 0.0);
+    plunge.lead_out = table.number("lead_out", ALLOWANCE)?.map(|way| way.value).filter(|way| *way > 0.0);
     plunge.peck = table.number("peck", LENGTH)?.map(|peck| peck.value);
     if let Some(adapt) = table.boolean("adapt_feed")? {
         plunge.adapt_feed = adapt.value;

@@ -125,8 +125,8 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
             }
         }
     }
-    if let Some(lift) = plunge.lift {
-        writeln!(out, "lift = {lift:?}")?;
+    if let Some(lead_out) = plunge.lead_out {
+        writeln!(out, "lead_out = {lead_out:?}")?;
     }
     if let Some(peck) = plunge.peck {
         writeln!(out, "peck = {peck:?}")?;

@@ -1,4 +1,5 @@
-//! Expressions of Fusion libraries: numbers with units, names of other expressions, + − × / and brackets.
+//! Expressions of Fusion libraries: numbers with units, names of other expressions and of the tool's numbers,
+//! + − × / and brackets, `max` and `min`.
 //!
 //! Fusion computes the numbers of a tool from its expressions whenever it loads a library, so that an
 //! expression prevails over the number beside it.
@@ -15,8 +16,17 @@ const MAX_STEPS: usize = 10_000;
 #[derive(Clone, Debug, Default)]
 pub struct Expressions<'a> {
     texts: BTreeMap<&'a str, &'a str>,
+    /// What names mean that have no expression: the numbers of the tool.
+    numbers: BTreeMap<&'a str, ExpressionValue>,
     /// Factor of lengths without a unit: the unit of the tool.
     length_mm: f64,
+}
+
+/// A value on its way, mm if it is a length.
+#[derive(Clone, Copy, Debug)]
+struct ExpressionValue {
+    value: f64,
+    is_length: bool,
 }
 
 impl<'a> Expressions<'a> {
@@ -24,7 +34,19 @@ impl<'a> Expressions<'a> {
     pub fn new(object: Option<&'a serde_json::Value>, length_mm: f64) -> Self {
         let entries = object.and_then(serde_json::Value::as_object).into_iter().flatten();
         let texts = entries.filter_map(|(key, value)| Some((key.as_str(), value.as_str()?))).collect();
-        Self { texts, length_mm }
+        Self { texts, numbers: BTreeMap::new(), length_mm }
+    }
+
+    /// As these, with lengths in mm and other numbers for names that have no expression.
+    pub fn with_numbers(
+        mut self,
+        lengths: impl IntoIterator<Item = (&'a str, f64)>,
+        others: impl IntoIterator<Item = (&'a str, f64)>,
+    ) -> Self {
+        let value = |is_length| move |(name, value)| (name, ExpressionValue { value, is_length });
+        self.numbers.extend(lengths.into_iter().map(value(true)));
+        self.numbers.extend(others.into_iter().map(value(false)));
+        self
     }
 
     /// Whether there is an expression of this name.
@@ -34,11 +56,36 @@ impl<'a> Expressions<'a> {
 
     /// Value of an expression; `None` when it is absent or cannot be computed.
     pub fn value(&self, name: &str) -> Option<f64> {
-        let mut steps = 0;
-        self.named(name, 0, &mut steps).filter(|x| x.is_finite())
+        self.evaluated(name).map(|found| found.value)
     }
 
-    fn named(&self, name: &str, depth: usize, steps: &mut usize) -> Option<f64> {
+    /// What a name means: the value of its expression, or the number of the tool.
+    pub fn number_of(&self, name: &str) -> Option<f64> {
+        self.named(name, 0, &mut 0).map(|found| found.value).filter(|x| x.is_finite())
+    }
+
+    /// Value of an expression of a length, mm: one without any unit is in the unit of the tool.
+    pub fn length(&self, name: &str) -> Option<f64> {
+        self.evaluated(name).map(|found| self.as_length(found)).filter(|x| x.is_finite())
+    }
+
+    fn as_length(&self, found: ExpressionValue) -> f64 {
+        if found.is_length { found.value } else { found.value * self.length_mm }
+    }
+
+    fn evaluated(&self, name: &str) -> Option<ExpressionValue> {
+        let mut steps = 0;
+        self.text_of(name, 0, &mut steps).filter(|found| found.value.is_finite())
+    }
+
+    fn named(&self, name: &str, depth: usize, steps: &mut usize) -> Option<ExpressionValue> {
+        match self.has(name) {
+            true => self.text_of(name, depth, steps),
+            false => self.numbers.get(name).copied(),
+        }
+    }
+
+    fn text_of(&self, name: &str, depth: usize, steps: &mut usize) -> Option<ExpressionValue> {
         let text = self.texts.get(name).filter(|text| depth < MAX_DEPTH && text.len() <= MAX_LENGTH)?;
         let mut parser = ExpressionParser { all: self, rest: text.trim(), depth, steps };
         let value = parser.sum()?;
@@ -62,40 +109,53 @@ impl ExpressionParser<'_, '_, '_> {
         found.is_some()
     }
 
-    fn sum(&mut self) -> Option<f64> {
+    /// Combines two values that must be alike: a number without unit beside a length is in the unit of the tool.
+    fn alike(&self, a: ExpressionValue, b: ExpressionValue, of: impl Fn(f64, f64) -> f64) -> ExpressionValue {
+        let is_length = a.is_length || b.is_length;
+        let [a, b] = [a, b].map(|x| if is_length { self.all.as_length(x) } else { x.value });
+        ExpressionValue { value: of(a, b), is_length }
+    }
+
+    fn sum(&mut self) -> Option<ExpressionValue> {
         let mut value = self.product()?;
         loop {
             if self.take('+') {
-                value += self.product()?;
+                let other = self.product()?;
+                value = self.alike(value, other, |a, b| a + b);
             } else if self.take('-') {
-                value -= self.product()?;
+                let other = self.product()?;
+                value = self.alike(value, other, |a, b| a - b);
             } else {
                 return Some(value);
             }
         }
     }
 
-    fn product(&mut self) -> Option<f64> {
+    fn product(&mut self) -> Option<ExpressionValue> {
         let mut value = self.factor()?;
         loop {
             if self.take('*') {
-                value *= self.factor()?;
+                let other = self.factor()?;
+                let is_length = value.is_length || other.is_length;
+                value = ExpressionValue { value: value.value * other.value, is_length };
             } else if self.take('/') {
-                value /= self.factor()?;
+                let other = self.factor()?;
+                let is_length = value.is_length && !other.is_length;
+                value = ExpressionValue { value: value.value / other.value, is_length };
             } else {
                 return Some(value);
             }
         }
     }
 
-    fn factor(&mut self) -> Option<f64> {
+    fn factor(&mut self) -> Option<ExpressionValue> {
         *self.steps += 1;
         if *self.steps > MAX_STEPS || self.depth >= MAX_DEPTH {
             return None;
         }
         self.depth += 1;
         let value = if self.take('-') {
-            self.factor().map(|x| -x)
+            self.factor().map(|x| ExpressionValue { value: -x.value, ..x })
         } else if self.take('(') {
             self.sum().filter(|_| self.take(')'))
         } else {
@@ -105,14 +165,32 @@ impl ExpressionParser<'_, '_, '_> {
         value
     }
 
-    fn number_or_name(&mut self) -> Option<f64> {
+    /// The rest of `max(a, b, …)` or `min(a, b, …)` after its bracket.
+    fn extreme(&mut self, of: fn(f64, f64) -> f64) -> Option<ExpressionValue> {
+        let mut value = self.sum()?;
+        while self.take(',') || self.take(';') {
+            let other = self.sum()?;
+            value = self.alike(value, other, of);
+        }
+        self.take(')').then_some(value)
+    }
+
+    fn number_or_name(&mut self) -> Option<ExpressionValue> {
         let rest = self.rest.trim_start();
         let begins_name = rest.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
         if begins_name {
             let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
             let name = rest.get(..end)?;
             self.rest = rest.get(end..)?;
-            return self.all.named(name, self.depth, self.steps);
+            let extreme: Option<fn(f64, f64) -> f64> = match name {
+                "max" => Some(f64::max),
+                "min" => Some(f64::min),
+                _ => None,
+            };
+            return match extreme {
+                Some(of) if self.take('(') => self.extreme(of),
+                _ => self.all.named(name, self.depth, self.steps),
+            };
         }
         let digits = |c: char| c.is_ascii_digit() || c == '.';
         let mut end = rest.find(|c: char| !digits(c)).unwrap_or(rest.len());
@@ -126,46 +204,40 @@ impl ExpressionParser<'_, '_, '_> {
         }
         let value: f64 = rest.get(..end)?.parse().ok()?;
         let tail = rest.get(end..)?.trim_start();
-        // The longest unit first: `mm/min` begins with `mm`.
-        let units: [(&str, f64); 17] = [
-            ("mm/min", 1.0),
-            ("mmpm", 1.0),
-            ("mpm", 1.0),
-            ("m/min", 1.0),
-            ("in/min", 25.4),
-            ("inpm", 25.4),
-            ("ipm", 25.4),
-            ("ft/min", 0.3048),
-            ("fpm", 0.3048),
-            ("sfm", 0.3048),
-            ("rpm", 1.0),
-            ("inch", 25.4),
-            ("deg", 1.0),
-            ("mm", 1.0),
-            ("cm", 10.0),
-            ("in", 25.4),
-            ("\"", 25.4),
-        ];
-        for (unit, factor) in units {
+        for (unit, factor, is_length) in UNITS {
             let after = tail.strip_prefix(unit);
             if let Some(after) = after.filter(|after| !after.starts_with(|c: char| c.is_ascii_alphanumeric()))
             {
                 self.rest = after;
-                return Some(value * factor);
+                return Some(ExpressionValue { value: value * factor, is_length });
             }
         }
         self.rest = tail;
-        Some(value)
+        Some(ExpressionValue { value, is_length: false })
     }
 }
 
-impl Expressions<'_> {
-    /// Value of an expression of a length: a single number without unit is in the unit of the tool.
-    pub fn length(&self, name: &str) -> Option<f64> {
-        let plain = self.texts.get(name)?.trim().parse::<f64>().ok();
-        plain.map(|x| x * self.length_mm).filter(|x| x.is_finite()).or_else(|| self.value(name))
-    }
-}
+/// Units with their factors, and whether they are of a length; the longest first: `mm/min` begins with `mm`.
+const UNITS: [(&str, f64, bool); 18] = [
+    ("mm/min", 1.0, false),
+    ("mmpm", 1.0, false),
+    ("mpm", 1.0, false),
+    ("m/min", 1.0, false),
+    ("in/min", 25.4, false),
+    ("inpm", 25.4, false),
+    ("ipm", 25.4, false),
+    ("ft/min", 0.3048, false),
+    ("fpm", 0.3048, false),
+    ("sfm", 0.3048, false),
+    ("rpm", 1.0, false),
+    ("inch", 25.4, true),
+    ("deg", 1.0, false),
+    ("mm", 1.0, true),
+    ("cm", 10.0, true),
+    ("in", 25.4, true),
+    ("\"", 25.4, true),
+    ("ft", 304.8, true),
+];
 
 #[cfg(test)]
 mod tests {
@@ -195,6 +267,26 @@ mod tests {
             assert!((found - value).abs() < 1e-9, "{name}: {found}");
         }
         assert_eq!(all.length("d"), Some(7.0 * 25.4), "a plain number is in the unit of the tool");
+    }
+
+    #[test]
+    fn the_greater_and_the_numbers_of_the_tool() {
+        let object = json!({
+            "body": "max(tool_shoulderLength, (tool_overallLength - tool_holderGaugeLength - .5))",
+            "least": "min(1 in; 30 mm, 2)", "share": "tool_diameter * 3", "ratio": "tool_diameter / 12.7mm",
+            "empty": "max()", "open": "max(1, 2", "max": "3 mm", "named": "max + 1 mm",
+        });
+        let numbers = [("tool_shoulderLength", 20.0), ("tool_overallLength", 76.2), ("tool_diameter", 12.7)];
+        let all = Expressions::new(Some(&object), 25.4)
+            .with_numbers(numbers, [])
+            .with_numbers([("tool_holderGaugeLength", 25.4)], []);
+        for (name, value) in
+            [("body", 38.1), ("least", 25.4), ("share", 38.1), ("ratio", 25.4), ("named", 4.0)]
+        {
+            let found = all.length(name).expect(name);
+            assert!((found - value).abs() < 1e-9, "{name}: {found}");
+        }
+        assert_eq!([all.length("empty"), all.length("open")], [None, None]);
     }
 
     #[test]

@@ -3,14 +3,18 @@
 
 use serde_json::Value;
 
+use super::json::{elements, json_text, tool_tree};
+use super::left_out::LeftOutTools;
+use super::length::{angle_deg, length_mm};
 use super::{
-    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, round_lengths,
-    short_name, too_many,
+    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools, rated,
+    round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{MAX_COORDINATE, Source, quote_for_message};
 use crate::io::tool_file::{MAX_NUMBER, MAX_TEETH, MAX_TOOLS};
+use crate::setup::cutting_data::MissingRates;
 use crate::setup::{Tool, ToolAssembly};
 
 /// Shapes that are mills, in lower case and without blanks.
@@ -19,13 +23,21 @@ const MILLS: [&str; 6] = ["endmill", "ballend", "bullnose", "torus", "facemill",
 /// Reads the file of a tool that a library names: its name in messages and its bytes.
 type ReadBeside<'a> = dyn Fn(&str) -> Result<(String, Vec<u8>), InputError> + 'a;
 
+/// What a tool bit is.
+pub(super) enum ToolBit {
+    Mill(Box<LibraryTool>),
+    /// Its name in messages, and why it is no mill.
+    Other(String, String),
+}
+
 /// Reads one tool bit; with a `number` from the library that names it.
 ///
 /// # Errors
 /// When the bytes are not a tool bit, or its sizes are impossible.
-pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<ToolLibrary, InputError> {
+pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<ToolBit, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
-    let tree = parse_json(name, bytes)?;
+    let tree =
+        tool_tree(json_text(name, bytes)?).map_err(|what| fault(what, "give a tool bit of FreeCAD"))?;
     let parameters = tree.get("parameter").filter(|p| p.is_object());
     let parameters = parameters
         .ok_or_else(|| fault("has no object `parameter`".to_owned(), "give a tool bit of FreeCAD"))?;
@@ -33,10 +45,8 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     let shape = shape.unwrap_or_default().to_lowercase().replace([' ', '_', '-'], "");
     let title = tree.get("name").and_then(Value::as_str).unwrap_or_default();
     let shown = quote_for_message(title);
-    let mut library = ToolLibrary::default();
     if !MILLS.iter().any(|mill| shape.starts_with(mill)) {
-        library.leave_out(&shown, &format!("{} is not a mill", quote_for_message(&shape)));
-        return Ok(library);
+        return Ok(ToolBit::Other(shown, format!("{} is not a mill", quote_for_message(&shape))));
     }
     let length = |key: &str| -> Result<Option<f64>, InputError> {
         let Some(value) = parameters.get(key) else { return Ok(None) };
@@ -47,7 +57,10 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
         };
         match found.filter(|x| (0.0..=MAX_COORDINATE).contains(x)) {
             Some(x) => Ok(Some(x).filter(|x| *x > 0.0)),
-            None => Err(fault(format!("{shown}: `{key}` is not a length"), "give a number with mm or in")),
+            None => {
+                let what = format!("{shown}: `{key}` is not a length");
+                Err(fault(what, "give a number with mm or in, such as 6.35 mm or 1/4 in"))
+            }
         }
     };
     let missing =
@@ -63,22 +76,45 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     if total.is_some() {
         notes.push("overhang assumed: the whole length of the tool".to_owned());
     }
+    if let Some(long) = flute.filter(|flute| *flute > overhang) {
+        notes.push(format!("the edges, {long} mm, are longer than the tool, {overhang} mm: cut to it"));
+    }
     let flute = flute.map(|flute| flute.min(overhang));
     let shank = match (length("ShankDiameter")?, flute) {
         (Some(shank), Some(flute)) if flute < overhang => vec![[shank, overhang - flute]],
         _ => Vec::new(),
     };
-    let corner = match shape.starts_with("ball") {
-        true => 0.5 * diameter,
-        false => length("CornerRadius")?.or(length("TorusRadius")?).unwrap_or(0.0),
+    let radius = 0.5 * diameter;
+    let given = match length("CornerRadius")? {
+        None => length("TorusRadius")?,
+        given => given,
     };
+    let corner = match given {
+        _ if shape.starts_with("ball") || shape.starts_with("taperedball") => radius,
+        Some(corner) => corner.min(radius),
+        None => 0.0,
+    };
+    if given.is_some_and(|given| given > corner) {
+        notes.push("corner radius larger than the radius: that taken".to_owned());
+    } else if given.is_none() && (shape.starts_with("bullnose") || shape.starts_with("torus")) {
+        notes.push("corner radius assumed: a sharp corner, as the tool bit has none".to_owned());
+    }
+    let taper = match parameters.get("TaperAngle") {
+        Some(Value::Number(angle)) => angle.as_f64(),
+        Some(Value::String(text)) => angle_deg(text),
+        _ => None,
+    };
+    let taper = taper.filter(|angle| *angle > 0.0).map(f64::to_radians);
+    if taper.is_some() || shape.starts_with("tapered") {
+        notes.push("tapered: plans leave it out, they know cylindrical cutters only".to_owned());
+    }
     let face = shape.starts_with("face");
     let insert_width = if face { 0.45 * diameter } else { 0.5 * diameter };
     notes.push(match face {
-        true => format!("insert width assumed: {insert_width} mm, 0.45 of the diameter"),
+        true => "insert width assumed: 0.45 of the diameter".to_owned(),
         false => "insert width assumed: the cutter cuts to its centre".to_owned(),
     });
-    notes.push("feed and spindle speed assumed: 300 mm/min, 1200 rev/min; the holder is unknown".to_owned());
+    notes.push("the holder is unknown".to_owned());
     let teeth = parameters.get("Flutes").and_then(|flutes| match flutes {
         Value::Number(number) => number.as_u64(),
         Value::String(text) => text.trim().parse().ok(),
@@ -87,22 +123,25 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
     let tool = Tool {
         number: number.unwrap_or(1),
         diameter,
-        corner_radius: corner.min(0.5 * diameter),
+        corner_radius: corner,
         insert_width,
         overhang,
-        plunge_feed: 300.0,
-        spindle: 1200.0,
+        plunge_feed: 0.0,
+        spindle: 0.0,
         assembly: ToolAssembly {
             name: short_name(title),
             flute_length: flute,
             teeth: teeth.and_then(|n| u32::try_from(n).ok()).filter(|n| (1..=MAX_TEETH).contains(n)),
+            taper_rad: taper,
             shank,
             ..ToolAssembly::default()
         },
     };
+    let missing = MissingRates { plunge_feed: true, spindle: true };
+    note_missing_rates(missing, &tool, &mut notes);
+    let tool = rated(LibraryTool { tool, missing, notes });
     check_tool(&tool).map_err(|what| fault(format!("{shown}: {what}"), "correct it in FreeCAD"))?;
-    library.tools.push(LibraryTool { tool, notes });
-    Ok(library)
+    Ok(ToolBit::Mill(Box::new(tool)))
 }
 
 /// Reads a library and the tool bits it names.
@@ -112,38 +151,41 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
 /// others is left out, with a note.
 pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result<ToolLibrary, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
-    let tree = parse_json(name, bytes)?;
-    let list = tree.get("tools").and_then(Value::as_array);
+    let list = elements(json_text(name, bytes)?, "tools", MAX_TOOLS + 1);
     let list =
         list.ok_or_else(|| fault("has no list `tools`".to_owned(), "give a tool library of FreeCAD"))?;
-    too_many(name, list.len().min(MAX_TOOLS + 1))?;
+    too_many(name, list.len())?;
     let mut library = ToolLibrary::default();
+    let mut left_out = LeftOutTools::default();
     // The first error of a tool bit. It becomes the error of the library if no bit can be read.
     let mut refused = None;
-    for (index, entry) in list.iter().enumerate() {
-        let file = entry.get("path").and_then(Value::as_str).ok_or_else(|| {
-            fault(format!("tool {} has no `path`", index + 1), "correct it in FreeCAD")
-                .with_code(ErrorCode::MissingKey)
-        })?;
-        // Only files beside the library: no folder above it, no absolute path.
-        if file.contains(['/', '\\', ':']) || !file.to_lowercase().ends_with(".fctb") {
-            let what =
-                format!("tool {} is in {}, not a .fctb file beside it", index + 1, quote_for_message(file));
-            return Err(fault(what, "copy the tool bits into the folder of the library"));
-        }
-        let number = entry.get("nr").and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
-        let number = number.filter(|n| (1..=MAX_NUMBER).contains(n)).unwrap_or(0);
-        match beside(file).and_then(|(bit, bytes)| read_bit(&bit, &bytes, Some(number))) {
-            Ok(read) => {
-                library.tools.extend(read.tools);
-                library.notes.extend(read.notes);
+    for (index, text) in list.iter().enumerate() {
+        let read = || {
+            let entry = tool_tree(text).unwrap_or_default();
+            let file = entry.get("path").and_then(Value::as_str).ok_or_else(|| {
+                fault(format!("tool {} has no `path`", index + 1), "correct it in FreeCAD")
+                    .with_code(ErrorCode::MissingKey)
+            })?;
+            // Only files beside the library: no folder above it, no absolute path.
+            if file.contains(['/', '\\', ':']) || !file.to_lowercase().ends_with(".fctb") {
+                let shown = quote_for_message(file);
+                let what = format!("tool {} is in {shown}, not a .fctb file beside it", index + 1);
+                return Err(fault(what, "copy the tool bits into the folder of the library"));
             }
+            let number = entry.get("nr").and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
+            let number = number.filter(|n| (1..=MAX_NUMBER).contains(n)).unwrap_or(0);
+            beside(file).and_then(|(bit, bytes)| read_bit(&bit, &bytes, Some(number)))
+        };
+        match read() {
+            Ok(ToolBit::Mill(tool)) => library.tools.push(*tool),
+            Ok(ToolBit::Other(shown, why)) => left_out.add(shown, why),
             Err(error) => {
-                library.leave_out(&quote_for_message(file), &error.message);
+                left_out.add(format!("tool {}", index + 1), error.message.clone());
                 refused.get_or_insert(error);
             }
         }
     }
+    library.notes.extend(left_out.notes());
     if library.tools.is_empty() {
         let none = || fault("contains no end mill".to_owned(), "give a library with end mills");
         return Err(refused.unwrap_or_else(none));
@@ -151,22 +193,4 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
     number_tools(&mut library);
     round_lengths(&mut library);
     Ok(library)
-}
-
-/// A length with its unit, mm; without unit it is in mm.
-fn length_mm(text: &str) -> Option<f64> {
-    let text = text.trim();
-    let end =
-        text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());
-    let value: f64 = text.get(..end)?.parse().ok()?;
-    let factor = match text.get(end..)?.trim() {
-        "" | "mm" => 1.0,
-        "cm" => 10.0,
-        "m" => 1000.0,
-        "in" | "\"" => 25.4,
-        "ft" | "'" => 304.8,
-        "µm" | "um" => 1e-3,
-        _ => return None,
-    };
-    Some(value * factor)
 }

@@ -4,31 +4,49 @@
 //! Segments run from the cutter or the collet towards the spindle. Segments of a holder beyond its gauge
 //! length are in the spindle and are left out. An expression prevails over the number beside it.
 
-use serde_json::{Map, Value, json};
+use rayon::prelude::*;
+use serde_json::Value;
 
 use super::expression::Expressions;
+use super::json::{elements, json_text, tool_tree};
+use super::left_out::LeftOutTools;
 use super::{
-    LibraryTool, MAX_SEGMENTS, OVERHANG_DIAMETERS, ToolLibrary, check_tool, number_tools, parse_json, rate,
-    round_lengths, short_name, too_many,
+    LibraryTool, MAX_SEGMENTS, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools,
+    rated, round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
-use crate::io::hash::{FNV_START, fnv1a};
 use crate::io::source::{Source, quote_for_message};
-use crate::io::tool_file::{MAX_NUMBER, MAX_TEETH};
+use crate::io::table::NumberRange;
+use crate::io::tool_file::{
+    CUTTING_SPEED, FEED_PER_TOOTH, MAX_NUMBER, MAX_TEETH, MAX_TOOLS, PLUNGE_FEED, SPINDLE,
+};
+use crate::setup::cutting_data::MissingRates;
 use crate::setup::{Tool, ToolAssembly};
+
+/// Largest number of entries of all kinds.
+const MAX_ENTRIES: usize = 4 * MAX_TOOLS;
 
 /// Mills by their type, with the insert width in radii that is assumed: cutters with inserts have a core,
 /// solid ones cut to the centre.
-const MILLS: [(&str, f64); 7] = [
+const MILLS: [(&str, f64); 6] = [
     ("flat end mill", 1.0),
     ("ball end mill", 1.0),
     ("bull nose end mill", 0.9),
     ("face mill", 0.9),
     ("tapered mill", 1.0),
-    ("radius mill", 0.9),
     ("lollipop mill", 1.0),
 ];
+/// Mills that end in a ball, whatever their corner radius says.
+const BALLS: [&str; 2] = ["ball end mill", "lollipop mill"];
+
+/// What an entry of a library is.
+enum FusionEntry {
+    Mill(Box<LibraryTool>),
+    Holder,
+    /// Neither, or one that cannot be taken over: why; and whether it is a mill.
+    Other(String, String, bool),
+}
 
 /// Reads a library.
 ///
@@ -37,37 +55,33 @@ const MILLS: [(&str, f64); 7] = [
 /// others is left out, with a note.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
-    let tree = parse_json(name, bytes)?;
-    let data = tree.get("data").and_then(Value::as_array);
+    let text = json_text(name, bytes)?;
+    let data = elements(text, "data", MAX_ENTRIES + 1);
     let data = data.ok_or_else(|| fault("has no list `data`".to_owned(), "give a tool library of Fusion"))?;
+    if data.len() > MAX_ENTRIES {
+        let what = format!("more than {MAX_ENTRIES} entries");
+        return Err(fault(what, "split the library").with_code(ErrorCode::FileTooLarge));
+    }
     let mut library = ToolLibrary::default();
+    let mut left_out = LeftOutTools::default();
     let mut holders = 0;
     // The first error of a mill. It becomes the error of the library if no mill can be read.
     let mut refused = None;
-    for (index, entry) in data.iter().enumerate() {
-        let kind = string(entry, "type").unwrap_or_default();
-        let title = string(entry, "description").unwrap_or_default();
-        let shown = format!("tool {} ({})", index + 1, quote_for_message(title));
-        if !entry.is_object() {
-            return Err(fault(format!("entry {} is not a tool", index + 1), "export the library again"));
-        }
-        let Some((_, width)) = MILLS.iter().find(|(mill, _)| *mill == kind) else {
-            if kind == "holder" {
-                holders += 1;
-            } else {
-                library.leave_out(&shown, &format!("{} is not a mill", quote_for_message(kind)));
-            }
-            continue;
-        };
-        let checked = mill(entry, *width).and_then(|tool| check_tool(&tool.tool).map(|()| tool));
-        match checked {
-            Ok(tool) => library.tools.push(tool),
-            Err(what) => {
-                library.leave_out(&shown, &what);
-                refused.get_or_insert_with(|| fault(format!("{shown}: {what}"), "correct it in the library"));
+    let entries: Vec<FusionEntry> = data.par_iter().enumerate().map(entry).collect();
+    for found in entries {
+        match found {
+            FusionEntry::Mill(tool) => library.tools.push(*tool),
+            FusionEntry::Holder => holders += 1,
+            FusionEntry::Other(shown, why, is_mill) => {
+                if is_mill {
+                    refused
+                        .get_or_insert_with(|| fault(format!("{shown}: {why}"), "correct it in the library"));
+                }
+                left_out.add(shown, why);
             }
         }
     }
+    library.notes.extend(left_out.notes());
     if holders > 0 {
         library.notes.push(format!("{holders} holders without a tool are left out"));
     }
@@ -79,6 +93,29 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     number_tools(&mut library);
     round_lengths(&mut library);
     Ok(library)
+}
+
+/// Reads the text of the entry at an index.
+fn entry((index, text): (usize, &&str)) -> FusionEntry {
+    let number = index + 1;
+    let tree = match tool_tree(text) {
+        Ok(tree) if tree.is_object() => tree,
+        Ok(_) => return FusionEntry::Other(format!("entry {number}"), "it is not a tool".to_owned(), true),
+        Err(why) => return FusionEntry::Other(format!("entry {number}"), why, true),
+    };
+    let kind = string(&tree, "type").unwrap_or_default();
+    let title = string(&tree, "description").unwrap_or_default();
+    let shown = format!("tool {number} ({})", quote_for_message(title));
+    let Some((_, width)) = MILLS.iter().find(|(mill, _)| *mill == kind) else {
+        if kind == "holder" {
+            return FusionEntry::Holder;
+        }
+        return FusionEntry::Other(shown, format!("{} is not a mill", quote_for_message(kind)), false);
+    };
+    match mill(&tree, kind, *width).and_then(|tool| check_tool(&tool).map(|()| tool)) {
+        Ok(tool) => FusionEntry::Mill(Box::new(tool)),
+        Err(why) => FusionEntry::Other(shown, why, true),
+    }
 }
 
 fn string<'v>(value: &'v Value, key: &str) -> Option<&'v str> {
@@ -112,12 +149,37 @@ fn number(value: Option<&Value>, key: &str) -> Result<Option<f64>, String> {
     }
 }
 
-/// Converts one mill, whose insert width is assumed to be `width` radii.
-fn mill(entry: &Value, width: f64) -> Result<LibraryTool, String> {
+/// Lengths of a tool: their keys, and their names in expressions.
+const LENGTHS: [(&str, &str); 8] = [
+    ("DC", "tool_diameter"),
+    ("RE", "tool_cornerRadius"),
+    ("LCF", "tool_fluteLength"),
+    ("LB", "tool_bodyLength"),
+    ("OAL", "tool_overallLength"),
+    ("shoulder-length", "tool_shoulderLength"),
+    ("shoulder-diameter", "tool_shoulderDiameter"),
+    ("SFDM", "tool_shaftDiameter"),
+];
+
+/// The expressions of a tool whose unit is `mm`, with the numbers that they may name.
+fn expressions_of<'v>(entry: &'v Value, geometry: &'v Value, mm: f64) -> Expressions<'v> {
+    let stored = |key: &str| geometry.get(key).and_then(Value::as_f64);
+    let lengths = LENGTHS.into_iter().filter_map(|(key, name)| Some((name, stored(key)? * mm)));
+    let gauge = || {
+        let holder = entry.get("holder")?;
+        let length = holder.get("gaugeLength")?.as_f64()? * unit_mm(holder, "").ok()?;
+        Some(("tool_holderGaugeLength", length))
+    };
+    let teeth = stored("NOF").map(|teeth| ("tool_numberOfFlutes", teeth));
+    Expressions::new(entry.get("expressions"), mm).with_numbers(lengths.chain(gauge()), teeth)
+}
+
+/// Converts one mill of this `kind`, whose insert width is assumed to be `width` radii.
+fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
     let mut notes = Vec::new();
     let mm = unit_mm(entry, "it")?;
     let geometry = entry.get("geometry").filter(|g| g.is_object()).ok_or("it has no `geometry`")?;
-    let expressions = Expressions::new(entry.get("expressions"), mm);
+    let expressions = expressions_of(entry, geometry, mm);
     let mut length = |key: &str, name: &str| -> Result<Option<f64>, String> {
         let stored = number(Some(geometry), key)?.map(|x| x * mm);
         if expressions.has(name) {
@@ -134,13 +196,17 @@ fn mill(entry: &Value, width: f64) -> Result<LibraryTool, String> {
         return Err(format!("its diameter is {diameter} mm"));
     }
     let radius = 0.5 * diameter;
-    let corner = length("RE", "tool_cornerRadius")?.unwrap_or(0.0);
+    let corner = length("RE", "tool_cornerRadius")?;
     let mut flute = positive(length("LCF", "tool_fluteLength")?);
     let body = positive(length("LB", "tool_bodyLength")?);
     let shoulder = positive(length("shoulder-length", "tool_shoulderLength")?);
     let neck = positive(length("shoulder-diameter", "tool_shoulderDiameter")?);
     let shaft = positive(length("SFDM", "tool_shaftDiameter")?);
     let taper = number(Some(geometry), "TA")?.filter(|angle| *angle > 0.0);
+    let corner = corner_radius(kind, corner, radius, &mut notes);
+    if taper.is_some() {
+        notes.push("tapered: plans leave it out, they know cylindrical cutters only".to_owned());
+    }
     let overhang = body.unwrap_or_else(|| {
         notes.push("overhang assumed: 4 diameters, as the library has no body length".to_owned());
         OVERHANG_DIAMETERS * diameter
@@ -153,7 +219,7 @@ fn mill(entry: &Value, width: f64) -> Result<LibraryTool, String> {
     let insert_width = if centre_cutting { radius } else { width * radius };
     notes.push(match centre_cutting {
         true => "insert width assumed: the cutter cuts to its centre".to_owned(),
-        false => format!("insert width assumed: {insert_width} mm, 0.45 of the diameter"),
+        false => "insert width assumed: 0.45 of the diameter".to_owned(),
     });
     let segments = entry.get("shaft").and_then(|shaft| shaft.get("segments"));
     let rows = segments.map(|rows| read_segments(rows, mm)).transpose()?.unwrap_or_default();
@@ -189,37 +255,58 @@ fn mill(entry: &Value, width: f64) -> Result<LibraryTool, String> {
     let teeth =
         geometry.get("NOF").and_then(Value::as_f64).filter(|n| (1.0..=f64::from(MAX_TEETH)).contains(n));
     let teeth = teeth.map(|n| n as u32);
-    let preset = preset_of(entry, mm, &mut notes)?;
-    Ok(LibraryTool {
-        tool: Tool {
-            number: whole("number", MAX_NUMBER).unwrap_or(0),
-            diameter,
-            corner_radius: corner.clamp(0.0, radius),
-            insert_width,
-            overhang,
-            plunge_feed: preset.plunge_feed.unwrap_or_else(|| {
-                notes.push("plunge feed assumed: 300 mm/min".to_owned());
-                300.0
-            }),
-            spindle: preset.spindle.unwrap_or_else(|| {
-                notes.push("spindle speed assumed: 1200 rev/min".to_owned());
-                1200.0
-            }),
-            assembly: ToolAssembly {
-                name: string(entry, "description").and_then(short_name),
-                flute_length: flute,
-                teeth,
-                taper_rad: taper.map(f64::to_radians),
-                shank,
-                holder,
-                length_offset: whole("length-offset", MAX_NUMBER),
-                diameter_offset: whole("diameter-offset", MAX_NUMBER),
-                feed_per_tooth: preset.feed_per_tooth.filter(|x| (0.0..=100.0).contains(x)),
-                cutting_speed: preset.cutting_speed.filter(|x| (0.0..=1e5).contains(x)),
-            },
+    let preset = preset_of(entry, mm, &expressions, &mut notes)?;
+    let missing =
+        MissingRates { plunge_feed: preset.plunge_feed.is_none(), spindle: preset.spindle.is_none() };
+    let tool = Tool {
+        number: whole("number", MAX_NUMBER).unwrap_or(0),
+        diameter,
+        corner_radius: corner,
+        insert_width,
+        overhang,
+        plunge_feed: preset.plunge_feed.unwrap_or(0.0),
+        spindle: preset.spindle.unwrap_or(0.0),
+        assembly: ToolAssembly {
+            name: string(entry, "description").and_then(short_name),
+            flute_length: flute,
+            teeth,
+            taper_rad: taper.map(f64::to_radians),
+            shank,
+            holder,
+            length_offset: whole("length-offset", MAX_NUMBER),
+            diameter_offset: whole("diameter-offset", MAX_NUMBER),
+            feed_per_tooth: preset.feed_per_tooth,
+            cutting_speed: preset.cutting_speed,
         },
-        notes,
-    })
+    };
+    note_missing_rates(missing, &tool, &mut notes);
+    Ok(rated(LibraryTool { tool, missing, notes }))
+}
+
+/// Corner radius of a mill of this `kind` that the library gives as `given`, mm. What differs is noted.
+fn corner_radius(kind: &str, given: Option<f64>, radius: f64, notes: &mut Vec<String>) -> f64 {
+    let is_ball = BALLS.contains(&kind);
+    let given = given.filter(|corner| *corner != 0.0);
+    let corner = match given {
+        _ if is_ball => radius,
+        Some(corner) => corner.clamp(0.0, radius),
+        None => 0.0,
+    };
+    match given {
+        None if is_ball => {
+            notes.push("corner radius assumed: half of the diameter, as it is a ball".to_owned());
+        }
+        None if kind == "bull nose end mill" => {
+            notes.push("corner radius assumed: a sharp corner, as the library has none".to_owned());
+        }
+        Some(given) if (given - corner).abs() > 1e-3 * radius => {
+            notes.push(format!(
+                "corner radius {given} mm does not fit a {kind} of this size: {corner} mm taken"
+            ));
+        }
+        _ => {}
+    }
+    corner
 }
 
 /// Segments as `[lower diameter, upper diameter, length]`, mm; those without length are left out.
@@ -268,7 +355,10 @@ fn read_holder(holder: &Value, notes: &mut Vec<String>) -> Result<Vec<[f64; 3]>,
         kept += 1;
     }
     if kept < segments.len() {
-        notes.push(format!("{} holder segments beyond the gauge line are left out", segments.len() - kept));
+        notes.push(match segments.len() - kept {
+            1 => "the holder segment beyond the gauge line is left out".to_owned(),
+            more => format!("{more} holder segments beyond the gauge line are left out"),
+        });
         segments.truncate(kept);
     }
     Ok(segments)
@@ -284,7 +374,12 @@ struct Preset {
 }
 
 /// The first preset: of the list `presets`, or of old files the one under `*` or any other name.
-fn preset_of(entry: &Value, mm: f64, notes: &mut Vec<String>) -> Result<Preset, String> {
+fn preset_of(
+    entry: &Value,
+    mm: f64,
+    of_tool: &Expressions,
+    notes: &mut Vec<String>,
+) -> Result<Preset, String> {
     let Some(start) = entry.get("start-values").and_then(Value::as_object) else {
         return Ok(Preset::default());
     };
@@ -301,124 +396,51 @@ fn preset_of(entry: &Value, mm: f64, notes: &mut Vec<String>) -> Result<Preset, 
         None => start.get("*").or_else(|| start.values().find(|value| value.is_object())),
     };
     let Some(preset) = chosen else { return Ok(Preset::default()) };
-    let expressions = Expressions::new(preset.get("expressions"), mm);
-    let mut taken = |key: &str, name: &str, factor: f64| -> Result<Option<f64>, String> {
-        let stored = number(Some(preset), key)?.map(|x| x * factor);
-        if expressions.has(name) {
-            match expressions.value(name) {
-                Some(value) => return Ok(rate(Some(value))),
-                None => notes.push(format!("the expression {name} cannot be computed: its number is taken")),
-            }
-        }
-        Ok(rate(stored))
-    };
     // Inch libraries have feet per minute.
     let feet = if mm > 1.0 { 0.3048 } else { 1.0 };
+    let stored = |key: &str, factor: f64| preset.get(key).and_then(Value::as_f64).map(|x| x * factor);
+    let rates = [
+        ("tool_spindleSpeed", stored("n", 1.0)),
+        ("tool_feedCutting", stored("v_f", mm)),
+        ("tool_feedPlunge", stored("v_f_plunge", mm)),
+        ("tool_surfaceSpeed", stored("v_c", feet)),
+        ("tool_numberOfFlutes", of_tool.number_of("tool_numberOfFlutes")),
+    ];
+    let lengths = [
+        ("tool_feedPerTooth", stored("f_z", mm)),
+        ("tool_feedPerRevolution", stored("f_n", mm)),
+        ("tool_diameter", of_tool.number_of("tool_diameter")),
+    ];
+    let known = |(name, value): (&'static str, Option<f64>)| Some((name, value?));
+    let expressions = Expressions::new(preset.get("expressions"), mm)
+        .with_numbers(lengths.into_iter().filter_map(known), rates.into_iter().filter_map(known));
+    let mut taken = |key: &str,
+                     name: &str,
+                     factor: f64,
+                     (range, unit): (NumberRange, &str)|
+     -> Result<Option<f64>, String> {
+        let mut value = number(Some(preset), key)?.map(|x| x * factor);
+        if expressions.has(name) {
+            let is_length = name == "tool_feedPerTooth";
+            match if is_length { expressions.length(name) } else { expressions.value(name) } {
+                Some(found) => value = Some(found),
+                None => {
+                    notes.push(format!("the expression {name} cannot be computed: its number is taken"));
+                }
+            }
+        }
+        // Fusion writes 0 where nothing is given.
+        let Some(value) = value.filter(|value| *value != 0.0) else { return Ok(None) };
+        if range.check(value).is_err() {
+            notes.push(format!("`{key}` is left out: {value} {unit} is impossible"));
+            return Ok(None);
+        }
+        Ok(Some(value))
+    };
     Ok(Preset {
-        spindle: taken("n", "tool_spindleSpeed", 1.0)?,
-        plunge_feed: taken("v_f_plunge", "tool_feedPlunge", mm)?,
-        feed_per_tooth: taken("f_z", "tool_feedPerTooth", mm)?,
-        cutting_speed: taken("v_c", "tool_surfaceSpeed", feet)?,
+        spindle: taken("n", "tool_spindleSpeed", 1.0, (SPINDLE, "rev/min"))?,
+        plunge_feed: taken("v_f_plunge", "tool_feedPlunge", mm, (PLUNGE_FEED, "mm/min"))?,
+        feed_per_tooth: taken("f_z", "tool_feedPerTooth", mm, (FEED_PER_TOOTH, "mm a tooth"))?,
+        cutting_speed: taken("v_c", "tool_surfaceSpeed", feet, (CUTTING_SPEED, "m/min"))?,
     })
-}
-
-/// Writes a library in mm. Tools without a name are called by number and diameter; Fusion has no insert
-/// width.
-pub fn write_fusion(library: &ToolLibrary) -> String {
-    let data: Vec<Value> = library.tools.iter().map(|tool| entry_of(&tool.tool)).collect();
-    let mut text = serde_json::to_string_pretty(&json!({"data": data, "version": 36})).unwrap_or_default();
-    text.push('\n');
-    text
-}
-
-/// An identifier made from the content of a tool, in the form of a UUID: equal tools get equal ones.
-fn guid_of(text: &str) -> String {
-    // Two hashes make 128 bits; any other start serves for the second one.
-    let [a, b] = [FNV_START, 0x9ae1_6a3b_2f90_404f].map(|start| fnv1a(start, text.bytes()));
-    format!(
-        "{:08x}-{:04x}-8{:03x}-8{:03x}-{:012x}",
-        a >> 32,
-        (a >> 16) & 0xffff,
-        a & 0xfff,
-        (b >> 48) & 0xfff,
-        b & 0xffff_ffff_ffff
-    )
-}
-
-fn entry_of(tool: &Tool) -> Value {
-    let more = &tool.assembly;
-    let description =
-        more.name.clone().unwrap_or_else(|| format!("tool {} D {}", tool.number, tool.diameter));
-    let kind = if tool.corner_radius >= tool.radius() {
-        "ball end mill"
-    } else if more.taper_rad.is_some_and(|taper| taper > 0.0) {
-        "tapered mill"
-    } else if tool.corner_radius > 0.0 {
-        "bull nose end mill"
-    } else if tool.core_radius() > 0.0 {
-        "face mill"
-    } else {
-        "flat end mill"
-    };
-    let flute = more.flute_length.unwrap_or(tool.overhang);
-    let mut geometry = Map::new();
-    let mut put = |key: &str, value: Value| {
-        geometry.insert(key.to_owned(), value);
-    };
-    put("DC", json!(tool.diameter));
-    put("RE", json!(tool.corner_radius));
-    put("LCF", json!(flute));
-    put("LB", json!(tool.overhang));
-    put("OAL", json!(tool.overhang));
-    put("shoulder-length", json!(flute));
-    put("SFDM", json!(more.shank.last().map_or(tool.diameter, |[diameter, _]| *diameter)));
-    put("CSP", json!(false));
-    put("HAND", json!(true));
-    if let Some(teeth) = more.teeth {
-        put("NOF", json!(teeth));
-    }
-    if let Some(taper) = more.taper_rad {
-        put("TA", json!(taper.to_degrees()));
-    }
-    let mut entry = json!({
-        "guid": guid_of(&format!("{tool:?}")),
-        "type": kind,
-        "unit": "millimeters",
-        "description": description,
-        "BMC": "unspecified",
-        "geometry": geometry,
-        "post-process": {
-            "number": tool.number,
-            "length-offset": more.length_offset.unwrap_or(tool.number),
-            "diameter-offset": more.diameter_offset.unwrap_or(tool.number),
-        },
-        "start-values": {"presets": [{
-            "guid": guid_of(&format!("preset {tool:?}")),
-            "name": "Vanecut",
-            "n": tool.spindle,
-            "v_f_plunge": tool.plunge_feed,
-            "f_z": more.feed_per_tooth,
-            "v_c": more.cutting_speed,
-        }]},
-    });
-    let row = |[lower, upper, length]: [f64; 3]| -> Value {
-        json!({"height": length, "lower-diameter": lower, "upper-diameter": upper})
-    };
-    if !more.shank.is_empty() {
-        let rows: Vec<Value> = more.shank.iter().map(|&[d, length]| row([d, d, length])).collect();
-        entry["shaft"] = json!({"type": "shaft", "segments": rows});
-    }
-    if !more.holder.is_empty() {
-        let gauge: f64 = more.holder.iter().map(|[_, _, length]| length).sum();
-        let rows: Vec<Value> = more.holder.iter().copied().map(row).collect();
-        entry["holder"] = json!({
-            "guid": guid_of(&format!("holder {:?}", more.holder)),
-            "type": "holder",
-            "unit": "millimeters",
-            "description": format!("holder of {description}"),
-            "gaugeLength": gauge,
-            "segments": rows,
-        });
-    }
-    entry
 }

@@ -6,31 +6,38 @@
 mod expression;
 mod freecad;
 mod fusion;
+mod fusion_write;
+mod json;
+mod left_out;
+mod length;
 mod zip;
 
 use std::fmt::Write;
 use std::path::Path;
 
-use serde_json::Value;
-
 use super::InputError;
-use super::source::{Source, name_of, read_bytes, text};
-use super::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TOOLS, RATE, read_tools_bytes, write_tool};
+use super::source::{Source, name_of, read_bytes_up_to};
+use super::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TOOLS, read_tools_with_rates, write_tool};
 use crate::error::ErrorCode;
 use crate::geometry::without_conversion_error;
 use crate::setup::Tool;
-pub use fusion::write_fusion;
+use crate::setup::cutting_data::MissingRates;
+use freecad::ToolBit;
+pub use fusion_write::write_fusion;
+use json::MAX_LIBRARY_BYTES;
 
-/// Largest number of separators in a JSON library: this bounds the memory of its tree.
-const MAX_JSON_ITEMS: usize = 3_000_000;
-/// Overhang in cutter diameters, and insert width in radii, where a library has none.
+/// Largest size of the file of one tool, bytes.
+const MAX_BIT_BYTES: usize = 1 << 20;
+/// Overhang in cutter diameters where a library has none.
 const OVERHANG_DIAMETERS: f64 = 4.0;
 
 /// A tool of a library.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LibraryTool {
-    /// The tool.
+    /// The tool; rates that are `missing` follow from its cutting data, without a material.
     pub tool: Tool,
+    /// The rates that the library does not give.
+    pub missing: MissingRates,
     /// What was assumed, or could not be taken over.
     pub notes: Vec<String>,
 }
@@ -45,9 +52,15 @@ pub struct ToolLibrary {
 }
 
 impl ToolLibrary {
-    /// Notes that the tool `shown` is left out, and why.
-    fn leave_out(&mut self, shown: &str, why: &str) {
-        self.notes.push(format!("{shown} is left out: {why}"));
+    /// All remarks on tools and on the whole, few lines also for thousands of tools.
+    pub fn remarks(&self) -> Vec<String> {
+        let remarks = self.tools.iter().flat_map(|entry| {
+            let (number, notes) = (entry.tool.number.to_string(), entry.notes.iter());
+            notes.map(move |note| (number.clone(), note.as_str()))
+        });
+        let mut lines = left_out::in_few_lines(remarks);
+        lines.extend(self.notes.iter().cloned());
+        lines
     }
 }
 
@@ -119,7 +132,7 @@ pub fn looks_like_library(format: LibraryFormat, bytes: &[u8]) -> bool {
 /// When the file cannot be read or is not such a library.
 pub fn read_library(path: &Path, format: LibraryFormat) -> Result<ToolLibrary, InputError> {
     let name = name_of(path);
-    let bytes = read_bytes(path)?;
+    let bytes = read_bytes_up_to(path, MAX_LIBRARY_BYTES)?;
     match format {
         LibraryFormat::FreeCadLibrary => {
             let beside = |file: &str| {
@@ -127,7 +140,7 @@ pub fn read_library(path: &Path, format: LibraryFormat) -> Result<ToolLibrary, I
                 let folder = path.parent().unwrap_or(Path::new(""));
                 let places = [folder.join(file), folder.join("..").join("Bit").join(file)];
                 let found = places.iter().find(|place| place.is_file()).unwrap_or(&places[0]);
-                Ok((name_of(found), read_bytes(found)?))
+                Ok((name_of(found), read_bytes_up_to(found, MAX_BIT_BYTES)?))
             };
             freecad::read_list(&name, &bytes, &beside)
         }
@@ -146,20 +159,19 @@ pub fn read_library_bytes(
 ) -> Result<ToolLibrary, InputError> {
     match format {
         LibraryFormat::Toml => {
-            let tools = read_tools_bytes(name, bytes)?.into_iter();
-            let tools = tools.map(|tool| LibraryTool { tool, notes: Vec::new() }).collect();
-            Ok(ToolLibrary { tools, notes: Vec::new() })
+            let tools = read_tools_with_rates(name, bytes)?.into_iter();
+            let tools = tools.map(|(tool, missing)| LibraryTool { tool, missing, notes: Vec::new() });
+            Ok(ToolLibrary { tools: tools.collect(), notes: Vec::new() })
         }
         LibraryFormat::FusionJson => fusion::read(name, bytes),
         LibraryFormat::FusionTools => fusion::read(name, &zip::json_member(name, bytes)?),
-        LibraryFormat::FreeCadBit => {
-            let library = freecad::read_bit(name, bytes, None)?;
-            if library.tools.is_empty() {
-                let what = format!("contains no mill: {}", library.notes.join(", "));
-                return Err(Source::new(name, ErrorCode::ToolFile).fault(0, what, "give an end mill"));
+        LibraryFormat::FreeCadBit => match freecad::read_bit(name, bytes, None)? {
+            ToolBit::Mill(tool) => Ok(ToolLibrary { tools: vec![*tool], notes: Vec::new() }),
+            ToolBit::Other(shown, why) => {
+                let what = format!("contains no mill: {shown}: {why}");
+                Err(Source::new(name, ErrorCode::ToolFile).fault(0, what, "give an end mill"))
             }
-            Ok(library)
-        }
+        },
         LibraryFormat::FreeCadLibrary => freecad::read_list(name, bytes, &|file| {
             Err(Source::new(file, ErrorCode::ToolFile)
                 .fault(0, "is not given", "give it beside the library")
@@ -176,29 +188,15 @@ pub fn write_toml(library: &ToolLibrary) -> String {
         let _ = writeln!(out, "# {}", note.replace(char::is_control, " "));
     };
     library.notes.iter().for_each(|note| comment(&mut out, note));
-    for LibraryTool { tool, notes } in &library.tools {
+    for LibraryTool { tool, missing, notes } in &library.tools {
         if !out.is_empty() {
             out.push('\n');
         }
         notes.iter().for_each(|note| comment(&mut out, note));
         out.push_str("[[tool]]\n");
-        let _ = write_tool(&mut out, tool);
+        let _ = write_tool(&mut out, tool, *missing);
     }
     out
-}
-
-/// The tree of a JSON file.
-fn parse_json(name: &str, bytes: &[u8]) -> Result<Value, InputError> {
-    let source = Source::new(name, ErrorCode::ToolFile);
-    let text = text(source, bytes)?;
-    let items = text.bytes().filter(|b| matches!(b, b',' | b'[' | b'{' | b':')).count();
-    if items > MAX_JSON_ITEMS {
-        let what = format!("holds more than {MAX_JSON_ITEMS} values");
-        return Err(source.fault(0, what, "split the library").with_code(ErrorCode::FileTooLarge));
-    }
-    serde_json::from_str(text).map_err(|error| {
-        source.fault(error.line(), format!("not valid JSON: {error}"), "export the library again")
-    })
 }
 
 /// Rounds lengths to 1e-9 mm, as 3 in are 76.2 mm and not 76.199…: converted numbers are read by people.
@@ -219,12 +217,12 @@ fn round_lengths(library: &mut ToolLibrary) {
 fn number_tools(library: &mut ToolLibrary) {
     let mut taken = std::collections::BTreeSet::new();
     let mut next = library.tools.iter().map(|t| t.tool.number).max().unwrap_or(0);
-    for LibraryTool { tool, notes } in &mut library.tools {
+    for LibraryTool { tool, notes, .. } in &mut library.tools {
         if tool.number == 0 || !taken.insert(tool.number) {
             next += 1;
             notes.push(match tool.number {
-                0 => format!("no number in the library: number {next} given"),
-                other => format!("number {other} is taken by another tool: number {next} given"),
+                0 => "no number in the library: a free one given".to_owned(),
+                _ => "its number is taken by another tool: a free one given".to_owned(),
             });
             tool.number = next;
             taken.insert(next);
@@ -238,20 +236,37 @@ fn short_name(text: &str) -> Option<String> {
     (!name.is_empty()).then_some(name)
 }
 
-/// A rate within the range of setups, if it is positive.
-fn rate(value: Option<f64>) -> Option<f64> {
-    value.filter(|value| RATE.check(*value).is_ok())
+/// A tool with the rates that it lacks, as in a setup without a material.
+fn rated(entry: LibraryTool) -> LibraryTool {
+    LibraryTool { tool: entry.missing.filled(&entry.tool, None), ..entry }
+}
+
+/// Notes what rates a library does not give, where they do not follow from what it gives.
+fn note_missing_rates(missing: MissingRates, tool: &Tool, notes: &mut Vec<String>) {
+    let more = &tool.assembly;
+    let spindle = missing.spindle && more.cutting_speed.is_none();
+    let feed = missing.plunge_feed && (more.feed_per_tooth.is_none() || more.teeth.is_none());
+    let what = match (feed, spindle) {
+        (true, true) => "neither plunge feed nor spindle speed",
+        (true, false) => "no plunge feed",
+        (false, true) => "no spindle speed",
+        (false, false) => return,
+    };
+    notes.push(format!(
+        "{what} in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min"
+    ));
 }
 
 /// Checks the sizes of a tool as the reader of setups does: writes it and reads it back.
 ///
 /// # Errors
 /// What is out of range, and what to do.
-fn check_tool(tool: &Tool) -> Result<(), String> {
+fn check_tool(entry: &LibraryTool) -> Result<(), String> {
     let mut text = String::from("[[tool]]\n");
+    let tool = Tool { number: entry.tool.number.max(1), ..entry.tool.clone() };
     // `write!` to a `String` cannot fail.
-    let _ = write_tool(&mut text, &Tool { number: tool.number.max(1), ..tool.clone() });
-    read_tools_bytes("", text.as_bytes())
+    let _ = write_tool(&mut text, &tool, entry.missing);
+    read_tools_with_rates("", text.as_bytes())
         .map(|_| ())
         .map_err(|error| format!("{}; {}", error.message, error.help))
 }
@@ -285,8 +300,10 @@ mod tests {
         };
         tool.assembly.holder = vec![[0.1 * 25.4, 3.0 * 25.4, 1.1 * 25.4]];
         assert_ne!(tool.diameter, 76.2, "by the multiplication alone");
-        let mut library =
-            ToolLibrary { tools: vec![LibraryTool { tool, notes: Vec::new() }], ..Default::default() };
+        let mut library = ToolLibrary {
+            tools: vec![LibraryTool { tool, missing: MissingRates::default(), notes: Vec::new() }],
+            ..Default::default()
+        };
         round_lengths(&mut library);
         let tool = &library.tools[0].tool;
         assert_eq!((tool.diameter, tool.overhang), (76.2, 17.78));

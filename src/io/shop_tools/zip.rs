@@ -1,8 +1,9 @@
 //! The one JSON member of a ZIP archive: stored or deflated, neither encrypted nor ZIP64.
 
+use super::json::MAX_LIBRARY_BYTES;
 use crate::error::ErrorCode;
 use crate::io::InputError;
-use crate::io::source::{MAX_BYTES, Source};
+use crate::io::source::Source;
 
 /// Largest number of members that are looked at.
 const MAX_MEMBERS: usize = 10_000;
@@ -45,8 +46,8 @@ pub fn json_member(name: &str, bytes: &[u8]) -> Result<Vec<u8>, InputError> {
         if flags & 1 != 0 {
             return Err(fault("the library in the archive is encrypted", "export it without a password"));
         }
-        if packed.max(unpacked).max(local) == u32::MAX as usize || unpacked > MAX_BYTES {
-            return Err(fault("the library in the archive is larger than 64 MiB", "split the library")
+        if packed.max(unpacked).max(local) == u32::MAX as usize || unpacked > MAX_LIBRARY_BYTES {
+            return Err(fault("the library in the archive is larger than 256 MiB", "split the library")
                 .with_code(ErrorCode::FileTooLarge));
         }
         if !bytes.get(local..).is_some_and(|rest| rest.starts_with(MEMBER.0)) {

@@ -11,6 +11,8 @@ use crate::io::source::{self, Source};
 const MAX_ITEMS: usize = 5_000_000;
 /// Maximum number of keys, headers and tables: each needs far more memory than a number.
 const MAX_KEYS: usize = 200_000;
+/// The same of setups and tool libraries: 50,000 tools with all their keys have 900,000.
+const MAX_TOOL_KEYS: usize = 1_000_000;
 
 /// Maximum number of separators and runs of blanks in a document: this bounds the parser's own memory.
 /// 1,000,000 points on a line each have 9,000,000.
@@ -22,6 +24,9 @@ fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
     for line in text.lines() {
         tokens += 1;
         let line = line.trim_start();
+        // A comment, or text within a string of several lines: no keys.
+        let has_keys = !line.starts_with('#');
+        let keys_before = keys;
         // A header has no comma; a row of numbers has one.
         keys += usize::from(line.starts_with('[') && !line.contains(','));
         let mut before = b' ';
@@ -45,15 +50,23 @@ fn check_weight(source: Source<'_>, text: &str) -> Result<(), InputError> {
             tokens += usize::from(!in_word && (byte != b' ' || before != b' '));
             before = byte;
         }
+        if !has_keys {
+            keys = keys_before;
+        }
     }
     if items > MAX_ITEMS || tokens > MAX_TOKENS {
         return Err(source
             .fault(0, "holds more than 1,000,000 points", "give fewer points")
             .with_code(ErrorCode::FileTooLarge));
     }
-    if keys > MAX_KEYS {
+    let has_tools = matches!(source.code, ErrorCode::SetupFile | ErrorCode::ToolFile);
+    let (most, shown) = match has_tools {
+        true => (MAX_TOOL_KEYS, "holds more than 1,000,000 keys"),
+        false => (MAX_KEYS, "holds more than 200,000 keys"),
+    };
+    if keys > most {
         return Err(source
-            .fault(0, "holds more than 200,000 keys", "check that this is the right file")
+            .fault(0, shown, "check that this is the right file")
             .with_code(ErrorCode::FileTooLarge));
     }
     Ok(())
@@ -144,8 +157,12 @@ mod tests {
     fn trees_too_large_to_build_are_refused() {
         for (piece, times) in [("[1],", 3_000_000), ("a.b.c=1\n", 70_000), ("# \n", 6_000_000)] {
             let text = piece.repeat(times);
-            let error = TomlDocument::new("f", text.as_bytes(), ErrorCode::SetupFile).err().expect(piece);
+            let error = TomlDocument::new("f", text.as_bytes(), ErrorCode::PartFile).err().expect(piece);
             assert_eq!(error.code, ErrorCode::FileTooLarge, "{error}");
+        }
+        for (times, is_refused) in [(70_000, false), (340_000, true)] {
+            let text = "a.b.c=1\n".repeat(times);
+            assert_eq!(TomlDocument::new("f", text.as_bytes(), ErrorCode::ToolFile).is_err(), is_refused);
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::plunge::survey::SurveyStation;
 use crate::setup::{AllowanceSetup, Tool};
 
 /// Width between the allowances that a cutter needs to be inclined, in diameters.
-const TILT_ROOM: f64 = 1.12;
+pub(super) const TILT_ROOM: f64 = 1.12;
 /// Diameter of the cylinder that must clear both walls with the conventional axis, in diameters of the
 /// cutter: a margin for s between two stations.
 const CLEAR_ROOM: f64 = 1.04;

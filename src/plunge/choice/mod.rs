@@ -12,10 +12,12 @@
 //! | why was it chosen (text) | `reason` |
 //! | the tool for what stands above the shroud | `opening` |
 //! | rest milling beside leaning walls | [`rest`] |
+//! | which of very many tools are looked at | [`preselection`] |
 
 pub mod estimate;
 pub mod fit;
 mod opening;
+pub mod preselection;
 mod reason;
 pub mod rest;
 pub mod search;

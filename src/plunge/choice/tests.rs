@@ -243,3 +243,45 @@ fn a_smaller_cutter_with_room_and_length_cuts_the_rest() {
     }
     assert_eq!(rest(&[section(1, 1.0, 0.0)], &tools, &deep), [(3, 1.0, 0.4)]);
 }
+
+#[test]
+fn of_many_tools_few_are_looked_at_and_the_choice_is_hardly_worse() {
+    let setup = Setup::default();
+    let rules = Rules::new(&setup.allowances);
+    // Deterministic pseudorandom numbers.
+    let mut state = 19u64;
+    let mut chance = |from: f64, to: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        from + (to - from) * (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    for (inlet, outlet) in [(20.0, 30.0), (12.0, 60.0), (8.0, 9.0)] {
+        let survey = opening(inlet, outlet);
+        let mut tools: Vec<Tool> = (1..=400).map(|number| tool(number, chance(0.5, 80.0))).collect();
+        for tool in &mut tools {
+            tool.plunge_feed = chance(80.0, 600.0);
+            tool.overhang = chance(1.0, 8.0) * tool.diameter;
+            tool.corner_radius = if chance(0.0, 1.0) < 0.3 { tool.radius() } else { 0.0 };
+            tool.assembly.taper_rad = (chance(0.0, 1.0) < 0.1).then_some(0.1);
+        }
+        let few = preselection::preselect(&tools, &survey, &rules, &setup.plunge);
+        assert!(few.len() <= 150, "{}", few.len());
+        assert!(few.iter().all(|tool| tool.is_flat() && !tool.is_tapered()));
+        let suited: Vec<Tool> =
+            tools.iter().filter(|tool| tool.is_flat() && !tool.is_tapered()).cloned().collect();
+        let cost = |tools: &[Tool]| {
+            let candidates = candidates(tools, None);
+            let estimator = Estimator::new(&survey, &setup, &candidates, MoveTimes::default());
+            cheapest(&estimator, &candidates, |_| true).expect("there is a choice").cost
+        };
+        let (all, preselected) = (cost(&suited), cost(&few));
+        assert_eq!(
+            (preselected.misfits, preselected.wanting),
+            (all.misfits, all.wanting),
+            "{inlet}, {outlet}"
+        );
+        assert!(preselected.seconds <= 1.15 * all.seconds, "{} of {}", preselected.seconds, all.seconds);
+    }
+    let flat: Vec<Tool> = (1..=100).map(|number| tool(number, 0.3 * f64::from(number))).collect();
+    let all = preselection::preselect(&flat, &opening(20.0, 30.0), &rules, &setup.plunge);
+    assert_eq!(all, flat, "of a hundred none is left out");
+}

@@ -354,17 +354,21 @@ impl CandidateMaker<'_> {
     /// overhang that would do.
     pub fn why_too_short<'s>(&self, stations: impl Iterator<Item = &'s Station>) -> DropCause {
         let Some(rule) = &self.assembly else { return DropReason::Overhang.into() };
-        let cause = |station: &Station| {
+        let mut least: Option<DropCause> = None;
+        for station in stations.take(MAX_CAUSES) {
             let pose = (station.tip, station.axis);
             let obstacle = match self.is_longer_than_deep(station) {
                 true => rule.obstacle(pose),
                 false => Some(DropReason::Overhang),
             };
-            rule.cause(obstacle.unwrap_or(DropReason::Overhang), pose)
-        };
-        let length = |cause: &DropCause| cause.stick_out.unwrap_or(f64::INFINITY);
-        let causes = stations.take(MAX_CAUSES).map(cause);
-        causes.min_by(|a, b| length(a).total_cmp(&length(b))).unwrap_or(DropReason::Overhang.into())
+            // Overhangs are whole numbers: another one counts if it is less by 1 mm.
+            let limit = least.and_then(|least| least.stick_out).map_or(f64::INFINITY, |known| known - 1.0);
+            let cause = rule.cause(obstacle.unwrap_or(DropReason::Overhang), pose, limit);
+            if least.is_none() || cause.stick_out.is_some() {
+                least = Some(cause);
+            }
+        }
+        least.unwrap_or(DropReason::Overhang.into())
     }
 
     fn lowered(&self, ends: AxisEnds, floor: &FloorPoints, reference: &Vector) -> Option<RowCandidate> {

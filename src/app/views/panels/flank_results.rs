@@ -3,6 +3,7 @@
 
 use egui::{Grid, RichText, ScrollArea, Ui};
 
+use crate::flank::choice::overhang_note;
 use crate::job::flank::FlankOutcome;
 use crate::setup::FlankStrategy;
 
@@ -142,5 +143,8 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     if !plan.uncut.is_empty() {
         let lost = skipped_length(plan, units);
         ui.label(format!("{lost} of passes are skipped: no axis reaches them, or they are too short"));
+        if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
+            ui.label(note);
+        }
     }
 }

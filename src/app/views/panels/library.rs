@@ -141,15 +141,16 @@ fn diameter_field(value: &mut f64, range: RangeInclusive<f64>, units: DisplayUni
 
 fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let units = units::of(ui);
-    let shown = library.shown(units);
-    ui.label(RichText::new(format!("{} of {} tools", shown.len(), library.content.tools.len())).weak());
+    let count = library.shown(units).len();
+    ui.label(RichText::new(format!("{count} of {} tools", library.content.tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
     ScrollArea::vertical().max_height(height).auto_shrink([false, false]).show_rows(
         ui,
         row,
-        shown.len(),
+        count,
         |ui, range| {
-            for &index in &shown[range] {
+            let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
+            for index in shown {
                 let entry = &library.content.tools[index];
                 let button =
                     egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
@@ -187,19 +188,29 @@ fn selected(
             let numbers = library.content.tools.iter().map(|entry| entry.tool.number);
             copy.tool.number = numbers.max().unwrap_or(0) + 1;
             library.content.tools.push(copy);
+            library.changed();
             library.selected = Some(library.content.tools.len() - 1);
         }
         if ui.button("Delete").on_hover_text("Removes the tool from the library").clicked() {
             library.content.tools.remove(index);
+            library.changed();
             library.selected = None;
         }
     });
-    let Some(entry) = library.selected.and_then(|index| library.content.tools.get_mut(index)) else { return };
+    let Some(index) = library.selected else { return };
+    let Some(entry) = library.content.tools.get_mut(index) else { return };
     let warn = Condition::Blocked.text(ui.visuals());
     for note in &entry.notes {
         ui.add(egui::Label::new(RichText::new(note).color(warn)).wrap());
     }
+    let before = entry.tool.clone();
     ScrollArea::vertical().id_salt("library tool").max_height(LIST.1 + 20.0).show(ui, |ui| {
-        ui.push_id(("library tool", library.selected), |ui| tool_form::show(ui, &mut entry.tool));
+        ui.push_id(("library tool", index), |ui| tool_form::show(ui, &mut entry.tool));
     });
+    if entry.tool != before {
+        // A rate that was entered is given.
+        entry.missing.plunge_feed &= entry.tool.plunge_feed == before.plunge_feed;
+        entry.missing.spindle &= entry.tool.spindle == before.spindle;
+        library.changed();
+    }
 }

@@ -295,7 +295,7 @@ pub fn plunge(
         fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);
         fields::number_row(ui, &mut setup.plunge.wall_scallop, default.wall_scallop, &SCALLOP);
-        fields::optional_row(ui, &mut setup.plunge.lift, &LEAD_OUT, None);
+        fields::optional_row(ui, &mut setup.plunge.lead_out, &LEAD_OUT, None);
         fields::optional_row(ui, &mut setup.plunge.peck, &PECK, None);
         let rapid = &mut setup.plunge.rapid_approach;
         fields::switch_row(ui, rapid, default.rapid_approach, "Rapid approach", RAPID_APPROACH);

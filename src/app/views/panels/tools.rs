@@ -1,6 +1,7 @@
 //! Panel "Tools": tools and their sections, chosen by the program or entered by the user.
 
 use std::cell::RefCell;
+use std::collections::HashSet;
 
 use egui::{ComboBox, Grid, Id, RichText, Ui};
 
@@ -63,7 +64,7 @@ fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change
         }
         return;
     }
-    tools(ui, setup);
+    tools(ui, setup, chosen);
     sections(ui, setup);
     if let Some(planned) = planned.filter(|planned| planned.setup.tools == setup.tools) {
         uses(ui, planned);
@@ -113,10 +114,17 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan) {
     }
 }
 
-fn tools(ui: &mut Ui, setup: &mut Setup) {
+/// Number of tools that are all listed; of a library in a setup only those that are used.
+const MAX_LISTED: usize = 100;
+
+/// The tools of a setup, `chosen` being the one that its plan was made with.
+fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     let mut remove = None;
     let last_one = setup.tools.len() == 1;
-    for (k, tool) in setup.tools.iter_mut().enumerate() {
+    let used: Option<HashSet<u32>> =
+        (setup.tools.len() > MAX_LISTED).then(|| used_numbers(setup, chosen.unwrap_or(setup)));
+    let is_listed = |tool: &Tool| used.as_ref().is_none_or(|used| used.contains(&tool.number));
+    for (k, tool) in setup.tools.iter_mut().enumerate().filter(|(_, tool)| is_listed(tool)) {
         let units = units::of(ui);
         let insert = format!("{} {}", units.size(tool.insert_width), units.length_unit());
         let name = format!("T{}  {}, insert {insert}", tool.number, units.diameter(tool.diameter));
@@ -135,6 +143,15 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
         let gone = setup.tools.remove(k);
         remove_sections(setup, |_, section| section.tool == gone.number);
     }
+    if let Some(used) = &used {
+        let more = setup.tools.iter().filter(|tool| !is_listed(tool)).count();
+        ui.label(RichText::new(format!("and {more} more, to choose from")).weak());
+        let button = egui::Button::new("Keep only these");
+        let button = ui.add_enabled(!used.is_empty(), button);
+        if button.on_hover_text("Removes the tools that no section uses").clicked() {
+            setup.tools.retain(|tool| used.contains(&tool.number));
+        }
+    }
     if ui.button("Add tool").clicked() {
         let number = setup.tools.iter().map(|tool| tool.number).max().unwrap_or(0).saturating_add(1);
         let like = setup.tools.last();
@@ -149,6 +166,12 @@ fn tools(ui: &mut Ui, setup: &mut Setup) {
             assembly: Default::default(),
         });
     }
+}
+
+/// Numbers of the tools that the sections of a setup or of its plan use, and flank passes.
+fn used_numbers(setup: &Setup, chosen: &Setup) -> HashSet<u32> {
+    let sections = [setup, chosen].into_iter().flat_map(|setup| &setup.plunge.sections);
+    sections.map(|section| section.tool).chain(setup.flank.tool).collect()
 }
 
 /// What sets the greatest end of a section.
