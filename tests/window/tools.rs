@@ -6,7 +6,7 @@ use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
 
 use crate::fake;
-use crate::harness::{Window, press, settle, with_sample};
+use crate::harness::{Window, click_enabled, press, settle, with_sample};
 
 fn set_step(window: &mut Window, step: f64) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
@@ -144,4 +144,100 @@ fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
     let setup = &window.state().state().document.edited.setup;
     let text = vanecut::io::write_setup(setup);
     assert_eq!(&vanecut::io::read_setup_bytes("s.toml", text.as_bytes()).expect("opens"), setup);
+}
+
+/// The name of the library with its mark.
+const UNSAVED: &str = "The program's own tools • not saved";
+
+fn key(window: &mut Window, modifiers: egui::Modifiers, key: egui::Key) {
+    window.key_press_modifiers(modifiers, key);
+    window.run_steps(3);
+    settle(window);
+}
+
+/// Searches one of the program's own tools, and deletes it.
+fn delete_tool_64(window: &mut Window) {
+    window.get_by_role_and_label(Role::TextInput, "Search").focus();
+    window.run_steps(1);
+    window.event(egui::Event::Text("T64".to_owned()));
+    window.run_steps(3);
+    window.get_by_label_contains("T64 Ø").click();
+    window.run_steps(3);
+    window.get_by_label("Delete").click();
+    window.run_steps(3);
+}
+
+#[test]
+fn edits_of_the_library_are_undone_and_asked_about_before_they_are_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let saved = folder.path().join("shop.toml");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.state_mut().use_own_file_dialogs();
+    window.run_steps(3);
+    click(&mut window, "Shop library…");
+    window.set_size(egui::vec2(1100.0, 800.0));
+    window.run_steps(3);
+    window.get_by_label("The program's own tools");
+    delete_tool_64(&mut window);
+    assert!(window.query_by_label_contains("T64 Ø").is_none());
+    window.get_by_label(UNSAVED);
+    key(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+    window.get_by_label("The program's own tools");
+    window.get_by_label_contains("T64 Ø");
+    key(&mut window, egui::Modifiers::COMMAND, egui::Key::Y);
+    window.get_by_label(UNSAVED);
+    // What the project had edited before stays.
+    assert!(!window.state().state().document.is_unsaved());
+
+    key(&mut window, egui::Modifiers::COMMAND, egui::Key::Q);
+    window.get_by_label("Save the changes of the shop library?");
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    window.get_by_label(UNSAVED);
+    key(&mut window, egui::Modifiers::COMMAND, egui::Key::Q);
+    window.get_by_role_and_label(Role::Button, "Save").click();
+    window.run_steps(3);
+    settle(&mut window);
+    name_file(&mut window, &saved);
+    let tools = read_library(&saved, LibraryFormat::Toml).expect("reads").tools;
+    assert!(tools.len() > 80 && tools.iter().all(|entry| entry.tool.number != 64), "without the deleted one");
+    assert!(window.query_by_label("Save the changes of the shop library?").is_none(), "it goes on to quit");
+    window.get_by_label("shop.toml");
+}
+
+#[test]
+fn edits_of_the_library_survive_a_crash() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let opened = || {
+        let mut window = with_sample(engine.clone());
+        window.state_mut().set_home(home.clone());
+        window.set_size(egui::vec2(1100.0, 1700.0));
+        window.run_steps(3);
+        click(&mut window, "Shop library…");
+        window.set_size(egui::vec2(1100.0, 800.0));
+        window.run_steps(3);
+        window
+    };
+    let mut first = opened();
+    delete_tool_64(&mut first);
+    // The harness clock advances by a quarter of a second per frame.
+    first.run_steps(10);
+    // Nothing of the first window gets to run any more.
+    drop(first);
+    let mut second = opened();
+    second.get_by_label(UNSAVED);
+    second.get_by_role_and_label(Role::TextInput, "Search").focus();
+    second.run_steps(1);
+    second.event(egui::Event::Text("T6".to_owned()));
+    second.run_steps(3);
+    assert!(second.query_by_label_contains("T64 Ø").is_none(), "what was edited is there");
+    second.get_by_label_contains("T63 Ø");
+    second.run_steps(10);
+    drop(second);
+    let copies = std::fs::read_dir(home.join("recovery")).expect("a folder").count();
+    assert_eq!(copies, 1, "the second session has taken it over");
 }
