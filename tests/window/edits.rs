@@ -88,6 +88,14 @@ fn a_plunge_is_lifted_deleted_and_brought_back() {
         assert_eq!(count_edits(&window), left, "each edit is undone by itself");
     }
     assert_eq!(positions(&window), found);
+
+    // With another setup it no longer fits.
+    assert_eq!(window.state().state().look.selected, Some(2));
+    click(&mut window, "Lift");
+    set(&mut window, "Step", 3.1);
+    settle(&mut window);
+    window.get_by_label("1 edit by hand not applied");
+    window.get_by_label("Roughing: 1 edit by hand not applied");
 }
 
 #[test]
@@ -168,7 +176,8 @@ fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
     assert!((now[k].axis - moved.axis).norm() < 1e-12);
     window.get_by_label("2 edits, 1 not applied");
     window.get_by_label("1 edit by hand not applied");
-    window.get_by_label("Roughing: 1 edit by hand not applied");
+    assert!(now[k].evaluation.breach.is_some(), "by hand it is nearer than the planner may go");
+    window.get_by_label("Roughing: 1 fault");
     let reason = words(&window, "Edit 1, Move: the plan has no plunge there: the nearest is position ");
     let reason = reason.expect("why it is not applied");
     assert!(reason.ends_with(" mm off"), "{reason}");
