@@ -60,6 +60,7 @@ fn plan(part: &Impeller) -> PlungePlan {
                 retract_clearance: 5.0,
                 engagement: Default::default(),
                 motion: Default::default(),
+                breach: None,
             },
         }
     };

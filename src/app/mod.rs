@@ -30,7 +30,8 @@ pub use run::{AppError, run};
 
 use control::export::ReleaseQuestion;
 use control::handover::RecoverySlot;
-use control::project::{Pending, Session};
+use control::project::Session;
+use control::unsaved::Pending;
 use model::look::Look;
 use model::panels::DockPanel;
 use model::part_source::PartSource;
@@ -280,7 +281,10 @@ impl App {
         let is_docked = !self.state.look.panels.floats(DockPanel::ToolLibrary);
         let document = &mut self.state.document;
         let setup = document.part.is_some().then_some(&mut document.edited.setup);
-        match self.library.show(ui, setup, is_docked) {
+        let answer = self.library.show(ui, setup, is_docked);
+        let time = ui.input(|input| input.time);
+        self.library.watch(time, &self.state.document.edited);
+        match answer {
             Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
             Some(LibraryAnswer::Taken(number)) => {
                 self.state.report_done(format!("T{number} is in the setup"));
@@ -351,6 +355,7 @@ impl eframe::App for App {
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
         self.claim_project();
         self.keep_copy(ctx);
+        self.keep_library_copy(ctx);
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
             ctx.request_repaint_after(Duration::from_secs_f64(wait));
         }
@@ -434,6 +439,8 @@ impl eframe::App for App {
             WindowRegion::Menus => Some(menus),
         });
         self.ask_unsaved(ui);
+        self.ask_changed(ui);
+        self.ask_missing_part(ui);
         self.ask_recover(ui);
         self.ask_release(ui);
         self.ask_export(ui);
@@ -445,6 +452,7 @@ impl eframe::App for App {
             let time = ui.input(|input| input.time);
             self.state.document.watch(time);
         }
+        views::modal::keep_lists_above(ui.ctx());
         self.store_layout(ui.ctx());
         // The device may have been lost while the views were drawn.
         self.collect_device_faults(ui.ctx());

@@ -119,7 +119,7 @@ fn is_zero(direction: &[f64; 3]) -> bool {
 
 impl PositionRecord {
     fn new(p: &Position) -> Self {
-        let Evaluation { contact, retract, retract_clearance, engagement, motion } = p.evaluation;
+        let Evaluation { contact, retract, retract_clearance, engagement, motion, breach: _ } = p.evaluation;
         Self {
             section: p.section,
             row: p.row,
@@ -188,6 +188,8 @@ impl PositionRecord {
                         .map(|[from, depth]| Pecking { from, depth }),
                     approach: self.approach.filter(|height| *height > 0.0),
                 },
+                // It follows from the setup.
+                breach: None,
             },
         })
     }
@@ -296,7 +298,10 @@ pub fn read_plan_bytes(name: &str, bytes: &[u8]) -> Result<StoredPlan, InputErro
     let mut positions = Vec::with_capacity(file.positions.len());
     for (index, record) in file.positions.iter().enumerate() {
         let position = record.position(sections.len());
-        positions.push(position.ok_or_else(|| damaged(name, format!("position {} is damaged", index + 1)))?);
+        let mut position =
+            position.ok_or_else(|| damaged(name, format!("position {} is damaged", index + 1)))?;
+        position.evaluation.breach = position.breach(&part, &setup);
+        positions.push(position);
     }
     let why =
         file.dropped_why.into_iter().map(|ByName(why)| why).chain(std::iter::repeat(DropReason::Blades));

@@ -172,6 +172,12 @@ impl FlankOutcome {
     pub fn max_overcut(&self) -> f64 {
         self.verdict.as_ref().map_or_else(|| self.plan.max_overcut(), |verdict| verdict.max_overcut)
     }
+
+    /// Most stock left above the blade allowance, mm: by the program if it can be verified, else by the positions
+    /// along the walls.
+    pub fn max_undercut(&self) -> f64 {
+        self.verdict.as_ref().map_or_else(|| self.plan.max_undercut(), |verdict| verdict.max_undercut)
+    }
 }
 
 /// What removes the stock above the shroud before the passes.

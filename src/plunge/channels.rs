@@ -44,7 +44,8 @@ pub fn plan_channels(
     // less stock and its lead-out has more space.
     let motions: Vec<(Engagement, PlungeMotion)> =
         plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
-    evaluated(plan, MeasuredPlunges { contacts, motions, retracts }, &columns, blank, setup, monitor)
+    let measured = MeasuredPlunges { contacts, motions, retracts };
+    evaluated(plan, measured, &columns, (part, blank), setup, monitor)
 }
 
 /// The positions of channel 1, rotated into each channel: those of [`plan_channels`] before any is lifted, or a link

@@ -9,11 +9,12 @@ use super::cycle::{PlacedPlan, PlanError};
 use super::links::raise_links;
 use super::motion::{motions, with_lead_outs};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan};
+use super::reasons::Breach;
 use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contact};
 use crate::cutting::retract::RetractSurface;
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
-use crate::part::Blank;
+use crate::part::{Blank, Impeller};
 use crate::setup::Setup;
 
 /// Clearance added to the safety distance at a retract point, mm: between two samples of a link the distance
@@ -56,7 +57,10 @@ pub(super) fn evaluate(
     let (contacts, retracts): (Vec<CoreContact>, Vec<Point>) = measured?.into_iter().unzip();
     let motions = motions(context, &plan, &columns, monitor)?;
     let measured = MeasuredPlunges { contacts, motions, retracts };
-    Ok(with_lead_outs(context, evaluated(plan, measured, &columns, blank, context.setup, monitor)?))
+    Ok(with_lead_outs(
+        context,
+        evaluated(plan, measured, &columns, (&context.workpiece.part, blank), context.setup, monitor)?,
+    ))
 }
 
 /// What is measured of each position of a plan by itself and those before it.
@@ -68,7 +72,7 @@ pub(super) struct MeasuredPlunges {
 }
 
 /// `plan`, whose plunges are `columns`, with what was `measured` of its positions; their retract points raised
-/// until links keep the safety distance from `blank`, and with rapid approaches from there.
+/// until links keep the safety distance from the blank, and with rapid approaches from there.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
@@ -76,7 +80,7 @@ pub(super) fn evaluated<E: Sync>(
     plan: PlungePlan<E>,
     measured: MeasuredPlunges,
     columns: &Columns,
-    blank: &Blank,
+    (part, blank): (&Impeller, &Blank),
     setup: &Setup,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
@@ -84,9 +88,11 @@ pub(super) fn evaluated<E: Sync>(
     let lead_outs: Vec<Vector> = motions.iter().map(|(_, motion)| motion.lead_out).collect();
     let raised = raise_links(&plan, retracts, &lead_outs, blank, setup.allowances.safety_distance, monitor)?;
     add_approaches(&plan, &raised, &mut motions, columns, blank, setup, monitor)?;
+    let breaches: Vec<Option<Breach>> = plan.positions.iter().map(|p| p.breach(part, setup)).collect();
     Ok(plan.with_evaluations(|k| {
         let (retract, retract_clearance) = raised[k];
         let (engagement, motion) = motions[k];
-        Evaluation { contact: contacts[k], retract, retract_clearance, engagement, motion }
+        let (contact, breach) = (contacts[k], breaches[k]);
+        Evaluation { contact, retract, retract_clearance, engagement, motion, breach }
     }))
 }

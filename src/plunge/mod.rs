@@ -74,6 +74,6 @@ pub use cycle::{PlacedPlan, PlanError};
 pub use edit_report::{EditReport, NearPlunge, PlungeMark, UnappliedEdit, UnappliedReason};
 pub use plan::{Dropped, Evaluation, Pecking, PlungeMotion, PlungePlan, Position, SectionPlan, Unevaluated};
 pub use planner::Planner;
-pub use reasons::{AddedPlunges, Blocked, Condition, DropReason, LimitedBy, StopReason};
+pub use reasons::{AddedPlunges, Blocked, Breach, Condition, DropReason, LimitedBy, StopReason};
 pub use row_density::RowDensity;
 pub use section_cache::SectionCache;

@@ -6,11 +6,11 @@
 
 use rayon::prelude::*;
 
-use super::reasons::{AddedPlunges, Blocked, Condition, DropReason, LimitedBy};
+use super::reasons::{AddedPlunges, Blocked, Breach, Condition, DropReason, LimitedBy};
 use crate::cutting::contact::{BlankTop, Columns, CoreContact, Engagement, PlungeColumn};
 use crate::geometry::{Point, Vector, rotate_vector_z};
-use crate::part::Blank;
-use crate::setup::{AxisPolicy, CutDirection, SectionKind, Tool};
+use crate::part::{Blank, Impeller};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, TILT_TOLERANCE, Tool, falls_short};
 
 /// What is measured of a plunge once axes and depths of all plunges are final: it depends on those before it
 /// and, for the links, on those beside it.
@@ -27,6 +27,8 @@ pub struct Evaluation {
     pub engagement: Engagement,
     /// How it is moved.
     pub motion: PlungeMotion,
+    /// Limit of the setup that it exceeds; `None`: none.
+    pub breach: Option<Breach>,
 }
 
 /// How a plunge is moved.
@@ -136,9 +138,9 @@ pub struct Position<E = Evaluation> {
 }
 
 impl Position {
-    /// Overall condition; contact of the core takes precedence over [`Blocked`].
+    /// Overall condition; contact of the core and a [`Breach`] take precedence over [`Blocked`].
     pub fn condition(&self) -> Condition {
-        if self.evaluation.contact.interferes() {
+        if self.evaluation.contact.interferes() || self.evaluation.breach.is_some() {
             Condition::Interfering
         } else if self.blocked.is_some() {
             Condition::Blocked
@@ -149,6 +151,19 @@ impl Position {
 }
 
 impl<E> Position<E> {
+    /// Limit of `setup` that it exceeds on `part` by more than rounding, the gravest first.
+    pub fn breach(&self, part: &Impeller, setup: &Setup) -> Option<Breach> {
+        let allowances = &setup.allowances;
+        if falls_short(self.blade_clearance, allowances.blade_allowance) {
+            Some(Breach::Blade)
+        } else if falls_short(self.hub_clearance, allowances.hub_allowance) {
+            Some(Breach::Hub)
+        } else {
+            let excess = setup.machine.excess_tilt_rad(part, &self.axis);
+            (excess > TILT_TOLERANCE).then_some(Breach::Tilt)
+        }
+    }
+
     /// The same plunge with another evaluation.
     fn with_evaluation<F>(self, evaluation: F) -> Position<F> {
         Position {
@@ -296,6 +311,11 @@ impl<E> PlungePlan<E> {
 }
 
 impl PlungePlan {
+    /// Number of positions that are [`Condition::Interfering`].
+    pub fn count_interfering(&self) -> usize {
+        self.positions.iter().filter(|p| p.condition() == Condition::Interfering).count()
+    }
+
     /// Feed rate of position `k`, mm/min; 0 where it has no tool.
     pub fn feed_of(&self, k: usize) -> f64 {
         let own = self.positions.get(k).and_then(|p| p.evaluation.motion.feed_mm_per_min);

@@ -8,8 +8,33 @@ pub enum Condition {
     Sound,
     /// It lacks the axis its policy prescribes; see [`Blocked`].
     Blocked,
-    /// Its core meets stock.
+    /// Its core meets stock, or it exceeds a limit of the setup; see [`Breach`].
     Interfering,
+}
+
+/// Limit of the setup that a plunge exceeds. Planned plunges keep them; those that are moved by hand may not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Breach {
+    /// It comes nearer to the hub than the allowance.
+    Hub,
+    /// It comes nearer to a blade than the allowance.
+    Blade,
+    /// The machine does not reach its axis.
+    Tilt,
+}
+
+impl Breach {
+    /// All of them, the gravest first.
+    pub const ALL: [Self; 3] = [Self::Blade, Self::Hub, Self::Tilt];
+
+    /// What is wrong, as shown to the user.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Hub => "closer to the hub than its allowance",
+            Self::Blade => "closer to a blade than its allowance",
+            Self::Tilt => "axis beyond the reach of the machine",
+        }
+    }
 }
 
 impl Condition {

@@ -45,5 +45,8 @@ pub(super) fn keep_plunges(
     let retracts = thinned.positions.iter().map(|p| p.evaluation.retract).collect();
     let motions = motions(context, &thinned, columns, monitor)?;
     let measured = MeasuredPlunges { contacts, motions, retracts };
-    Ok(with_lead_outs(context, evaluated(thinned, measured, columns, blank, context.setup, monitor)?))
+    Ok(with_lead_outs(
+        context,
+        evaluated(thinned, measured, columns, (&context.workpiece.part, blank), context.setup, monitor)?,
+    ))
 }

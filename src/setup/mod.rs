@@ -26,5 +26,5 @@ pub use flank_settings::{FlankFeedRates, FlankSetup, FlankStrategy};
 pub use plunge_settings::{
     AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup, SemiFinishing,
 };
-pub use settings::{AllowanceSetup, ClearanceSetup, Machine, Setup};
+pub use settings::{AllowanceSetup, ClearanceSetup, Machine, Setup, TILT_TOLERANCE, falls_short};
 pub use tool::{OutlineKind, OutlinePiece, Tool};

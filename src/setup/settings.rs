@@ -31,6 +31,14 @@ pub struct AllowanceSetup {
     pub material: Option<String>,
 }
 
+/// Clearance below the wanted one that is tolerated as rounding, mm.
+const CLEARANCE_ROUNDING: f64 = 1e-3;
+
+/// Whether a clearance misses the wanted one by more than rounding, both mm.
+pub fn falls_short(clearance: f64, wanted: f64) -> bool {
+    clearance < wanted - CLEARANCE_ROUNDING
+}
+
 impl AllowanceSetup {
     /// Cutting data of the material; `None` where it is not named, or not known.
     pub fn cutting_data(&self) -> Option<&'static CuttingData> {
@@ -104,6 +112,9 @@ impl Default for ClearanceSetup {
         Self { shank: 1.0, holder: 1.0 }
     }
 }
+
+/// Tilt beyond the machine's limit that is tolerated as rounding, rad.
+pub const TILT_TOLERANCE: f64 = 1e-6;
 
 /// `[machine]`: the machine and its limits.
 #[derive(Clone, Debug, PartialEq)]

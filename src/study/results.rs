@@ -12,7 +12,7 @@ use crate::io::InputError;
 /// List of runs in the folder of a study.
 const LIST: &str = "study.json";
 /// Maximum number of folders beside a table in which its runs are looked for.
-const MAX_FOLDERS: usize = 200;
+const MAX_FOLDERS: usize = 10_000;
 
 /// Results of a study.
 #[derive(Clone, Debug)]
@@ -57,9 +57,9 @@ impl StudyResults {
         let own = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
         let own = own.unwrap_or(Path::new(".")).to_owned();
         let mut folders = vec![own.clone()];
-        let within = std::fs::read_dir(&own).into_iter().flatten().flatten().take(MAX_FOLDERS);
-        let mut within: Vec<PathBuf> =
-            within.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
+        let within = std::fs::read_dir(&own).into_iter().flatten().flatten().map(|entry| entry.path());
+        // Files beside the table, however many, do not count.
+        let mut within: Vec<PathBuf> = within.filter(|path| path.is_dir()).take(MAX_FOLDERS).collect();
         within.sort();
         folders.extend(within);
         folders.into_iter().find(|folder| result_path(folder, id).is_file())

@@ -6,17 +6,7 @@ use crate::error::{ErrorCode, UserError};
 use crate::geometry::Vector;
 use crate::monitor::Cancelled;
 use crate::part::Impeller;
-use crate::setup::{AllowanceSetup, Setup, Tool};
-
-/// Clearance below the wanted one that is tolerated as rounding, mm.
-const CLEARANCE_ROUNDING: f64 = 1e-3;
-/// Tilt beyond the machine's limit that is tolerated as rounding, rad.
-pub const TILT_TOLERANCE: f64 = 1e-6;
-
-/// Whether a clearance misses the wanted one by more than rounding, both mm.
-pub fn falls_short(clearance: f64, wanted: f64) -> bool {
-    clearance < wanted - CLEARANCE_ROUNDING
-}
+use crate::setup::{AllowanceSetup, Setup, TILT_TOLERANCE, Tool, falls_short};
 
 /// Kind of a fault, and the meaning of its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]

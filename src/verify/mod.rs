@@ -19,7 +19,7 @@ pub use assembly::AssemblyDistances;
 pub use assembly::unjudged_tools;
 use assembly::{holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
-pub use fault::{Fault, FaultKind, TILT_TOLERANCE, VerifyError, count_by_kind, falls_short};
+pub use fault::{Fault, FaultKind, VerifyError, count_by_kind};
 use fault::{
     Finding, beyond_machine, core_in_stock, missing_feed, near_blade, near_hub, rapid_near_blank,
     rapid_near_stock, stopped_spindle, tool_mismatch,
@@ -42,7 +42,7 @@ use crate::geometry::{Circle, CutterSolid, Meridional, Point, Vector, rotate_vec
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller, Workpiece};
 use crate::plunge::SectionPlan;
-use crate::setup::{ClearanceSetup, CutDirection, SectionKind, Setup, Tool};
+use crate::setup::{ClearanceSetup, CutDirection, SectionKind, Setup, Tool, falls_short};
 use crate::toolpath::ClProgram;
 
 /// Tolerance of distances in a program with six decimals, mm.

@@ -82,3 +82,21 @@ fn a_word_where_a_number_belongs_is_named_as_such() {
     assert!(!said.iter().any(|p| p.text().contains("nan")), "{said:?}");
     window.get_by_label_contains("nine is not a value");
 }
+
+#[test]
+fn messages_leave_the_most_of_the_picture_free() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    // As it is at 150 % on a small screen.
+    let mut window = with_sample(engine);
+    window.run_steps(3);
+    let view = window.get_by_label("3D view").rect();
+    let lower = view.with_min_y(view.top() + 0.45 * view.height());
+    let free = pixels_in(&mut window, lower);
+    for name in ["a", "b", "c", "d", "e"] {
+        window.state_mut().open_path(folder.path().join(name).with_extension("toml"));
+        settle(&mut window);
+    }
+    assert_eq!(window.state().state().problems.len(), 5);
+    assert!(pixels_in(&mut window, lower) == free, "the part can be seen below them");
+}

@@ -12,7 +12,7 @@ use vanecut::part::BlankShape;
 use vanecut::setup::Setup;
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, settle, with_sample};
+use crate::harness::{Window, click_enabled, press, settle, with_sample};
 
 /// Types a name into the field of the dialog.
 pub fn name_file(window: &mut Window, name: &Path) {
@@ -102,6 +102,39 @@ fn a_wrong_ending_is_refused_and_nothing_is_replaced_unasked() {
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     assert!(window.query_by_label("Export CL (APT)").is_none(), "one Esc closes it");
+}
+
+#[test]
+fn a_click_beside_a_dialog_loses_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("typed.apt");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    let click_beside = |window: &mut Window| {
+        press(window, egui::pos2(6.0, 560.0));
+        window.run_steps(3);
+    };
+    export(&mut window);
+    name_file(&mut window, &path);
+    click_beside(&mut window);
+    let field = window.get_by_role_and_label(Role::TextInput, "File");
+    assert_eq!(field.value(), Some(path.display().to_string()), "as it was typed");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    if window.query_by_label("Export CL (APT)").is_some() {
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+    }
+    assert!(window.query_by_label("Export CL (APT)").is_none(), "Esc closes it");
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Export CL of several channels…").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(3.0);
+    window.run_steps(2);
+    click_beside(&mut window);
+    window.get_by_label("Time 54 min, without tool changes");
 }
 
 #[test]

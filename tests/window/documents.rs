@@ -79,4 +79,7 @@ fn the_setup_sheet_is_that_of_the_shown_plan() {
     let positions = window.state().state().position_count();
     assert!(page.contains("setup sheet") && page.contains("<h2>Sections</h2>"));
     assert!(page.contains(&format!("<td>{positions}</td>")), "the plunges of the shown plan");
+    // As `verify` has it: what is unknown was not checked.
+    assert!(page.contains("Shank and holder of tool 1 are unknown and were not checked."));
+    assert!(!page.contains("a cylinder of twice"));
 }

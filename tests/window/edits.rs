@@ -3,9 +3,11 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Tab;
 use vanecut::app::model::part_source::PartSource;
+use vanecut::app::model::planned::Side;
 use vanecut::io::project_file::read_project;
-use vanecut::plunge::{PlungeMark, Position};
+use vanecut::plunge::{Breach, Condition, PlungeMark, Position};
 
 use crate::fake::shared_engine;
 use crate::harness::{Window, settle, snapshot_view, window, words};
@@ -86,6 +88,14 @@ fn a_plunge_is_lifted_deleted_and_brought_back() {
         assert_eq!(count_edits(&window), left, "each edit is undone by itself");
     }
     assert_eq!(positions(&window), found);
+
+    // With another setup it no longer fits.
+    assert_eq!(window.state().state().look.selected, Some(2));
+    click(&mut window, "Lift");
+    set(&mut window, "Step", 3.1);
+    settle(&mut window);
+    window.get_by_label("1 edit by hand not applied");
+    window.get_by_label("Roughing: 1 edit by hand not applied");
 }
 
 #[test]
@@ -165,6 +175,9 @@ fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
     assert!(window.state().state().plunge_mark(k).is_locked());
     assert!((now[k].axis - moved.axis).norm() < 1e-12);
     window.get_by_label("2 edits, 1 not applied");
+    window.get_by_label("1 edit by hand not applied");
+    assert!(now[k].evaluation.breach.is_some(), "by hand it is nearer than the planner may go");
+    window.get_by_label("Roughing: 1 fault");
     let reason = words(&window, "Edit 1, Move: the plan has no plunge there: the nearest is position ");
     let reason = reason.expect("why it is not applied");
     assert!(reason.ends_with(" mm off"), "{reason}");
@@ -191,6 +204,36 @@ fn a_locked_plunge_stays_when_the_setup_changes_and_in_the_project_file() {
     click(&mut window, "Unlock");
     assert_eq!(count_edits(&window), 0);
     assert!(!positions(&window).iter().any(|position| position.tip == moved.tip));
+}
+
+#[test]
+fn a_plunge_that_is_moved_into_a_blade_is_a_fault_everywhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    let plan = |window: &Window| window.state().state().shown().expect("planned").plan().clone();
+    assert_eq!(plan(&window).count_interfering(), 0, "planned plunges are sound");
+    select(&mut window, 3);
+    set(&mut window, "Move across", -6.0);
+    click(&mut window, "Move");
+    let (found, count) = (plan(&window).count_interfering(), plan(&window).positions.len());
+    let of = &plan(&window).positions[2];
+    assert_eq!(of.evaluation.breach, Some(Breach::Blade), "{} mm to a blade", of.blade_clearance);
+    window.get_by_label(&format!("Position 3 of {count}: interfering"));
+    window.state_mut().look_mut().tab = Tab::Facts;
+    window.run_steps(3);
+    window.get_by_label("Closer to a blade than its allowance");
+    let before = window.state().state().last_whole_plan(Side::Before).expect("planned").plan();
+    window.get_by_label(&format!("Interfering {} to {found}", before.count_interfering()));
+    let word = if found == 1 { "fault" } else { "faults" };
+    window.get_by_label(&format!("Roughing: {found} {word}"));
+    window.get_by_label_contains("interfering, ");
+    // The key finds it from elsewhere.
+    select(&mut window, 1);
+    window.key_press(egui::Key::N);
+    window.run_steps(3);
+    let selected = window.state().state().look.selected.expect("a fault");
+    assert_eq!(plan(&window).positions[selected].condition(), Condition::Interfering);
+    assert!(selected <= 2, "{selected}: the first one");
 }
 
 #[test]

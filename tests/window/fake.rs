@@ -229,6 +229,7 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
                     retract_clearance: 2.0,
                     engagement: Default::default(),
                     motion: Default::default(),
+                    breach: None,
                 },
             });
         }

@@ -38,6 +38,17 @@ fn flank_curves_are_planned_shown_and_written() {
     assert_eq!(planned.plan.layout.strategy, FlankStrategy::Balanced);
     assert!(window.state().state().look.flank.shown, "what was asked for is shown");
     assert!(!window.state().state().flank_is_stale());
+    // The figures of the command line, of the program and not of its positions.
+    let verdict = planned.verdict.as_ref().expect("verified");
+    let [gouge, left] = [verdict.max_overcut, verdict.max_undercut];
+    window.get_by_label(&format!("−{gouge:.4} / +{left:.4} mm"));
+    window.get_by_label("Floor above scallop");
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    window.get_by_label_contains(&format!(
+        "{} of the walls is not milled",
+        percent(verdict.unmilled_wall_share)
+    ));
+    window.get_by_label(&percent(verdict.uncovered.share()));
     window.key_press(egui::Key::Num4);
     window.run_steps(4);
     settle(&mut window);

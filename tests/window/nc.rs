@@ -16,7 +16,7 @@ use vanecut::toolpath::ClProgram;
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::flank::with_plan;
-use crate::harness::{Window, settle, snapshot_ui, with_sample};
+use crate::harness::{Window, click_enabled, press, settle, snapshot_ui, with_sample};
 use crate::machine::{open_narrow_machine, with_machine};
 
 /// Opens the question where the program is to run.
@@ -82,6 +82,34 @@ fn posted(window: &Window, program: &ClProgram, machine: &str, control: &str, ou
         calls: None,
     };
     post_program(program, &request, &Monitor::default()).expect("runs").written.text
+}
+
+/// Presses and releases the button at a point between two frames, as a click falls on a busy machine.
+fn click_between_frames(window: &mut Window, at: egui::Pos2) {
+    let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+    window.hover_at(at);
+    window.run_steps(1);
+    for pressed in [true, false] {
+        window.input_mut().events.push(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+    }
+    window.run_steps(3);
+}
+
+#[test]
+fn a_list_opens_above_the_dialog_however_often_that_was_open() {
+    let mut window = with_machine("bc-trunnion");
+    for (round, machine) in ["bc-head", "ac-trunnion", "bc-trunnion"].into_iter().enumerate() {
+        ask(&mut window);
+        let list = window.get_by_role_and_label(Role::ComboBox, "NC machine").rect().center();
+        click_between_frames(&mut window, list);
+        let entry = window.get_by_role_and_label(Role::Button, machine).rect().center();
+        press(&mut window, entry);
+        window.run_steps(3);
+        let shown = window.get_by_role_and_label(Role::ComboBox, "NC machine").value();
+        assert_eq!(shown.as_deref(), Some(machine), "round {round}");
+        click_enabled(&window, "Cancel");
+        window.run_steps(3);
+    }
 }
 
 #[test]

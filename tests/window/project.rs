@@ -5,9 +5,11 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::state::Tone;
 use vanecut::io::project_file::read_project;
 
+use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::harness::{
     Window, click_enabled, sample_in, settle, snapshot_ui, snapshot_view, window, with_sample, words,
@@ -106,6 +108,8 @@ fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     second.run_steps(2);
     settle(&mut second);
     assert!(read_project(&path).expect("reads").setup_faults.is_empty(), "saved, it is sound");
+    assert!(second.state().state().field_faults().is_empty(), "and nothing is said of it any more");
+    assert!(second.query_by_label_contains("Hub allowance\" is -3").is_none());
     second.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
     second.run_steps(3);
     settle(&mut second);
@@ -207,8 +211,21 @@ fn a_part_that_changed_since_is_noticed() {
     let mut third = window(engine);
     third.state_mut().open_path(path);
     settle(&mut third);
-    let problems = third.state().state().problems.clone();
-    assert!(problems.iter().any(|p| p.message.contains("wheel.toml") && !p.help.is_empty()), "{problems:?}");
+    // It was only renamed.
+    let renamed = folder.path().join("renamed.toml");
+    std::fs::write(&renamed, text).expect("writes");
+    third.get_by_label("The part of p.vanecut is not found");
+    third.get_by_label_contains(&part.display().to_string());
+    third.state_mut().use_own_file_dialogs();
+    third.get_by_label("Locate…").click();
+    third.run_steps(3);
+    name_file(&mut third, &renamed);
+    press_enter(&mut third);
+    let document = &third.state().state().document;
+    assert_eq!(document.part.as_ref().map(|part| part.source.clone()), Some(PartSource::File(renamed)));
+    assert!(document.is_unsaved(), "the project names the other file");
+    let problems = &third.state().state().problems;
+    assert!(problems.is_empty(), "it is the same part: {problems:?}");
 }
 
 #[test]
@@ -287,4 +304,60 @@ fn a_crash_loses_nothing() {
     settle(&mut second);
     assert_eq!(read_project(&project).expect("reads").setup.plunge.step, Some(6.5), "saved where it belongs");
     assert!(copies().is_empty(), "nothing is left to recover");
+}
+
+fn save(window: &mut Window) {
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::S);
+    window.run_steps(2);
+    settle(window);
+}
+
+#[test]
+fn what_another_window_has_saved_is_not_replaced_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, other) = (folder.path().join("p.vanecut"), folder.path().join("q.vanecut"));
+    let step = |path: &Path| read_project(path).expect("reads").setup.plunge.step;
+    let (engine, _) = fake::engine();
+    let opened = || {
+        let mut window = window(engine.clone());
+        window.state_mut().set_home(folder.path().join("home"));
+        window.state_mut().use_own_file_dialogs();
+        window.run_steps(2);
+        window
+    };
+    let mut first = sample_in(opened());
+    save_as(&mut first, &path);
+    let mut second = opened();
+    second.state_mut().open_path(path.clone());
+    settle(&mut second);
+    edit_step(&mut first, 6.0);
+    save(&mut first);
+    assert_eq!(step(&path), Some(6.0), "nobody else has saved");
+    edit_step(&mut second, 7.0);
+    save(&mut second);
+    second.get_by_label("p.vanecut was changed on disk");
+    click_enabled(&second, "Cancel");
+    second.run_steps(3);
+    settle(&mut second);
+    assert_eq!(step(&path), Some(6.0), "nothing is lost");
+    assert!(second.state().state().document.is_unsaved());
+    save(&mut second);
+    second.get_by_label("Overwrite").click();
+    second.run_steps(3);
+    settle(&mut second);
+    assert_eq!(step(&path), Some(7.0), "as it was asked for");
+    edit_step(&mut second, 7.5);
+    save(&mut second);
+    assert_eq!(step(&path), Some(7.5), "asked once");
+    // The other way round; this time both are wanted.
+    edit_step(&mut first, 8.0);
+    save(&mut first);
+    first.get_by_label("p.vanecut was changed on disk");
+    first.get_by_label("Save as…").click();
+    first.run_steps(3);
+    settle(&mut first);
+    name_file(&mut first, &other);
+    press_enter(&mut first);
+    assert_eq!((step(&path), step(&other)), (Some(7.5), Some(8.0)));
+    assert!(!first.state().state().document.is_unsaved());
 }

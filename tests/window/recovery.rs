@@ -154,6 +154,54 @@ fn unsaved_changes_of_a_project_are_offered_when_it_is_opened() {
 }
 
 #[test]
+fn what_was_saved_after_a_crash_is_not_replaced_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut first = window_with_part(&engine, &home, folder.path());
+    save_as(&mut first, &project);
+    edit_and_crash(first, 6.5);
+    let opened = |answer: &str| {
+        let mut window = window_at(&engine, &home);
+        window.state_mut().open_path(project.clone());
+        settle(&mut window);
+        window.get_by_label(answer).click();
+        window.run_steps(3);
+        settle(&mut window);
+        window
+    };
+    let mut beside = opened("Not now");
+    edit_step(&mut beside, 7.0);
+    press(&mut beside, egui::Modifiers::COMMAND, egui::Key::S);
+    drop(beside);
+    let mut recovered = opened("Recover");
+    assert_eq!(step(&recovered), Some(6.5));
+    press(&mut recovered, egui::Modifiers::COMMAND, egui::Key::S);
+    recovered.get_by_label("p.vanecut was changed on disk");
+    assert_eq!(read_project(&project).expect("reads").setup.plunge.step, Some(7.0), "still there");
+}
+
+#[test]
+fn a_message_on_the_start_page_does_not_hide_what_it_offers() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let first = window_with_part(&engine, &home, folder.path());
+    edit_and_crash(first, 6.5);
+    let mut second = window_at(&engine, &home);
+    // As many as are shown without scrolling.
+    for name in ["a", "b"] {
+        second.state_mut().open_path(folder.path().join(name).with_extension("toml"));
+        settle(&mut second);
+    }
+    let offer = second.get_by_label("Unsaved changes of wheel, just now").rect();
+    let messages = second.get_all_by_label_contains("cannot be read").map(|message| message.rect());
+    let shown = messages.filter(|message| message.intersects(offer)).count();
+    assert_eq!(shown, 0, "it can be read at {offer}");
+    assert!(offer.top() > 100.0, "below the messages");
+}
+
+#[test]
 fn what_waited_for_a_cancelled_saving_waits_no_longer() {
     let folder = tempfile::tempdir().expect("a folder");
     let (engine, _) = fake::engine();

@@ -197,6 +197,23 @@ fn a_run_is_planned_with_the_part_that_it_had() {
     assert!(warned(&window));
 }
 
+#[test]
+fn a_run_is_found_beside_its_table_among_many_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = study(folder.path());
+    let table = folder.path().join("results.csv");
+    let merged = merge(&study).expect("merges");
+    std::fs::write(&table, merged.text).expect("writes");
+    for k in 0..400 {
+        std::fs::write(folder.path().join(format!("{k:03}.apt")), "").expect("writes");
+    }
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    open(&mut window, table);
+    open_run(&mut window, 2);
+    assert_eq!(step(&window), Some(8.0));
+}
+
 /// Leaves the project with an edit, a step of 3 mm.
 fn edit_step(window: &mut Window) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);

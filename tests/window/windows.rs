@@ -23,7 +23,7 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
     window.run_steps(2);
     window.key_press(egui::Key::Enter);
     window.run_steps(3);
-    window.get_by_label("Tool library");
+    window.get_by_label("Shop library");
     slow.store(true, Ordering::SeqCst);
     window.key_press(egui::Key::F5);
     window.run_steps(2);
@@ -32,7 +32,7 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     assert!(
-        window.query_by_label("Tool library").is_none()
+        window.query_by_label("Shop library").is_none()
             && window.state().state().look.panels.is_open(DockPanel::Machinability)
     );
     window.key_press(egui::Key::Escape);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::project::Pending;
+use super::unsaved::Pending;
 use crate::app::App;
 use crate::app::model::document::Edited;
 use crate::app::model::field_faults::FaultyField;
@@ -16,7 +16,7 @@ use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::role_choices::hint_for_dialog;
 use crate::app::model::shop_library::ShopLibrary;
 use crate::app::tasks::engine::PlanTask;
-use crate::app::tasks::files::{self, WriteTask};
+use crate::app::tasks::files::{self, WriteError, WriteTask};
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::opening::Opened;
 use crate::app::tasks::project::{edited_of, source_of};
@@ -251,12 +251,18 @@ impl App {
                     if let Some((plan, file)) = written.program {
                         self.state.results.exported.note(plan, file);
                     }
-                    if let Some((path, edited)) = written.project {
-                        self.note_saved(ctx, path, edited);
+                    if let Some(project) = written.project {
+                        self.note_saved(ctx, project);
+                    }
+                    if let Some((path, content)) = written.library {
+                        self.note_saved_library(ctx, path, content);
                     }
                 }
                 Outcome::Cancelled => {}
-                Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
+                Outcome::Failed(WriteError::ChangedOnDisk(path)) => self.session.changed_on_disk = Some(path),
+                Outcome::Failed(WriteError::Failed(error)) => {
+                    self.state.report_problem(Problem::from(&error));
+                }
                 Outcome::Panicked(what) => {
                     self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));
                 }
@@ -291,7 +297,19 @@ impl App {
     }
 
     fn take_opened(&mut self, opened: Opened) {
-        let Opened { part, setup, project, blank, library, study, is_run, changed_part, unassigned } = opened;
+        let Opened {
+            part,
+            setup,
+            project,
+            on_disk,
+            blank,
+            library,
+            study,
+            is_run,
+            changed_part,
+            missing_part,
+            unassigned,
+        } = opened;
         if let Some(results) = study {
             let name = results.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
             self.state.report_done(format!("Opened {name}: {} runs", results.table.rows.len()));
@@ -304,6 +322,10 @@ impl App {
             self.state.report_done(format!("Opened {}: {count} tools", path.display()));
             self.library.take(ShopLibrary::new(Some(path), content));
             self.state.look.panels.open(DockPanel::ToolLibrary);
+            return;
+        }
+        if missing_part.is_some() {
+            self.session.missing_part = missing_part;
             return;
         }
         if let Some(unassigned) = unassigned {
@@ -328,8 +350,13 @@ impl App {
             };
             let own = self.state.document.path.clone().filter(|_| same);
             let path = project.as_ref().map(|(path, _)| path.clone()).or(own);
+            let source_now = Some(part.source.clone());
+            let on_disk = on_disk.or(self.state.document.on_disk.filter(|_| same));
             self.state.open(part, edited, path);
-            if chosen {
+            self.state.document.on_disk = on_disk;
+            let is_moved =
+                project.as_ref().is_some_and(|(_, project)| Some(source_of(project)) != source_now);
+            if chosen || is_moved {
                 self.state.document.mark_unsaved();
             }
             let part = self.state.document.part.as_ref();
@@ -375,12 +402,13 @@ impl App {
     pub(in crate::app) fn use_file(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         match purpose {
             Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
-            Purpose::SaveProject => self.write_project(path),
+            Purpose::LocatePart => self.open_located(path),
+            Purpose::SaveProject => self.write_project(path, false),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
             Purpose::CheckProgram => self.check_program(path),
             Purpose::OpenStudy => self.submit_open(OpenTask::Study(path)),
             Purpose::OpenBlank => self.submit_open(OpenTask::Blank(path)),
-            Purpose::OpenLibrary => self.submit_open(OpenTask::Library(path)),
+            Purpose::OpenLibrary => self.run_guarded(ctx, Pending::OpenLibrary(path)),
             Purpose::SaveLibrary => {
                 if let Some(library) = self.library.library() {
                     self.write(WriteTask::Library(path, Box::new(library.content.clone())));

@@ -7,7 +7,7 @@ use egui::Context;
 use crate::gpu::view::View;
 
 use crate::app::App;
-use crate::app::control::project::Pending;
+use crate::app::control::unsaved::Pending;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{Arrangement, Operation, Tab};
 use crate::app::model::mouse_preset::MousePreset;
@@ -96,8 +96,8 @@ impl App {
             | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.running_task().is_some() || self.state.look.measure.is_some(),
-            C::Undo => self.state.document.can_undo(),
-            C::Redo => self.state.document.can_redo(),
+            C::Undo => self.state.document.can_undo() || self.library.can_undo(&self.state.document.edited),
+            C::Redo => self.state.document.can_redo() || self.library.can_redo(),
             _ => true,
         }
     }
@@ -130,7 +130,7 @@ impl App {
             C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
             C::StudyResults => look.panels.open(DockPanel::Study),
             C::OpenLibrary => self.dialogs.open_dialog(ctx, Purpose::OpenLibrary, String::new()),
-            C::SaveLibrary => self.dialogs.open_dialog(ctx, Purpose::SaveLibrary, "tools.toml".to_owned()),
+            C::SaveLibrary => self.ask_for_library(ctx),
             C::SaveSetup => {
                 self.dialogs.open_dialog(ctx, Purpose::SaveSetup, self.suggest_file_name("setup.toml"));
             }
@@ -155,8 +155,8 @@ impl App {
             }
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
-            C::Undo => self.state.document.undo(),
-            C::Redo => self.state.document.redo(),
+            C::Undo => self.undo(),
+            C::Redo => self.redo(),
             C::Plan => {
                 look.operation = Operation::Roughing;
                 self.plan();

@@ -14,6 +14,7 @@ use crate::app::model::state::AppState;
 use crate::app::tasks::engine::Engine;
 use crate::app::tasks::part_meshes::PartMeshes;
 use crate::app::views::dock::Dock;
+use crate::app::views::panels::library::LibraryPanel;
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::view3d::View3d;
 
@@ -24,6 +25,7 @@ pub struct Handover {
     session: Session,
     export: ExportSettings,
     dock: Dock,
+    library: LibraryPanel,
     mesh: Option<PartMeshes>,
     /// Whether the planner was running.
     planning: bool,
@@ -66,9 +68,10 @@ impl App {
     /// The application with the state of another window.
     pub fn resumed(cc: &CreationContext<'_>, engine: Engine, left: Handover) -> Self {
         let mut app = Self::with_engine(cc, engine);
-        let Handover { state, view, session, export, dock, mesh, planning, theme, reason, .. } = left;
+        let Handover { state, view, session, export, dock, library, mesh, planning, theme, reason, .. } =
+            left;
         (app.state, app.view, app.session, app.export) = (state, view, session, export);
-        app.dock = dock;
+        (app.dock, app.library) = (dock, library);
         cc.egui_ctx.set_theme(theme);
         if let Some((pictures, mesh)) = app.pictures.as_mut().zip(mesh) {
             pictures.set_part(mesh);
@@ -99,6 +102,7 @@ impl App {
             session: std::mem::take(&mut self.session),
             export: self.export,
             dock: std::mem::take(&mut self.dock),
+            library: std::mem::take(&mut self.library),
             mesh: self.pictures.as_ref().and_then(|pictures| pictures.mesh().cloned()),
             planning,
             theme: ctx.options(|options| options.theme_preference),

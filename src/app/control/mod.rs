@@ -7,4 +7,5 @@ pub(in crate::app) mod export;
 pub mod handover;
 pub(in crate::app) mod project;
 pub(in crate::app) mod recovery;
+pub(in crate::app) mod unsaved;
 pub(in crate::app) mod windows;

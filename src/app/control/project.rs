@@ -1,11 +1,11 @@
-//! The project: saving, recovery copies, and what waits until unsaved changes are saved or discarded.
+//! The project: saving, its lock, and what is restored when it is opened.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use egui::{Context, Rect, Ui};
 
 use crate::app::App;
+use crate::app::control::unsaved::Pending;
 use crate::app::model::document::Edited;
 use crate::app::model::field_faults::FaultyField;
 use crate::app::model::file_purpose::Purpose;
@@ -14,34 +14,22 @@ use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::state::RecoveryCopy;
-use crate::app::tasks::files::WriteTask;
-use crate::app::tasks::home::{Home, Preferences};
+use crate::app::tasks::files::{ProjectTask, WriteTask, WrittenProject};
+use crate::app::tasks::home::{Home, Preferences, is_same_file};
 use crate::app::tasks::lock::{HeldLock, LockTry};
+use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::project::project_of;
+use crate::app::views::changed::{self, ChangedAnswer};
+use crate::app::views::missing_part::{self, MissingPartAnswer};
 use crate::app::views::tour::WindowRegion;
-use crate::app::views::unsaved::{self, UnsavedAnswer};
+use crate::app::views::unsaved::UnsavedWork;
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
 use crate::io::setup_file::SetupEntryFault;
-use crate::study::StudyResults;
+use crate::io::shop_tools::ToolLibrary;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
-
-/// Action that waits until unsaved changes are saved or discarded.
-#[derive(Clone, Debug)]
-pub(in crate::app) enum Pending {
-    /// Start a new project.
-    New,
-    /// Open a file.
-    Open(PathBuf),
-    /// Open a part.
-    OpenPart(PartSource),
-    /// Open the run of a row of a study's results.
-    OpenRun(Arc<StudyResults>, usize),
-    /// Close the window.
-    Quit,
-}
 
 /// State of the session that is not part of [`AppState`].
 #[derive(Default)]
@@ -51,11 +39,24 @@ pub(in crate::app) struct Session {
     pub(super) copied: Option<Edited>,
     /// When the recovery copy was due last, s.
     pub(super) copied_at: Option<f64>,
+    /// Tool library in its copy on disk, when that was due last, s, and the copy that another session has left.
+    pub(super) copied_library: Option<ToolLibrary>,
+    pub(super) library_copied_at: Option<f64>,
+    pub(super) left_library: Option<PathBuf>,
     /// Recovery copy of the project that was opened, while it is asked what to do with it.
     pub(super) found: Option<RecoveryCopy>,
-    pending: Option<Pending>,
+    /// Action that waits for an answer about unsaved work, and about which.
+    pub(super) pending: Option<(UnsavedWork, Pending)>,
     /// Action to run once the project is written.
-    after_saving: Option<Pending>,
+    pub(super) after_saving: Option<Pending>,
+    /// Action to run once the tool library is written.
+    pub(super) after_library: Option<Pending>,
+    /// A project that was opened and its part, whose file does not exist, while it is asked where that is.
+    pub(super) missing_part: Option<(PathBuf, PartSource)>,
+    /// The same while its part is being located.
+    located: Option<(PathBuf, PartSource)>,
+    /// The project's file, while it is asked whether to replace what another window or program has written there.
+    pub(super) changed_on_disk: Option<PathBuf>,
     /// Whether closing was confirmed.
     pub(super) closing: bool,
     /// Whether the tour was taken or skipped, in this session or before.
@@ -67,9 +68,12 @@ pub(in crate::app) struct Session {
 }
 
 impl Session {
-    /// Whether a question about unsaved changes, of this session or another, is open.
+    /// Whether a question about unsaved changes, of this session or another, or about a changed file is open.
     pub(in crate::app) fn is_asking(&self) -> bool {
-        self.pending.is_some() || self.found.is_some()
+        self.pending.is_some()
+            || self.found.is_some()
+            || self.changed_on_disk.is_some()
+            || self.missing_part.is_some()
     }
 }
 
@@ -85,7 +89,11 @@ impl App {
         if let Some(layout) = home.layout() {
             self.take_layout(&layout);
         }
+        let left = home.left_library();
         self.session.home = Some(home);
+        if let Some(left) = left {
+            self.take_left_library(left);
+        }
     }
 
     /// Offers the tour with the first part that is opened, unless it was taken or skipped before.
@@ -120,75 +128,12 @@ impl App {
         }
     }
 
-    /// Runs an action that closes the open project; asks first if there are unsaved changes.
-    pub(in crate::app) fn run_guarded(&mut self, ctx: &Context, pending: Pending) {
-        if self.state.document.is_unsaved() {
-            self.session.pending = Some(pending);
-        } else {
-            self.run_pending(ctx, pending);
-        }
-    }
-
-    fn run_pending(&mut self, ctx: &Context, pending: Pending) {
-        match pending {
-            Pending::New => {
-                self.state.close();
-                self.work.planner_cancel();
-                self.hover = None;
-            }
-            Pending::Open(path) => self.open_file(path),
-            Pending::OpenPart(source) => self.open_files(Some(source), None),
-            Pending::OpenRun(results, row) => self.open_run(results, row, false),
-            Pending::Quit => {
-                self.session.closing = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-        }
-        if let Some(home) = &self.session.home {
-            home.drop_copy();
-        }
-        self.session.copied = None;
-    }
-
-    /// Intercepts closing the window while there are unsaved changes.
-    pub(in crate::app) fn watch_closing(&mut self, ctx: &Context) {
-        if ctx.input(|input| input.viewport().close_requested()) && !self.session.closing {
-            if self.state.document.is_unsaved() {
-                ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-                self.session.pending = Some(Pending::Quit);
-            } else if let Some(home) = &self.session.home {
-                home.drop_copy();
-            }
-        }
-    }
-
-    /// Asks about unsaved changes, while that is due.
-    pub(in crate::app) fn ask_unsaved(&mut self, ui: &Ui) {
-        if self.session.pending.is_none() {
-            return;
-        }
-        let Some(answer) = unsaved::ask(ui) else { return };
-        let pending = self.session.pending.take();
-        match answer {
-            UnsavedAnswer::Save => {
-                self.save_project(ui.ctx());
-                self.session.after_saving = pending;
-            }
-            UnsavedAnswer::Discard => {
-                if let Some(pending) = pending {
-                    self.run_pending(ui.ctx(), pending);
-                }
-            }
-            UnsavedAnswer::Cancel => {}
-        }
-    }
-
     /// Saves the project to its file, or asks for one. What waited for an earlier saving waits no longer: that
     /// one was cancelled or has failed.
     pub(in crate::app) fn save_project(&mut self, ctx: &Context) {
         self.session.after_saving = None;
         match self.state.document.path.clone() {
-            Some(path) => self.write_project(path),
+            Some(path) => self.write_project(path, false),
             None => self.ask_for_project(ctx),
         }
     }
@@ -209,26 +154,64 @@ impl App {
         format!("{name}.{EXTENSION}")
     }
 
-    /// Writes the project to `path`.
-    pub(in crate::app) fn write_project(&mut self, path: PathBuf) {
+    /// Writes the project to `path`. `replaces`: even if its own file was changed on disk.
+    pub(in crate::app) fn write_project(&mut self, path: PathBuf, replaces: bool) {
         let path = if path.extension().is_none() { path.with_extension(EXTENSION) } else { path };
         if let Some(project) = project_of(&self.state, self.view.current()) {
             let text = write_project(&project, &path);
-            self.write(WriteTask::Project(path, text, Box::new(self.state.document.edited.clone())));
+            let document = &self.state.document;
+            let is_own = document.path.as_ref().is_some_and(|own| is_same_file(own, &path));
+            let known = document.on_disk.filter(|_| is_own && !replaces);
+            let edited = document.edited.clone();
+            self.write(WriteTask::Project(Box::new(ProjectTask { path, text, edited, known })));
         }
     }
 
+    /// Asks about a project's file that was changed on disk, while that is due.
+    pub(in crate::app) fn ask_changed(&mut self, ui: &Ui) {
+        let answer = self.session.changed_on_disk.as_ref().and_then(|path| changed::ask(ui, path));
+        let Some(answer) = answer else { return };
+        let Some(path) = self.session.changed_on_disk.take() else { return };
+        match answer {
+            ChangedAnswer::Overwrite => self.write_project(path, true),
+            ChangedAnswer::SaveAs => {
+                let pending = self.session.after_saving.take();
+                self.ask_for_project(ui.ctx());
+                self.session.after_saving = pending;
+            }
+            ChangedAnswer::Cancel => self.session.after_saving = None,
+        }
+    }
+
+    /// Asks where the part of an opened project is, while that is due.
+    pub(in crate::app) fn ask_missing_part(&mut self, ui: &Ui) {
+        let Some((project, source)) = &self.session.missing_part else { return };
+        let Some(answer) = missing_part::ask(ui, project, &source.shown()) else { return };
+        self.session.located = self.session.missing_part.take();
+        if answer == MissingPartAnswer::Locate {
+            self.dialogs.open_dialog(ui.ctx(), Purpose::LocatePart, String::new());
+        }
+    }
+
+    /// Opens the project whose part was located at `path`.
+    pub(in crate::app) fn open_located(&mut self, path: PathBuf) {
+        let Some((project, source)) = self.session.located.take() else { return };
+        self.submit_open(OpenTask::Project(project, Some(source.moved_to(path))));
+    }
+
     /// Records that a project was written, and continues with the pending action.
-    pub(in crate::app) fn note_saved(&mut self, ctx: &Context, path: PathBuf, edited: Edited) {
+    pub(in crate::app) fn note_saved(&mut self, ctx: &Context, written: WrittenProject) {
+        let WrittenProject { path, edited, hash } = written;
         self.note_recent(&path);
-        self.state.document.note_saved(path, edited);
+        self.state.document.note_saved(path, edited, hash);
+        self.state.solve(Topic::Project);
         if !self.state.document.is_unsaved() {
             if let Some(home) = &self.session.home {
                 home.drop_copy();
             }
             self.session.copied = None;
             if let Some(pending) = self.session.after_saving.take() {
-                self.run_pending(ctx, pending);
+                self.run_past_project(ctx, pending);
             }
         }
     }
@@ -248,7 +231,7 @@ impl App {
             LockTry::HeldElsewhere => {
                 self.state.report_problem(Problem::new(
                     format!("{} is open in another window", path.display()),
-                    "close one of the two, or save under another name: what is saved last replaces the other",
+                    "close one of the two, or save under another name; saving asks before it replaces work of the other",
                 ));
                 None
             }
@@ -268,7 +251,8 @@ impl App {
     fn report_setup_faults(&mut self, faults: &[SetupEntryFault]) {
         for SetupEntryFault { error: fault, entry } in faults.iter().take(MAX_REPORTED_FAULTS) {
             let help = format!("{}; until then the default is used", fault.help);
-            let problem = Problem::of(Topic::Other, &format!("{}: {}", fault.place(), fault.message), &help);
+            let problem =
+                Problem::of(Topic::Project, &format!("{}: {}", fault.place(), fault.message), &help);
             let field = entry.as_ref().and_then(FaultyField::of_entry);
             self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
         }

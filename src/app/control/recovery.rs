@@ -7,7 +7,8 @@ use egui::{Context, Ui};
 
 use crate::app::App;
 use crate::app::model::problem::Problem;
-use crate::app::tasks::home::{self, is_same_file};
+use crate::app::model::shop_library::ShopLibrary;
+use crate::app::tasks::home::{self, LeftLibrary, is_same_file};
 use crate::app::tasks::project::project_of;
 use crate::app::views::recover::{self, RecoverAnswer};
 use crate::io::project_file::{Project, write_project};
@@ -86,6 +87,48 @@ impl App {
             self.copy_now();
         } else {
             ctx.request_repaint_after(Duration::from_secs_f64(rest));
+        }
+    }
+
+    /// Goes on with the edits of the tool library of a session that ended without closing.
+    pub(super) fn take_left_library(&mut self, left: LeftLibrary) {
+        let LeftLibrary { original, content, copy } = left;
+        self.library.take(ShopLibrary::recovered(original, content));
+        self.session.left_library = Some(copy);
+        self.state.report_done(
+            "Edits of the shop library of the last session are back; save the library to keep them",
+        );
+    }
+
+    /// Writes the copy of the edited tool library when it is due. Call once per frame.
+    pub(in crate::app) fn keep_library_copy(&mut self, ctx: &Context) {
+        let session = &mut self.session;
+        let Some(home) = session.home.as_ref().filter(|_| !session.closing) else { return };
+        let Some(library) = self.library.library().filter(|library| library.is_unsaved()) else {
+            if session.copied_library.take().is_some() {
+                home.drop_library_copy();
+            }
+            return;
+        };
+        if session.copied_library.as_ref() == Some(&library.content) {
+            return;
+        }
+        let now = ctx.input(|input| input.time);
+        let rest = session.library_copied_at.map_or(0.0, |at| COPY_EVERY.as_secs_f64() - (now - at));
+        if rest > 0.0 {
+            ctx.request_repaint_after(Duration::from_secs_f64(rest));
+            return;
+        }
+        session.library_copied_at = Some(now);
+        // Reported once; the next edit tries again.
+        session.copied_library = Some(library.content.clone());
+        match home.write_library_copy(library.path.as_deref(), &library.content) {
+            Ok(()) => {
+                if let Some(left) = session.left_library.take() {
+                    home::remove_copy(&left);
+                }
+            }
+            Err(error) => self.state.report_problem(Problem::from(&error)),
         }
     }
 

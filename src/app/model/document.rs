@@ -51,6 +51,8 @@ pub struct Document {
     /// File of the project, absolute: recovery copies carry it to sessions that begin in another folder. `None`
     /// before it is saved.
     pub path: Option<PathBuf>,
+    /// Hash of that file as this window read or wrote it last; `None` where it has not.
+    pub on_disk: Option<u64>,
     /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
     history: History<Edited>,
@@ -63,6 +65,7 @@ impl Document {
         self.saved = Some(edited.clone());
         self.edited = edited;
         self.path = path.map(absolute);
+        self.on_disk = None;
         self.history = History::default();
     }
 
@@ -71,9 +74,10 @@ impl Document {
         self.part.is_some() && self.saved.as_ref() != Some(&self.edited)
     }
 
-    /// Records that `edited` was written to `path`.
-    pub fn note_saved(&mut self, path: PathBuf, edited: Edited) {
+    /// Records that `edited` was written to `path`, whose content then has this `hash`.
+    pub fn note_saved(&mut self, path: PathBuf, edited: Edited, hash: u64) {
         self.path = Some(absolute(path));
+        self.on_disk = Some(hash);
         self.saved = Some(edited);
     }
 

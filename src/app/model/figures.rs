@@ -11,6 +11,21 @@ use crate::app::model::units::DisplayUnits;
 /// Largest share of the accessible floor that may stay uncut without a warning.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
 
+/// What makes a plunge interfere.
+pub const INTERFERING_TIP: &str =
+    "Plunges whose core meets stock, or that exceed an allowance or the reach of the machine";
+
+/// A share of classes in whole per cent; what is not none or all does not look so.
+pub fn format_class_share(share: f64) -> String {
+    /// Rounding of sums.
+    const NONE: f64 = 1e-9;
+    match 100.0 * share {
+        percent if percent < 0.5 && share > NONE => "< 1 %".to_owned(),
+        percent if percent > 99.5 && share < 1.0 - NONE => "> 99 %".to_owned(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
 impl Condition {
     /// Name on screen.
     pub fn label(self) -> &'static str {

@@ -29,6 +29,8 @@ pub enum Purpose {
     OpenBlank,
     /// A tool library to open.
     OpenLibrary,
+    /// The part of a project whose file is not where that says.
+    LocatePart,
     /// Results of a study to open.
     OpenStudy,
     /// Target of a tool library.
@@ -73,6 +75,7 @@ impl Purpose {
     pub fn title(self) -> &'static str {
         match self {
             Self::OpenPart => "Open part",
+            Self::LocatePart => "Locate the part of the project",
             Self::OpenProject => "Open project",
             Self::SaveProject => "Save project",
             Self::OpenSetup => "Open setup",
@@ -133,7 +136,7 @@ impl Purpose {
     /// What the files are, and their endings.
     pub fn filter(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Self::OpenPart => ("Impellers and plans", PART_ENDINGS),
+            Self::OpenPart | Self::LocatePart => ("Impellers and plans", PART_ENDINGS),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::OpenLibrary => ("Tool libraries", &["toml", "json", "tools", "fctb", "fctl"]),

@@ -62,7 +62,7 @@ impl DockPanel {
             Self::SectionalView => "Sectional view, enlarged",
             Self::Machinability => "Machinability",
             Self::Tradeoff => "Time against stock",
-            Self::ToolLibrary => "Tool library",
+            Self::ToolLibrary => "Shop library",
             Self::Study => "Study results",
         }
     }

@@ -34,6 +34,15 @@ impl PartSource {
         self.file().filter(|(path, _)| is_mesh(path))
     }
 
+    /// The same at another place: a mesh file keeps its options.
+    #[must_use]
+    pub fn moved_to(&self, path: PathBuf) -> Self {
+        match self {
+            Self::Mesh(_, options) => Self::Mesh(path, options.clone()),
+            Self::File(_) | Self::Sample(_) => Self::File(path),
+        }
+    }
+
     /// Display name.
     pub fn shown(&self) -> String {
         match self {

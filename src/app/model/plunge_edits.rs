@@ -56,6 +56,23 @@ impl AppState {
         (is_after && now.starts_with(known)).then(|| shown.plan())
     }
 
+    /// Whether the plan that is edited is shown, but has edits that were taken back: the next one follows.
+    pub fn shows_undone_edits(&self) -> bool {
+        let Some(shown) = self.shown().filter(|_| self.look.operation == Operation::Roughing) else {
+            return false;
+        };
+        shown.policy == shown.planned.setup.plunge.axis && self.editable_plan().is_none()
+    }
+
+    /// Words on edits that do nothing in the last plan; `None` without any.
+    pub fn unapplied_words(&self) -> Option<String> {
+        match self.unapplied_edits().len() {
+            0 => None,
+            1 => Some("1 edit by hand not applied".to_owned()),
+            n => Some(format!("{n} edits by hand not applied")),
+        }
+    }
+
     /// The last plan, if it has all edits of the setup.
     fn plan_with_all_edits(&self) -> Option<&DisplayPlan> {
         let planned = self.results.planned.as_deref()?;

@@ -7,7 +7,7 @@ use crate::drawing::cutters::{evaluated_cutters, placed_cutters};
 use crate::gpu::cutters::DrawnCutter;
 use crate::job::{PlanOutcome, PlanStage, PolicyResult};
 use crate::part::Workpiece;
-use crate::plunge::{EditReport, PlungePlan, Position, RowDensity, Unevaluated};
+use crate::plunge::{EditReport, PlungePlan, RowDensity, Unevaluated};
 use crate::setup::{AxisPolicy, Setup};
 use crate::stock::{FieldProgram, FloorGrid, FloorLevels};
 
@@ -94,8 +94,7 @@ impl PreviewCutters {
 
     /// Number of interfering plunges; `None` while contact is not checked.
     pub fn interfering_count(&self) -> Option<usize> {
-        let interferes = |position: &&Position| position.evaluation.contact.interferes();
-        self.evaluated().map(|plan| plan.positions.iter().filter(interferes).count())
+        self.evaluated().map(PlungePlan::count_interfering)
     }
 }
 

@@ -13,10 +13,19 @@ pub enum Topic {
     Flank,
     /// The checked program: solved by the next check.
     Program,
+    /// What is faulty in an opened project: solved by saving what stands in its place.
+    Project,
     /// The stock as a solid: solved by the next plan.
     Stock,
     /// Anything else: stays until it is dismissed.
     Other,
+}
+
+impl Topic {
+    /// Whether it is about a calculation, of which only the last one counts.
+    pub fn is_of_calculation(self) -> bool {
+        !matches!(self, Self::Project | Self::Other)
+    }
 }
 
 /// A problem shown until it is dismissed or solved.

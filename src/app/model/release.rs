@@ -1,7 +1,7 @@
 //! What speaks against running a program, asked about before it leaves the window.
 
 use crate::plunge::DropReason;
-use crate::verify::{TILT_TOLERANCE, falls_short};
+use crate::setup::{TILT_TOLERANCE, falls_short};
 
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, skipped_length};
 use crate::app::model::file_purpose::Purpose;
@@ -53,11 +53,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     if let Some(missed) = state.missed_goal() {
         found.push(missed);
     }
-    match state.unapplied_edits().len() {
-        0 => {}
-        1 => found.push("1 edit by hand is not applied".to_owned()),
-        n => found.push(format!("{n} edits by hand are not applied")),
-    }
+    found.extend(state.unapplied_words());
     if plan.is_unfinished() {
         found.push("The calculation was cancelled: this is the best plan so far".to_owned());
     }

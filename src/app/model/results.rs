@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::io::InputError;
 use crate::io::project_file::SetFigures;
-use crate::job::Summary;
+use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
 use crate::setup::Setup;
 
@@ -18,10 +18,11 @@ use crate::app::model::preview::PlanPreview;
 use crate::app::model::units::DisplayUnits;
 
 /// Figures of a plan.
-fn figures_of(summary: &Summary) -> SetFigures {
+fn figures_of(result: &PolicyResult) -> SetFigures {
+    let summary = &result.summary;
     SetFigures {
         positions: summary.positions,
-        interferential: summary.interfering,
+        interferential: result.plan.count_interfering(),
         residual_mean: summary.residual_mean,
         residual_p95: summary.residual_p95,
         uncut_share: summary.uncut_share,
@@ -78,7 +79,7 @@ impl Results {
         }
         // Figures of a cancelled plan would be misleading.
         if !planned.is_unfinished() {
-            self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after.summary));
+            self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after));
         }
         self.planned = Some(Arc::new(planned));
         self.preview = None;

@@ -7,6 +7,7 @@ use crate::io::tool_library::{flank_cutters, plunge_cutters};
 use crate::setup::cutting_data::MissingRates;
 use crate::setup::{Setup, Tool};
 
+use super::history::History;
 use super::units::DisplayUnits;
 
 /// Form of a cutter's end.
@@ -51,7 +52,7 @@ impl ToolForm {
 pub const ALL_DIAMETERS: [f64; 2] = [0.0, 1000.0];
 
 /// A library with what is shown of it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct ShopLibrary {
     /// Its file; `None` for the program's own tools.
     pub path: Option<PathBuf>,
@@ -67,6 +68,9 @@ pub struct ShopLibrary {
     pub selected: Option<usize>,
     /// What was searched last, and what that left: libraries of makers have many thousand tools.
     found: Option<(SearchKey, Vec<usize>)>,
+    /// The library as it was opened or saved last.
+    saved: ToolLibrary,
+    history: History<ToolLibrary>,
 }
 
 /// What the tools shown depend on, besides the tools.
@@ -91,20 +95,92 @@ impl ShopLibrary {
     /// A library from a file.
     pub fn new(path: Option<PathBuf>, content: ToolLibrary) -> Self {
         let form = ToolForm::Any;
-        Self {
-            path,
-            content,
-            search: String::new(),
-            form,
-            diameters: ALL_DIAMETERS,
-            selected: None,
-            found: None,
-        }
+        let (saved, mut history) = (content.clone(), History::default());
+        history.add(&content);
+        let search = String::new();
+        let (diameters, selected, found) = (ALL_DIAMETERS, None, None);
+        Self { path, content, search, form, diameters, selected, found, saved, history }
     }
 
     /// Must be called after a tool was changed, added or removed: what is shown may have changed.
     pub fn changed(&mut self) {
         self.found = None;
+    }
+
+    /// A library with edits that are not saved.
+    pub fn recovered(path: Option<PathBuf>, content: ToolLibrary) -> Self {
+        Self { saved: ToolLibrary::default(), ..Self::new(path, content) }
+    }
+
+    /// Whether it was edited since it was opened or saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.content != self.saved
+    }
+
+    /// Records that `content` was written to `path`.
+    pub fn note_saved(&mut self, path: PathBuf, content: ToolLibrary) {
+        self.path = Some(path);
+        self.saved = content;
+    }
+
+    /// Call once per frame: edits that have been stable for a while become undo steps. `time` in seconds.
+    pub fn watch(&mut self, time: f64) {
+        self.history.watch(time, &self.content);
+    }
+
+    /// Whether there is an edit to undo.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo(&self.content)
+    }
+
+    /// Whether there is an edit to redo.
+    pub fn can_redo(&self) -> bool {
+        self.history.can_redo(&self.content)
+    }
+
+    /// Undoes the last edit.
+    pub fn undo(&mut self) {
+        if let Some(content) = self.history.undo(&self.content) {
+            self.show(content);
+        }
+    }
+
+    /// Redoes the last undone edit.
+    pub fn redo(&mut self) {
+        if let Some(content) = self.history.redo(&self.content) {
+            self.show(content);
+        }
+    }
+
+    /// Takes other tools, with the first one selected that differs.
+    fn show(&mut self, content: ToolLibrary) {
+        let differs = |k: &usize| self.content.tools.get(*k) != content.tools.get(*k);
+        self.selected = (0..content.tools.len()).find(differs).or(self.selected);
+        self.content = content;
+        self.changed();
+    }
+
+    /// Adds a copy of tool `index` under a number of its own, and selects it.
+    pub fn copy(&mut self, index: usize) {
+        let Some(mut copy) = self.content.tools.get(index).cloned() else { return };
+        self.history.add(&self.content);
+        let numbers = self.content.tools.iter().map(|entry| entry.tool.number);
+        copy.tool.number = numbers.max().unwrap_or(0) + 1;
+        self.content.tools.push(copy);
+        self.changed();
+        self.selected = Some(self.content.tools.len() - 1);
+        self.history.add(&self.content);
+    }
+
+    /// Removes tool `index`; undo brings it back.
+    pub fn delete(&mut self, index: usize) {
+        if index < self.content.tools.len() {
+            self.history.add(&self.content);
+            self.content.tools.remove(index);
+            self.changed();
+            self.selected = None;
+            self.history.add(&self.content);
+        }
     }
 
     /// Indices of the tools that search and filters leave.

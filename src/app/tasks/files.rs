@@ -7,6 +7,7 @@ use crate::error::ErrorCode;
 use crate::gpu::encode_png;
 use crate::io::InputError;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
+use crate::io::hash::{FNV_START, fnv1a};
 use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
 use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
@@ -128,10 +129,64 @@ pub fn is_project(path: &Path) -> bool {
 pub struct Written {
     /// Message for the status bar.
     pub text: String,
-    /// Path and content of a project; `None` for other files.
-    pub project: Option<(PathBuf, Edited)>,
+    /// A project that was written; `None` for other files.
+    pub project: Option<WrittenProject>,
+    /// Path and content of a tool library; `None` for other files.
+    pub library: Option<(PathBuf, ToolLibrary)>,
     /// What plan a program is of, and its file; `None` for other files.
     pub program: Option<(ProgramPlan, ProgramFile)>,
+}
+
+/// A project that was written.
+pub struct WrittenProject {
+    /// Its file.
+    pub path: PathBuf,
+    /// What it stores.
+    pub edited: Edited,
+    /// Hash of the file; see [`content_hash`].
+    pub hash: u64,
+}
+
+/// A project to be written.
+pub struct ProjectTask {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    /// What that stores.
+    pub edited: Edited,
+    /// Hash of the file as this window read or wrote it last: a file with other content stays as it is. `None`: it
+    /// is replaced whatever it holds.
+    pub known: Option<u64>,
+}
+
+impl ProjectTask {
+    /// Whether another window or program has written the file since this window knows it. A file that is gone is
+    /// not: writing loses nothing.
+    fn is_changed_on_disk(&self) -> bool {
+        let Some(known) = self.known else { return false };
+        read_bytes(&self.path).is_ok_and(|now| content_hash(&now) != known && now != self.text.as_bytes())
+    }
+}
+
+/// Why a file was not written.
+#[derive(Debug)]
+pub enum WriteError {
+    /// The project's file was written by another window or program; see [`ProjectTask::known`].
+    ChangedOnDisk(PathBuf),
+    /// It cannot be written.
+    Failed(InputError),
+}
+
+impl From<InputError> for WriteError {
+    fn from(error: InputError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// Hash by which the content of a file is known again.
+pub fn content_hash(bytes: &[u8]) -> u64 {
+    fnv1a(FNV_START, bytes.iter().copied())
 }
 
 /// Content of a glTF scene.
@@ -146,8 +201,8 @@ pub struct SceneTask {
 
 /// A file to write, with its path.
 pub enum WriteTask {
-    /// A project's text, and the content it stores.
-    Project(PathBuf, String, Box<Edited>),
+    /// A project.
+    Project(Box<ProjectTask>),
     /// The setup.
     Setup(PathBuf, Box<Setup>),
     /// A tool library, as our TOML or as Fusion JSON by extension.
@@ -173,12 +228,15 @@ pub enum WriteTask {
 /// Writes a file atomically.
 ///
 /// # Errors
-/// [`InputError`] when the picture cannot be encoded or the file cannot be written.
-pub fn write(task: &WriteTask) -> Result<Written, InputError> {
+/// [`WriteError`] when the file cannot be made or written, or is a project that was changed on disk.
+pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
     // What the message says beside the path.
     let mut about = String::new();
     let (path, bytes) = match task {
-        WriteTask::Project(path, text, _) => (path, text.clone().into_bytes()),
+        WriteTask::Project(project) if project.is_changed_on_disk() => {
+            return Err(WriteError::ChangedOnDisk(project.path.clone()));
+        }
+        WriteTask::Project(project) => (&project.path, project.text.clone().into_bytes()),
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
@@ -194,8 +252,10 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
-        WriteTask::Sheet(path, source) => return write_document(path, &sheet(path, source)?),
-        WriteTask::Assessment(path, assessed) => return write_document(path, &assessment(path, assessed)?),
+        WriteTask::Sheet(path, source) => return Ok(write_document(path, &sheet(path, source)?)?),
+        WriteTask::Assessment(path, assessed) => {
+            return Ok(write_document(path, &assessment(path, assessed)?)?);
+        }
         WriteTask::Picture(path, width, height, rgba) => {
             let png = encode_png(*width, *height, rgba).map_err(|error| {
                 let (file, help) = (path.display().to_string(), "resize the window and try again");
@@ -206,7 +266,15 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
     };
     write_atomically(path, &bytes)?;
     let project = match task {
-        WriteTask::Project(path, _, edited) => Some((path.clone(), Edited::clone(edited))),
+        WriteTask::Project(project) => Some(WrittenProject {
+            path: project.path.clone(),
+            edited: project.edited.clone(),
+            hash: content_hash(&bytes),
+        }),
+        _ => None,
+    };
+    let library = match task {
+        WriteTask::Library(path, library) => Some((path.clone(), ToolLibrary::clone(library))),
         _ => None,
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -218,7 +286,7 @@ pub fn write(task: &WriteTask) -> Result<Written, InputError> {
         WriteTask::Nc(_, content) => Some((content.source.plan(), content.file(name))),
         _ => None,
     };
-    Ok(Written { text: format!("Wrote {}{about}", path.display()), project, program })
+    Ok(Written { text: format!("Wrote {}{about}", path.display()), project, library, program })
 }
 
 fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
@@ -226,6 +294,7 @@ fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputEr
     Ok(Written {
         text: format!("Wrote {} and its pictures, in mm", path.display()),
         project: None,
+        library: None,
         program: None,
     })
 }

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::io::InputError;
 use crate::io::hash::{FNV_START, fnv1a};
 use crate::io::project_file::{EXTENSION, PartLocation, read_project};
+use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 
@@ -24,6 +25,10 @@ use super::lock::{HeldLock, LockTry, is_held, try_hold};
 const HABITS: &str = "habits.json";
 /// File of the layout of the panels.
 const LAYOUT: &str = "layout.json";
+/// Ending of copies of the tool library.
+const LIBRARY_ENDING: &str = "toml";
+/// What the first line of such a copy begins with, before the path of the library.
+const ORIGINAL: &str = "# of ";
 /// Maximum number of recent projects.
 const MAX_RECENTS: usize = 10;
 
@@ -37,6 +42,17 @@ pub struct Preferences {
     pub units: DisplayUnits,
     /// Whether the tour was taken or skipped.
     pub knows_tour: bool,
+}
+
+/// A tool library that a session left behind with edits that are not saved.
+#[derive(Debug)]
+pub struct LeftLibrary {
+    /// Its file; `None` for the program's own tools.
+    pub original: Option<PathBuf>,
+    /// The library, edited.
+    pub content: ToolLibrary,
+    /// The file of the copy.
+    pub copy: PathBuf,
 }
 
 /// Folder of the window's own files.
@@ -96,6 +112,42 @@ impl Home {
         try_hold(self.folder.join("locks").join(format!("project-{hash:016x}.lock")))
     }
 
+    /// Writes this session's copy of the edited tool library at `original`.
+    ///
+    /// # Errors
+    /// [`InputError`] when the folder or the file cannot be written.
+    pub fn write_library_copy(
+        &self,
+        original: Option<&Path>,
+        library: &ToolLibrary,
+    ) -> Result<(), InputError> {
+        let copy = self.copy.with_extension(LIBRARY_ENDING);
+        if let Some(folder) = copy.parent() {
+            // If this fails, the write below reports the error.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        self.hold_lock();
+        let original = original.map_or(String::new(), |path| path.display().to_string());
+        write_atomically(&copy, format!("{ORIGINAL}{original}\n{}", write_toml(library)).as_bytes())
+    }
+
+    /// Removes this session's copy of the tool library, after saving or discarding.
+    pub fn drop_library_copy(&self) {
+        // There may be none.
+        let _ = std::fs::remove_file(self.copy.with_extension(LIBRARY_ENDING));
+    }
+
+    /// The copy of the tool library of the last session that ended without closing.
+    pub fn left_library(&self) -> Option<LeftLibrary> {
+        let readable = |copy: PathBuf| {
+            let content = read_library(&copy, LibraryFormat::Toml).ok()?;
+            let text = text_of(&copy);
+            let original = text.lines().next()?.strip_prefix(ORIGINAL).filter(|path| !path.is_empty());
+            Some(LeftLibrary { original: original.map(PathBuf::from), content, copy })
+        };
+        self.left_copies(LIBRARY_ENDING).into_iter().find_map(readable)
+    }
+
     /// Removes this session's recovery copy, after saving or discarding.
     pub fn drop_copy(&self) {
         // A later copy of this session keeps the lock.
@@ -110,13 +162,18 @@ impl Home {
 
     /// Recovery copies of other sessions that ended without closing, latest first.
     fn recovery_copies(&self) -> Vec<PathBuf> {
+        self.left_copies(EXTENSION)
+    }
+
+    /// The same of copies with this ending.
+    fn left_copies(&self, ending: &str) -> Vec<PathBuf> {
         let Some(folder) = self.copy.parent() else { return Vec::new() };
         let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
         let mut found: Vec<(SystemTime, PathBuf)> = files
             .filter_map(|entry| {
                 let path = entry.path();
                 let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
-                let ours = is_copy_name(&path) && path != self.copy;
+                let ours = is_copy_name(&path, ending) && path.file_stem() != self.copy.file_stem();
                 (ours && !is_held(&lock_of(&path))).then_some((changed, path))
             })
             .collect();
@@ -188,12 +245,12 @@ fn one_name_of(path: &Path) -> PathBuf {
 }
 
 /// Whether a file is named as recovery copies are: what a user saved among them is none.
-fn is_copy_name(path: &Path) -> bool {
+fn is_copy_name(path: &Path, ending: &str) -> bool {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let numbers = stem.split_once('-').is_some_and(|(process, time)| {
         [process, time].iter().all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()))
     });
-    numbers && path.extension().is_some_and(|extension| extension == EXTENSION)
+    numbers && path.extension().is_some_and(|extension| extension == ending)
 }
 
 /// The recovery copy at `path`, with what a user knows it by.

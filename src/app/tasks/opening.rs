@@ -1,8 +1,9 @@
 //! Opening of projects, parts, setups and blanks, on the background thread.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::engine::Engine;
+use super::files::content_hash;
 use super::mesh_nodes::UnassignedRoles;
 use super::open_task::OpenTask;
 use super::part_meshes::PartMeshes;
@@ -15,9 +16,10 @@ use crate::io::blank_file::read_blank_file;
 use crate::io::machine_file::is_built_in;
 use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
-use crate::io::project_file::{Project, read_project};
+use crate::io::project_file::{Project, read_project_bytes};
 use crate::io::setup_file::{locate_machine, read_setup, read_setup_bytes};
 use crate::io::shop_tools::{LibraryFormat, ToolLibrary, read_library};
+use crate::io::source::read_bytes;
 use crate::monitor::Monitor;
 use crate::part::BlankFile;
 use crate::setup::Setup;
@@ -29,6 +31,8 @@ pub(in crate::app) struct Opened {
     pub part: Option<(OpenPart, PartMeshes)>,
     pub setup: Option<(PathBuf, Setup)>,
     pub project: Option<(PathBuf, Project)>,
+    /// Hash of the project's file, of a recovery copy that of the project that it is of.
+    pub on_disk: Option<u64>,
     pub blank: Option<BlankFile>,
     pub library: Option<(PathBuf, ToolLibrary)>,
     pub study: Option<StudyResults>,
@@ -36,6 +40,8 @@ pub(in crate::app) struct Opened {
     pub is_run: bool,
     /// The part's file, if it is not what the run was planned with.
     pub changed_part: Option<PathBuf>,
+    /// A project, and its part, whose file does not exist.
+    pub missing_part: Option<(PathBuf, PartSource)>,
     /// A mesh file whose nodes need roles first.
     pub unassigned: Option<UnassignedRoles>,
 }
@@ -49,15 +55,27 @@ pub(in crate::app) fn open(
     task: &OpenTask,
     monitor: &Monitor,
 ) -> Result<Opened, InputError> {
+    let mut on_disk = None;
     let (source, setup, project) = match task {
         OpenTask::Project(path, instead) => {
-            let mut project = read_project(path)?;
+            let bytes = read_bytes(path)?;
+            let mut project = read_project_bytes(path, &bytes)?;
+            on_disk = match &project.original {
+                None => Some(content_hash(&bytes)),
+                // Saved after the copy was written, it is not what that is of: no project is empty.
+                Some(original) if is_newer(original, path) => Some(content_hash(&[])),
+                Some(original) => read_bytes(original).ok().map(|bytes| content_hash(&bytes)),
+            };
             let sets = project.sets.iter_mut().map(|set| &mut set.setup);
             for setup in std::iter::once(&mut project.setup).chain(sets) {
                 // A project opens whatever its machine file is; planning says what is wrong with it.
                 let _ = locate_machine(setup, path);
             }
             let source = instead.clone().unwrap_or_else(|| source_of(&project));
+            if source.file().is_some_and(|(file, _)| !file.exists()) {
+                let missing_part = Some((path.clone(), source));
+                return Ok(Opened { missing_part, ..Opened::default() });
+            }
             (Some(source), None, Some((path.clone(), project)))
         }
         OpenTask::Files { part, setup, defaults } => {
@@ -97,7 +115,7 @@ pub(in crate::app) fn open(
         Ok(Some((path.clone(), setup)))
     };
     let Some(source) = source else {
-        return Ok(Opened { setup: read(None)?, project, ..Opened::default() });
+        return Ok(Opened { setup: read(None)?, project, on_disk, ..Opened::default() });
     };
     match (engine.open)(&source, monitor) {
         Ok((impeller, hash)) => {
@@ -105,7 +123,7 @@ pub(in crate::app) fn open(
             let defaults = Setup::for_part(&impeller);
             let setup = read(Some(&defaults))?;
             let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
-            Ok(Opened { part, setup, project, ..Opened::default() })
+            Ok(Opened { part, setup, project, on_disk, ..Opened::default() })
         }
         Err(error) => {
             let nodes = source
@@ -118,6 +136,12 @@ pub(in crate::app) fn open(
             }
         }
     }
+}
+
+/// Whether a file was written after another one.
+fn is_newer(file: &Path, other: &Path) -> bool {
+    let written = |path: &Path| std::fs::metadata(path).and_then(|data| data.modified()).ok();
+    written(file).zip(written(other)).is_some_and(|(file, other)| file > other)
 }
 
 /// Opens the setup of a run, with its part unless that is `open` already.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::Repaint;
 use super::check::CheckError;
 use super::engine::{Engine, PlanTask};
-use super::files::{self, WriteTask, Written};
+use super::files::{self, WriteError, WriteTask, Written};
 use super::open_task::OpenTask;
 use super::opening::{Opened, open};
 use crate::app::model::checked::{CheckRequest, CheckedProgram};
@@ -26,7 +26,7 @@ pub(in crate::app) struct Work {
     pub planner: Worker<PlanTask, DisplayPlan, JobError>,
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     pub checker: Worker<CheckRequest, CheckedProgram, CheckError>,
-    pub writer: Worker<WriteTask, Written, InputError>,
+    pub writer: Worker<WriteTask, Written, WriteError>,
     /// Slot through which the planner passes its preview.
     pub preview: PreviewSlot,
     /// The last request to the planner.

@@ -2,6 +2,7 @@
 
 use egui::{DragValue, Modal, RichText, Ui};
 
+use super::modal::is_dismissed;
 use crate::app::model::figures::format_duration;
 use crate::job::Summary;
 
@@ -48,7 +49,7 @@ impl ChannelsDialog {
             });
         });
         let chosen = *chosen;
-        if save || cancel || modal.should_close() {
+        if save || cancel || is_dismissed(&modal) {
             self.asked = None;
         }
         save.then_some(chosen)

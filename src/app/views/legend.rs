@@ -9,6 +9,7 @@ use crate::palette::{ColourMap, INTERFERING, Rgb, TABLE_LEN, category};
 
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
+use crate::app::model::figures::format_class_share;
 use crate::app::model::look::Operation;
 use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
@@ -185,7 +186,7 @@ const MIN_SCALE_WIDTH: f32 = 270.0;
 const SWATCH_AND_SPACES: f32 = 30.0;
 
 fn class_text(share: &ClassShare) -> String {
-    format!("{}, {:.0} %", share.name, 100.0 * share.share)
+    format!("{}, {}", share.name, format_class_share(share.share))
 }
 
 /// Draws the legend of the cutters; a click on a class hides it, or shows it again.

@@ -6,7 +6,7 @@ use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
 use super::overlay;
 use crate::app::App;
-use crate::app::control::project::Pending;
+use crate::app::control::unsaved::Pending;
 use crate::app::model::panels::DockPanel;
 
 /// The menus: groups of commands, with separators between the groups.

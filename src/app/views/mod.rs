@@ -2,6 +2,7 @@
 //! edits, and returns commands; [`super::control`] carries them out.
 
 mod borders;
+pub mod changed;
 pub mod channels_dialog;
 mod chart;
 pub mod command;
@@ -12,6 +13,7 @@ pub(in crate::app) mod field_faults;
 pub mod help;
 pub mod legend;
 mod menu;
+pub mod missing_part;
 pub(in crate::app) mod modal;
 mod mouse;
 pub mod nc_dialog;

@@ -1,6 +1,6 @@
-//! What a modal dialog does to the window below it.
+//! What a modal dialog does to the window below it, and what closes it.
 
-use egui::{Context, Id};
+use egui::{Context, Id, Key, LayerId, ModalResponse, Modifiers, Popup};
 
 /// Takes the tooltips of the window away when a modal dialog opens: they would stay over it as long as the pointer
 /// rests. To be called before the window is drawn.
@@ -11,6 +11,26 @@ pub fn hide_tooltips_below(ctx: &Context) {
         // A tooltip stays while the pointer is where it was.
         ctx.input_mut(|input| input.pointer = egui::PointerState::default());
     }
+}
+
+/// Keeps open lists above the modal dialog that they belong to. A press in a dialog raises it; where press and
+/// release fall in one frame, the list opens in that frame, too, and egui keeps the order that both had before: a
+/// list that was open in an earlier dialog would open behind this one. To be called after the window is drawn.
+pub fn keep_lists_above(ctx: &Context) {
+    let Some(dialog) = ctx.memory(|memory| memory.top_modal_layer()) else { return };
+    let is_list =
+        |layer: &LayerId| layer.order == dialog.order && *layer != dialog && Popup::is_id_open(ctx, layer.id);
+    let shown = ctx.memory(|memory| memory.areas().visible_layer_ids());
+    for list in shown.into_iter().filter(is_list) {
+        ctx.set_sublayer(dialog, list);
+    }
+}
+
+/// Whether a dialog is closed without an answer, by Escape. A click beside it closes nothing: what was entered
+/// would be lost.
+pub fn is_dismissed<T>(dialog: &ModalResponse<T>) -> bool {
+    let escape = || dialog.response.ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
+    dialog.response.should_close() || dialog.is_top_modal && !dialog.any_popup_open && escape()
 }
 
 fn key() -> Id {

@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, DragValue, Grid, Modal, RichText, Ui};
 
+use super::modal::is_dismissed;
 use super::panels::fields;
 use super::theme;
 use crate::app::model::look::Operation;
@@ -93,7 +94,7 @@ impl NcDialog {
             });
         });
         close |= matches!(answer, Some(NcAnswer::Save | NcAnswer::OpenPost));
-        self.is_open &= !(close || modal.should_close());
+        self.is_open &= !(close || is_dismissed(&modal));
         answer
     }
 }

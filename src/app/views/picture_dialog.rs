@@ -2,6 +2,7 @@
 
 use egui::{DragValue, Modal, RichText, Ui};
 
+use super::modal::is_dismissed;
 use crate::gpu::image::MAX_SIDE;
 
 /// Settings of a saved picture.
@@ -62,7 +63,7 @@ impl ExportDialog {
                 cancel = ui.button("Cancel").clicked();
             });
         });
-        if save || cancel || modal.should_close() {
+        if save || cancel || is_dismissed(&modal) {
             self.open = false;
         }
         save

@@ -2,6 +2,7 @@
 
 use egui::{Modal, RichText, Ui};
 
+use super::modal::is_dismissed;
 use crate::app::model::state::RecoveryCopy;
 
 /// Answer to the question.
@@ -35,5 +36,5 @@ pub fn ask(ui: &Ui, copy: &RecoveryCopy) -> Option<RecoverAnswer> {
             }
         });
     });
-    answer.or(modal.should_close().then_some(RecoverAnswer::Later))
+    answer.or(is_dismissed(&modal).then_some(RecoverAnswer::Later))
 }

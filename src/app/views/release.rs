@@ -2,6 +2,7 @@
 
 use egui::{Modal, RichText, Ui};
 
+use super::modal::is_dismissed;
 use super::theme::Condition;
 
 /// Answer to the question.
@@ -41,5 +42,5 @@ pub fn ask(ui: &Ui, concerns: &[String], can_change: bool) -> Option<ReleaseAnsw
             }
         });
     });
-    answer.or(modal.should_close().then_some(ReleaseAnswer::Cancel))
+    answer.or(is_dismissed(&modal).then_some(ReleaseAnswer::Cancel))
 }

@@ -16,7 +16,7 @@ const ALL_TOOLS: usize = 100;
 /// Shares of the room at a station that a tool may take: twisted walls leave less than all of it.
 const ROOM_SHARES: [f64; 4] = [1.0, 0.85, 0.7, 0.5];
 /// Diameter below which a tool is of no use, in widths of the narrowest passage.
-const LEAST_SHARE: f64 = 0.15;
+const MIN_SHARE: f64 = 0.15;
 
 /// The tools that a choice for plunges has to look at, in the order given: cylindrical ones with a flat bottom,
 /// where there are such, and not too many.
@@ -39,7 +39,7 @@ fn thinned<'t>(list: &[&'t Tool], survey: &Survey, rules: &Rules, plunge: &Plung
     let widest = widths.iter().copied().fold(0.0, f64::max);
     let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
     let thinnest = list.iter().map(|tool| tool.diameter).fold(f64::INFINITY, f64::min);
-    let range = (LEAST_SHARE * narrowest).min(thinnest.max(widest))..=thinnest.max(widest);
+    let range = (MIN_SHARE * narrowest).min(thinnest.max(widest))..=thinnest.max(widest);
     let fitting: Vec<&Tool> = list.iter().copied().filter(|tool| range.contains(&tool.diameter)).collect();
     if fitting.len() <= ALL_TOOLS {
         // Not all of them may be too thin.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::ExtraSearch;
 use super::section::cut_split;
-use super::visit_order::{Place, short_path};
+use super::visit_order::{PlungePlace, short_path};
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
@@ -70,7 +70,7 @@ fn in_visit_order(rows: Vec<Vec<Station>>, cut: &SectionCut) -> Vec<(usize, Vec<
         .enumerate()
         .flat_map(|(lambda, stations)| stations.into_iter().map(move |station| (lambda, station)))
         .collect();
-    let places: Vec<Place> = found.iter().map(|(_, station)| (station.tip, station.axis)).collect();
+    let places: Vec<PlungePlace> = found.iter().map(|(_, station)| (station.tip, station.axis)).collect();
     let last = cut.columns.as_slice().last().map(|column| (column.cutter.tip, column.cutter.axis));
     let mut runs: Vec<(usize, Vec<Station>)> = Vec::new();
     for index in short_path(last.as_ref(), &places) {

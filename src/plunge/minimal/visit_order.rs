@@ -13,20 +13,20 @@ const MAX_TOGETHER: usize = 1500;
 /// Maximum passes of 2-opt; it mostly ends before.
 const MAX_PASSES: usize = 20;
 /// Shortening below which a stretch is not reversed, mm.
-const LEAST_SHORTENING: f64 = 1e-6;
+const MIN_SHORTENING: f64 = 1e-6;
 
 /// Where the tool is at the end of a plunge: its tip and its unit axis.
-pub type Place = (Point, Vector);
+pub type PlungePlace = (Point, Vector);
 
 /// Cost of the link between two places, mm.
-fn link_cost((tip, axis): &Place, (other_tip, other_axis): &Place) -> f64 {
+fn link_cost((tip, axis): &PlungePlace, (other_tip, other_axis): &PlungePlace) -> f64 {
     // The chord between the axes: hardly less than the angle.
     (tip - other_tip).norm() + LEVER_MM * (axis - other_axis).norm()
 }
 
 /// An order of `places`, as indices, in which the path from `start` through them is short. Long lists are ordered in
 /// parts, so they should already be roughly in order.
-pub fn short_path(start: Option<&Place>, places: &[Place]) -> Vec<usize> {
+pub fn short_path(start: Option<&PlungePlace>, places: &[PlungePlace]) -> Vec<usize> {
     let mut order = Vec::with_capacity(places.len());
     let mut before = start.copied();
     for first in (0..places.len()).step_by(MAX_TOGETHER) {
@@ -40,7 +40,7 @@ pub fn short_path(start: Option<&Place>, places: &[Place]) -> Vec<usize> {
 }
 
 /// Orders `path` so that each place is the nearest to the one before it of those that are left.
-fn nearest_next(start: Option<&Place>, places: &[Place], path: &mut [usize]) {
+fn nearest_next(start: Option<&PlungePlace>, places: &[PlungePlace], path: &mut [usize]) {
     let mut here = start.copied();
     for next in 0..path.len() {
         if let Some(here) = &here {
@@ -53,7 +53,7 @@ fn nearest_next(start: Option<&Place>, places: &[Place], path: &mut [usize]) {
 }
 
 /// 2-opt with a fixed start and an open end.
-fn reverse_stretches(start: Option<&Place>, places: &[Place], path: &mut [usize]) {
+fn reverse_stretches(start: Option<&PlungePlace>, places: &[PlungePlace], path: &mut [usize]) {
     for _ in 0..MAX_PASSES {
         let mut is_shorter = false;
         for first in 0..path.len() {
@@ -61,11 +61,12 @@ fn reverse_stretches(start: Option<&Place>, places: &[Place], path: &mut [usize]
             for last in first + 1..path.len() {
                 let (from, to) = (&places[path[first]], &places[path[last]]);
                 let after = path.get(last + 1).map(|&index| &places[index]);
-                let link =
-                    |a: Option<&Place>, b: Option<&Place>| a.zip(b).map_or(0.0, |(a, b)| link_cost(a, b));
+                let link = |a: Option<&PlungePlace>, b: Option<&PlungePlace>| {
+                    a.zip(b).map_or(0.0, |(a, b)| link_cost(a, b))
+                };
                 let now = link(before, Some(from)) + link(Some(to), after);
                 let reversed = link(before, Some(to)) + link(Some(from), after);
-                if reversed < now - LEAST_SHORTENING {
+                if reversed < now - MIN_SHORTENING {
                     path[first..=last].reverse();
                     is_shorter = true;
                 }
@@ -81,7 +82,7 @@ fn reverse_stretches(start: Option<&Place>, places: &[Place], path: &mut [usize]
 mod tests {
     use super::*;
 
-    fn places(count: usize, seed: u64) -> Vec<Place> {
+    fn places(count: usize, seed: u64) -> Vec<PlungePlace> {
         let mut state = seed;
         let mut random = || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -95,20 +96,26 @@ mod tests {
     }
 
     /// Cost of the path through `places` in `order`, from `start` if there is one, mm.
-    fn path_cost(start: Option<&Place>, places: &[Place], order: &[usize]) -> f64 {
-        let path: Vec<&Place> = start.into_iter().chain(order.iter().map(|&index| &places[index])).collect();
+    fn path_cost(start: Option<&PlungePlace>, places: &[PlungePlace], order: &[usize]) -> f64 {
+        let path: Vec<&PlungePlace> =
+            start.into_iter().chain(order.iter().map(|&index| &places[index])).collect();
         path.windows(2).map(|pair| link_cost(pair[0], pair[1])).sum()
     }
 
     /// The cheapest of all orders.
-    fn least_cost(start: &Place, places: &[Place], left: &mut Vec<usize>, so_far: &mut Vec<usize>) -> f64 {
+    fn min_cost(
+        start: &PlungePlace,
+        places: &[PlungePlace],
+        left: &mut Vec<usize>,
+        so_far: &mut Vec<usize>,
+    ) -> f64 {
         if left.is_empty() {
             return path_cost(Some(start), places, so_far);
         }
         let mut least = f64::INFINITY;
         for k in 0..left.len() {
             so_far.push(left.remove(k));
-            least = least.min(least_cost(start, places, left, so_far));
+            least = least.min(min_cost(start, places, left, so_far));
             left.insert(k, so_far.pop().expect("was pushed"));
         }
         least
@@ -124,7 +131,7 @@ mod tests {
             sorted.sort_unstable();
             assert_eq!(sorted, (0..7).collect::<Vec<_>>());
             let cost = path_cost(Some(&places[0]), &places[1..], &order);
-            let best = least_cost(&places[0], &places[1..], &mut (0..7).collect(), &mut Vec::new());
+            let best = min_cost(&places[0], &places[1..], &mut (0..7).collect(), &mut Vec::new());
             assert!(cost >= best - 1e-9);
             (found, least) = (found + cost, least + best);
         }
@@ -133,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_path_is_much_shorter_than_rows_that_all_begin_at_the_same_end() {
-        let rows: Vec<Place> = (0..10)
+        let rows: Vec<PlungePlace> = (0..10)
             .flat_map(|row| (0..20).map(move |k| Point::new(5.0 * f64::from(k), f64::from(row), 0.0)))
             .map(|tip| (tip, Vector::z()))
             .collect();

@@ -81,7 +81,13 @@ fn warnings(outcome: &FlankOutcome) -> String {
         ));
     }
     let assumed = tools(outcome).into_iter().filter(|(tool, _)| tool.assembly.holder.is_empty());
-    warning_list(found, assumed.map(|(tool, _)| tool.number).collect())
+    let mut assumed: Vec<u32> = assumed.map(|(tool, _)| tool.number).collect();
+    assumed.sort_unstable();
+    assumed.dedup();
+    found.extend(assumed.into_iter().map(|number| {
+        format!("The holder of tool {number} is not given: a cylinder of twice its diameter is assumed.")
+    }));
+    warning_list(found)
 }
 
 fn program_text(input: &FlankSheetInput) -> String {

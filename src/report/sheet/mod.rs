@@ -168,19 +168,21 @@ fn warnings_text(input: &SheetInput) -> String {
     if uncut >= 0.05 {
         warnings.push(format!("{uncut:.1} % of the reachable floor stays uncut."));
     }
-    let assumed = plan.sections.iter().filter(|s| s.is_cut() && s.tool.assembly.holder.is_empty());
-    warning_list(warnings, assumed.map(|section| section.tool.number).collect())
+    let unknown = plan.sections.iter().filter(|s| s.is_cut() && s.tool.assembly.holder.is_empty());
+    let unchecked = |tool: &Tool| match tool.assembly.is_empty() {
+        true => format!("Shank and holder of tool {} are unknown and were not checked.", tool.number),
+        false => format!("The holder of tool {} is unknown and was not checked.", tool.number),
+    };
+    let mut unchecked: Vec<(u32, String)> =
+        unknown.map(|section| (section.tool.number, unchecked(&section.tool))).collect();
+    unchecked.sort();
+    unchecked.dedup();
+    warnings.extend(unchecked.into_iter().map(|(_, text)| text));
+    warning_list(warnings)
 }
 
-/// The list of `warnings`, with those on the tools whose holder is `assumed`, and what holds for every program.
-fn warning_list(mut warnings: Vec<String>, mut assumed: Vec<u32>) -> String {
-    assumed.sort_unstable();
-    assumed.dedup();
-    for number in assumed {
-        warnings.push(format!(
-            "The holder of tool {number} is not given: a cylinder of twice its diameter is assumed."
-        ));
-    }
+/// The list of `warnings`, with what holds for every program.
+fn warning_list(mut warnings: Vec<String>) -> String {
     warnings.push(
         "No program of this kind has been proven on your control: run it block by block and in air first."
             .to_owned(),

@@ -44,6 +44,7 @@ fn position(k: usize) -> Position {
             retract_clearance: 2.0,
             engagement: Default::default(),
             motion: Default::default(),
+            breach: None,
         },
     }
 }

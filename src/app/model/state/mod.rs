@@ -359,7 +359,7 @@ impl AppState {
     pub fn report_problem(&mut self, problem: Problem) {
         self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
         self.problems.retain(|known| {
-            *known != problem && (problem.topic == Topic::Other || known.topic != problem.topic)
+            *known != problem && (!problem.topic.is_of_calculation() || known.topic != problem.topic)
         });
         if self.problems.len() >= MAX_PROBLEMS {
             self.problems.remove(0);
@@ -390,13 +390,14 @@ impl AppState {
     /// a calculation ends with the next.
     pub fn end_field_faults(&mut self, edited: &[FaultyField]) {
         let is_ended = |problem: &Problem| {
-            problem.topic == Topic::Other
+            !problem.topic.is_of_calculation()
                 && problem.field.as_ref().is_some_and(|fault| edited.contains(&fault.field))
         };
         self.problems.retain(|problem| !is_ended(problem));
     }
 
-    fn solve(&mut self, topic: Topic) {
+    /// Removes the problems of a topic: it is solved.
+    pub fn solve(&mut self, topic: Topic) {
         self.problems.retain(|problem| problem.topic != topic);
     }
 }

@@ -77,7 +77,7 @@ impl AppState {
         let Some(shown) = self.shown() else { return };
         let positions = shown.plan().positions.iter().enumerate();
         let faults: Vec<usize> =
-            positions.filter(|(_, p)| p.evaluation.contact.interferes()).map(|(k, _)| k).collect();
+            positions.filter(|(_, p)| p.condition() == Condition::Interfering).map(|(k, _)| k).collect();
         let Some((&first, &last)) = faults.first().zip(faults.last()) else { return };
         let next = match (self.look.selected, forward) {
             (None, true) => first,

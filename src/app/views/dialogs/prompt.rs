@@ -10,7 +10,8 @@ use egui::{Button, Color32, Key, Modal, Modifiers, RichText, ScrollArea, TextEdi
 use crate::app::model::file_purpose::Purpose;
 use crate::app::tasks::Repaint;
 use crate::app::tasks::latest::Latest;
-use crate::app::views::theme::Condition;
+use crate::app::views::modal::is_dismissed;
+use crate::app::views::theme::{self, Condition};
 
 /// Maximum number of entries of a folder that are listed.
 const MAX_ENTRIES: usize = 2000;
@@ -133,7 +134,7 @@ impl Prompt {
                 }
             });
         });
-        if answer.is_some() || modal.should_close() {
+        if answer.is_some() || is_dismissed(&modal) {
             return Some(PromptAnswer::Cancelled);
         }
         let path = go.then(|| self.target()).and_then(Result::ok)?;
@@ -158,7 +159,8 @@ impl Prompt {
                 self.enter(parent);
             }
             let text = self.folder.display().to_string();
-            ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
+            let shown = end_that_fits(&text, |part| theme::width_of_text(ui, part) <= ui.available_width());
+            ui.add(egui::Label::new(shown).truncate()).on_hover_text(text);
         });
     }
 
@@ -260,7 +262,7 @@ impl Prompt {
         if replace {
             return Some(PromptAnswer::Chosen(path));
         }
-        if back || modal.should_close() {
+        if back || is_dismissed(&modal) {
             self.replacing = None;
             self.fresh = true;
         }
@@ -272,10 +274,35 @@ impl Prompt {
     }
 }
 
+/// The path `text`, without the folders from its root on that leave no room for the last ones, which tell where one
+/// is. `fits`: whether a text is short enough.
+fn end_that_fits(text: &str, fits: impl Fn(&str) -> bool) -> String {
+    if fits(text) {
+        return text.to_owned();
+    }
+    let ends = text.char_indices().filter(|(_, c)| std::path::is_separator(*c)).map(|(at, _)| at);
+    let shorter: Vec<String> = ends.skip(1).map(|at| format!("…{}", &text[at..])).collect();
+    let fitting = shorter.iter().find(|end| fits(end)).or(shorter.last());
+    fitting.cloned().unwrap_or_else(|| text.to_owned())
+}
+
 /// Selects a name up to its ending in the field `id`: what is typed replaces it, and the ending stays.
 fn select_stem(ui: &Ui, id: egui::Id, name: &str) {
     let stem = Path::new(name).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
     let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
     state.cursor.set_char_range(Some(CCursorRange::two(CCursor::new(0), CCursor::new(stem))));
     state.store(ui.ctx(), id);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_path_keeps_its_end() {
+        let shown = |path: &str| end_that_fits(path, |text| text.chars().count() <= 16);
+        assert_eq!(shown("/work/parts"), "/work/parts");
+        assert_eq!(shown("/work/customers/wheels/2026-11"), "…/wheels/2026-11");
+        assert_eq!(shown("/work/a-name-that-is-much-too-long"), "…/a-name-that-is-much-too-long");
+    }
 }

@@ -188,9 +188,15 @@ impl App {
     /// The 3D view, with problems over it: a message that took space would move what is under the pointer.
     pub(in crate::app) fn picture(&mut self, ui: &mut Ui) {
         let whole = ui.available_rect_before_wrap();
-        self.viewport(ui);
-        if let Some(command) = panels::problems::show(ui, whole, &mut self.state) {
-            self.run_command(ui.ctx(), command);
+        if self.state.document.part.is_some() {
+            self.viewport(ui);
+            panels::problems::show(ui, whole, &mut self.state);
+            return;
         }
+        // The start page begins below the messages: they would hide what it offers.
+        ui.painter().rect_filled(whole, 0.0, ui.visuals().panel_fill);
+        let taken = panels::problems::show(ui, whole, &mut self.state);
+        let rest = whole.with_min_y(whole.top() + taken);
+        ui.scope_builder(egui::UiBuilder::new().max_rect(rest), |ui| self.viewport(ui));
     }
 }

@@ -35,7 +35,10 @@ const MOVE_TIP: &str = "Moves and turns by the four fields, then lowers the cutt
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     let mut chosen = None;
     if state.editable_plan().is_none() {
-        let why = "Edits apply to the plan of the strategy of the setup: show the side \"After\" with it.";
+        let why = match state.shows_undone_edits() {
+            true => "The plan still has edits that were taken back: calculate it first.",
+            false => "Edits apply to the plan of the strategy of the setup: show the side \"After\" with it.",
+        };
         ui.label(RichText::new(why).weak());
         counts(ui, state);
         return None;

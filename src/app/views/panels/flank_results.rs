@@ -6,10 +6,13 @@ use egui::{Grid, RichText, ScrollArea, Ui};
 use crate::flank::choice::overhang_note;
 use crate::job::flank::FlankOutcome;
 use crate::setup::FlankStrategy;
+use crate::verify::Uncovered;
 
 use super::flank::strategy_label;
 use super::verdict::divided_figure;
-use crate::app::model::figures::{flank_times_tip, format_duration, format_times, skipped_length};
+use crate::app::model::figures::{
+    flank_times_tip, format_duration, format_percent, format_times, skipped_length,
+};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
@@ -49,7 +52,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         );
     }
     let units = state.look.units;
-    let [gouge, left] = [outcome.max_overcut(), outcome.plan.max_undercut()];
+    let [gouge, left] = [outcome.max_overcut(), outcome.max_undercut()];
     let walls = format!("−{} / +{}", units.number(gouge, 4), units.length(left, 4));
     divided_figure(
         ui,
@@ -57,9 +60,22 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         walls,
         "Largest gouge below the blade allowance, and most stock left above it",
     );
+    for (name, share, tip) in floor_shares(outcome) {
+        divided_figure(ui, name, format_percent(share), tip);
+    }
     divided_figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     let times = format_times(outcome.time_s(), outcome.time_of_wheel_s());
     divided_figure(ui, "Time", times, flank_times_tip(outcome));
+}
+
+/// Shares of the floor that the program leaves, with their names and tips; none where it is not verified.
+fn floor_shares(outcome: &FlankOutcome) -> Vec<(&'static str, f64, &'static str)> {
+    let Some(verdict) = &outcome.verdict else { return Vec::new() };
+    let above = "Share of the floor that keeps more stock than the scallop height";
+    vec![
+        ("Floor above scallop", verdict.uncovered.share(), above),
+        ("Not machined", verdict.layer.uncut_share.into(), "Share of the accessible floor that is not cut"),
+    ]
 }
 
 /// Draws the results.
@@ -137,9 +153,21 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
             DisplayUnits::Inch => format!("{:.0} in", units.of_mm(curves.floor_length)),
         },
         units.length(outcome.max_overcut(), 4),
-        units.length(plan.max_undercut(), 4),
+        units.length(outcome.max_undercut(), 4),
         format_duration(outcome.time_s()),
     ));
+    if let Some(verdict) = &outcome.verdict {
+        let Uncovered { fillet, no_axis, gap } = verdict.uncovered;
+        ui.label(format!(
+            "{} of the walls is not milled. {} of the floor keeps more stock than the scallop height: {} fillet \
+             beside blades, {} inaccessible, {} gaps of the program",
+            format_percent(verdict.unmilled_wall_share),
+            format_percent(verdict.uncovered.share()),
+            format_percent(fillet),
+            format_percent(no_axis),
+            format_percent(gap),
+        ));
+    }
     if !plan.uncut.is_empty() {
         let lost = skipped_length(plan, units);
         ui.label(format!("{lost} of passes are skipped: no axis reaches them, or they are too short"));

@@ -1,15 +1,18 @@
 //! The tool library of the shop: search, filter, look at, edit, take into the setup, save.
 
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 
 use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui};
 
+use crate::app::model::document::Edited;
 use crate::app::model::number::Quantity;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
 use crate::app::views::{tool_form, units};
+use crate::io::shop_tools::ToolLibrary;
 use crate::setup::Setup;
 
 /// Size of the list, points.
@@ -31,12 +34,65 @@ pub enum LibraryAnswer {
 #[derive(Default)]
 pub struct LibraryPanel {
     library: Option<ShopLibrary>,
+    /// The library in the last frame, and the project as it was when that was edited last.
+    latest: Option<(ToolLibrary, Option<Edited>)>,
 }
 
 impl LibraryPanel {
     /// Takes a library that was read.
     pub fn take(&mut self, library: ShopLibrary) {
         self.library = Some(library);
+        self.latest = None;
+    }
+
+    /// Whether the library was edited since it was opened or saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.library.as_ref().is_some_and(ShopLibrary::is_unsaved)
+    }
+
+    /// Records that `content` was written to `path`.
+    pub fn note_saved(&mut self, path: PathBuf, content: ToolLibrary) {
+        if let Some(library) = &mut self.library {
+            library.note_saved(path, content);
+        }
+    }
+
+    /// Notes edits, for undo; call once per frame. `project`: as it is now. `time` in seconds.
+    pub fn watch(&mut self, time: f64, project: &Edited) {
+        let Some(library) = &mut self.library else { return };
+        library.watch(time);
+        match &mut self.latest {
+            Some((known, _)) if *known == library.content => {}
+            Some(latest) => *latest = (library.content.clone(), Some(project.clone())),
+            latest => *latest = Some((library.content.clone(), None)),
+        }
+    }
+
+    /// Whether its last edit came after all of the `project`, and can be undone.
+    pub fn can_undo(&self, project: &Edited) -> bool {
+        let is_last = self.latest.as_ref().is_some_and(|(_, beside)| beside.as_ref() == Some(project));
+        is_last && self.library.as_ref().is_some_and(ShopLibrary::can_undo)
+    }
+
+    /// Whether an edit was undone that can be redone.
+    pub fn can_redo(&self) -> bool {
+        self.library.as_ref().is_some_and(ShopLibrary::can_redo)
+    }
+
+    /// Undoes its last edit if that came after all of the `project`; `false` if it did not.
+    pub fn undo(&mut self, project: &Edited) -> bool {
+        let can_undo = self.can_undo(project);
+        if let Some(library) = self.library.as_mut().filter(|_| can_undo) {
+            library.undo();
+        }
+        can_undo
+    }
+
+    /// Redoes the edit that was undone last.
+    pub fn redo(&mut self) {
+        if let Some(library) = &mut self.library {
+            library.redo();
+        }
     }
 
     /// The library.
@@ -78,24 +134,37 @@ impl LibraryPanel {
     }
 }
 
+/// What undoes or redoes an edit of a library.
+type Step = fn(&mut ShopLibrary);
+
 /// The file, and the buttons to open and save.
-fn head(ui: &mut Ui, library: &ShopLibrary, answer: &mut Option<LibraryAnswer>) {
+fn head(ui: &mut Ui, library: &mut ShopLibrary, answer: &mut Option<LibraryAnswer>) {
     ui.horizontal_wrapped(|ui| {
         for command in [Command::OpenLibrary, Command::SaveLibrary] {
             if ui.button(command.label()).on_hover_text(command.tip()).clicked() {
                 *answer = Some(LibraryAnswer::Command(command));
             }
         }
-        match &library.path {
-            Some(path) => {
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let label = egui::Label::new(RichText::new(name).weak()).extend();
-                ui.add(label).on_hover_text(path.display().to_string());
-            }
-            None => {
-                ui.add(egui::Label::new(RichText::new("The program's own tools").weak()).extend());
+        let steps: [(&str, bool, Step); 2] = [
+            ("Undo", library.can_undo(), ShopLibrary::undo),
+            ("Redo", library.can_redo(), ShopLibrary::redo),
+        ];
+        for (name, is_possible, step) in steps {
+            let button = ui.add_enabled(is_possible, egui::Button::new(name));
+            if button.on_hover_text("Of the last edit of the library").clicked() {
+                step(library);
             }
         }
+        let (name, tip) = match &library.path {
+            Some(path) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                (name, path.display().to_string())
+            }
+            None => ("The program's own tools".to_owned(), "Edits are kept in a file of yours".to_owned()),
+        };
+        let mark = if library.is_unsaved() { " • not saved" } else { "" };
+        let label = egui::Label::new(RichText::new(format!("{name}{mark}")).weak()).extend();
+        ui.add(label).on_hover_text(tip);
         if !library.content.notes.is_empty() {
             let notes = library.content.notes.join("\n");
             let count = library.content.notes.len();
@@ -184,17 +253,14 @@ fn selected(
             *answer = Some(LibraryAnswer::Taken(number));
         }
         if ui.button("Copy").on_hover_text("Adds a copy to the library, to be edited").clicked() {
-            let mut copy = library.content.tools[index].clone();
-            let numbers = library.content.tools.iter().map(|entry| entry.tool.number);
-            copy.tool.number = numbers.max().unwrap_or(0) + 1;
-            library.content.tools.push(copy);
-            library.changed();
-            library.selected = Some(library.content.tools.len() - 1);
+            library.copy(index);
         }
-        if ui.button("Delete").on_hover_text("Removes the tool from the library").clicked() {
-            library.content.tools.remove(index);
-            library.changed();
-            library.selected = None;
+        if ui
+            .button("Delete")
+            .on_hover_text("Removes the tool from the library; undo brings it back")
+            .clicked()
+        {
+            library.delete(index);
         }
     });
     let Some(index) = library.selected else { return };

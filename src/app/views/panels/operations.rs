@@ -16,12 +16,13 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
     let (times, faults, is_stale) = match operation {
         Operation::Roughing => {
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
-            let summary = &shown.planned.result(shown.policy).summary;
+            let result = shown.planned.result(shown.policy);
+            let summary = &result.summary;
             let times = match summary.is_refused {
                 true => NOT_ON_MACHINE.to_owned(),
                 false => times(summary.time_s(), summary.time_of_channels_s(channels, channels)),
             };
-            (times, summary.interfering, state.out_of_date())
+            (times, result.plan.count_interfering(), state.out_of_date())
         }
         Operation::Program => {
             let Some(checked) = &state.results.checked else {
@@ -43,6 +44,8 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
     } else if faults > 0 {
         let word = if faults == 1 { "fault" } else { "faults" };
         (format!("{faults} {word}"), Some(Condition::Interfering))
+    } else if let Some(words) = state.unapplied_words().filter(|_| operation == Operation::Roughing) {
+        (words, Some(Condition::Blocked))
     } else {
         (times, Some(Condition::Sound))
     }

@@ -2,11 +2,13 @@
 
 use egui::{Align, Layout, RichText, Ui};
 
-use crate::job::Summary;
+use crate::job::PolicyResult;
 use crate::setup::AxisPolicy;
 
 use super::setup::policy_label;
-use crate::app::model::figures::{format_percent, format_plan_times, format_residual, times_tip};
+use crate::app::model::figures::{
+    INTERFERING_TIP, format_percent, format_plan_times, format_residual, times_tip,
+};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
@@ -18,23 +20,24 @@ pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, prev
     let Some(whole) = planned.or(preview) else { return };
     for policy in AxisPolicy::ALL {
         let of = [preview, Some(whole)].into_iter().flatten().find(|planned| planned.has(policy));
-        let Some(summary) = of.map(|planned| &planned.result(policy).summary) else { continue };
+        let Some(result) = of.map(|planned| planned.result(policy)) else { continue };
         let name = RichText::new(policy_label(policy));
         let is_asked = policy == whole.outcome.after.plan.policy;
         let channels = whole.outcome.workpiece.part.blade_count;
-        lines(ui, if is_asked { name.strong() } else { name }, summary, channels);
+        lines(ui, if is_asked { name.strong() } else { name }, result, channels);
     }
 }
 
 /// Figures of a policy in three lines; a table would be wider than the panel.
-fn lines(ui: &mut Ui, policy: RichText, summary: &Summary, channels: usize) {
+fn lines(ui: &mut Ui, policy: RichText, result: &PolicyResult, channels: usize) {
+    let summary = &result.summary;
     ui.horizontal(|ui| {
         ui.label(policy);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let count = summary.interfering;
+            let count = result.plan.count_interfering();
             let condition = if count == 0 { Condition::Sound } else { Condition::Interfering };
             ui.label(RichText::new(format!("{count} interfering")).color(condition.text(ui.visuals())))
-                .on_hover_text("Plunges whose core meets stock");
+                .on_hover_text(INTERFERING_TIP);
         });
     });
     ui.horizontal(|ui| {
@@ -46,7 +49,7 @@ fn lines(ui: &mut Ui, policy: RichText, summary: &Summary, channels: usize) {
                 "Residual stock on the hub: mean and 95th percentile",
             ),
             (
-                format!("{} uncut", format_percent(summary.uncut_share)),
+                format!("{} not machined", format_percent(summary.uncut_share)),
                 "Share of the accessible floor that is not machined",
             ),
         ] {

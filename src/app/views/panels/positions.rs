@@ -185,7 +185,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                 row.col(|ui| {
                     let text = RichText::new(depth(position.evaluation.contact.depth, units));
                     let colour = Condition::Interfering.text(ui.visuals());
-                    cell(ui, if of == Condition::Interfering { text.color(colour).strong() } else { text });
+                    let interferes = position.evaluation.contact.interferes();
+                    cell(ui, if interferes { text.color(colour).strong() } else { text });
                 });
                 row.col(|ui| {
                     let stock = shown.stock(k);
@@ -382,8 +383,11 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
     ui.add_space(4.0);
 }
 
-/// Remarks: why a position is blocked, limited or lifted.
+/// Remarks: what limit a position exceeds, why it is blocked, limited or lifted.
 fn remarks(ui: &mut Ui, position: &Position) {
+    if let Some(words) = breach_words(position) {
+        ui.label(RichText::new(words).color(Condition::Interfering.text(ui.visuals())));
+    }
     if let Some(blocked) = position.blocked {
         ui.label(format!("Blocked: {}", blocked_reason(blocked)));
     }
@@ -393,6 +397,12 @@ fn remarks(ui: &mut Ui, position: &Position) {
     if position.lift > 0.02 {
         ui.label(format!("Ends {} above full depth", units::of(ui).length(position.lift, 2)));
     }
+}
+
+/// Which limit of the setup a position exceeds.
+pub fn breach_words(position: &Position) -> Option<String> {
+    let words = position.evaluation.breach?.words();
+    Some(words[..1].to_uppercase() + &words[1..])
 }
 
 /// Tooltip of a cutter in the view of a side: what is cut there, with what, how fast and when.

@@ -10,20 +10,24 @@ use crate::app::views::theme::Condition;
 const TOP: f32 = 42.0;
 /// Maximum width of the messages, points.
 const MAX_WIDTH: f32 = 560.0;
+/// Share of the view that they cover at most, and least height, points: what is more is scrolled to.
+const MAX_SHARE: f32 = 0.4;
+const MIN_HEIGHT: f32 = 70.0;
 
-/// Draws the problems over the view `whole`; returns the command that was pressed.
-pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
+/// Draws the problems over the view `whole`; returns how far down they reach, 0 without any.
+pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     if state.problems.is_empty() {
-        return None;
+        return 0.0;
     }
-    let (mut chosen, mut dismissed) = (None, None);
+    let (mut is_undone, mut dismissed) = (false, None);
     let width = (whole.width() - 20.0).clamp(80.0, MAX_WIDTH);
     let corner = egui::pos2(whole.center().x - 0.5 * width, whole.top() + TOP);
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
     let mark = Condition::Interfering;
-    ui.scope_builder(UiBuilder::new().max_rect(at), |ui| {
-        ScrollArea::vertical().id_salt("problems").max_height(at.height()).show(ui, |ui| {
+    let height = at.height().min((MAX_SHARE * whole.height() - TOP).max(MIN_HEIGHT));
+    let shown = ui.scope_builder(UiBuilder::new().max_rect(at), |ui| {
+        ScrollArea::vertical().id_salt("problems").max_height(height).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 3.0;
             for (k, problem) in state.problems.iter().enumerate().rev() {
                 let stroke = egui::Stroke::new(1.5, mark.mark());
@@ -46,7 +50,7 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
                         }
                         let can_undo = problem.is_of_edit() && state.document.can_undo();
                         if can_undo && ui.small_button("Undo the edit").clicked() {
-                            chosen = Some(Command::Undo);
+                            is_undone = true;
                         }
                     });
                 });
@@ -56,5 +60,9 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> Option<Command> {
     if let Some(k) = dismissed {
         state.dismiss_problem(k);
     }
-    chosen
+    // The edit of the project, even where the tool library was edited after it.
+    if is_undone {
+        state.document.undo();
+    }
+    shown.response.rect.bottom().min(at.top() + height) - whole.top()
 }

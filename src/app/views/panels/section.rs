@@ -2,6 +2,7 @@
 
 use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2};
 
+use super::positions::breach_words;
 use crate::app::model::look::SectionalLook;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -354,6 +355,10 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
         facts.push(format!("ends {} above full depth", units.length(position.lift, 2)));
     }
     ui.add(egui::Label::new(RichText::new(facts.join(", ")).small()).wrap());
+    if let Some(words) = breach_words(position) {
+        let colour = Condition::Interfering.text(ui.visuals());
+        ui.add(egui::Label::new(RichText::new(words).small().strong().color(colour)).wrap());
+    }
     if position.evaluation.contact.interferes() {
         let share = 100.0 * position.evaluation.contact.area_share;
         let depth = units.length(position.evaluation.contact.depth, 2);

@@ -27,8 +27,10 @@ const MIN_HEIGHT: f32 = 120.0;
 const BELOW: f32 = 84.0;
 /// Totals are shown up to this multiple of the least: the few long ones would press the curve together.
 const TOTALS_SHOWN: f64 = 1.6;
-/// Height of the line on semi-finishing, points.
+/// Height of the lines on semi-finishing and on other strategies, points.
 const LINE: f32 = 20.0;
+/// Number of other strategies that are planned for comparison; without it, one stands beside the curve.
+const OTHERS_COMPARED: usize = 2;
 /// Radius of the handle, points.
 const HANDLE: f32 = 6.0;
 
@@ -131,7 +133,8 @@ fn show(
         let (edited, known) = (&mut state.document.edited.setup.plunge.goal, &mut state.look.known_goals);
         goal_rows(ui, edited, known, Goal::default(), first.as_ref());
     });
-    let lines = if totals.is_empty() { 0.0 } else { LINE };
+    let more = [!totals.is_empty(), others.len() < OTHERS_COMPARED];
+    let lines = LINE * more.into_iter().filter(|line| *line).count() as f32;
     let height = (ui.available_height() - BELOW - lines).max(MIN_HEIGHT);
     let curves = Curves { plunging: &curve, totals: &totals, others: &others };
     let dragged = plot(ui, &curves, handle, height);
@@ -146,7 +149,12 @@ fn show(
         let text = limit.map_or_else(|| "none".to_owned(), |minutes| format!("{minutes:.1} min"));
         ui.label(text);
     });
-    ui.label(words(&curve, handle, state));
+    let shown = planned.map(|outcome| &outcome.after.summary);
+    let shown = shown.map(|summary| (summary.time_s() / 60.0, summary.residual_p95));
+    ui.label(words(&curve, handle, shown, state));
+    if others.len() < OTHERS_COMPARED {
+        ui.label(RichText::new("Other strategies: \"Compare all strategies\" under Axis strategies").weak());
+    }
     if let Some(total) = total_at(&curve, handle, &totals) {
         ui.label(format!("With semi-finishing {total:.1} min per channel"));
     }
@@ -182,7 +190,7 @@ fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
         .map(|result| Marker {
             name: policy_label(result.plan.policy),
             at: (result.summary.time_s() / 60.0, result.summary.residual_p95),
-            interferes: result.summary.interfering > 0,
+            interferes: result.plan.count_interfering() > 0,
         })
         .collect()
 }
@@ -216,18 +224,34 @@ fn total_at(curve: &[CurvePlace], minutes: f64, totals: &[CurvePlace]) -> Option
     Some(slow + (fast - slow) * share)
 }
 
-/// What the time of the handle costs, against the least stock.
-fn words(curve: &[CurvePlace], handle: f64, state: &AppState) -> String {
+/// Times that are nearer to each other than this are one, min: the handle moves by tenths.
+const SAME_TIME_MIN: f64 = 0.05;
+
+/// What the time of the handle costs, against the `shown` plan; where that stands at the handle, what the longest
+/// time of the curve would leave.
+fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &AppState) -> String {
     let Some((slowest, stock)) = curve.first().copied().zip(stock_at(curve, handle)) else {
         return String::new();
     };
+    let length = |mm: f64| state.look.units.length(mm, 2);
+    let (now, known) = shown.filter(|place| place.0.is_finite()).unwrap_or(slowest);
+    if !state.out_of_date() || (handle - now).abs() < SAME_TIME_MIN {
+        let longest = format!("the curve ends at {:.1} min with {}", slowest.0, length(slowest.1));
+        return format!(
+            "{handle:.1} min per channel: hub stock {} (95 %), the shown plan; {longest}",
+            length(known)
+        );
+    }
     let wheel = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count) as f64;
-    let saved = 60.0 * wheel * (slowest.0 - handle);
+    let saved = 60.0 * wheel * (now - handle);
+    let change = match saved > 0.0 {
+        true => format!("saves {}", format_duration(saved)),
+        false => format!("takes {} longer", format_duration(-saved)),
+    };
     format!(
-        "{handle:.1} min per channel: hub stock {} (95 %) instead of {}; saves {} per wheel",
-        state.look.units.length(stock, 2),
-        state.look.units.length(slowest.1, 2),
-        format_duration(saved),
+        "{handle:.1} min per channel: hub stock {} (95 %) instead of {}; {change} per wheel than the shown plan",
+        length(stock),
+        length(known),
     )
 }
 

@@ -2,10 +2,10 @@
 
 use egui::{RichText, Ui};
 
-use crate::job::Summary;
-use crate::plunge::{DropReason, PlungePlan};
+use crate::job::PolicyResult;
+use crate::plunge::{Breach, DropReason};
+use crate::setup::falls_short;
 use crate::stock::InaccessibleFloor;
-use crate::verify::falls_short;
 
 use crate::app::model::figures::{
     MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, times_tip,
@@ -56,8 +56,14 @@ fn roughing(ui: &mut Ui, state: &AppState) {
         ui.label(text).on_hover_text(missed);
     }
     let (planned, units) = (after.planned, state.look.units);
-    let (before, after) = (&planned.result(before.policy).summary, &planned.result(after.policy).summary);
-    interferential(ui, plan, before, after);
+    let (before, after) = (planned.result(before.policy), planned.result(after.policy));
+    interferential(ui, state, before, after);
+    let (before, after) = (&before.summary, &after.summary);
+    if let Some(words) = state.unapplied_words() {
+        let text = RichText::new(words).color(Condition::Blocked.text(ui.visuals()));
+        ui.label(text)
+            .on_hover_text("Why: tab \"By hand\" of a position. Its plunge is no longer in the plan");
+    }
     if let Some(blocked) = after.blocked.filter(|count| *count > 0) {
         let text = RichText::new(format!("{blocked} blocked")).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("Positions that cannot have the axis of the strategy");
@@ -120,10 +126,11 @@ fn inaccessible_tip(planned: &DisplayPlan, units: DisplayUnits) -> String {
 }
 
 /// The worst of all verdicts on a plan: what the headline is coloured by.
-fn overall(plan: &PlungePlan, summary: &Summary) -> Condition {
-    if summary.interfering > 0 {
+fn overall(state: &AppState, PolicyResult { plan, summary, .. }: &PolicyResult) -> Condition {
+    if plan.count_interfering() > 0 {
         Condition::Interfering
-    } else if !plan.dropped.is_empty()
+    } else if state.unapplied_words().is_some()
+        || !plan.dropped.is_empty()
         || summary.uncut_share > MAX_GOOD_UNCUT_SHARE
         || plan.is_unfinished()
         || !plan.converged
@@ -134,9 +141,11 @@ fn overall(plan: &PlungePlan, summary: &Summary) -> Condition {
     }
 }
 
-fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summary) {
-    let colour = overall(plan, after).text(ui.visuals());
-    let text = format!("Interfering {} to {}", before.interfering, after.interfering);
+fn interferential(ui: &mut Ui, state: &AppState, before: &PolicyResult, after: &PolicyResult) {
+    let colour = overall(state, after).text(ui.visuals());
+    let [faulty_before, faulty_after] = [before, after].map(|result| result.plan.count_interfering());
+    let text = format!("Interfering {faulty_before} to {faulty_after}");
+    let (plan, before, after) = (&after.plan, &before.summary, &after.summary);
     let depths = format!(
         "Core meets stock: {} of {} plunges before (deepest {}), {} of {} after (deepest {})",
         before.interfering,
@@ -146,7 +155,11 @@ fn interferential(ui: &mut Ui, plan: &PlungePlan, before: &Summary, after: &Summ
         after.positions,
         units::of(ui).length(after.max_contact_depth, 2),
     );
-    ui.label(RichText::new(text).strong().color(colour)).on_hover_text(depths);
+    let breach = |k: Breach| plan.positions.iter().filter(|p| p.evaluation.breach == Some(k)).count();
+    let breaches = Breach::ALL.map(|kind| (breach(kind), kind.words()));
+    let breaches = breaches.iter().filter(|(count, _)| *count > 0);
+    let lines: String = breaches.map(|(count, words)| format!("\n{count} after: {words}")).collect();
+    ui.label(RichText::new(text).strong().color(colour)).on_hover_text(depths + &lines);
     if !plan.converged {
         let text = RichText::new("not converged").color(Condition::Blocked.text(ui.visuals()));
         ui.label(text).on_hover_text("The plan loop stopped at its iteration limit before it converged");

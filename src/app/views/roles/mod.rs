@@ -13,6 +13,7 @@ use crate::app::model::part_source::PartSource;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
 use crate::app::tasks::mesh_nodes::UnassignedRoles;
 use crate::app::tasks::open_task::OpenTask;
+use crate::app::views::modal::is_dismissed;
 use crate::app::views::pictures::Pictures;
 use crate::app::views::theme::{self, Condition};
 use preview::{PreviewInput, RolesPreview};
@@ -127,7 +128,7 @@ impl RolesDialog {
                 }
             });
         });
-        if close || modal.should_close() && !waiting {
+        if close || is_dismissed(&modal) && !waiting {
             self.close();
             return None;
         }
