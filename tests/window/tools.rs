@@ -82,11 +82,8 @@ fn name_file(window: &mut Window, name: &std::path::Path) {
     settle(window);
 }
 
-#[test]
-fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let [shop, saved] = ["shop.json", "saved.toml"].map(|name| folder.path().join(name));
-    std::fs::write(&shop, FUSION).expect("writes");
+/// A window with a sample, the shop library open and file dialogs of its own.
+fn with_shop_library() -> Window {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.set_size(egui::vec2(1100.0, 1700.0));
@@ -95,6 +92,15 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     click(&mut window, "Shop library…");
     window.set_size(egui::vec2(1100.0, 800.0));
     window.run_steps(3);
+    window
+}
+
+#[test]
+fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [shop, saved] = ["shop.json", "saved.toml"].map(|name| folder.path().join(name));
+    std::fs::write(&shop, FUSION).expect("writes");
+    let mut window = with_shop_library();
     window.get_by_label("The program's own tools");
     click(&mut window, "Open library…");
     name_file(&mut window, &shop);
@@ -160,14 +166,7 @@ fn a_library_of_thousands_is_searched_and_drawn_where_it_shows() {
     };
     let tools: Vec<String> = (0..5_000).map(tool).collect();
     std::fs::write(&shop, format!(r#"{{"data": [{}]}}"#, tools.join(","))).expect("writes");
-    let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1100.0, 1700.0));
-    window.state_mut().use_own_file_dialogs();
-    window.run_steps(3);
-    click(&mut window, "Shop library…");
-    window.set_size(egui::vec2(1100.0, 800.0));
-    window.run_steps(3);
+    let mut window = with_shop_library();
     click(&mut window, "Open library…");
     name_file(&mut window, &shop);
     window.get_by_label("5000 of 5000 tools");
@@ -209,14 +208,7 @@ fn delete_tool_64(window: &mut Window) {
 fn edits_of_the_library_are_undone_and_asked_about_before_they_are_lost() {
     let folder = tempfile::tempdir().expect("a folder");
     let saved = folder.path().join("shop.toml");
-    let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1100.0, 1700.0));
-    window.state_mut().use_own_file_dialogs();
-    window.run_steps(3);
-    click(&mut window, "Shop library…");
-    window.set_size(egui::vec2(1100.0, 800.0));
-    window.run_steps(3);
+    let mut window = with_shop_library();
     window.get_by_label("The program's own tools");
     delete_tool_64(&mut window);
     assert!(window.query_by_label_contains("T64 Ø").is_none());

@@ -1,6 +1,6 @@
-//! What a modal dialog does to the window below it, and what closes it.
+//! Modal dialogs: what they do to the window below, what closes them, and questions with a few answers.
 
-use egui::{Context, Id, Key, LayerId, ModalResponse, Modifiers, Popup};
+use egui::{Context, Id, Key, LayerId, Modal, ModalResponse, Modifiers, Popup, RichText, Ui};
 
 /// Takes the tooltips of the window away when a modal dialog opens: they would stay over it as long as the pointer
 /// rests. To be called before the window is drawn.
@@ -31,6 +31,52 @@ pub fn keep_lists_above(ctx: &Context) {
 pub fn is_dismissed<T>(dialog: &ModalResponse<T>) -> bool {
     let escape = || dialog.response.ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
     dialog.response.should_close() || dialog.is_top_modal && !dialog.any_popup_open && escape()
+}
+
+/// A question with one button for each answer.
+pub struct Question<'a> {
+    /// Distinguishes it from other dialogs.
+    pub id: &'static str,
+    /// Width, points.
+    pub width: f32,
+    /// The question.
+    pub title: &'a str,
+    /// What is asked about.
+    pub text: &'a str,
+}
+
+impl Question<'_> {
+    /// Draws the question with its `answers`: label, tooltip, and meaning. Returns the answer once; Escape is
+    /// `dismissed`.
+    pub fn ask<A: Copy>(
+        &self,
+        ui: &Ui,
+        answers: impl IntoIterator<Item = (&'static str, &'static str, A)>,
+        dismissed: A,
+    ) -> Option<A> {
+        let mut answer = None;
+        let modal = Modal::new(Id::unique(self.id)).show(ui.ctx(), |ui| {
+            ui.set_width(self.width);
+            ui.label(RichText::new(self.title).strong());
+            ui.label(self.text);
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                for (name, tip, meaning) in answers {
+                    let button = ui.button(name);
+                    let button = if tip.is_empty() { button } else { button.on_hover_text(tip) };
+                    if button.clicked() {
+                        answer = Some(meaning);
+                    }
+                }
+            });
+        });
+        answer.or(is_dismissed(&modal).then_some(dismissed))
+    }
+}
+
+/// An answer of a [`Question`] without a tooltip.
+pub fn choice<A>(name: &'static str, meaning: A) -> (&'static str, &'static str, A) {
+    (name, "", meaning)
 }
 
 fn key() -> Id {

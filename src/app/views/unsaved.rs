@@ -1,8 +1,8 @@
 //! The question before unsaved changes are discarded.
 
-use egui::{Modal, RichText, Ui};
+use egui::Ui;
 
-use super::modal::is_dismissed;
+use super::modal::{Question, choice};
 
 /// What would be lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,23 +30,11 @@ pub fn ask(ui: &Ui, work: UnsavedWork) -> Option<UnsavedAnswer> {
         UnsavedWork::Project => "Save the changes of this project?",
         UnsavedWork::Library => "Save the changes of the shop library?",
     };
-    let mut answer = None;
-    let modal = Modal::new(egui::Id::unique("unsaved")).show(ui.ctx(), |ui| {
-        ui.set_width(320.0);
-        ui.label(RichText::new(title).strong());
-        ui.label("Unsaved changes will be lost.");
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            for (name, meaning) in [
-                ("Save", UnsavedAnswer::Save),
-                ("Don't save", UnsavedAnswer::Discard),
-                ("Cancel", UnsavedAnswer::Cancel),
-            ] {
-                if ui.button(name).clicked() {
-                    answer = Some(meaning);
-                }
-            }
-        });
-    });
-    answer.or(is_dismissed(&modal).then_some(UnsavedAnswer::Cancel))
+    let question = Question { id: "unsaved", width: 320.0, title, text: "Unsaved changes will be lost." };
+    let answers = [
+        choice("Save", UnsavedAnswer::Save),
+        choice("Don't save", UnsavedAnswer::Discard),
+        choice("Cancel", UnsavedAnswer::Cancel),
+    ];
+    question.ask(ui, answers, UnsavedAnswer::Cancel)
 }

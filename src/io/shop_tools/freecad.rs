@@ -26,7 +26,7 @@ type ReadBeside<'a> = dyn Fn(&str) -> Result<(String, Vec<u8>), InputError> + 'a
 /// What a tool bit is.
 pub(super) enum ToolBit {
     Mill(Box<LibraryTool>),
-    /// Its name in messages, and why it is no mill.
+    /// Not a mill: its name in messages, and the reason.
     Other(String, String),
 }
 

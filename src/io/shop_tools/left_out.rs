@@ -2,7 +2,7 @@
 
 /// Tools with one reason up to which each has a line of its own, or is named in theirs.
 const NAMED: usize = 3;
-/// Reasons that are told apart.
+/// Maximum number of reasons that are listed separately.
 const MAX_REASONS: usize = 12;
 
 /// Tools that are left out, by reason, in the order of the file.
@@ -91,7 +91,7 @@ pub fn in_few_lines<'t>(remarks: impl Iterator<Item = (String, &'t str)>) -> Vec
     lines
 }
 
-/// Remarks on tools that are told apart.
+/// Maximum number of different remarks that are listed separately.
 const MAX_LINES: usize = 20;
 
 #[cfg(test)]

@@ -1,21 +1,22 @@
 //! Which tools of a large library the choice looks at: its time grows with the square of their number, and a
 //! library of a maker has thousands.
 //!
-//! Up to `ALL_TOOLS` every tool is looked at. Of more, those wider than the channel, and those much
-//! thinner than need be, are left out. If these are still more, there come, for each station and each of
-//! `ROOM_SHARES` of its room, of the tools that fit and are long enough, the two that remove most and the
-//! one with the slimmest holder.
+//! A library of up to `ALL_TOOLS` is used whole. From a larger one, tools wider than the channel or much thinner
+//! than necessary are removed. If more than `ALL_TOOLS` remain, three are taken for each station and each share of
+//! its room in `ROOM_SHARES`, among the tools that fit and are long enough: the two with the highest removal rate,
+//! and the one with the slimmest holder.
 
 use super::fit::{Rules, TILT_ROOM};
 use crate::plunge::spacing::{step_limit, stepover};
 use crate::plunge::survey::Survey;
 use crate::setup::{PlungeSetup, Tool};
 
-/// Number of tools that are all looked at.
+/// Largest number of tools that is used whole.
 const ALL_TOOLS: usize = 100;
-/// Shares of the room at a station that a tool may take: twisted walls leave less than all of it.
+/// Largest diameters for which tools are taken, as shares of the room at a station. Between twisted walls a cutter
+/// as wide as the room does not fit.
 const ROOM_SHARES: [f64; 4] = [1.0, 0.85, 0.7, 0.5];
-/// Diameter below which a tool is of no use, in widths of the narrowest passage.
+/// Diameter below which a tool is not considered, in widths of the narrowest passage.
 const MIN_SHARE: f64 = 0.15;
 
 /// The tools that a choice for plunges has to look at, in the order given: cylindrical ones with a flat bottom,
@@ -51,6 +52,7 @@ fn thinned<'t>(list: &[&'t Tool], survey: &Survey, rules: &Rules, plunge: &Plung
         .collect();
     let mut taken = vec![false; fitting.len()];
     for station in &survey.stations {
+        // Room for a tilted cutter, mm.
         let room = rules.free_width(station.narrowest).min(widest) / TILT_ROOM;
         let needed = rules.overhang(station);
         for share in ROOM_SHARES {

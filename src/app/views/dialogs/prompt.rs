@@ -274,8 +274,8 @@ impl Prompt {
     }
 }
 
-/// The path `text`, without the folders from its root on that leave no room for the last ones, which tell where one
-/// is. `fits`: whether a text is short enough.
+/// The path `text`, shortened at its beginning until it fits: the last folders show where the user is. `fits` tells
+/// whether a text is short enough.
 fn end_that_fits(text: &str, fits: impl Fn(&str) -> bool) -> String {
     if fits(text) {
         return text.to_owned();
@@ -301,8 +301,8 @@ mod tests {
     #[test]
     fn a_long_path_keeps_its_end() {
         let shown = |path: &str| end_that_fits(path, |text| text.chars().count() <= 16);
-        assert_eq!(shown("/work/parts"), "/work/parts");
-        assert_eq!(shown("/work/customers/wheels/2026-11"), "…/wheels/2026-11");
-        assert_eq!(shown("/work/a-name-that-is-much-too-long"), "…/a-name-that-is-much-too-long");
+        assert_eq!(shown("/data/parts"), "/data/parts");
+        assert_eq!(shown("/data/customers/wheels/2026-11"), "…/wheels/2026-11");
+        assert_eq!(shown("/data/a-name-that-is-much-too-long"), "…/a-name-that-is-much-too-long");
     }
 }

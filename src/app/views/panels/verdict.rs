@@ -62,7 +62,7 @@ fn roughing(ui: &mut Ui, state: &AppState) {
     if let Some(words) = state.unapplied_words() {
         let text = RichText::new(words).color(Condition::Blocked.text(ui.visuals()));
         ui.label(text)
-            .on_hover_text("Why: tab \"By hand\" of a position. Its plunge is no longer in the plan");
+            .on_hover_text("The plan no longer has the plunge that was edited. The tab \"By hand\" of a position lists the reasons");
     }
     if let Some(blocked) = after.blocked.filter(|count| *count > 0) {
         let text = RichText::new(format!("{blocked} blocked")).color(Condition::Blocked.text(ui.visuals()));
