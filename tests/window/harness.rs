@@ -1,7 +1,10 @@
 //! Drives the window without a screen, on software Vulkan, and compares snapshots.
 
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
+use eframe::egui_wgpu::{RendererOptions, WgpuSetup, WgpuSetupExisting};
+use egui_kittest::wgpu::create_render_state;
 use egui_kittest::{Harness, SnapshotOptions};
 use vanecut::app::App;
 use vanecut::app::model::part_source::PartSource;
@@ -23,16 +26,28 @@ pub fn scaled(engine: Engine, scale: f32) -> Window {
         .with_pixels_per_point(scale)
         .with_theme(egui::Theme::Dark)
         .with_render_cursor(false)
-        .wgpu_setup(vulkan())
+        .wgpu_setup(WgpuSetup::Existing(DEVICE.clone()))
         .build_eframe(|cc| App::with_engine(cc, engine));
     window.state_mut().wait_to_draw_pictures();
     window
 }
 
+/// The device of all windows but those that lose theirs: to find a driver and open a device on it takes longer
+/// than most tests.
+static DEVICE: LazyLock<WgpuSetupExisting> = LazyLock::new(|| {
+    let state = create_render_state(vulkan(), RendererOptions::PREDICTABLE);
+    WgpuSetupExisting {
+        instance: state.instance,
+        adapter: state.adapter,
+        device: state.device,
+        queue: state.queue,
+    }
+});
+
 /// The test harness's own setup without the fallback to OpenGL, which draws different pixels.
-pub fn vulkan() -> eframe::egui_wgpu::WgpuSetup {
+pub fn vulkan() -> WgpuSetup {
     let mut setup = egui_kittest::wgpu::default_wgpu_setup();
-    if let eframe::egui_wgpu::WgpuSetup::CreateNew(new) = &mut setup {
+    if let WgpuSetup::CreateNew(new) = &mut setup {
         new.instance_descriptor.backends = wgpu::Backends::VULKAN;
     }
     setup
