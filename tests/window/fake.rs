@@ -1,7 +1,7 @@
 //! A fast fake planner whose plan has known faults. The part is real.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, TryLockError};
 
 use vanecut::app::model::checked::CheckRequest;
 use vanecut::app::tasks::engine::Engine;
@@ -56,24 +56,42 @@ pub fn engine() -> (Engine, Slow) {
     (Engine { plan: Arc::new(plan), check: Arc::new(check), flank, ..Engine::default() }, slow)
 }
 
-/// Flank plans that were made, by name of the part and setup.
-static FLANK_PLANS: Mutex<Vec<(String, Setup, FlankOutcome)>> = Mutex::new(Vec::new());
+/// Flank plans that were made or are being made, by name of the part and setup.
+type FlankPlans = Vec<(String, Setup, Arc<Mutex<Option<FlankOutcome>>>)>;
+static FLANK_PLANS: Mutex<FlankPlans> = Mutex::new(Vec::new());
 
-/// The real flank planner; a plan that another test has asked for is not made again.
+/// The real flank planner; a plan that another test has asked for is not made again but waited for.
 fn cached_flank(request: &FlankRequest, monitor: &Monitor) -> Result<FlankOutcome, JobError> {
     let FlankRequest { part, setup } = request;
-    let known = |plans: &[(String, Setup, FlankOutcome)]| {
-        let same = plans.iter().find(|(name, asked, _)| *name == part.name && asked == setup);
-        same.map(|(.., outcome)| outcome.clone())
+    let place = flank_plan(&part.name, setup);
+    let mut known = loop {
+        match place.try_lock() {
+            Ok(known) => break known,
+            Err(TryLockError::Poisoned(known)) => break known.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                monitor.check().map_err(|_| JobError::Cancelled)?;
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        }
     };
-    if let Some(outcome) = known(&FLANK_PLANS.lock().unwrap()) {
-        // It belongs to the part that is open.
-        let workpiece = Arc::new(setup.allowances.workpiece_of(Arc::clone(part)));
-        return Ok(FlankOutcome { workpiece, ..outcome });
+    let outcome = match &*known {
+        Some(outcome) => outcome.clone(),
+        None => known.insert(FlankJob::default().run(request, monitor)?).clone(),
+    };
+    // It belongs to the part that is open.
+    let workpiece = Arc::new(setup.allowances.workpiece_of(Arc::clone(part)));
+    Ok(FlankOutcome { workpiece, ..outcome })
+}
+
+/// The place of the flank plan of a part with this setup.
+fn flank_plan(part: &str, setup: &Setup) -> Arc<Mutex<Option<FlankOutcome>>> {
+    let mut plans = FLANK_PLANS.lock().unwrap();
+    if let Some((.., place)) = plans.iter().find(|(name, asked, _)| name == part && asked == setup) {
+        return Arc::clone(place);
     }
-    let outcome = FlankJob::default().run(request, monitor)?;
-    FLANK_PLANS.lock().unwrap().push((part.name.clone(), setup.clone(), outcome.clone()));
-    Ok(outcome)
+    let place = Arc::default();
+    plans.push((part.to_owned(), setup.clone(), Arc::clone(&place)));
+    place
 }
 
 /// First plans that were made, by name of the part and request.
