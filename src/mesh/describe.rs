@@ -163,8 +163,8 @@ pub fn describe_source(
         let line = MeridionalCurve::through(&profile.points).with_outer_side_towards(mean_point(&corners));
         let depth = depth_behind(&main, &line);
         if depth > REACHES_IN * tolerance {
-            main = trimmed(&main, &line);
-            splitters = splitters.iter().map(|s| trimmed(s, &line)).collect();
+            main = trimmed(&main, &line, 0.0);
+            splitters = splitters.iter().map(|s| trimmed(s, &line, 0.0)).collect();
             corners = main.points.iter().map(Meridional::of).collect();
             notes.push(format!("the blades reach {depth:.2} mm into the {name}; they are cut off at it"));
         }

@@ -12,6 +12,11 @@ const STEPS: usize = 24;
 const BEGUN: f64 = 2.5e-4;
 /// Smallest excess of the thickness at the end of a fillet, mm per mm of the blade's height.
 const WHOLE: f64 = 4e-3;
+/// Smallest excess growth of the thickness over some step of a fillet, mm per mm of height: a fillet meets the hub at a
+/// steep angle. The thickness of a blade may change unevenly, but hardly as fast.
+const STEEP: f64 = 0.2;
+/// Smallest excess of the thickness at the end of a fillet, in mean deviations of the growth away from the end.
+const NOISES: f64 = 4.0;
 /// Fewest zones with a fillet: it need not go all around the blade.
 const FEWEST: usize = 2;
 /// Zones along the blade, each examined separately: a fillet takes a larger share of the height where the
@@ -43,6 +48,17 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     };
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();
+    if let Some(begun) = fillet_begins(&thick, height) {
+        return begun.saturating_sub(2).max(1);
+    }
+    // Close to the end, where blade and hub meet, a slice may fall into pieces.
+    if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }
+}
+
+/// Index of the step with which a fillet begins in a blade of some `height` (mm) that is `thick` (mm) in each zone at
+/// the examined heights, from its middle to an end; `None` without one.
+fn fillet_begins(thick: &[[f64; ZONES]], height: f64) -> Option<usize> {
+    let last = thick.len() - 1;
     // From the end, the run of steps in which a zone grows faster than its growth in the half away from the
     // end lets expect. A single step does not count: close to the nose the thickness depends on where the
     // slice was divided.
@@ -67,16 +83,15 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
         // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to it.
         let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > WHOLE * height;
         let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
-        (over[last] - usual > WHOLE * height).then_some(begun)
+        // Beside a blunt edge a zone holds part of that edge, and more or less of it from height to height.
+        let noise =
+            (1..=2 * quarter).map(|k| (gain(k) - second).abs()).sum::<f64>() / (2 * quarter).max(1) as f64;
+        let is_steep = |k: usize| gain(k) > expected(k) + STEEP * height / (2 * STEPS) as f64;
+        (over[last] - usual > WHOLE * height + NOISES * noise && (begun..=last).any(is_steep))
+            .then_some(begun)
     };
     let begun: Vec<usize> = (0..ZONES).filter_map(begins).collect();
-    if begun.len() >= FEWEST
-        && let Some(first) = begun.iter().min()
-    {
-        return first.saturating_sub(2).max(1);
-    }
-    // Close to the end, where blade and hub meet, a slice may fall into pieces.
-    if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }
+    begun.iter().min().copied().filter(|_| begun.len() >= FEWEST)
 }
 
 /// Thickness of a section in a zone, mm: median of the distances from one side to the nearest point of the
@@ -103,4 +118,41 @@ fn thickness(section: &SpanSection, zone: usize) -> f64 {
     });
     thick.sort_by(f64::total_cmp);
     thick[SAMPLES_PER_ZONE / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEIGHT: f64 = 20.0;
+    const STEP: f64 = HEIGHT / (2 * STEPS) as f64;
+
+    /// A blade that is `thickness` mm thick, the same in all zones, at the distances from its middle to an end.
+    fn blade(thickness: impl Fn(f64) -> f64) -> Vec<[f64; ZONES]> {
+        (0..=STEPS).map(|k| [thickness(k as f64 * STEP); ZONES]).collect()
+    }
+
+    #[test]
+    fn a_fillet_begins_where_the_thickness_leaves_its_line() {
+        const RADIUS: f64 = 1.5;
+        let filleted = blade(|h| {
+            let into = (RADIUS - (HEIGHT / 2.0 - h)).max(0.0);
+            1.5 + 0.03 * h + 2.0 * (RADIUS - (RADIUS * RADIUS - into * into).sqrt())
+        });
+        let begun = fillet_begins(&filleted, HEIGHT).expect("a fillet") as f64 * STEP;
+        let expected = HEIGHT / 2.0 - RADIUS;
+        assert!((begun - expected).abs() < 2.0 * STEP, "{begun} mm from the middle, in place of {expected}");
+    }
+
+    #[test]
+    fn a_thickness_that_changes_unevenly_is_no_fillet() {
+        // It falls towards the tip, and then stays.
+        let tapered = blade(|h| 1.0 - 0.09 * h.min(4.0) - 0.02 * (h - 4.0).max(0.0));
+        assert_eq!(fillet_begins(&tapered, HEIGHT), None);
+        let beside_an_edge = [0.15, 0.9, 0.3, 1.3, 0.2, 0.9, 0.5, 0.2, 0.1];
+        let noisy: Vec<[f64; ZONES]> = (0..=STEPS).map(|k| [beside_an_edge[k % 9]; ZONES]).collect();
+        assert_eq!(fillet_begins(&noisy, HEIGHT), None);
+        let waving = blade(|h| 1.0 + 0.15 * (h / 3.0).sin());
+        assert_eq!(fillet_begins(&waving, HEIGHT), None);
+    }
 }

@@ -4,6 +4,7 @@
 use super::describe::MOSTLY;
 use super::profile::{Course, FittedProfile, mean_point, meridional_normal};
 use super::surface::{MeshSurface, NONE};
+use super::trim::trimmed;
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
@@ -16,6 +17,9 @@ const SMOOTH: f64 = 0.9;
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
 /// Smallest weight (area × border length) of the lighter one of hub and cover, as a share of the heavier one.
 const COVER: f64 = 0.05;
+/// How far before and past the ends of the hub's curve a face of a blade may go on below it, as a share of its length
+/// along the course.
+const END_SLACK: f64 = 0.05;
 /// Share of the largest blade's area below which a piece is discarded as a fragment.
 const SCRAP: f64 = 0.05;
 
@@ -137,6 +141,8 @@ fn curve_of(
 struct RevolvedFace {
     /// Number of its group of triangles.
     number: usize,
+    /// Its curve, with the outer side towards the blades.
+    curve: MeridionalCurve,
     /// Extent of its curve along the course, mm.
     extent: (f64, f64),
     /// Heights of all corners of the wheel over it, positive towards the blades, mm.
@@ -216,7 +222,7 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards(middle);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
-        Some(RevolvedFace { number, extent: (ends[0], ends[1]), heights, inner })
+        Some(RevolvedFace { number, curve, extent: (ends[0], ends[1]), heights, inner })
     };
     // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve that was
     // found before belong to it.
@@ -258,9 +264,22 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         turned[t] && group[t] as usize == face.number && wheel.triangles[t].iter().any(outside)
     };
     let over = |face: &RevolvedFace, t: usize| stands(face, t) && !past(face, t);
-    let blade = |t: usize| over(&hub, t) && cover.as_ref().is_none_or(|cover| over(cover, t));
-
-    let blades = wheel.subset(blade).into_pieces();
+    let in_cover = |t: usize| cover.as_ref().is_none_or(|cover| over(cover, t));
+    // A face of a blade that goes on below the edge of the hub, as the imprint of a trailing edge in the rim does.
+    let goes_below = |t: usize| {
+        let reach = END_SLACK * (hub.extent.1 - hub.extent.0);
+        let within = |i: &u32| {
+            let x = course.coordinates_of(corners[*i as usize]).0;
+            x > hub.extent.0 - reach && x < hub.extent.1 + reach
+        };
+        below(&hub, t) && any(&hub, t, &|h| h > tolerance) && wheel.triangles[t].iter().all(within)
+    };
+    let over_hub = wheel.subset(|t| (over(&hub, t) || goes_below(t)) && in_cover(t));
+    let blades = match (0..wheel.triangles.len()).any(goes_below) {
+        true => trimmed(&over_hub, &hub.curve, tolerance),
+        false => over_hub,
+    }
+    .into_pieces();
     let area = |blade: &MeshSurface| (0..blade.triangles.len()).map(|t| blade.area(t)).sum::<f64>();
     let measured: Vec<(f64, MeshSurface)> = blades.into_iter().map(|b| (area(&b), b)).collect();
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);

@@ -7,6 +7,10 @@ use crate::geometry::{Point, Vector, wrap_angle};
 /// Shares of the length within which a sharp edge is the leading or trailing edge.
 const AT_LEADING: f64 = 0.05;
 const AT_TRAILING: f64 = 0.15;
+/// Share of the length within which both ends of a flat trailing edge are from the point furthest downstream.
+const NEAR_TAIL: f64 = 0.02;
+/// Largest rise of a flat trailing edge over the chord between its ends, as a share of that; half of it is a semicircle.
+const FLAT: f64 = 0.25;
 /// Points closer together than this share of the local spacing are merged.
 const CROWDED: f64 = 0.35;
 /// Share of the parameter range of a side that its nose takes (and a round trailing edge as much again).
@@ -290,6 +294,7 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
             None => refine_extreme(points, lowest, &step, 1.0),
         },
     };
+    let flat_tail = flat_tail(points, &step, high - NEAR_TAIL * range);
     let side = |forward: bool| {
         let mut line = vec![leading];
         let mut at = start;
@@ -301,7 +306,8 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
             if k > 2 || ahead(points, &step, start, forward, &leading.point, &p.point) {
                 line.push(p);
             }
-            if p.edge && p.along > high - AT_TRAILING * range && k > 0 {
+            let at_flat_tail = flat_tail.is_some_and(|ends| ends.contains(&at));
+            if at_flat_tail || p.edge && p.along > high - AT_TRAILING * range && k > 0 {
                 round = false;
                 break;
             }
@@ -329,6 +335,32 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
         }
     }
     (first.len() > 3 && second.len() > 3).then_some(SplitSlice { first, second, round_tail })
+}
+
+/// The seams at both ends of a trailing edge that is nearly flat and has a face of its own: its corners may be too obtuse
+/// for sharp edges. `None` unless there are exactly two seams beyond `level`.
+fn flat_tail(
+    points: &[SlicePoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    level: f64,
+) -> Option<[usize; 2]> {
+    let highest = (0..points.len()).max_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
+    let walk = |forward: bool| {
+        let beyond = move |at: &usize| step(*at, forward).filter(|next| points[*next].along > level);
+        std::iter::successors(beyond(&highest), beyond).take(points.len() / 2)
+    };
+    let mut run: Vec<usize> = walk(false).collect();
+    run.reverse();
+    run.push(highest);
+    run.extend(walk(true));
+    let mut seams = (0..run.len()).filter(|&k| points[run[k]].seam);
+    let (Some(from), Some(to), None) = (seams.next(), seams.next(), seams.next()) else { return None };
+    let ends = [run[from], run[to]];
+    let chord = points[ends[1]].point - points[ends[0]].point;
+    let across = chord.try_normalize(1e-9)?;
+    let rise = |at: &usize| (points[*at].point - points[ends[0]].point).cross(&across).norm();
+    let is_flat = run[from..=to].iter().all(|at| rise(at) < FLAT * chord.norm());
+    is_flat.then_some(ends)
 }
 
 /// The point on a round nose where the mesh's faces of both sides meet; `None` unless there is exactly one.
@@ -428,5 +460,33 @@ fn refine_extreme(
             SlicePoint { point: Point::new(x, y, z), along, edge: false, seam: false, chord_offset_mm: 0.0 }
         }
         None => points[at],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flat_trailing_edge_ends_the_sides_at_its_obtuse_corners() {
+        // Half a section from its nose to the middle of a flat end 1 mm wide, chamfered on both sides.
+        let half = |sign: f64| {
+            let sides = (1..=40).map(move |k| (40.0 * f64::from(k) / 40.0, sign));
+            let tail = [(40.5, 0.5 * sign), (40.5 - 1e-4, 0.3 * sign), (40.5, 0.1 * sign)];
+            sides.chain(tail)
+        };
+        let outline = std::iter::once((0.0, 0.0))
+            .chain(half(1.0))
+            .chain(half(-1.0).collect::<Vec<_>>().into_iter().rev());
+        let points: Vec<SlicePoint> = outline
+            .map(|(x, y)| {
+                let seam = x == 40.5 && y.abs() == 0.5;
+                SlicePoint { point: Point::new(x, y, 0.0), along: x, edge: false, seam, chord_offset_mm: 0.0 }
+            })
+            .collect();
+        let split = split(&SlicePiece { points, closed: true }).expect("it has two sides");
+        assert!(!split.round_tail);
+        let ends = [split.first, split.second].map(|side| side.last().map(|p| (p.point.x, p.point.y.abs())));
+        assert_eq!(ends, [Some((40.5, 0.5)); 2]);
     }
 }

@@ -64,10 +64,11 @@ pub fn depth_behind(blade: &MeshSurface, curve: &MeridionalCurve) -> f64 {
     blade.points.iter().map(|p| -curve.project(Meridional::of(p)).1).fold(0.0, f64::max)
 }
 
-/// The part of `blade` on the outer side of a meridional curve.
-pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve) -> MeshSurface {
+/// The part of `blade` on the outer side of a meridional curve; corners within `tolerance` mm of the curve are on it.
+pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> MeshSurface {
     let height = |p: &Point| curve.project(Meridional::of(p)).1;
-    let heights: Vec<f64> = blade.points.iter().map(height).collect();
+    let on_curve = |h: f64| if h.abs() < tolerance { 0.0 } else { h };
+    let heights: Vec<f64> = blade.points.iter().map(|p| on_curve(height(p))).collect();
     let mut mesh = TriangleMesh { points: blade.points.clone(), triangles: Vec::new() };
     let mut faces = Vec::new();
     let mut met: HashMap<(u32, u32), u32> = HashMap::new();
@@ -79,7 +80,8 @@ pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve) -> MeshSurface {
             if over[0] {
                 kept.push(a);
             }
-            if over[0] != over[1] {
+            let ends_above = [a, b].iter().any(|i| heights[*i as usize] > 0.0);
+            if over[0] != over[1] && ends_above {
                 let (low, high) = (a.min(b), a.max(b));
                 let number = *met.entry((low, high)).or_insert_with(|| {
                     let ends = [low, high].map(|i| (blade.points[i as usize], heights[i as usize]));
@@ -157,7 +159,7 @@ mod tests {
         let hub = MeridionalCurve::through(&hub).with_outer_side_towards(Meridional { r: 6.0, z: 5.0 });
         let plate = MeshSurface::of(&mesh);
         assert!((depth_behind(&plate, &hub) - 1.1).abs() < 1e-9);
-        let cut = trimmed(&plate, &hub);
+        let cut = trimmed(&plate, &hub, 0.0);
         let area: f64 = (0..cut.triangles.len()).map(|t| cut.area(t)).sum();
         assert!((area - 6.0 * 0.9).abs() < 1e-9, "{area}");
         assert!(cut.points.iter().all(|p| p.z > -1e-12));

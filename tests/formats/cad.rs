@@ -14,8 +14,9 @@ use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
 /// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
 const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 
-/// A wheel in one body with turned tips, made by the script of the same name.
+/// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
+const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
 
 /// Points of the hub of the KJ66 (r, z), of Open CASCADE's surface.
 const KJ66_HUB: [(f64, f64); 11] = [
@@ -150,6 +151,29 @@ fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
     for v in [0.0, 0.5, 1.0] {
         let [leading, trailing] = [0.0, 1.0].map(|u| Meridional::of(&part.main.suction.point(u, v)).r);
         assert!((leading - 40.0).abs() < 0.1 && (trailing - 50.0).abs() < 0.01, "{v}: {leading}, {trailing}");
+    }
+}
+
+/// The face of the trailing edge goes on below the edge of the hub, in its rim, and the blade is blunt and tapered.
+#[test]
+fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
+    let part = built(&read_bytes("plane_blades.step", PLANE_BLADES, &MeshOptions::default()));
+    assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
+    // The planes of the sides, y over x and z: through (40, y, 3.4), 2 mm less at x = 56, and over z as the script has it.
+    let off = |p: &Point, y: f64, by_z: f64| {
+        let across = |p: Point| p.y - (y - 2.0 * (p.x - 40.0) / 16.0 + by_z * (p.z - 3.4));
+        (0..3).map(|k| across(rotate_z(p, part.pitch() * f64::from(k))).abs()).fold(f64::INFINITY, f64::min)
+    };
+    for side in [&part.main.suction, &part.main.pressure] {
+        let points: Vec<Point> = (0..=20)
+            .flat_map(|i| (0..=20).map(move |j| (0.4 + 0.03 * f64::from(i), f64::from(j) / 20.0)))
+            .map(|(u, v)| side.point(u, v))
+            .collect();
+        let farthest = |y: f64, by_z: f64| points.iter().map(|p| off(p, y, by_z)).fold(0.0, f64::max);
+        let nearer = farthest(-1.4, 0.9 / 27.6).min(farthest(1.2, -0.2 / 27.6));
+        assert!(nearer < 0.01, "a side is {nearer} mm off its plane");
+        let rim = [0.0, 0.5, 1.0].map(|v| Meridional::of(&side.point(1.0, v)).r);
+        assert!(rim.iter().all(|r| (r - 50.0).abs() < 0.01), "{rim:?}");
     }
 }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Writes open_wheel.step with Open CASCADE (pip install cadquery-ocp): three cylindrical blades fused to a hub, their tips turned.
+"""Writes open_wheel.step and plane_blades.step with Open CASCADE (pip install cadquery-ocp): three blades fused to a hub,
+their tips turned: open_wheel.py cylindrical open_wheel.step; open_wheel.py plane plane_blades.step.
 
 Hub and shroud are arcs about (50, 40), of radius 36, and about (50, 27), of radius 18, in the meridional plane (r, z), mm.
 """
@@ -7,7 +8,13 @@ import math
 import sys
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Fuse
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeEdge,
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_MakePolygon,
+    BRepBuilderAPI_MakeWire,
+)
+from OCP.BRepOffsetAPI import BRepOffsetAPI_ThruSections
 from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
 from OCP.GC import GC_MakeArcOfCircle
 from OCP.GeomAPI import GeomAPI_Interpolate
@@ -48,7 +55,7 @@ def turned(edges):
     return BRepPrimAPI_MakeRevol(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), AXIS).Shape()
 
 
-def blade():
+def cylindrical():
     """A cylindrical blade of 1.6 mm from r = 40 mm to beyond the rim, through hub and shroud."""
 
     def place(r, side):
@@ -71,7 +78,20 @@ def blade():
     return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), gp_Vec(0, 0, 30)).Shape()
 
 
-def main(path):
+def plane():
+    """A tapered blade with plane sides from x = 40 mm to beyond the rim, and from 0.6 mm below the hub's edge to beyond the
+    shroud: its trailing edge, turned with the rim, goes on below that edge."""
+    loft = BRepOffsetAPI_ThruSections(True, True, 1e-6)
+    for z, pressure, suction in ((3.4, -1.4, 1.2), (31, -0.5, 1.0)):
+        corners = BRepBuilderAPI_MakePolygon()
+        for x, y in ((40, pressure), (56, pressure - 2), (56, suction - 2), (40, suction)):
+            corners.Add(gp_Pnt(x, y, z))
+        corners.Close()
+        loft.AddWire(corners.Wire())
+    return loft.Shape()
+
+
+def main(blade, path):
     body = turned([arc(hub), line((50, 4), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (14, 40))])
     # What the wheel is turned to: the shroud, the rim, and a cylinder before the shroud.
     envelope = turned(
@@ -87,4 +107,4 @@ def main(path):
     assert writer.Write(path) == IFSelect_RetDone
 
 
-main(sys.argv[1])
+main({"cylindrical": cylindrical, "plane": plane}[sys.argv[1]], sys.argv[2])
