@@ -20,7 +20,6 @@ pub mod run;
 pub mod tasks;
 pub mod views;
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use eframe::CreationContext;
@@ -32,7 +31,7 @@ use control::export::ReleaseQuestion;
 use control::handover::RecoverySlot;
 use control::project::Session;
 use control::unsaved::Pending;
-use model::look::Look;
+use model::look::{Look, Operation};
 use model::panels::DockPanel;
 use model::part_source::PartSource;
 use model::planned::{PerSide, Side};
@@ -40,7 +39,6 @@ use model::problem::{Problem, Topic};
 use model::state::AppState;
 use tasks::assess::AssessWork;
 use tasks::engine::Engine;
-use tasks::files;
 use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
 use tasks::scrub::{InspectedSection, TimelineStock};
@@ -232,6 +230,7 @@ impl App {
     /// Whether a background task runs.
     pub fn is_busy(&self) -> bool {
         self.running_task().is_some()
+            || self.work.copier.is_busy()
             || self.dialogs.is_busy()
             || self.scrubbed.is_busy()
             || self.inspected.is_busy()
@@ -247,30 +246,23 @@ impl App {
         self.first_picture
     }
 
-    fn take_drops(&mut self, ctx: &egui::Context) {
-        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        let paths: Vec<PathBuf> = dropped.iter().map(|file| file.path().to_path_buf()).collect();
-        match &paths[..] {
-            [] => {}
-            [path] if files::is_setup(path) || files::is_program(path) || files::is_study(path) => {
-                self.open_file(path.clone());
-            }
-            [path] => self.run_guarded(ctx, Pending::Open(path.clone())),
-            // A part together with its setup.
-            many => {
-                let (setups, parts): (Vec<&PathBuf>, Vec<&PathBuf>) =
-                    many.iter().partition(|path| files::is_setup(path));
-                let part = parts.first().map(|path| PartSource::File((*path).clone()));
-                self.open_files(part, setups.first().map(|path| (*path).clone()));
-            }
-        }
+    /// Whether a question is open that has to be answered first.
+    pub(in crate::app) fn is_asking(&self) -> bool {
+        self.session.is_asking()
+            || self.export_dialog.is_open()
+            || self.channels_dialog.is_open()
+            || self.nc_dialog.is_open()
+            || self.release.is_some()
+            || self.roles.is_open()
+            || self.dialogs.is_asking()
+            || self.help.is_open()
     }
 
     /// Runs the action a panel returned.
     fn apply_action(&mut self, ctx: &egui::Context, action: PartAction) {
         match action {
             PartAction::Command(command) => self.run_command(ctx, command),
-            PartAction::Open(source) => self.run_guarded(ctx, Pending::OpenPart(source)),
+            PartAction::Open(source) => self.run_guarded(ctx, Pending::OpenPart(source, None)),
             PartAction::OpenFile(path) => self.run_guarded(ctx, Pending::Open(path)),
             PartAction::DiscardRecovery(path) => self.drop_recoverable(&path),
         }
@@ -336,15 +328,7 @@ impl eframe::App for App {
         self.take_drops(ctx);
         self.watch_closing(ctx);
         // While a dialog or the command search is open, shortcuts are disabled.
-        let asks = self.session.is_asking()
-            || self.export_dialog.is_open()
-            || self.channels_dialog.is_open()
-            || self.nc_dialog.is_open()
-            || self.release.is_some()
-            || self.roles.is_open()
-            || self.dialogs.is_asking()
-            || self.help.is_open();
-        if !self.palette.is_open() && !asks {
+        if !self.palette.is_open() && !self.is_asking() {
             // An open menu takes Escape first, then the window in front.
             let keeps_escape = egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx);
             let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
@@ -361,6 +345,7 @@ impl eframe::App for App {
         }
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
+        self.state.results.flank_is_running = self.work.is_calculating(Operation::Flank);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
         self.assessing.follow(&self.state, self.is_in_view(DockPanel::Machinability));
@@ -447,6 +432,7 @@ impl eframe::App for App {
         self.ask_channels(ui);
         self.ask_nc_target(ui);
         self.ask_roles(ui);
+        views::drop_sign::show(ui.ctx(), self.is_asking());
         // A border drag is one undo step, however long it takes.
         if !self.is_dragging_border {
             let time = ui.input(|input| input.time);

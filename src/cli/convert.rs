@@ -2,6 +2,7 @@
 //! and tool libraries.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::args::{ConvertArgs, MeshArgs};
 use super::{Failure, open, print_stdout};
@@ -134,7 +135,7 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
     if loses_insert_width {
         for entry in library.tools.iter_mut().filter(|entry| entry.tool.core_radius() > 0.0) {
             let what = "Fusion has no insert width; it has to be given again where the library is read";
-            entry.notes.push(what.to_owned());
+            Arc::make_mut(entry).notes.push(what.to_owned());
         }
     }
     for remark in library.remarks() {

@@ -77,7 +77,7 @@ pub fn curve_text(curve: &[PolicyResult], outcome: &PlanOutcome) -> String {
         "time, min",
         if counts_finishing { " total, min" } else { "" },
         "positions",
-        "interfering",
+        "core contact",
         "stock mean/95 %",
         "uncut, %"
     );

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::job::{PolicyResult, Summary};
 use crate::machine::MachineTool;
 use crate::part::Impeller;
-use crate::plunge::{DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
+use crate::plunge::{Breach, DropReason, LimitedBy, PlungePlan, Position, SectionPlan, StopReason};
 use crate::setup::cutting_data::CuttingData;
 use crate::setup::{CutDirection, SectionKind, Setup};
 use crate::stock::{CornerLimit, FloorGrid, InaccessibleFloor};
@@ -284,6 +284,26 @@ pub fn table<'a>(rows: impl Iterator<Item = (&'a str, PlungeFigures<'a>)>) -> St
         }
     }
     text
+}
+
+/// What the column `interf.` of [`table`] leaves out: plunges of a plan that interfere since they exceed an
+/// allowance or the reach of the machine. Empty without any.
+pub fn breach_text(plan: &PlungePlan) -> String {
+    let breaches = Breach::ALL.map(|kind| {
+        (plan.positions.iter().filter(|p| p.evaluation.breach == Some(kind)).count(), kind.words())
+    });
+    let lines: String = breaches
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, words)| format!(", {count} {words}"))
+        .collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    let contact = plan.positions.iter().filter(|p| p.evaluation.contact.interferes()).count();
+    let (policy, count) = (plan.policy.name(), plan.count_interfering());
+    let words = if count == 1 { "plunge interferes" } else { "plunges interfere" };
+    format!("{policy}: {count} {words}: {contact} with the core in stock{lines}\n")
 }
 
 /// Inaccessible floor by its causes, for `--json`.

@@ -242,6 +242,7 @@ fn plan_text(
     text += &output::table(
         policies.map(|result| (result.plan.policy.name(), PlungeFigures::of_result(result, &outcome.grid))),
     );
+    text += &outcome.policies().iter().map(|result| output::breach_text(&result.plan)).collect::<String>();
     if channels > 1 {
         text += &format!("{} as written, {}:\n", plan.policy.name(), words::channels_text(channels));
         text +=

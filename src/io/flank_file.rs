@@ -167,6 +167,34 @@ pub fn shown_walls(plan: &FlankPlan) -> Vec<ShownWall> {
     plan.walls.iter().map(shown).collect()
 }
 
+/// A move as a file of it holds it.
+fn stored_move(m: &FlankMove) -> FlankMove {
+    let (tip, axis) = (rounded(m.tip.coords.into(), STEPS_PER_MM), rounded(m.axis.into(), AXIS_STEPS));
+    FlankMove {
+        tip: stored::point(tip),
+        axis: stored::unit_axis(axis).unwrap_or(m.axis),
+        feed_mm_per_min: (m.feed_mm_per_min * FEED_STEPS).round() / FEED_STEPS,
+        ..*m
+    }
+}
+
+/// The same of the plunges above the shroud.
+fn stored_opening(opening: &FlankOpening) -> FlankOpening {
+    let plunge = |(retract, tip, axis): &(Point, Point, Vector)| {
+        let [retract, tip] = [retract, tip].map(|p| stored::point(rounded(p.coords.into(), STEPS_PER_MM)));
+        (retract, tip, stored::unit_axis(rounded((*axis).into(), AXIS_STEPS)).unwrap_or(*axis))
+    };
+    FlankOpening { plunges: opening.plunges.iter().map(plunge).collect(), ..opening.clone() }
+}
+
+/// The program of a plan as [`StoredFlank::program`] reads it from a file: NC code that is posted from either
+/// is the same.
+pub fn stored_program(part_name: &str, plan: &FlankPlan) -> ClProgram {
+    let moves: Vec<FlankMove> = plan.moves.iter().map(stored_move).collect();
+    let passes = ClProgram::of_flank(part_name, &plan.tool, &moves);
+    passes.after_opening(plan.opening.as_ref().map(stored_opening).as_ref())
+}
+
 fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
     coordinates.map(|x| (x * decimals).round() / decimals)
 }

@@ -90,7 +90,7 @@ pub struct PlanSelection {
 pub struct SetFigures {
     /// Number of plunges.
     pub positions: usize,
-    /// Number of interfering plunges: their core meets stock.
+    /// Number of plunges whose core meets stock, or that exceed an allowance or the reach of the machine.
     pub interferential: usize,
     /// Mean residual stock on the channel floor, mm.
     pub residual_mean: f64,
@@ -98,8 +98,21 @@ pub struct SetFigures {
     pub residual_p95: f64,
     /// Share of the accessible floor that no plunge cuts.
     pub uncut_share: f64,
-    /// Estimated machining time of one channel, s.
+    /// Machining time of one channel, s.
     pub time: f64,
+    /// The same of all channels; `None` in projects of older versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wheel_time: Option<f64>,
+}
+
+impl SetFigures {
+    /// Whether all of them are numbers.
+    fn is_known(&self) -> bool {
+        let wheel = self.wheel_time.unwrap_or(0.0);
+        [self.residual_mean, self.residual_p95, self.uncut_share, self.time, wheel]
+            .into_iter()
+            .all(f64::is_finite)
+    }
 }
 
 /// A what-if set kept for comparison.
@@ -177,7 +190,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
                 name: set.name.clone(),
                 setup: write_setup(&beside(&set.setup, path)),
                 // JSON has no NaN; figures without a value are omitted.
-                figures: set.figures.filter(|f| f.residual_mean.is_finite() && f.residual_p95.is_finite()),
+                figures: set.figures.filter(SetFigures::is_known),
             })
             .collect(),
         viewpoint: project.viewpoint,
@@ -293,6 +306,7 @@ mod tests {
                     residual_p95: 1.5,
                     uncut_share: 0.01,
                     time: 900.0,
+                    wheel_time: Some(15_000.0),
                 }),
             }],
             viewpoint: Some(Viewpoint {

@@ -1,6 +1,6 @@
-//! Plans with the edits of the setup: the plan is found without them, which is kept for the next edit, and the
-//! edits apply to it. Where they lock plunges that the planner does not place by itself, the requested plan is
-//! made once more around these, and the edits apply to that one.
+//! Plans with the edits of the setup: the plan is found without them, which is kept for the next edit, and
+//! the edits apply to it. Where they lock plunges that the planner does not place by itself, the requested
+//! plan is made once more around these, and the edits apply to that one.
 
 use super::goal::{self, MetGoal, WholeInput};
 use super::{
@@ -10,7 +10,7 @@ use super::{
 use crate::error::ErrorCode;
 use crate::monitor::Monitor;
 use crate::plunge::{PlanError, Planner, SectionCache};
-use crate::setup::{AxisPolicy, PlungeChange, PlungeEdit, SetupFault, SetupPlace};
+use crate::setup::{AxisPolicy, PlungeChange, PlungeEdit, Setup, SetupFault, SetupPlace};
 
 /// Like [`PlanJob::run_with_listener`], with the cache `known`.
 pub(super) fn plan_with_edits(
@@ -58,6 +58,14 @@ pub(super) fn plan_with_edits(
 }
 
 impl PlanCache {
+    /// The first `count` sections of the last plan of `policy` with this setup, as far as they are known.
+    fn leading_sections(&self, setup: &Setup, policy: AxisPolicy, count: usize) -> SectionCache {
+        let caches =
+            [&self.plans, &self.reordered].into_iter().filter_map(|known| known.policies.get(&policy));
+        let valid = |known: &&SectionCache| known.valid_prefix(setup).unwrap_or(0);
+        caches.max_by_key(valid).map(|known| known.leading(count)).unwrap_or_default()
+    }
+
     /// The plan `found` made again around the plunges that `locks` keep; `None` where it is not finished.
     fn around(
         &mut self,
@@ -74,7 +82,11 @@ impl PlanCache {
         {
             return Ok(Some(outcome.clone()));
         }
-        let outcome = found.planned_around(&locks, monitor, listener)?;
+        let outcome = {
+            let policy = found.after.plan.policy;
+            let sections = |count| self.leading_sections(&found.setup, policy, count);
+            found.planned_around(&locks, sections, monitor, listener)?
+        };
         if let Some(outcome) = &outcome {
             self.around = Some((locks, outcome.clone()));
         }
@@ -83,11 +95,14 @@ impl PlanCache {
 }
 
 impl PlanOutcome {
-    /// The outcome with the requested plan made again around the plunges that `locks` keep; `None` after a stop.
-    /// Its stages are reported: they replace those of the plan without them.
+    /// The outcome with the requested plan made again around the plunges that `locks` keep; `None` after a
+    /// stop. `sections` gives so many leading sections of the plan without them: those before the first that
+    /// has a locked plunge are the same. Its stages are reported: they replace those of the plan without
+    /// them.
     fn planned_around(
         &self,
         locks: &[PlungeEdit],
+        sections: impl FnOnce(usize) -> SectionCache,
         monitor: &Monitor,
         listener: Listener,
     ) -> Result<Option<Self>, JobError> {
@@ -95,7 +110,8 @@ impl PlanOutcome {
         let policy = self.after.plan.policy;
         let planner = Planner::new(workpiece, setup).keeping_locked(locks);
         let planning = &monitor.span(0.0, FIRST_SHARE);
-        let planned = plan_in_stages(&planner, policy, &mut SectionCache::default(), planning, listener);
+        let mut known = sections(planner.sections_before_locked());
+        let planned = plan_in_stages(&planner, policy, &mut known, planning, listener);
         if planned.is_ok() {
             planning.report(1.0);
         }

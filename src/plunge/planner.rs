@@ -43,6 +43,12 @@ impl<'a> Planner<'a> {
         self
     }
 
+    /// Number of sections that are cut before the first one with a locked plunge.
+    pub fn sections_before_locked(&self) -> usize {
+        let locked = &self.context.locked;
+        locked.iter().position(|plunges| !plunges.is_empty()).unwrap_or(locked.len())
+    }
+
     /// The workpiece that it plans for.
     pub fn workpiece(&self) -> &Workpiece {
         self.context.workpiece

@@ -73,6 +73,11 @@ impl SectionCache {
         Ok(self.sections.len())
     }
 
+    /// The same with the first `count` sections alone.
+    pub fn leading(&self, count: usize) -> Self {
+        Self { sections: self.sections.iter().take(count).cloned().collect(), complete: Vec::new() }
+    }
+
     /// Stores the current plan as the last finished one, if all of its `sections` sections are cached.
     pub(super) fn store_complete(&mut self, sections: usize) {
         if self.sections.len() == sections {

@@ -128,6 +128,8 @@ impl Summary {
     /// time of all of them is not known, the links from channel to channel are left out.
     pub fn time_of_channels_s(&self, count: usize, channels: usize) -> f64 {
         let further = match self.wheel_time_s {
+            // Exactly that time: one that is off by rounding may be written with another last digit.
+            Some(wheel) if count == channels => return wheel,
             Some(wheel) if channels > 1 => (wheel - self.time_s()) / (channels as f64 - 1.0),
             _ => self.time_of_further_channel_s(),
         };

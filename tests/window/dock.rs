@@ -419,3 +419,31 @@ fn a_double_click_on_a_border_brings_back_the_size_at_first() {
         }
     }
 }
+
+#[test]
+fn the_size_of_a_window_is_there_after_a_restart() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let mut first = with_home(&home);
+    arrange(&mut first, "Table", "Pop out");
+    first.run_steps(4);
+    let place = |window: &Window| {
+        let rect =
+            window.ctx.memory(|memory| memory.area_rect(egui::Id::unique(("floating window", "Table"))));
+        rect.expect("it floats")
+    };
+    let before = place(&first);
+    // By its lower right corner it is made wider and lower.
+    let corner = before.right_bottom();
+    drag(&mut first, corner - Vec2::splat(2.0), corner + Vec2::new(40.0, -120.0));
+    first.run_steps(6);
+    let left = place(&first);
+    assert!(left.width() > before.width() + 20.0 && left.height() < before.height() - 60.0, "{left}");
+    drop(first);
+    let mut second = with_home(&home);
+    second.run_steps(6);
+    assert!(floats(&second, DockPanel::Table));
+    let again = place(&second);
+    let differs = (again.min - left.min).length().max((again.max - left.max).length());
+    assert!(differs < 3.0, "{left} became {again}");
+}

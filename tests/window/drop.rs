@@ -145,3 +145,93 @@ fn a_plan_opens_with_its_part_and_setup() {
     let said = &third.state().state().problems;
     assert!(said.iter().any(|p| p.message.contains("strange.json")), "{said:?}");
 }
+
+#[test]
+fn a_part_dropped_with_a_setup_asks_too_and_nothing_opens_beneath_the_question() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writes");
+        path
+    };
+    let part = file("wheel.toml", include_str!("../../assets/parts/pump6.toml"));
+    let setup = file("fine.toml", "[plunge]\nstep = 6.5\n");
+    let letter = file("letter.txt", "Dear machinist");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Step").set_value_accesskit(5.0);
+    window.run_steps(2);
+    settle(&mut window);
+    let question = "Save the changes of this project?";
+    // What cannot be opened is refused without a question.
+    drop_on(&mut window, &[&letter]);
+    assert!(window.query_by_label(question).is_none());
+    let said = window.state().state().problems.last().cloned().expect("a problem");
+    assert!(said.message.contains("letter.txt") && said.help.contains(".vanecut"), "{said:?}");
+    drop_on(&mut window, &[folder.path()]);
+    let said = window.state().state().problems.last().cloned().expect("a problem");
+    assert!(said.message.contains("this is a folder"), "{said:?}");
+    drop_on(&mut window, &[&part, &setup]);
+    window.get_by_label(question);
+    assert_eq!((part_name(&window).as_deref(), step(&window)), (Some("impeller532"), Some(5.0)));
+    // A second drop waits for the answer to the first.
+    drop_on(&mut window, &[&setup]);
+    assert_eq!(step(&window), Some(5.0));
+    let said = window.state().state().problems.last().cloned().expect("a problem");
+    assert!(said.message.contains("while a question was open"), "{said:?}");
+    window.get_by_label("Don't save").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!((part_name(&window).as_deref(), step(&window)), (Some("pump6"), Some(6.5)));
+    assert!(window.state().state().problems.is_empty(), "what was not opened is over");
+    // Two parts are not one project.
+    drop_on(&mut window, &[&part, &part]);
+    let said = window.state().state().problems.last().cloned().expect("a problem");
+    assert!(said.message.contains("cannot be opened together"), "{said:?}");
+    drop_on(&mut window, &[&setup]);
+    assert!(window.state().state().problems.is_empty(), "a setup that opens ends the message, too");
+}
+
+#[test]
+fn a_file_over_the_window_is_seen() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    assert!(window.query_by_label("Drop to open").is_none());
+    window.input_mut().hovered_files = vec![egui::HoveredFile::default()];
+    window.run_steps(2);
+    window.get_by_label("Drop to open");
+    window.input_mut().hovered_files.clear();
+    window.run_steps(2);
+    assert!(window.query_by_label("Drop to open").is_none());
+}
+
+/// Bytes that this process has read from files.
+#[cfg(target_os = "linux")]
+fn bytes_read() -> u64 {
+    let text = std::fs::read_to_string("/proc/self/io").expect("Linux counts them");
+    let line = text.lines().find_map(|line| line.strip_prefix("rchar: "));
+    line.and_then(|count| count.parse().ok()).expect("a count")
+}
+
+/// Plans of whole wheels are long.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_plan_is_read_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
+    let description = read_part(Path::new(sample)).expect("a part");
+    let plan = folder.path().join("plan.json");
+    let outcome = &planned.outcome;
+    let mut text = write_plan(&description, &outcome.setup, &outcome.after.plan, 1);
+    // So long that what other tests read meanwhile does not matter.
+    text.push_str(&" ".repeat(60 << 20));
+    std::fs::write(&plan, &text).expect("writes");
+    let before = bytes_read();
+    drop_on(&mut window, &[&plan]);
+    let read = bytes_read() - before;
+    assert!(window.state().state().problems.is_empty(), "{:?}", window.state().state().problems);
+    assert!(read < text.len() as u64 * 3 / 2, "{read} bytes of {}", text.len());
+}

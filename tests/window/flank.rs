@@ -1,10 +1,17 @@
 //! Flank milling in the window.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::units::DisplayUnits;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::job::JobError;
+use vanecut::job::flank::FlankRequest;
+use vanecut::monitor::Monitor;
 use vanecut::setup::FlankStrategy;
 
 use crate::fake;
@@ -146,6 +153,12 @@ fn passes_of_the_flank_plan_are_a_table_and_moves_a_timeline() {
     assert!((passes.time_after(moves.len()) - times.total()).abs() < 1e-6 * times.total(), "the same time");
     window.get_by_label(&format!("all {}", moves.len()));
 
+    // The command line counts passes, of which one may be several cuts.
+    let layout = window.state().state().results.flank.clone().expect("planned").plan.layout.clone();
+    let count = layout.totals[layout.strategy as usize].passes;
+    assert!(count < passes.passes.len(), "{count}");
+    window.get_by_label(&format!("{} cuts of {count} passes", passes.passes.len()));
+
     // A row selects its pass and brings it into view.
     let before = window.state().camera().expect("a camera");
     window.get_by_label("Pass 3").click();
@@ -251,4 +264,36 @@ fn the_program_of_the_selected_operation_is_exported() {
         window.key_press(egui::Key::Escape);
         window.run_steps(3);
     }
+}
+
+#[test]
+fn f6_while_both_operations_are_calculated_begins_nothing_anew() {
+    let (engine, slow) = fake::engine();
+    let (calls, held) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(true)));
+    let (counted, waits) = (Arc::clone(&calls), Arc::clone(&held));
+    let inner = Arc::clone(&engine.flank);
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        counted.fetch_add(1, Ordering::SeqCst);
+        while waits.load(Ordering::SeqCst) {
+            monitor.check().map_err(|_| JobError::Cancelled)?;
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        inner(request, monitor)
+    };
+    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    slow.store(true, Ordering::SeqCst);
+    window.key_press(egui::Key::F5);
+    window.run_steps(3);
+    for _ in 0..3 {
+        window.key_press(egui::Key::F6);
+        window.run_steps(3);
+    }
+    window.get_by_label("Roughing: calculating…");
+    window.get_by_label("Flank: calculating…");
+    assert!(!labels(&window, "Calculating flank milling…").is_empty());
+    slow.store(false, Ordering::SeqCst);
+    held.store(false, Ordering::SeqCst);
+    settle(&mut window);
+    assert_eq!(calls.load(Ordering::SeqCst), 1, "the same is not begun again");
+    assert!(window.state().state().results.flank.is_some());
 }

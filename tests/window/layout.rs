@@ -349,3 +349,34 @@ fn four_columns_in_the_smallest_window_scroll_to_all_of_their_fields() {
         );
     }
 }
+
+/// A notebook of 1280 × 800 pixels at 150 %.
+#[test]
+fn every_item_of_a_menu_can_be_reached_in_a_low_window() {
+    let (engine, _) = fake::engine();
+    let mut window = sample_in(scaled(engine, 1.5));
+    window.set_size(egui::vec2(853.0, 533.0));
+    window.run_steps(4);
+    window.get_by_label("File").click();
+    window.run_steps(4);
+    let bottom = |window: &Window| window.get_by_label_contains("Quit").rect().bottom();
+    assert!(bottom(&window) > 533.0, "the menu is longer than the window");
+    window.hover_at(window.get_by_label_contains("Open setup").rect().center());
+    window.run_steps(2);
+    for _ in 0..20 {
+        turn_wheel(&mut window, -60.0, 2);
+    }
+    window.run_steps(10);
+    assert!(bottom(&window) < 533.0, "it scrolls to its end: {}", bottom(&window));
+    window.key_press(egui::Key::Escape);
+    window.run_steps(4);
+    let timeline = window.get_by_role_and_label(Role::Slider, "Timeline").rect();
+    assert!(timeline.width() > 80.0, "{timeline}");
+    window.key_press(egui::Key::G);
+    window.run_steps(6);
+    let verdict = window.get_by_label("Not machined").rect();
+    let panel = window.ctx.memory(|memory| {
+        memory.area_rect(egui::Id::unique(("floating window", "Time against stock"))).expect("it is open")
+    });
+    assert!(panel.top() > verdict.bottom(), "{panel} hides the figures, which end at {verdict}");
+}

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
+mod agreement;
 mod borders;
 mod compare;
 mod defects;
@@ -14,7 +15,9 @@ mod edits;
 mod fake;
 mod flank;
 mod harness;
+
 mod help;
+mod large_library;
 mod layout;
 mod look;
 mod machine;
@@ -163,6 +166,7 @@ fn a_cancelled_plan_of_a_new_setup_is_shown_as_the_best_so_far() {
     let state = window.state().state();
     let shown = state.shown().expect("a plan").plan();
     assert!(shown.is_unfinished() && !shown.positions.is_empty(), "what was found until then");
+    window.get_by_label("Roughing: unfinished");
     assert!(!state.out_of_date(), "it is of the setup as it stands");
     let notice = state.notice.clone().expect("a word about it");
     assert_eq!((notice.tone, notice.text.contains("best so far")), (Tone::Done, true), "{notice:?}");

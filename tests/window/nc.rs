@@ -6,8 +6,10 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
+use vanecut::io::flank_file::{read_flank_bytes, write_flank};
 use vanecut::io::machine_file::read_machine;
 use vanecut::io::nc::read_post;
+use vanecut::io::part_file::read_part;
 use vanecut::job::post::{PostRequest, post_program};
 use vanecut::machine::{BlankSize, OutputKind};
 use vanecut::monitor::Monitor;
@@ -224,8 +226,11 @@ fn the_flank_plan_is_exported_as_well() {
     save(&mut window, &path);
     let text = std::fs::read_to_string(&path).expect("written");
     let outcome = window.state().state().results.flank.clone().expect("planned");
-    let program = ClProgram::of_flank(&outcome.workpiece.part.name, &outcome.plan.tool, &outcome.plan.moves);
-    let program = program.after_opening(outcome.plan.opening.as_ref());
+    // The same as from the file of the plan, whose coordinates are rounded.
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
+    let file = write_flank(&read_part(Path::new(sample)).expect("a part"), &outcome.setup, &outcome.plan);
+    let stored = read_flank_bytes("flank.json", file.as_bytes()).expect("reads");
+    let program = stored.program().expect("it has its tool");
     let target = read_machine(Path::new("ac-trunnion")).unwrap();
     assert_eq!(text, posted(&window, &program, "ac-trunnion", &target.control, target.output));
 

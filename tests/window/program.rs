@@ -20,7 +20,7 @@ use vanecut::verify::{Fault, FaultKind, verify};
 
 use crate::drop::drop_on;
 use crate::fake;
-use crate::harness::{HANG, Window, click_enabled, settle, snapshot_view, with_sample};
+use crate::harness::{HANG, Window, click_enabled, pixels_in, settle, snapshot_view, with_sample};
 use crate::machine::{axes, choose, held_by_trunnion, with_machine};
 
 /// The first plunges of the plan as a program; the fourth goes 3 mm too deep.
@@ -408,4 +408,37 @@ fn the_lines_of_a_program_have_a_legend() {
     for entry in ["T1 Ø30", "rapid", "fault"] {
         window.get_by_label(entry);
     }
+}
+
+#[test]
+fn a_dropped_program_is_checked_even_if_the_one_before_is_out_of_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
+    // The plunges are edited where the program is not shown: it is out of date, and not checked again.
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(1.5);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().program_is_stale());
+    let other = write(folder.path(), "other.apt", &text);
+    drop_on(&mut window, &[&other]);
+    let checked = window.state().state().results.checked.clone().expect("checked");
+    assert_eq!(checked.request.path, other, "what was dropped, and not the one before");
+    assert!(!window.state().state().program_is_stale());
+}
+
+#[test]
+fn the_selected_plunge_is_not_drawn_where_plunges_are_not_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, _) = with_checked_program(folder.path());
+    let view = |window: &mut Window, selected: Option<usize>| {
+        window.state_mut().look_mut().selected = selected;
+        window.run_steps(6);
+        settle(window);
+        let rect = window.get_by_label("3D view").rect();
+        pixels_in(window, rect)
+    };
+    let (without, with) = (view(&mut window, None), view(&mut window, Some(0)));
+    assert!(without == with, "the plunge of the other operation is in the view");
 }

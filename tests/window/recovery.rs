@@ -252,3 +252,41 @@ fn edits_are_copied_while_editing_goes_on() {
     let recovered = step(&second).expect("an edit");
     assert!(recovered >= 5.0 + 0.25 * 7.0, "{recovered}");
 }
+
+/// The program started with a part file shows no start page, which lists them.
+#[test]
+fn unsaved_changes_are_offered_where_their_part_is_opened_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let first = window_with_part(&engine, &home, folder.path());
+    edit_and_crash(first, 6.5);
+    let mut second = window_with_part(&engine, &home, folder.path());
+    second.get_by_label_contains("Unsaved changes of wheel");
+    assert_eq!(step(&second), None, "not before the answer");
+    second.get_by_label("Recover").click();
+    second.run_steps(2);
+    settle(&mut second);
+    assert_eq!(step(&second), Some(6.5));
+    assert!(second.query_by_label_contains("Unsaved changes of wheel").is_none());
+}
+
+#[test]
+fn what_another_window_has_recovered_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let first = window_with_part(&engine, &home, folder.path());
+    edit_and_crash(first, 6.5);
+    let mut second = window_at(&engine, &home);
+    let mut third = window_at(&engine, &home);
+    for window in [&mut second, &mut third] {
+        window.get_by_label("Recover").click();
+        window.run_steps(2);
+        settle(window);
+    }
+    assert_eq!(step(&second), Some(6.5));
+    let said = third.state().state().problems.last().cloned().expect("a problem");
+    assert!(said.message.starts_with("Another window has recovered"), "{said:?}");
+    assert!(third.query_by_label("Recover").is_none(), "it is offered no longer");
+}

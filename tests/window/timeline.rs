@@ -7,6 +7,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::cutter_colours::{CutterClass, CutterLegend};
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::state::ShownPlan;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::io::apt::read_apt;
 use vanecut::job::{Listener, PlanRequest};
@@ -14,7 +15,9 @@ use vanecut::monitor::Monitor;
 use vanecut::toolpath::{ClProgram, Travel};
 
 use crate::fake;
-use crate::harness::{Window, labels, press, settle, snapshot_view, snapshot_view_without_path, with_sample};
+use crate::harness::{
+    Window, labels, press, settle, snapshot_view, snapshot_view_without_path, with_sample, words,
+};
 
 /// A window with many plunges in small steps.
 fn with_many() -> Window {
@@ -138,12 +141,13 @@ fn every_tool_and_section_has_a_colour_of_its_own() {
         }
         let state = window.state().state();
         let shown = state.shown().expect("planned");
-        let legend = state.look.layers.cutter_colours.legend(shown.planned, shown.policy, state.look.units);
+        let colours_by = state.look.layers.cutter_colours;
+        let legend = colours_by.legend(&[shown], state.look.units);
         let Some(CutterLegend::Classes(classes)) = legend else { panic!("classes: {legend:?}") };
         let colours: BTreeSet<[u8; 3]> =
             classes.iter().map(|class| class.colour.map(|x| (255.0 * x) as u8)).collect();
         assert_eq!((classes.len(), colours.len()), (9, 9), "{classes:?}");
-        let of_cutters = state.look.layers.cutter_colours.of_plan(shown.planned, shown.policy);
+        let of_cutters = colours_by.of_plan(&shown, &colours_by.key(&[shown]));
         let drawn: BTreeSet<[u8; 3]> =
             of_cutters.expect("colours").into_iter().map(|c| c.map(|x| (255.0 * x) as u8)).collect();
         assert_eq!(drawn, colours, "the legend explains what is drawn");
@@ -267,5 +271,37 @@ fn the_place_under_the_pointer_says_how_it_is_cut() {
     window.run_steps(3);
     for name in ["Feed rate, speed", "Cut after", "Program line"] {
         window.get_by_label(name);
+    }
+}
+
+/// A tool that only one of the plans has is in the legend of both, and one colour means one tool.
+#[test]
+fn the_legend_of_both_views_is_of_both_plans() {
+    let engine = fake::engine_of_sections(3);
+    let plan = Arc::clone(&engine.plan);
+    let without_first = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        outcome.after.plan.positions.retain(|position| position.section > 0);
+        Ok(outcome)
+    };
+    let mut window = with_sample(Engine { plan: Arc::new(without_first), ..engine });
+    window.set_size(egui::vec2(1300.0, 700.0));
+    window.run_steps(4);
+    colour_by(&mut window, "Tool");
+    assert!(window.query_by_label_contains("T1 Ø30, ").is_none(), "the plan after does not use it");
+    for view in ["Both", "Wipe"] {
+        window.get_by_label(view).click();
+        window.run_steps(4);
+        settle(&mut window);
+        let text = words(&window, "T1 Ø30, ").expect("in the legend of the plan before");
+        assert!(text.ends_with("/0 %"), "{text}");
+        let state = window.state().state();
+        let (by, in_view) = (state.look.layers.cutter_colours, state.plans_in_view());
+        let key = by.key(&in_view);
+        let colour_of_t2 = |shown: &ShownPlan| {
+            let k = shown.plan().positions.iter().position(|p| p.section == 1).expect("a plunge of T2");
+            by.of_plan(shown, &key).expect("colours")[k]
+        };
+        assert_eq!(colour_of_t2(&in_view[0]), colour_of_t2(&in_view[1]), "{view}");
     }
 }

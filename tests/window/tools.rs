@@ -256,6 +256,7 @@ fn edits_of_the_library_survive_a_crash() {
     delete_tool_64(&mut first);
     // The harness clock advances by a quarter of a second per frame.
     first.run_steps(10);
+    settle(&mut first);
     // Nothing of the first window gets to run any more.
     drop(first);
     let mut second = opened();
@@ -267,7 +268,38 @@ fn edits_of_the_library_survive_a_crash() {
     assert!(second.query_by_label_contains("T64 Ø").is_none(), "what was edited is there");
     second.get_by_label_contains("T63 Ø");
     second.run_steps(10);
+    settle(&mut second);
+    second.run_steps(4);
     drop(second);
     let copies = std::fs::read_dir(home.join("recovery")).expect("a folder").count();
     assert_eq!(copies, 1, "the second session has taken it over");
+}
+
+/// Fusion keeps more of a tool than Vanecut knows.
+#[test]
+fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shop = folder.path().join("shop.json");
+    std::fs::write(&shop, FUSION).expect("writes");
+    let mut window = with_shop_library();
+    click(&mut window, "Open library…");
+    name_file(&mut window, &shop);
+    click(&mut window, "T13 Ø6 R3 L50 ball");
+    click(&mut window, "Copy");
+    let write = |window: &mut Window| {
+        click(window, "Save library…");
+        name_file(window, &shop);
+        click(window, "Replace");
+    };
+    write(&mut window);
+    window.get_by_label("Write a Fusion library?");
+    window.get_by_label_contains("Vendor, product, material and coolant");
+    window.get_by_label_contains("cutting, lead-in and ramp");
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(std::fs::read_to_string(&shop).expect("reads"), FUSION, "as it was");
+    write(&mut window);
+    click(&mut window, "Write anyway");
+    assert_eq!(read_library(&shop, LibraryFormat::FusionJson).expect("reads").tools.len(), 3);
 }

@@ -5,7 +5,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::setup::Tool;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, with_sample};
+use crate::harness::{Window, click_enabled, press, settle, with_sample};
 
 /// Types `text` into the field of this number among those of this name.
 fn type_into(window: &mut Window, (field, number): (&str, usize), text: &str) {
@@ -112,4 +112,52 @@ fn every_field_of_the_setup_says_what_it_does_not_take() {
     // The field shows what it holds.
     let shown = window.get_by_role_and_label(Role::SpinButton, "Max tilt").accesskit_node().value();
     assert_eq!(shown.as_deref(), Some("45°"));
+}
+
+#[test]
+fn numbers_of_channels_diameters_and_ends_of_the_scale_are_refused_with_the_cure() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1400.0, 900.0));
+    window.run_steps(3);
+    let range = window.state().state().range();
+    type_into(&mut window, ("Scale maximum", 0), "0.01");
+    assert_eq!(window.state().state().range(), range);
+    let said = window.state().state().notice.clone().expect("a reason").text;
+    let wanted = "Scale maximum: 0.01 is too little: at least 0.05 mm, above the lower end. For less, lower that first";
+    assert_eq!(said, wanted);
+    type_into(&mut window, ("Scale minimum", 0), "50");
+    assert_eq!(window.state().state().range(), range);
+    let said = window.state().state().notice.clone().expect("a reason").text;
+    assert!(said.contains("below the upper end. For more, raise that first"), "{said}");
+
+    window.key_press(egui::Key::Escape);
+    for name in ["File", "Export CL of several channels…"] {
+        window.get_by_label_contains(name).click();
+        window.run_steps(4);
+    }
+    type_into(&mut window, ("Channels", 0), "18");
+    assert!(says(&window, "18 is too much: at most 17, the channels of the wheel"));
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+}
+
+#[test]
+fn diameters_of_the_library_filter_are_refused_with_the_cure() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1700.0));
+    window.run_steps(3);
+    window.get_by_label("Shop library…").click();
+    window.run_steps(4);
+    settle(&mut window);
+    let count = |window: &Window| {
+        let is_it = |text: &str| text.contains(" of ") && text.ends_with(" tools");
+        let mut nodes = window.query_all_by(|node| node.value().is_some_and(|value| is_it(&value)));
+        nodes.next().expect("a number of tools").accesskit_node().value()
+    };
+    let all = count(&window);
+    type_into(&mut window, ("Ø", 0), "2000");
+    assert!(says(&window, "2000 is too much: at most 1000, the greatest that is shown"));
+    assert_eq!(all, count(&window));
 }

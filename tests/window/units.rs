@@ -161,3 +161,31 @@ fn typed_numbers_are_inches_then_and_files_stay_in_mm() {
     second.run_steps(2);
     assert_eq!(second.state().state().look.units, DisplayUnits::Inch, "it is a preference");
 }
+
+/// Numbers in inches have more digits than those in mm.
+#[test]
+fn the_cells_of_the_table_do_not_touch_in_inches() {
+    let (engine, _) = fake::engine();
+    let plan = Arc::clone(&engine.plan);
+    let deep = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        outcome.after.plan.positions[0].evaluation.contact.depth = 9.0;
+        Ok(outcome)
+    };
+    let mut window = with_sample(Engine { plan: Arc::new(deep), ..engine });
+    choose(&mut window, "Units: inch");
+    window.set_size(egui::vec2(1100.0, 700.0));
+    window.run_steps(4);
+    let row = window.get_by_role_and_label(Role::Row, "Position 1").rect();
+    let texts = window.query_all_by(|node| node.role() == Role::Label && node.value().is_some());
+    let mut cells: Vec<egui::Rect> = texts
+        .map(|node| node.rect())
+        .filter(|rect| row.left() <= rect.left() && (rect.center().y - row.center().y).abs() < 3.0)
+        .collect();
+    cells.sort_by(|a, b| a.left().total_cmp(&b.left()));
+    assert!(cells.len() >= 6, "{cells:?}");
+    for pair in cells.windows(2) {
+        let space = pair[1].left() - pair[0].right();
+        assert!(space >= 10.0, "{space} points between {} and {}", pair[0], pair[1]);
+    }
+}

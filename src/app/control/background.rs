@@ -61,6 +61,9 @@ impl App {
 
     /// Opens a project, setup, part or study, or the part and setup of a plan, depending on the file.
     pub(in crate::app) fn open_file(&mut self, path: PathBuf) {
+        if self.was_recovered_elsewhere(&path) {
+            return;
+        }
         if !self.is_recoverable(&path) {
             self.dialogs.note_folder(&path);
         }
@@ -81,7 +84,16 @@ impl App {
 
     /// Plans with the current setup.
     pub(in crate::app) fn plan(&mut self) {
-        self.submit_plan(false);
+        // The same once more would only begin from the start.
+        let runs = self.work.is_planning() && !self.work.planner.is_stopping();
+        let is_same = |asked: &PlanKey| {
+            !asked.draft
+                && asked.compare == self.state.compare
+                && asked.setup.equals_except_flank(&self.state.document.edited.setup)
+        };
+        if !(runs && self.work.asked.as_ref().is_some_and(is_same)) {
+            self.submit_plan(false);
+        }
     }
 
     /// Plans. A draft has one policy and a coarse field: while a slider moves, it is soon replaced.
@@ -162,8 +174,12 @@ impl App {
     /// Plans flank milling passes with the current setup.
     pub(in crate::app) fn plan_flank(&mut self) {
         let Some(part) = &self.state.document.part else { return };
-        self.state.notice = None;
         let setup = self.state.document.edited.setup.clone();
+        // The same once more would only begin from the start.
+        if self.work.flanker.is_busy() && self.work.asked_flank.as_ref() == Some(&setup) {
+            return;
+        }
+        self.state.notice = None;
         self.work.asked_flank = Some(setup.clone());
         self.work.flanker.submit(FlankRequest { part: Arc::clone(&part.impeller), setup });
     }
@@ -187,7 +203,7 @@ impl App {
                 }
             }
             Outcome::Cancelled | Outcome::Failed(JobError::Cancelled) => {
-                self.state.report_done("Calculation cancelled");
+                self.state.report_done("Flank calculation cancelled");
             }
             Outcome::Failed(JobError::Setup(fault)) => {
                 self.report_setup_fault(Topic::Flank, &fault);
@@ -211,11 +227,14 @@ impl App {
             self.state.opening = None;
             self.roles.enable();
             match end {
-                Outcome::Done(opened) => self.take_opened(opened),
+                Outcome::Done(opened) => {
+                    self.state.solve(Topic::Opening);
+                    self.take_opened(opened);
+                }
                 Outcome::Cancelled => self.state.report_done("Opening cancelled"),
-                Outcome::Failed(error) => self.state.report_problem(Problem::from(&error)),
+                Outcome::Failed(error) => self.state.report_problem(Problem::of_opening(&error)),
                 Outcome::Panicked(what) => {
-                    self.state.report_problem(panic_problem(Topic::Other, "Opening", &what));
+                    self.state.report_problem(panic_problem(Topic::Opening, "Opening", &what));
                 }
             }
         }
@@ -382,6 +401,11 @@ impl App {
         }
         if let Some((path, project)) = project {
             self.take_project(path, &project);
+        } else if let Some((path, _)) = self.state.document.part.as_ref().and_then(|part| part.source.file())
+            && new_part
+        {
+            let path = path.to_owned();
+            self.find_copy_of_part(&path);
         }
         if let Some(file) = changed_part {
             self.state.report_problem(Problem::new(
@@ -401,7 +425,7 @@ impl App {
     /// Reads or writes a chosen file in the background.
     pub(in crate::app) fn use_file(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         match purpose {
-            Purpose::OpenPart | Purpose::OpenProject => self.run_guarded(ctx, Pending::Open(path)),
+            Purpose::OpenPart | Purpose::OpenProject => self.open_guarded(ctx, path),
             Purpose::LocatePart => self.open_located(path),
             Purpose::SaveProject => self.write_project(path, false),
             Purpose::OpenSetup => self.open_files(None, Some(path)),
@@ -411,7 +435,7 @@ impl App {
             Purpose::OpenLibrary => self.run_guarded(ctx, Pending::OpenLibrary(path)),
             Purpose::SaveLibrary => {
                 if let Some(library) = self.library.library() {
-                    self.write(WriteTask::Library(path, Box::new(library.content.clone())));
+                    self.write(WriteTask::Library(path, library.content().clone()));
                 }
             }
             Purpose::SaveSetup => {

@@ -28,12 +28,16 @@ impl App {
 
     /// Checks the last program again.
     pub(in crate::app) fn check_again(&mut self) {
-        // One that was not read at all is tried again, too.
-        let path = self.work.asked_check.as_ref().map(|asked| asked.path.clone());
-        let request = path.and_then(|path| self.state.check_request_of(path)).or(self.state.check_request());
-        if let Some(request) = request {
+        if let Some(request) = self.check_of_last() {
             self.submit_check(request);
         }
+    }
+
+    /// The check of the program that was asked for last, whether it was read or not; else of the one that is
+    /// shown.
+    fn check_of_last(&self) -> Option<CheckRequest> {
+        let path = self.work.asked_check.as_ref().map(|asked| asked.path.clone());
+        path.and_then(|path| self.state.check_request_of(path)).or(self.state.check_request())
     }
 
     fn submit_check(&mut self, request: CheckRequest) {
@@ -49,7 +53,8 @@ impl App {
         if !(follows && self.state.program_is_stale()) {
             return;
         }
-        let now = self.state.check_request();
+        // While another program is being read, it is that one, and not the one that is still shown.
+        let now = self.check_of_last();
         let is_asked = self.work.asked_check.as_ref().zip(now.as_ref()).is_some_and(|(a, b)| a.is_same(b));
         if let Some(request) = now.filter(|_| !is_asked) {
             self.submit_check(request);
@@ -60,6 +65,7 @@ impl App {
     pub(in crate::app) fn take_checked(&mut self, outcome: Outcome<CheckedProgram, CheckError>) {
         match outcome {
             Outcome::Done(checked) => {
+                self.state.solve(Topic::Opening);
                 let part = self.state.document.part.as_ref();
                 if part.is_some_and(|part| Arc::ptr_eq(&part.impeller, &checked.request.part)) {
                     self.state.take_checked(checked);

@@ -10,7 +10,7 @@ use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{DEFAULT_MACHINE, Operation};
 use crate::app::model::post_target::PostTarget;
-use crate::app::model::problem::Problem;
+use crate::app::model::problem::{Problem, without_markdown};
 use crate::app::model::release::concerns;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
@@ -23,8 +23,12 @@ use crate::app::views::release::{self, ReleaseAnswer};
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::gpu::{GpuError, SceneOptions};
+use crate::io::shop_tools::missing_in_fusion;
 
-/// A program that waits for an answer.
+/// Maximum number of remarks on a library that are repeated when it is written.
+const MAX_NOTES: usize = 4;
+
+/// A program or library that waits for an answer.
 #[derive(Debug)]
 pub(in crate::app) struct ReleaseQuestion {
     purpose: Purpose,
@@ -35,12 +39,25 @@ pub(in crate::app) struct ReleaseQuestion {
 impl App {
     /// Writes the chosen file; a program with something against it is asked about first.
     pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
-        let concerns = concerns(&self.state, purpose);
+        let concerns = match purpose {
+            Purpose::SaveLibrary => self.library_losses(&path),
+            _ => concerns(&self.state, purpose),
+        };
         if concerns.is_empty() {
             self.use_file(ctx, purpose, path);
         } else {
             self.release = Some(ReleaseQuestion { purpose, path, concerns });
         }
+    }
+
+    /// What a file at `path` would not hold of the shop library.
+    fn library_losses(&self, path: &Path) -> Vec<String> {
+        let is_fusion = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+        let Some(library) = self.library.library().filter(|_| is_fusion) else { return Vec::new() };
+        let mut lines = missing_in_fusion(library.content());
+        // What was left out when it was opened is in no file that is written now.
+        lines.extend(library.content().notes.iter().take(MAX_NOTES).map(|note| without_markdown(note)));
+        lines
     }
 
     /// Asks about a program, while that is due.
@@ -53,7 +70,11 @@ impl App {
                     self.state.out_of_date() || planned.is_some_and(|planned| planned.is_unfinished())
                 }
             };
-            release::ask(ui, &question.concerns, can_change)
+            let words = match question.purpose {
+                Purpose::SaveLibrary => &release::LIBRARY,
+                _ => &release::PROGRAM,
+            };
+            release::ask(ui, words, &question.concerns, can_change)
         });
         let Some(answer) = answer else { return };
         let Some(ReleaseQuestion { purpose, path, .. }) = self.release.take() else { return };
@@ -223,7 +244,11 @@ impl App {
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);
         let look = &self.state.look;
-        picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
+        picture.load_cutter_colours(
+            look.layers.cutter_colours,
+            &look.hidden_classes,
+            &self.state.plans_in_view(),
+        );
         // A file cannot show the badge of a plan under way, so its preview is left out.
         picture.load_preview(tool.as_ref());
         picture.load_flank(flank);

@@ -3,6 +3,7 @@
 pub(in crate::app) mod background;
 pub(in crate::app) mod check;
 pub(in crate::app) mod commands;
+pub(in crate::app) mod drops;
 pub(in crate::app) mod export;
 pub mod handover;
 pub(in crate::app) mod project;

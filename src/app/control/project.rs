@@ -9,6 +9,7 @@ use crate::app::control::unsaved::Pending;
 use crate::app::model::document::Edited;
 use crate::app::model::field_faults::FaultyField;
 use crate::app::model::file_purpose::Purpose;
+use crate::app::model::library_state::LibraryState;
 use crate::app::model::look::REVEAL;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
@@ -26,7 +27,6 @@ use crate::app::views::unsaved::UnsavedWork;
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
 use crate::io::setup_file::SetupEntryFault;
-use crate::io::shop_tools::ToolLibrary;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
@@ -40,7 +40,7 @@ pub(in crate::app) struct Session {
     /// When the recovery copy was due last, s.
     pub(super) copied_at: Option<f64>,
     /// Tool library in its copy on disk, when that was due last, s, and the copy that another session has left.
-    pub(super) copied_library: Option<ToolLibrary>,
+    pub(super) copied_library: Option<LibraryState>,
     pub(super) library_copied_at: Option<f64>,
     pub(super) left_library: Option<PathBuf>,
     /// Recovery copy of the project that was opened, while it is asked what to do with it.

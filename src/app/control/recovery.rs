@@ -1,4 +1,5 @@
-//! Recovery copies: written while there are unsaved changes, offered after a session that ended without closing.
+//! Recovery copies: written while there are unsaved changes, offered after a session that ended without
+//! closing.
 
 use std::path::Path;
 use std::time::Duration;
@@ -8,13 +9,15 @@ use egui::{Context, Ui};
 use crate::app::App;
 use crate::app::model::problem::Problem;
 use crate::app::model::shop_library::ShopLibrary;
+use crate::app::model::state::RecoveryCopy;
 use crate::app::tasks::home::{self, LeftLibrary, is_same_file};
 use crate::app::tasks::project::project_of;
 use crate::app::views::recover::{self, RecoverAnswer};
 use crate::io::project_file::{Project, write_project};
+use crate::job::worker::Outcome;
 
-/// Least time between two recovery copies: half of the two seconds after which no edit may be lost, as an edit waits
-/// for a frame, too.
+/// Least time between two recovery copies: half of the two seconds after which no edit may be lost, as an
+/// edit waits for a frame, too.
 const COPY_EVERY: Duration = Duration::from_secs(1);
 
 impl App {
@@ -45,12 +48,30 @@ impl App {
 
     /// Looks for unsaved changes of the project at `path`, which was just opened.
     pub(super) fn find_copy_of(&mut self, path: &Path) {
+        self.find_copy(|copy| copy.project.as_deref().is_some_and(|project| is_same_file(project, path)));
+    }
+
+    /// Looks for unsaved changes of a session with the part at `path`, which was just opened alone.
+    pub(super) fn find_copy_of_part(&mut self, path: &Path) {
+        self.find_copy(|copy| copy.part.as_deref().is_some_and(|part| is_same_file(part, path)));
+    }
+
+    fn find_copy(&mut self, is_it: impl Fn(&RecoveryCopy) -> bool) {
         let Some(home) = &self.session.home else { return };
         self.state.recoverable = home.recoverable();
-        let is_of_it = |project: &Path| is_same_file(project, path);
-        let copies = &self.state.recoverable;
-        self.session.found =
-            copies.iter().find(|copy| copy.project.as_deref().is_some_and(is_of_it)).cloned();
+        self.session.found = self.state.recoverable.iter().find(|copy| is_it(copy)).cloned();
+    }
+
+    /// Whether the recovery copy at `path`, which is offered, is gone: another window has taken it over. Says
+    /// so.
+    pub(super) fn was_recovered_elsewhere(&mut self, path: &Path) -> bool {
+        if !self.is_recoverable(path) || path.exists() {
+            return false;
+        }
+        self.state.recoverable.retain(|copy| copy.path != path);
+        let what = "Another window has recovered or discarded these unsaved changes";
+        self.state.report_problem(Problem::unopened(what, "go on in that window"));
+        true
     }
 
     /// Asks what to do with the unsaved changes of the opened project, while that is due.
@@ -71,8 +92,8 @@ impl App {
         home::remove_copy(path);
     }
 
-    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon. Call once per
-    /// frame.
+    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon. Call
+    /// once per frame.
     pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
         let session = &mut self.session;
         // Closing was confirmed: what was not saved is meant to go.
@@ -102,6 +123,7 @@ impl App {
 
     /// Writes the copy of the edited tool library when it is due. Call once per frame.
     pub(in crate::app) fn keep_library_copy(&mut self, ctx: &Context) {
+        self.collect_library_copy();
         let session = &mut self.session;
         let Some(home) = session.home.as_ref().filter(|_| !session.closing) else { return };
         let Some(library) = self.library.library().filter(|library| library.is_unsaved()) else {
@@ -110,7 +132,7 @@ impl App {
             }
             return;
         };
-        if session.copied_library.as_ref() == Some(&library.content) {
+        if session.copied_library.as_ref() == Some(library.content()) {
             return;
         }
         let now = ctx.input(|input| input.time);
@@ -121,14 +143,24 @@ impl App {
         }
         session.library_copied_at = Some(now);
         // Reported once; the next edit tries again.
-        session.copied_library = Some(library.content.clone());
-        match home.write_library_copy(library.path.as_deref(), &library.content) {
-            Ok(()) => {
-                if let Some(left) = session.left_library.take() {
+        session.copied_library = Some(library.content().clone());
+        self.work.copier.submit(home.library_copy(library.path.clone(), library.content().clone()));
+    }
+
+    /// What has become of the last copy of the tool library.
+    fn collect_library_copy(&mut self) {
+        match self.work.copier.take_outcome() {
+            Some((_, Outcome::Done(()))) => {
+                if let Some(left) = self.session.left_library.take() {
                     home::remove_copy(&left);
                 }
             }
-            Err(error) => self.state.report_problem(Problem::from(&error)),
+            Some((_, Outcome::Failed(error))) => self.state.report_problem(Problem::from(&error)),
+            Some((_, Outcome::Panicked(what))) => {
+                let what = format!("The copy of the shop library was not written ({what})");
+                self.state.report_problem(Problem::new(what, "save the library"));
+            }
+            Some((_, Outcome::Cancelled)) | None => {}
         }
     }
 

@@ -8,10 +8,10 @@ use egui::{Context, Ui};
 
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
+use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::PartSource;
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::views::unsaved::{self, UnsavedAnswer, UnsavedWork};
-use crate::io::shop_tools::ToolLibrary;
 use crate::study::StudyResults;
 
 /// Action that waits until unsaved changes are saved or discarded.
@@ -21,8 +21,8 @@ pub(in crate::app) enum Pending {
     New,
     /// Open a file.
     Open(PathBuf),
-    /// Open a part.
-    OpenPart(PartSource),
+    /// Open a part, with a setup or its own defaults.
+    OpenPart(PartSource, Option<PathBuf>),
     /// Open the run of a row of a study's results.
     OpenRun(Arc<StudyResults>, usize),
     /// Open another tool library.
@@ -70,7 +70,7 @@ impl App {
                 self.hover = None;
             }
             Pending::Open(path) => self.open_file(path),
-            Pending::OpenPart(source) => self.open_files(Some(source), None),
+            Pending::OpenPart(source, setup) => self.open_files(Some(source), setup),
             Pending::OpenRun(results, row) => self.open_run(results, row, false),
             // The project stays open, with its recovery copy.
             Pending::OpenLibrary(path) => return self.submit_open(OpenTask::Library(path)),
@@ -133,7 +133,7 @@ impl App {
     }
 
     /// Records that the tool library was written, and continues with the pending action.
-    pub(super) fn note_saved_library(&mut self, ctx: &Context, path: PathBuf, content: ToolLibrary) {
+    pub(super) fn note_saved_library(&mut self, ctx: &Context, path: PathBuf, content: LibraryState) {
         self.library.note_saved(path, content);
         if !self.library.is_unsaved()
             && let Some(pending) = self.session.after_library.take()

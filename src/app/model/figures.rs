@@ -1,8 +1,8 @@
 //! Figures of plans as texts, and the limits of what counts as good.
 
 use crate::flank::FlankPlan;
-use crate::job::Summary;
 use crate::job::flank::FlankOutcome;
+use crate::job::{PolicyResult, Summary};
 use crate::plunge::Condition;
 use crate::report::words::NOT_ON_MACHINE;
 
@@ -14,6 +14,19 @@ pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
 /// What makes a plunge interfere.
 pub const INTERFERING_TIP: &str =
     "Plunges whose core meets stock, or that exceed an allowance or the reach of the machine";
+
+/// How many plunges interfere in the plans before and after. Where some of them do for a limit alone, the
+/// number of those whose core meets stock is named too: documents and the command line list these by
+/// themselves.
+pub fn interfering_words(sides: [&PolicyResult; 2]) -> String {
+    let [before, after] = sides.map(|result| result.plan.count_interfering());
+    let contact = sides.map(|result| result.summary.interfering);
+    let words = format!("Interfering {before} to {after}");
+    match contact == [before, after] {
+        true => words,
+        false => format!("{words} (core contact {} to {})", contact[0], contact[1]),
+    }
+}
 
 /// A share of classes in whole per cent; what is not none or all does not look so.
 pub fn format_class_share(share: f64) -> String {

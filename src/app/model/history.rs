@@ -73,6 +73,11 @@ impl<T: Clone + PartialEq> History<T> {
         }
     }
 
+    /// The latest step; `None` before the first.
+    pub fn last(&self) -> Option<&T> {
+        self.undos.back()
+    }
+
     /// Whether there is a step before the current value.
     pub fn can_undo(&self, now: &T) -> bool {
         self.undos.len() > 1 || self.undos.back().is_some_and(|last| last != now)

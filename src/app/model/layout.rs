@@ -38,6 +38,22 @@ pub struct LayoutChild {
     pub node: LayoutNode,
 }
 
+/// Where a panel's own window is, points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowPlace {
+    /// Upper left corner.
+    pub at: [f32; 2],
+    /// Its size.
+    pub size: [f32; 2],
+}
+
+impl WindowPlace {
+    fn is_usable(&self) -> bool {
+        self.at.iter().all(|x| (-MAX_SIZE..=MAX_SIZE).contains(x))
+            && self.size.iter().all(|x| (0.0..=MAX_SIZE).contains(x))
+    }
+}
+
 /// The layout of the window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
@@ -45,6 +61,9 @@ pub struct Layout {
     /// The docked panels. All panels have a place, those that float or are closed, too.
     pub docked: LayoutNode,
     panels: Vec<(DockPanel, PanelState)>,
+    /// The windows of panels that float or have floated.
+    #[serde(default)]
+    pub windows: Vec<(DockPanel, WindowPlace)>,
 }
 
 impl Default for Layout {
@@ -63,20 +82,20 @@ impl Default for Layout {
         let table = tabs(&[P::Table, P::Machinability, P::Tradeoff, P::ToolLibrary, P::Study]);
         let right = vec![table, tabs(&[P::Details, P::SectionalView])];
         let docked = LayoutNode::Row(vec![panel(P::Setup), column(middle.into()), column(right)]);
-        Self::new(docked, &Panels::default())
+        Self::new(docked, &Panels::default(), Vec::new())
     }
 }
 
 impl Layout {
-    /// The layout of `docked` panels that are open and float as `panels` says.
-    pub fn new(docked: LayoutNode, panels: &Panels) -> Self {
+    /// The layout of `docked` panels that are open and float as `panels` says, in these `windows`.
+    pub fn new(docked: LayoutNode, panels: &Panels, windows: Vec<(DockPanel, WindowPlace)>) -> Self {
         let states = DockPanel::ALL.into_iter().map(|panel| {
             let state = panels.state(panel);
             // A window that a command opened is not opened by the next start.
             let is_open = state.is_open && !(state.is_floating && panel.is_window_at_first());
             (panel, PanelState { is_open, ..state })
         });
-        Self { version: VERSION, docked, panels: states.collect() }
+        Self { version: VERSION, docked, panels: states.collect(), windows }
     }
 
     /// Reads a stored layout; `None` if it is damaged, of another version, or lacks a panel.
@@ -86,7 +105,8 @@ impl Layout {
         let has_sizes = check(&layout.docked, &mut found);
         let has_all = DockPanel::ALL.iter().all(|panel| found.contains(panel));
         let once = found.len() == DockPanel::ALL.len();
-        (layout.version == VERSION && has_sizes && has_all && once).then_some(layout)
+        let has_places = layout.windows.iter().all(|(_, place)| place.is_usable());
+        (layout.version == VERSION && has_sizes && has_places && has_all && once).then_some(layout)
     }
 
     /// The stored form.
@@ -130,7 +150,8 @@ mod tests {
         panels.close(DockPanel::Timeline);
         panels.dock(DockPanel::Study);
         panels.open(DockPanel::Machinability);
-        let layout = Layout::new(Layout::default().docked, &panels);
+        let place = WindowPlace { at: [40.0, 60.0], size: [300.0, 420.0] };
+        let layout = Layout::new(Layout::default().docked, &panels, vec![(DockPanel::Table, place)]);
         let read = Layout::read(&layout.write()).expect("a layout");
         assert_eq!(read, layout);
         let read = read.panels();

@@ -12,6 +12,7 @@ pub mod flank_passes;
 pub mod history;
 pub mod known_goals;
 pub mod layout;
+pub mod library_state;
 pub mod listing;
 pub mod look;
 pub mod machine;

@@ -17,6 +17,8 @@ pub enum Topic {
     Project,
     /// The stock as a solid: solved by the next plan.
     Stock,
+    /// A file that was not opened: solved by the next that is.
+    Opening,
     /// Anything else: stays until it is dismissed.
     Other,
 }
@@ -24,7 +26,7 @@ pub enum Topic {
 impl Topic {
     /// Whether it is about a calculation, of which only the last one counts.
     pub fn is_of_calculation(self) -> bool {
-        !matches!(self, Self::Project | Self::Other)
+        !matches!(self, Self::Project | Self::Opening | Self::Other)
     }
 }
 
@@ -47,6 +49,16 @@ impl Problem {
     /// A problem that stays until it is dismissed.
     pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
         Self { message: what.into(), help: help.into(), topic: Topic::Other, code: None, field: None }
+    }
+
+    /// A file that was not opened.
+    pub fn of_opening(error: &InputError) -> Self {
+        Self { topic: Topic::Opening, ..Self::from(error) }
+    }
+
+    /// Files that were not opened.
+    pub fn unopened(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { topic: Topic::Opening, ..Self::new(what, help) }
     }
 
     /// A problem of a calculation. Keys of setup files are replaced by the labels of their fields.
@@ -87,6 +99,11 @@ impl From<&InputError> for Problem {
         };
         Self::new(message, error.help.clone()).with_code(error.code)
     }
+}
+
+/// A text without the signs of Markdown that messages of files have for the command line.
+pub fn without_markdown(text: &str) -> String {
+    text.replace('`', "")
 }
 
 /// Keys of setup files, with the labels of their fields.

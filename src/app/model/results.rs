@@ -18,7 +18,7 @@ use crate::app::model::preview::PlanPreview;
 use crate::app::model::units::DisplayUnits;
 
 /// Figures of a plan.
-fn figures_of(result: &PolicyResult) -> SetFigures {
+fn figures_of(result: &PolicyResult, channels: usize) -> SetFigures {
     let summary = &result.summary;
     SetFigures {
         positions: summary.positions,
@@ -26,7 +26,8 @@ fn figures_of(result: &PolicyResult) -> SetFigures {
         residual_mean: summary.residual_mean,
         residual_p95: summary.residual_p95,
         uncut_share: summary.uncut_share,
-        time: summary.time_of_further_channel_s(),
+        time: summary.time_s(),
+        wheel_time: Some(summary.time_of_channels_s(channels, channels)),
     }
 }
 
@@ -49,6 +50,8 @@ pub struct Results {
     pub preview: Option<Arc<PlanPreview>>,
     /// Latest successful flank plan.
     pub flank: Option<Arc<FlankOutcome>>,
+    /// Whether one is being calculated.
+    pub flank_is_running: bool,
     /// Its passes; empty without one.
     pub passes: Arc<FlankPasses>,
     /// The program that was checked last.
@@ -77,12 +80,22 @@ impl Results {
             let last = last.filter(|_| chooses_tools(&planned.setup));
             self.tool_change = last.and_then(|last| planned.tool_change_since(last, units));
         }
+        let channels = planned.outcome.workpiece.part.blade_count;
         // Figures of a cancelled plan would be misleading.
         if !planned.is_unfinished() {
-            self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after));
+            self.store_figures(planned.setup.clone(), figures_of(&planned.outcome.after, channels));
         }
         self.planned = Some(Arc::new(planned));
         self.preview = None;
+    }
+
+    /// Words in place of a flank plan that is not there yet.
+    pub fn words_without_flank(&self) -> &'static str {
+        if self.flank_is_running {
+            "Calculating flank milling…"
+        } else {
+            "Flank milling is not calculated yet"
+        }
     }
 
     /// Stores the figures of a setup.

@@ -1,6 +1,7 @@
 //! The tool library of the shop: what is open, what is searched and filtered, what is selected.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::io::shop_tools::{LibraryTool, ToolLibrary};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
@@ -8,6 +9,7 @@ use crate::setup::cutting_data::MissingRates;
 use crate::setup::{Setup, Tool};
 
 use super::history::History;
+use super::library_state::LibraryState;
 use super::units::DisplayUnits;
 
 /// Form of a cutter's end.
@@ -57,7 +59,7 @@ pub struct ShopLibrary {
     /// Its file; `None` for the program's own tools.
     pub path: Option<PathBuf>,
     /// The library, edited.
-    pub content: ToolLibrary,
+    content: LibraryState,
     /// Text that the tools shown contain.
     pub search: String,
     /// Form of the tools shown.
@@ -69,8 +71,8 @@ pub struct ShopLibrary {
     /// What was searched last, and what that left: libraries of makers have many thousand tools.
     found: Option<(SearchKey, Vec<usize>)>,
     /// The library as it was opened or saved last.
-    saved: ToolLibrary,
-    history: History<ToolLibrary>,
+    saved: LibraryState,
+    history: History<LibraryState>,
 }
 
 /// What the tools shown depend on, besides the tools.
@@ -86,15 +88,15 @@ impl Default for ShopLibrary {
     fn default() -> Self {
         let own = plunge_cutters().iter().chain(flank_cutters());
         let missing = MissingRates::default();
-        let tools = own.map(|tool| LibraryTool { tool: tool.clone(), missing, notes: Vec::new() }).collect();
-        Self::new(None, ToolLibrary { tools, notes: Vec::new() })
+        let entry = |tool: &Tool| Arc::new(LibraryTool { tool: tool.clone(), missing, notes: Vec::new() });
+        Self::new(None, ToolLibrary { tools: own.map(entry).collect(), notes: Vec::new() })
     }
 }
 
 impl ShopLibrary {
     /// A library from a file.
     pub fn new(path: Option<PathBuf>, content: ToolLibrary) -> Self {
-        let form = ToolForm::Any;
+        let (form, content) = (ToolForm::Any, LibraryState::from(content));
         let (saved, mut history) = (content.clone(), History::default());
         history.add(&content);
         let search = String::new();
@@ -102,14 +104,33 @@ impl ShopLibrary {
         Self { path, content, search, form, diameters, selected, found, saved, history }
     }
 
-    /// Must be called after a tool was changed, added or removed: what is shown may have changed.
-    pub fn changed(&mut self) {
+    /// The library, edited.
+    pub fn content(&self) -> &LibraryState {
+        &self.content
+    }
+
+    /// Changes the library.
+    fn edit(&mut self, change: impl FnOnce(&mut ToolLibrary)) {
+        self.content.edit(&[Some(&self.saved), self.history.last()], change);
+        // What is shown may have changed.
         self.found = None;
+    }
+
+    /// Puts another tool in the place of tool `index`. Rates that differ from those before are given from
+    /// then on.
+    pub fn replace(&mut self, index: usize, tool: Tool) {
+        let Some(before) = self.content.tools.get(index).map(|entry| entry.tool.clone()) else { return };
+        self.edit(|library| {
+            let entry = Arc::make_mut(&mut library.tools[index]);
+            entry.missing.plunge_feed &= tool.plunge_feed == before.plunge_feed;
+            entry.missing.spindle &= tool.spindle == before.spindle;
+            entry.tool = tool;
+        });
     }
 
     /// A library with edits that are not saved.
     pub fn recovered(path: Option<PathBuf>, content: ToolLibrary) -> Self {
-        Self { saved: ToolLibrary::default(), ..Self::new(path, content) }
+        Self { saved: ToolLibrary::default().into(), ..Self::new(path, content) }
     }
 
     /// Whether it was edited since it was opened or saved.
@@ -118,7 +139,7 @@ impl ShopLibrary {
     }
 
     /// Records that `content` was written to `path`.
-    pub fn note_saved(&mut self, path: PathBuf, content: ToolLibrary) {
+    pub fn note_saved(&mut self, path: PathBuf, content: LibraryState) {
         self.path = Some(path);
         self.saved = content;
     }
@@ -153,21 +174,25 @@ impl ShopLibrary {
     }
 
     /// Takes other tools, with the first one selected that differs.
-    fn show(&mut self, content: ToolLibrary) {
-        let differs = |k: &usize| self.content.tools.get(*k) != content.tools.get(*k);
+    fn show(&mut self, content: LibraryState) {
+        let differs = |k: &usize| match (self.content.tools.get(*k), content.tools.get(*k)) {
+            (Some(a), Some(b)) => !Arc::ptr_eq(a, b) && a != b,
+            (a, b) => a.is_some() || b.is_some(),
+        };
         self.selected = (0..content.tools.len()).find(differs).or(self.selected);
         self.content = content;
-        self.changed();
+        self.found = None;
     }
 
     /// Adds a copy of tool `index` under a number of its own, and selects it.
     pub fn copy(&mut self, index: usize) {
-        let Some(mut copy) = self.content.tools.get(index).cloned() else { return };
+        let Some(mut copy) = self.content.tools.get(index).map(|entry| LibraryTool::clone(entry)) else {
+            return;
+        };
         self.history.add(&self.content);
         let numbers = self.content.tools.iter().map(|entry| entry.tool.number);
         copy.tool.number = numbers.max().unwrap_or(0) + 1;
-        self.content.tools.push(copy);
-        self.changed();
+        self.edit(|library| library.tools.push(Arc::new(copy)));
         self.selected = Some(self.content.tools.len() - 1);
         self.history.add(&self.content);
     }
@@ -176,8 +201,7 @@ impl ShopLibrary {
     pub fn delete(&mut self, index: usize) {
         if index < self.content.tools.len() {
             self.history.add(&self.content);
-            self.content.tools.remove(index);
-            self.changed();
+            self.edit(|library| drop(library.tools.remove(index)));
             self.selected = None;
             self.history.add(&self.content);
         }
@@ -209,8 +233,8 @@ impl ShopLibrary {
         tools.filter(|(_, entry)| fits(&entry.tool)).map(|(index, _)| index).collect()
     }
 
-    /// Puts a copy of the selected tool into `setup`, under a number of its own, with the rates that it lacks by
-    /// the material of the setup. Returns that number.
+    /// Puts a copy of the selected tool into `setup`, under a number of its own, with the rates that it lacks
+    /// by the material of the setup. Returns that number.
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
         let entry = self.content.tools.get(self.selected?)?;
         let mut tool = entry.missing.filled(&entry.tool, setup.allowances.cutting_data());
@@ -269,7 +293,8 @@ mod tests {
     #[test]
     fn a_tool_without_rates_is_taken_with_those_of_the_material() {
         let mut library = ShopLibrary::default();
-        library.content.tools[0].missing = MissingRates { plunge_feed: true, spindle: true };
+        let missing = MissingRates { plunge_feed: true, spindle: true };
+        library.edit(|library| Arc::make_mut(&mut library.tools[0]).missing = missing);
         library.selected = Some(0);
         let mut setup = Setup::default();
         setup.allowances.material = Some("titanium".to_owned());
@@ -284,12 +309,23 @@ mod tests {
     fn what_is_shown_follows_search_and_changes() {
         let mut library = ShopLibrary::default();
         let all = library.shown(DisplayUnits::Metric).len();
-        let copy = library.content.tools[0].clone();
-        library.content.tools.push(copy);
-        library.changed();
+        library.copy(0);
         assert_eq!(library.shown(DisplayUnits::Metric).len(), all + 1);
         library.search = "t1 ".to_owned();
         let few = library.shown(DisplayUnits::Metric).len();
         assert!(few > 0 && few < all);
+    }
+
+    #[test]
+    fn an_edit_taken_back_by_hand_is_neither_unsaved_nor_a_step() {
+        let mut library = ShopLibrary::default();
+        let tool = library.content().tools[0].tool.clone();
+        library.watch(0.0);
+        library.replace(0, Tool { diameter: tool.diameter + 1.0, ..tool.clone() });
+        library.watch(0.1);
+        assert!(library.is_unsaved() && library.can_undo());
+        library.replace(0, tool);
+        library.watch(0.2);
+        assert!(!library.is_unsaved() && !library.can_undo());
     }
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::units::DisplayUnits;
-use crate::study::StudyResults;
+use crate::study::{MACHINE_TIME, StudyResults};
 
 /// What a figure of a study measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ const SHOWN: [StudyFigure; 8] = [
     figure("residual_max", "Stock max", FigureKind::Length),
     figure("uncut_share", "Not machined", FigureKind::Share),
     figure("positions", "Plunges", FigureKind::Count),
-    figure("interferential", "Interfering", FigureKind::Count),
+    figure("interferential", "Core contact", FigureKind::Count),
     figure("faults", "Faults", FigureKind::Count),
 ];
 
@@ -167,7 +167,11 @@ impl StudyTable {
     /// The table of `results`, in the order of the study.
     pub fn new(results: StudyResults) -> Self {
         let shown = SHOWN.map(|figure| match figure.kind {
-            FigureKind::Time => StudyFigure { name: results.table.time_figure(), ..figure },
+            FigureKind::Time => {
+                let name = results.table.time_figure();
+                let head = if name == MACHINE_TIME { "Time on machine" } else { figure.head };
+                StudyFigure { name, head, ..figure }
+            }
             _ => figure,
         });
         let keys = results.keys().into_iter().map(|key| StudyColumn::Key(key.to_owned()));

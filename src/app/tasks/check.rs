@@ -157,7 +157,7 @@ impl Judged {
             ("Cutting moves", count(verdict.positions), "Moves under feed"),
             ("Channels", count(verdict.channels), "Channels with cuts"),
             (
-                "Gouge of walls",
+                "Overcut of walls",
                 FigureValue::Length(verdict.max_overcut),
                 "Cut below the allowance of the blades",
             ),

@@ -8,18 +8,18 @@ use crate::gpu::encode_png;
 use crate::io::InputError;
 use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::hash::{FNV_START, fnv1a};
-use crate::io::part_file::{read_part, read_part_bytes, read_part_with};
+use crate::io::part_file::{check_part_format, read_part, read_part_bytes, read_part_with};
 use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::EXTENSION;
 use crate::io::setup_file::write_setup_beside;
-use crate::io::shop_tools::{ToolLibrary, write_fusion, write_toml};
+use crate::io::shop_tools::{write_fusion, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::job::assess::AssessedPart;
 use crate::mesh::tessellate::{Fineness, Tessellation};
 use crate::palette::ColourMap;
-use crate::part::Impeller;
+use crate::part::{Impeller, PartDescription};
 use crate::report::ReportPage;
 use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, Setup};
@@ -27,6 +27,7 @@ use crate::setup::{AxisPolicy, Setup};
 use crate::app::model::document::Edited;
 use crate::app::model::exported::ProgramPlan;
 use crate::app::model::file_purpose::PROGRAM_ENDINGS;
+use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
@@ -83,9 +84,19 @@ pub fn open_part(source: &PartSource) -> Result<(Arc<Impeller>, PartHash), Input
             (file, description)
         }
     };
-    let impeller = Impeller::build(&description);
-    let hash = PartHash::of(&description);
-    impeller.map(|impeller| (Arc::new(impeller), hash)).map_err(|e| InputError::of_part(&file, e))
+    build_part(&file, &description)
+}
+
+/// Trims and checks the part of a file; returns it with the hashes of its description.
+///
+/// # Errors
+/// [`InputError`] when the part is invalid.
+pub fn build_part(
+    file: &str,
+    description: &PartDescription,
+) -> Result<(Arc<Impeller>, PartHash), InputError> {
+    let impeller = Impeller::build(description).map_err(|error| InputError::of_part(file, error))?;
+    Ok((Arc::new(impeller), PartHash::of(description)))
 }
 
 /// Whether a file is a setup rather than a part: both may be TOML, but only a setup has one of these tables.
@@ -125,6 +136,37 @@ pub fn is_project(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
 }
 
+/// Whether opening a file closes the project: all but setups, programs and results of studies do.
+pub fn closes_project(path: &Path) -> bool {
+    !(is_study(path) || is_program(path) || is_setup(path))
+}
+
+/// What the window opens.
+const CAN_OPEN: &str = "open a part (.toml, .geomTurbo, .inf of TurboGrid, .step, .stl, .glb or .gltf), a project \
+     (.vanecut), a setup (.toml), a plan.json or flank.json, a program (.apt, .nc, .mpf, .h or the like), or results of \
+     a study (.csv or their folder)";
+
+/// Checks that a file is of a kind that the window opens, without reading all of it.
+///
+/// # Errors
+/// When it is a folder, or has another extension.
+pub fn check_openable(path: &Path) -> Result<(), InputError> {
+    let fault = |what: String| {
+        let name = path.display().to_string();
+        Err(InputError::new(ErrorCode::FileFormat, &name, 0, what, CAN_OPEN))
+    };
+    if is_study(path) || is_program(path) || is_project(path) || is_plan_file(path) {
+        return Ok(());
+    }
+    if path.is_dir() {
+        return fault("this is a folder".to_owned());
+    }
+    match check_part_format(path) {
+        Ok(()) => Ok(()),
+        Err(error) => fault(error.message),
+    }
+}
+
 /// Result of a write task.
 pub struct Written {
     /// Message for the status bar.
@@ -132,7 +174,7 @@ pub struct Written {
     /// A project that was written; `None` for other files.
     pub project: Option<WrittenProject>,
     /// Path and content of a tool library; `None` for other files.
-    pub library: Option<(PathBuf, ToolLibrary)>,
+    pub library: Option<(PathBuf, LibraryState)>,
     /// What plan a program is of, and its file; `None` for other files.
     pub program: Option<(ProgramPlan, ProgramFile)>,
 }
@@ -206,7 +248,7 @@ pub enum WriteTask {
     /// The setup.
     Setup(PathBuf, Box<Setup>),
     /// A tool library, as our TOML or as Fusion JSON by extension.
-    Library(PathBuf, Box<ToolLibrary>),
+    Library(PathBuf, LibraryState),
     /// A plunge program as APT.
     Cl(PathBuf, PlungeSource),
     /// A program as NC code.
@@ -274,7 +316,7 @@ pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
         _ => None,
     };
     let library = match task {
-        WriteTask::Library(path, library) => Some((path.clone(), ToolLibrary::clone(library))),
+        WriteTask::Library(path, library) => Some((path.clone(), library.clone())),
         _ => None,
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

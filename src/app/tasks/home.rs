@@ -2,6 +2,7 @@
 //! none of them is stored.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, SystemTime};
 
@@ -15,6 +16,7 @@ use crate::io::source::read_bytes;
 use crate::io::write::write_atomically;
 
 use crate::app::model::layout::Layout;
+use crate::app::model::library_state::LibraryState;
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::state::RecoveryCopy;
 use crate::app::model::units::DisplayUnits;
@@ -63,6 +65,33 @@ pub struct Home {
     copy: PathBuf,
     /// Locked as long as this session runs; shared by the clones of this home.
     lock: Arc<OnceLock<HeldLock>>,
+    /// How often the copy of the tool library was given up.
+    given_up: Arc<AtomicU64>,
+}
+
+/// A copy of the tool library to be written, in the background: libraries may be large.
+pub struct LibraryCopy {
+    home: Home,
+    /// File of the library.
+    original: Option<PathBuf>,
+    library: LibraryState,
+    /// How often copies had been given up when it was asked for.
+    given_up: u64,
+}
+
+impl LibraryCopy {
+    /// Writes it, unless it is given up meanwhile.
+    ///
+    /// # Errors
+    /// [`InputError`] when the folder or the file cannot be written.
+    pub fn write(&self) -> Result<(), InputError> {
+        let home = &self.home;
+        let written = home.write_library_copy(self.original.as_deref(), &self.library);
+        if home.given_up.load(Ordering::SeqCst) != self.given_up {
+            home.remove_library_copy();
+        }
+        written
+    }
 }
 
 impl Home {
@@ -70,7 +99,7 @@ impl Home {
     pub fn new(folder: PathBuf) -> Self {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_nanos();
         let copy = folder.join("recovery").join(format!("{}-{now}.{EXTENSION}", std::process::id()));
-        Self { folder, copy, lock: Arc::default() }
+        Self { folder, copy, lock: Arc::default(), given_up: Arc::default() }
     }
 
     /// Path of this session's recovery copy.
@@ -112,15 +141,12 @@ impl Home {
         try_hold(self.folder.join("locks").join(format!("project-{hash:016x}.lock")))
     }
 
-    /// Writes this session's copy of the edited tool library at `original`.
-    ///
-    /// # Errors
-    /// [`InputError`] when the folder or the file cannot be written.
-    pub fn write_library_copy(
-        &self,
-        original: Option<&Path>,
-        library: &ToolLibrary,
-    ) -> Result<(), InputError> {
+    /// This session's copy of the edited tool library at `original`, to be written.
+    pub fn library_copy(&self, original: Option<PathBuf>, library: LibraryState) -> LibraryCopy {
+        LibraryCopy { home: self.clone(), original, library, given_up: self.given_up.load(Ordering::SeqCst) }
+    }
+
+    fn write_library_copy(&self, original: Option<&Path>, library: &ToolLibrary) -> Result<(), InputError> {
         let copy = self.copy.with_extension(LIBRARY_ENDING);
         if let Some(folder) = copy.parent() {
             // If this fails, the write below reports the error.
@@ -131,8 +157,14 @@ impl Home {
         write_atomically(&copy, format!("{ORIGINAL}{original}\n{}", write_toml(library)).as_bytes())
     }
 
-    /// Removes this session's copy of the tool library, after saving or discarding.
+    /// Removes this session's copy of the tool library, after saving or discarding; one that is being written
+    /// goes, too.
     pub fn drop_library_copy(&self) {
+        self.given_up.fetch_add(1, Ordering::SeqCst);
+        self.remove_library_copy();
+    }
+
+    fn remove_library_copy(&self) {
         // There may be none.
         let _ = std::fs::remove_file(self.copy.with_extension(LIBRARY_ENDING));
     }
@@ -267,7 +299,11 @@ fn recovery_copy(path: PathBuf) -> RecoveryCopy {
     );
     let age = std::fs::metadata(&path).ok().and_then(|data| data.modified().ok()?.elapsed().ok());
     let title = format!("{name}, {}", age_in_words(age.unwrap_or_default()));
-    RecoveryCopy { path, title, project: project.and_then(|project| project.original) }
+    let part = project.as_ref().and_then(|project| match &project.part {
+        PartLocation::File(file) | PartLocation::Mesh { file, .. } => Some(file.clone()),
+        PartLocation::Sample(_) => None,
+    });
+    RecoveryCopy { path, title, project: project.and_then(|project| project.original), part }
 }
 
 fn age_in_words(age: Duration) -> String {

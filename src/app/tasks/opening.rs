@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::engine::Engine;
-use super::files::content_hash;
+use super::files::{build_part, content_hash};
 use super::mesh_nodes::UnassignedRoles;
 use super::open_task::OpenTask;
 use super::part_meshes::PartMeshes;
@@ -102,10 +102,21 @@ pub(in crate::app) fn open(
             return Ok(Opened { unassigned: nodes.transpose()?, ..Opened::default() });
         }
     };
+    // A plan is the part and the setup, and may be long: it is read once.
+    let plan = match (&source, setup) {
+        (Some(PartSource::File(part)), Some((path, _))) if part == path && is_plan_file(path) => {
+            Some(read_plan_inputs(path)?)
+        }
+        _ => None,
+    };
     let read = |defaults: Option<&Setup>| -> Result<Option<(PathBuf, Setup)>, InputError> {
         let Some((path, known)) = setup else { return Ok(None) };
-        if is_plan_file(path) {
-            let mut setup = read_plan_inputs(path)?.setup;
+        let of_plan = match &plan {
+            Some(plan) => Some(plan.setup.clone()),
+            None if is_plan_file(path) => Some(read_plan_inputs(path)?.setup),
+            None => None,
+        };
+        if let Some(mut setup) = of_plan {
             // As in a project: planning says what is wrong with its machine.
             let _ = locate_machine(&mut setup, path);
             return Ok(Some((path.clone(), setup)));
@@ -117,7 +128,11 @@ pub(in crate::app) fn open(
     let Some(source) = source else {
         return Ok(Opened { setup: read(None)?, project, on_disk, ..Opened::default() });
     };
-    match (engine.open)(&source, monitor) {
+    let opened = match (&plan, &source) {
+        (Some(plan), PartSource::File(path)) => build_part(&path.display().to_string(), &plan.description),
+        _ => (engine.open)(&source, monitor),
+    };
+    match opened {
         Ok((impeller, hash)) => {
             let mesh = PartMeshes::new(&impeller);
             let defaults = Setup::for_part(&impeller);

@@ -10,6 +10,7 @@ use crate::app::model::post_target::PostTarget;
 use crate::error::UserError;
 use crate::io::InputError;
 use crate::io::apt::write_apt;
+use crate::io::flank_file::stored_program;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
@@ -107,7 +108,11 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
             let outcome = &source.planned.outcome;
             (plunge_program(source), &outcome.workpiece, &outcome.setup)
         }
-        ProgramSource::Flank(outcome) => (outcome.program(), &outcome.workpiece, &outcome.setup),
+        ProgramSource::Flank(outcome) => {
+            // As `vanecut post` reads it from a flank.json.
+            let program = stored_program(&outcome.workpiece.part.name, &outcome.plan);
+            (program, &outcome.workpiece, &outcome.setup)
+        }
     };
     for (number, step) in (1..).zip(&mut program.moves) {
         step.line = number;

@@ -7,6 +7,7 @@ use super::Repaint;
 use super::check::CheckError;
 use super::engine::{Engine, PlanTask};
 use super::files::{self, WriteError, WriteTask, Written};
+use super::home::LibraryCopy;
 use super::open_task::OpenTask;
 use super::opening::{Opened, open};
 use crate::app::model::checked::{CheckRequest, CheckedProgram};
@@ -27,6 +28,8 @@ pub(in crate::app) struct Work {
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     pub checker: Worker<CheckRequest, CheckedProgram, CheckError>,
     pub writer: Worker<WriteTask, Written, WriteError>,
+    /// Writes recovery copies of the tool library.
+    pub copier: Worker<LibraryCopy, (), InputError>,
     /// Slot through which the planner passes its preview.
     pub preview: PreviewSlot,
     /// The last request to the planner.
@@ -74,6 +77,7 @@ impl Work {
                 repaint(),
             ),
             writer: Worker::new("write", |task, _| files::write(task), repaint()),
+            copier: Worker::new("copy", |copy: &LibraryCopy, _| copy.write(), repaint()),
             preview,
             asked: None,
             asked_flank: None,
@@ -108,11 +112,13 @@ impl Work {
         self.planner.is_busy()
     }
 
-    /// The operation that is being calculated.
-    pub(in crate::app) fn running_operation(&self) -> Option<Operation> {
-        let planning = self.planner.is_busy().then_some(Operation::Roughing);
-        let flank = self.flanker.is_busy().then_some(Operation::Flank);
-        planning.or(flank).or(self.checker.is_busy().then_some(Operation::Program))
+    /// Whether an operation is being calculated; several may be at once.
+    pub(in crate::app) fn is_calculating(&self, operation: Operation) -> bool {
+        match operation {
+            Operation::Roughing => self.planner.is_busy(),
+            Operation::Flank => self.flanker.is_busy(),
+            Operation::Program => self.checker.is_busy(),
+        }
     }
 
     /// Name and progress (0…1) of the running task.

@@ -1,7 +1,8 @@
 //! The question of how many channels a program is for.
 
-use egui::{DragValue, Modal, RichText, Ui};
+use egui::{Modal, RichText, Ui};
 
+use super::count_field;
 use super::modal::is_dismissed;
 use crate::app::model::figures::format_duration;
 use crate::job::Summary;
@@ -34,8 +35,7 @@ impl ChannelsDialog {
             ui.add_space(4.0);
             ui.horizontal(|ui| {
                 let label = ui.label("Channels");
-                ui.add(DragValue::new(chosen).range(1..=*count)).labelled_by(label.id);
-                ui.label(format!("of {count}, from the first on"));
+                count_field::channels(ui, chosen, *count, label.id);
             });
             if let Some(plan) = plan {
                 let whole = format_duration(plan.time_of_channels_s(*chosen, *count));

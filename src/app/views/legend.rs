@@ -1,7 +1,7 @@
 //! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the
 //! cursor. It lies beside the picture, so that it hides nothing of it.
 
-use egui::{Color32, DragValue, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
+use egui::{Color32, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::gpu::scene::FloorColours;
@@ -10,7 +10,7 @@ use crate::palette::{ColourMap, INTERFERING, Rgb, TABLE_LEN, category};
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
 use crate::app::model::figures::format_class_share;
-use crate::app::model::look::Operation;
+use crate::app::model::look::{Arrangement, Operation};
 use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
 use crate::app::model::solid::SolidColours;
@@ -21,6 +21,7 @@ use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
 use crate::app::views::swatch::swatch;
 use crate::app::views::theme::{self, Condition};
+use crate::app::views::typed::{self, Typed, TypedLimits};
 use crate::app::views::units;
 
 /// Height of the legend, points.
@@ -103,6 +104,24 @@ fn scale(state: &AppState) -> Option<Scale> {
     }
 }
 
+/// Whether the side before shows its stock while the one after shows how much that differs: two scales.
+fn shows_both_scales(state: &AppState, scale: &Scale) -> bool {
+    scale.difference
+        && scale.walls.is_none()
+        && state.look.arrangement != Arrangement::One
+        && state.look.layers.floor == FloorColours::Residual
+}
+
+/// The scale of the side before, whose ends are those of the side after.
+fn show_scale_before(ui: &mut Ui, state: &AppState) {
+    let ((low, high), units) = (state.range(), state.look.units);
+    ui.label("Residual before");
+    ui.label(units.length(low.into(), 2));
+    colour_bar(ui, ColourMap::Cividis, 60.0);
+    ui.label(units.length(high.into(), 2));
+    ui.separator();
+}
+
 /// Draws the legend in the strip `rect` below the picture.
 pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
     ui.painter().rect_filled(rect, 0.0, ui.visuals().panel_fill);
@@ -124,7 +143,12 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
                 ui.separator();
             }
             match scale(state) {
-                Some(scale) => show_scale(ui, state, &scale, values),
+                Some(scale) => {
+                    if shows_both_scales(state, &scale) && ui.available_width() > TWO_SCALES {
+                        show_scale_before(ui, state);
+                    }
+                    show_scale(ui, state, &scale, values);
+                }
                 None => {
                     if let Some((outcome, colours)) = state.shown_flank() {
                         flank::key(ui, colours, &outcome.plan);
@@ -167,10 +191,18 @@ fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
 fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
-    let shown = state.shown().filter(|_| in_view)?;
-    let legend = layers.cutter_colours.legend(shown.planned, shown.policy, state.look.units)?;
+    let shown = if in_view { state.plans_in_view() } else { Vec::new() };
+    let mut legend = layers.cutter_colours.legend(&shown, state.look.units)?;
     let is_optional = layers.cutter_colours == CutterColours::State;
-    (!is_optional || width_of(ui, &legend) + MIN_SCALE_WIDTH < ui.available_width()).then_some(legend)
+    let fits = |legend: &CutterLegend| width_of(ui, legend) + MIN_SCALE_WIDTH < ui.available_width();
+    if !is_optional || fits(&legend) {
+        return Some(legend);
+    }
+    // Of both plans there are more states, and each has two shares.
+    if let CutterLegend::Classes(classes) = &mut legend {
+        classes.iter_mut().for_each(|class| class.shares.clear());
+    }
+    (shown.len() > 1 && fits(&legend)).then_some(legend)
 }
 
 /// Width of a legend of classes, points.
@@ -182,11 +214,22 @@ fn width_of(ui: &Ui, legend: &CutterLegend) -> f32 {
 
 /// Width below which the scale of the floor is left out beside that of the cutters, points.
 const MIN_SCALE_WIDTH: f32 = 270.0;
+/// Least width for the scales of both sides, points.
+const TWO_SCALES: f32 = 560.0;
 /// Width of a class beside its text, points.
 const SWATCH_AND_SPACES: f32 = 30.0;
 
+/// Name and share of a class; of several plans the shares as "84/97 %".
 fn class_text(share: &ClassShare) -> String {
-    format!("{}, {}", share.name, format_class_share(share.share))
+    let shares: Vec<String> = share.shares.iter().map(|&share| format_class_share(share)).collect();
+    let (last, before) =
+        shares.split_last().map_or(("", &shares[..0]), |(last, before)| (last.as_str(), before));
+    let before: String =
+        before.iter().map(|share| format!("{}/", share.trim_end_matches('%').trim_end())).collect();
+    match share.shares.is_empty() {
+        true => share.name.clone(),
+        false => format!("{}, {before}{last}", share.name),
+    }
 }
 
 /// Draws the legend of the cutters; a click on a class hides it, or shows it again.
@@ -218,7 +261,8 @@ fn class_button(ui: &mut Ui, share: &ClassShare, hidden: &mut Vec<CutterClass>) 
     let text = if is_hidden { text.strikethrough().weak() } else { text };
     let button = egui::Button::new(text).frame(false);
     let does = if is_hidden { "show" } else { "hide" };
-    let tip = format!("Share of the time of the program; a click {does}s these cutters");
+    let of = if share.shares.len() > 1 { "programs before and after" } else { "program" };
+    let tip = format!("Share of the time of the {of}; a click {does}s these cutters");
     if ui.add(button).on_hover_text(tip).clicked() {
         match is_hidden {
             true => hidden.retain(|known| known != class),
@@ -270,23 +314,36 @@ fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32) {
     }
 }
 
+/// Least difference of the ends of a scale, mm.
+const MIN_RANGE: f32 = 0.05;
+/// Least and greatest end of a scale, mm.
+const END_LIMITS: (f32, f32) = (-10.0, 100.0);
+
 /// The bar with its ends, which are edited by dragging or typing.
 fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     let ((mut low, mut high), units) = (state.range(), state.look.units);
     let before = (low, high);
-    let least = 0.05;
     ui.spacing_mut().interact_size.x = 40.0;
+    let mut refused = None;
     if scale.difference {
         ui.label(format!("−{}", units.length(high.into(), 2)));
     } else {
-        let field = ui.add(end_field(&mut low, -10.0, high - least, units));
-        named(&field, "Scale minimum", low);
-        field.on_hover_text("Drag or type: stock at the lower end of the colour scale");
+        let end = ScaleEnd {
+            name: "Scale minimum",
+            tip: "Drag or type: stock at the lower end of the colour scale",
+            range: (END_LIMITS.0, high - MIN_RANGE),
+            why: ("", ", below the upper end. For more, raise that first"),
+        };
+        refused = end.show(ui, &mut low, units);
     }
     colour_bar(ui, scale.map, bar);
-    let field = ui.add(end_field(&mut high, low + least, 100.0, units));
-    named(&field, "Scale maximum", high);
-    field.on_hover_text("Drag or type: stock at the upper end of the colour scale, and above");
+    let end = ScaleEnd {
+        name: "Scale maximum",
+        tip: "Drag or type: stock at the upper end of the colour scale, and above",
+        range: (low + MIN_RANGE, END_LIMITS.1),
+        why: (if scale.difference { "" } else { ", above the lower end. For less, lower that first" }, ""),
+    };
+    refused = end.show(ui, &mut high, units).or(refused);
     let fitting = state.fitting_range();
     let fit = || egui::Button::new("Fit scale").small();
     let tip = "The scale stays while plans change; this fits it to the plan that is shown";
@@ -295,13 +352,52 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     } else if (low, high) != before {
         state.look.range = Some((low, high));
     }
+    // The strip has no room for a reason below the field.
+    if let Some(reason) = refused {
+        state.report_refusal(reason);
+    }
 }
 
-fn end_field(value: &mut f32, from: f32, to: f32, units: DisplayUnits) -> DragValue<'_> {
-    let shown = f64::from(*value);
-    let parse = units.field_parser(Quantity::Length, shown, units.length(shown, 2));
-    let field = DragValue::new(value).speed(0.02).range(from..=to).clamp_existing_to_range(false);
-    field.custom_formatter(move |value, _| units.length(value, 2)).custom_parser(parse)
+/// A length of a scale, mm, as it is written: 0.05 is not 0.05000000075.
+fn rounded(mm: f32) -> f64 {
+    (1e4 * f64::from(mm)).round() / 1e4
+}
+
+/// A field for an end of a scale.
+struct ScaleEnd {
+    name: &'static str,
+    tip: &'static str,
+    /// Least and greatest value, mm.
+    range: (f32, f32),
+    /// What sets them, as ends of sentences.
+    why: (&'static str, &'static str),
+}
+
+impl ScaleEnd {
+    /// Draws it; returns why what was typed is not taken.
+    fn show(&self, ui: &mut Ui, value: &mut f32, units: DisplayUnits) -> Option<String> {
+        let show = |mm: f64| units.length(mm, 2);
+        let limits = TypedLimits {
+            quantity: Quantity::Length,
+            units,
+            range: rounded(self.range.0)..=rounded(self.range.1),
+            why_least: self.why.0,
+            why_most: self.why.1,
+            show: &show,
+        };
+        let (field, typed) = typed::limited_field(ui, value, &limits, 0.02);
+        let shown = f64::from(*value);
+        field.widget_info(|| {
+            let mut info = egui::WidgetInfo::drag_value(true, shown);
+            info.label = Some(self.name.to_owned());
+            info
+        });
+        field.on_hover_text(self.tip);
+        match typed {
+            Typed::Refused(reason) => Some(format!("{}: {reason}", self.name)),
+            Typed::Nothing | Typed::Taken => None,
+        }
+    }
 }
 
 /// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
@@ -309,12 +405,4 @@ pub fn format_signed(value: f32, most: f32, units: DisplayUnits) -> String {
     let digits = if most < 0.1 { 4 } else { 3 };
     let sign = if value < 0.0 { '−' } else { '+' };
     format!("{sign}{}", units.length(value.abs().into(), digits))
-}
-
-fn named(response: &egui::Response, name: &str, value: f32) {
-    response.widget_info(|| {
-        let mut info = egui::WidgetInfo::drag_value(true, f64::from(value));
-        info.label = Some(name.to_owned());
-        info
-    });
 }

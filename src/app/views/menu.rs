@@ -1,10 +1,13 @@
 //! The menu bar.
 
-use egui::{MenuBar, Ui};
+use std::path::PathBuf;
+
+use egui::{MenuBar, ScrollArea, Ui};
 
 use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
 use super::overlay;
+use super::panels::part::name_in_list;
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
 use crate::app::model::panels::DockPanel;
@@ -101,31 +104,43 @@ const VIEWS: &[&[Command]] = &[
 const HELP: &[&[Command]] =
     &[&[Command::ShowTour, Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
 
+/// Room below a menu, points.
+const BELOW_MENU: f32 = 4.0;
+/// Height of the window from which on every menu fits, points.
+const ALL_FIT: f32 = 720.0;
+
+/// A menu that scrolls where the window is too low for it.
+fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let screen = ui.ctx().content_rect();
+    let bar = ui.max_rect().bottom();
+    ui.menu_button(name, |ui| match screen.height() < ALL_FIT {
+        true => {
+            let room = screen.bottom() - bar - BELOW_MENU - ui.spacing().menu_margin.sum().y;
+            // A popup is as high as its content was in the frame before.
+            ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
+        }
+        false => content(ui),
+    });
+}
+
 impl App {
     /// Draws the menu bar.
     pub(in crate::app) fn menu(&mut self, ui: &mut Ui) {
         let (mut chosen, mut recent, mut changed) = (None, None, None);
         MenuBar::new().ui(ui, |ui| {
             for (name, groups) in MENUS {
-                ui.menu_button(name, |ui| {
-                    if let Some(command) = self.menu_groups(ui, groups) {
-                        chosen = Some(command);
-                    }
-                    if name == "File" && !self.state.recents.is_empty() {
+                long_menu(ui, name, |ui| {
+                    // The recent projects stand below the commands that open others.
+                    let first = usize::from(name == "File" && !self.state.recents.is_empty());
+                    chosen = self.menu_groups(ui, &groups[..first]).or(chosen);
+                    if first > 0 {
+                        recent = self.recent_menu(ui).or(recent.take());
                         ui.separator();
-                        ui.menu_button("Open recent", |ui| {
-                            for path in &self.state.recents {
-                                let name = path.file_stem().unwrap_or_default().to_string_lossy();
-                                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                                    recent = Some(path.clone());
-                                    ui.close();
-                                }
-                            }
-                        });
                     }
+                    chosen = self.menu_groups(ui, &groups[first..]).or(chosen);
                 });
             }
-            ui.menu_button("View", |ui| {
+            long_menu(ui, "View", |ui| {
                 if let Some(command) = self.menu_groups(ui, VIEWS) {
                     chosen = Some(command);
                 }
@@ -176,6 +191,22 @@ impl App {
         if let Some(path) = recent {
             self.run_guarded(ui.ctx(), Pending::Open(path));
         }
+    }
+
+    /// The menu of the recent projects; returns the one that was chosen.
+    fn recent_menu(&self, ui: &mut Ui) -> Option<PathBuf> {
+        let menu = ui.menu_button("Open recent", |ui| {
+            let mut chosen = None;
+            for path in &self.state.recents {
+                let name = name_in_list(path, &self.state.recents);
+                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                    chosen = Some(path.clone());
+                    ui.close();
+                }
+            }
+            chosen
+        });
+        menu.inner.flatten()
     }
 
     /// The menu of the panels: which are shown, and where; returns what was chosen for one.

@@ -1,7 +1,8 @@
 //! The question where an NC program is to run: operation, channels, machine, control, output.
 
-use egui::{ComboBox, DragValue, Grid, Modal, RichText, Ui};
+use egui::{ComboBox, Grid, Modal, RichText, Ui};
 
+use super::count_field;
 use super::modal::is_dismissed;
 use super::panels::fields;
 use super::theme;
@@ -115,11 +116,7 @@ fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
         ui.end_row();
         if question.operation == Operation::Roughing {
             let label = ui.label("Channels").on_hover_text("How many are milled, from the first on");
-            ui.horizontal(|ui| {
-                let count = question.channel_count;
-                ui.add(DragValue::new(&mut question.channels).range(1..=count)).labelled_by(label.id);
-                ui.label(format!("of {count}"));
-            });
+            count_field::channels(ui, &mut question.channels, question.channel_count, label.id);
             ui.end_row();
         }
 

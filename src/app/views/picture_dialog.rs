@@ -1,9 +1,18 @@
 //! The dialog with the settings of a saved picture.
 
-use egui::{DragValue, Modal, RichText, Ui};
+use egui::{Modal, RichText, Ui};
 
 use super::modal::is_dismissed;
+use super::typed::{self, TypedLimits};
+use crate::app::model::number::Quantity;
+use crate::app::model::units::DisplayUnits;
 use crate::gpu::image::MAX_SIDE;
+
+/// Least side of a saved picture, pixels.
+const MIN_SIDE: u32 = 16;
+/// Name of the size, and value that the note on it goes by: two fields share a line below them.
+const SIZE: &str = "Size of the picture";
+const BOTH: f64 = 0.0;
 
 /// Settings of a saved picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,14 +54,25 @@ impl ExportDialog {
             let mut as_shown = settings.size.is_none();
             ui.checkbox(&mut as_shown, "Current view size");
             let mut size = settings.size.unwrap_or(screen);
+            let (form, mut at) = (ui.scope_id(), egui::Rect::NOTHING);
+            let limits = TypedLimits {
+                quantity: Quantity::Plain,
+                units: DisplayUnits::Metric,
+                range: f64::from(MIN_SIDE)..=f64::from(MAX_SIDE),
+                why_least: "",
+                why_most: ", what graphics devices can draw",
+                show: &|pixels: f64| format!("{pixels:.0} px"),
+            };
             ui.add_enabled_ui(!as_shown, |ui| {
                 ui.horizontal(|ui| {
                     for (side, name) in size.iter_mut().zip(["Width", "Height"]) {
                         let label = ui.label(name);
-                        let field = DragValue::new(side).range(16..=MAX_SIDE).suffix(" px");
-                        ui.add(field).labelled_by(label.id);
+                        let (field, said) = typed::limited_field(ui, side, &limits, 1.0);
+                        typed::keep(ui, form, SIZE, BOTH, said);
+                        at = at.union(field.labelled_by(label.id).rect);
                     }
                 });
+                typed::show(ui, form, SIZE, BOTH, at);
             });
             settings.size = (!as_shown).then_some(size);
             ui.checkbox(&mut settings.transparent, "Transparent background");

@@ -22,12 +22,12 @@ pub fn ask(ui: &Ui, copy: &RecoveryCopy) -> Option<RecoverAnswer> {
         id: "recover",
         width: 360.0,
         title: &format!("Unsaved changes of {}", copy.title),
-        text: "A session with this project ended without closing.",
+        text: "A session with this project or part ended without closing.",
     };
     let answers = [
         ("Recover", "Continues with the unsaved changes", RecoverAnswer::Recover),
-        ("Discard", "Continues with the project as it was saved", RecoverAnswer::Discard),
-        ("Not now", "Continues with the project as it was saved; asks again", RecoverAnswer::Later),
+        ("Discard", "Removes them, and continues with what is open", RecoverAnswer::Discard),
+        ("Not now", "Continues with what is open; asks again", RecoverAnswer::Later),
     ];
     question.ask(ui, answers, RecoverAnswer::Later)
 }

@@ -1,4 +1,5 @@
-//! The question before a program with something against it is written.
+//! The question before a file is written that something speaks against: a program, or a library that would
+//! lose data.
 
 use egui::{Modal, RichText, Ui};
 
@@ -16,17 +17,44 @@ pub enum ReleaseAnswer {
     Cancel,
 }
 
-/// Draws the question with what speaks against the program; returns the answer once. `can_change`: whether
+/// What the question says of the kind of file.
+pub struct ReleaseWords {
+    title: &'static str,
+    /// What stands above the list; may be empty.
+    above: &'static str,
+    /// What stands below it; may be empty.
+    below: &'static str,
+    anyway: &'static str,
+}
+
+/// Of a program.
+pub const PROGRAM: ReleaseWords =
+    ReleaseWords { title: "Export this program?", above: "", below: "", anyway: "Export anyway" };
+/// Of a tool library in the format of Fusion.
+pub const LIBRARY: ReleaseWords = ReleaseWords {
+    title: "Write a Fusion library?",
+    above: "It is written anew from what Vanecut knows of the tools. It does not hold:",
+    below: "A .toml library keeps all that is shown here; the file of Fusion then stays as it is.",
+    anyway: "Write anyway",
+};
+
+/// Draws the question with what speaks against the file; returns the answer once. `can_change`: whether
 /// calculating the plan again can change it.
-pub fn ask(ui: &Ui, concerns: &[String], can_change: bool) -> Option<ReleaseAnswer> {
+pub fn ask(ui: &Ui, words: &ReleaseWords, concerns: &[String], can_change: bool) -> Option<ReleaseAnswer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique("release")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
-        ui.label(RichText::new("Export this program?").strong());
+        ui.label(RichText::new(words.title).strong());
         ui.add_space(4.0);
+        if !words.above.is_empty() {
+            ui.label(words.above);
+        }
         let colour = Condition::Interfering.text(ui.visuals());
         for concern in concerns {
             ui.label(RichText::new(format!("• {concern}")).color(colour));
+        }
+        if !words.below.is_empty() {
+            ui.label(RichText::new(words.below).weak());
         }
         ui.add_space(8.0);
         ui.horizontal(|ui| {
@@ -34,7 +62,7 @@ pub fn ask(ui: &Ui, concerns: &[String], can_change: bool) -> Option<ReleaseAnsw
             if can_change && ui.button("Recalculate").on_hover_text(tip).clicked() {
                 answer = Some(ReleaseAnswer::Recalculate);
             }
-            if ui.button("Export anyway").clicked() {
+            if ui.button(words.anyway).clicked() {
                 answer = Some(ReleaseAnswer::Export);
             }
             if ui.button("Cancel").clicked() {

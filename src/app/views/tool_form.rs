@@ -45,10 +45,15 @@ const STICK_OUT: &str = ", the stick-out. For more, make that longer first";
 /// Draws the tool and its fields, and keeps what hangs together within its limits.
 pub fn show(ui: &mut Ui, tool: &mut Tool) {
     tool_drawing::show(ui, tool);
+    show_fields(ui, tool);
+}
+
+/// Draws the fields alone, for where the drawing stays while they scroll.
+pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
+    name_row(ui, tool);
     fields::form(ui, "tool fields", |ui| {
         let form = ui.scope_id();
         let radius = tool.radius();
-        name_row(ui, tool);
         fields::plain_row(ui, &mut tool.diameter, &DIAMETER);
         fields::plain_row(ui, &mut tool.insert_width, &INSERT.at_most(radius.min(INSERT.max), RADIUS));
         fields::plain_row(ui, &mut tool.corner_radius, &CORNER.at_most(radius.min(CORNER.max), RADIUS));
@@ -92,14 +97,17 @@ fn fit_and_say(ui: &Ui, form: Id, tool: &mut Tool) {
     }
 }
 
+/// The name, in a line of its own: names of makers are long.
 fn name_row(ui: &mut Ui, tool: &mut Tool) {
-    let label = ui.label("Name").on_hover_text("What the shop calls it");
-    let mut name = tool.assembly.name.clone().unwrap_or_default();
-    let field = TextEdit::singleline(&mut name).char_limit(MAX_NAME).desired_width(120.0);
-    if ui.add(field).labelled_by(label.id).changed() {
-        tool.assembly.name = (!name.trim().is_empty()).then_some(name);
-    }
-    ui.end_row();
+    ui.horizontal(|ui| {
+        let label = ui.label("Name").on_hover_text("What the shop calls it");
+        let mut name = tool.assembly.name.clone().unwrap_or_default();
+        let width = ui.available_width() - 8.0;
+        let field = TextEdit::singleline(&mut name).char_limit(MAX_NAME).desired_width(width);
+        if ui.add(field).labelled_by(label.id).changed() {
+            tool.assembly.name = (!name.trim().is_empty()).then_some(name);
+        }
+    });
 }
 
 /// Rows of the segments of a shank or holder, from the cutter towards the spindle, with buttons to add and
@@ -113,6 +121,9 @@ fn segments<const N: usize>(
 ) {
     let mut remove = None;
     let form = ui.scope_id();
+    if !rows.is_empty() {
+        ui.label(egui::RichText::new(format!("{what}: {}", heads.join(", "))).weak());
+    }
     for (k, row) in rows.iter_mut().enumerate() {
         let name = format!("{what} {}", k + 1);
         let line = ui.horizontal(|ui| {
@@ -151,9 +162,14 @@ fn length_box(ui: &mut Ui, form: Id, (name, what): (&str, &str), value: &mut f64
     let units = units::of(ui);
     let show = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
     let range = 0.1..=1000.0;
-    let why_most = "";
-    let limits =
-        TypedLimits { quantity: Quantity::Length, units, range: range.clone(), why_most, show: &show };
+    let limits = TypedLimits {
+        quantity: Quantity::Length,
+        units,
+        range: range.clone(),
+        why_least: "",
+        why_most: "",
+        show: &show,
+    };
     let (shown, refused) = (units.short(*value, 3), RefCell::default());
     let field = DragValue::new(value)
         .speed(0.1)

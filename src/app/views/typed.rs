@@ -1,10 +1,10 @@
-//! Numbers that a field does not take: it keeps its value, and says below it why, and what to do. What a field
-//! changes by itself, since it hangs together with another one, is said there, too.
+//! Numbers that a field does not take: it keeps its value, and says below it why, and what to do. What a
+//! field changes by itself, since it hangs together with another one, is said there, too.
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use egui::{Id, Rect, Ui};
+use egui::{DragValue, Id, Rect, Response, Ui};
 
 use super::field_faults;
 use super::theme::Condition;
@@ -31,6 +31,8 @@ pub struct TypedLimits<'a> {
     pub units: DisplayUnits,
     /// Least and greatest value.
     pub range: RangeInclusive<f64>,
+    /// What sets the least value and how less is possible, as an end of a sentence; may be empty.
+    pub why_least: &'a str,
     /// What sets the greatest value and how more is possible, as an end of a sentence; may be empty.
     pub why_most: &'a str,
     /// Text of a value, with its unit.
@@ -49,13 +51,14 @@ impl TypedLimits<'_> {
             return Err(format!("{typed} is too much: at most {most}{}", self.why_most));
         }
         if value < *self.range.start() {
-            return Err(format!("{typed} is too little: at least {}", (self.show)(*self.range.start())));
+            let least = (self.show)(*self.range.start());
+            return Err(format!("{typed} is too little: at least {least}{}", self.why_least));
         }
         Ok(value)
     }
 
-    /// The value of `text` in a field that shows `shown`: what is not taken gives none, and its reason goes to
-    /// `typed`. A text that is left as it was gives none either: it may be rounded.
+    /// The value of `text` in a field that shows `shown`: what is not taken gives none, and its reason goes
+    /// to `typed`. A text that is left as it was gives none either: it may be rounded.
     pub fn parse(&self, text: &str, shown: &str, typed: &RefCell<Typed>) -> Option<f64> {
         if text == shown {
             return None;
@@ -82,6 +85,27 @@ fn what_it_is(quantity: Quantity) -> &'static str {
         Quantity::SpindleSpeed => "a speed: 1200 or 1200 rpm are",
         Quantity::Plain => "a number: 12.5 or 30/4 are",
     }
+}
+
+/// A field without label that takes what is within `limits` and changes by `speed` per dragged point, with
+/// what came of a typed text.
+pub fn limited_field<N: egui::emath::Numeric>(
+    ui: &mut Ui,
+    value: &mut N,
+    limits: &TypedLimits<'_>,
+    speed: f64,
+) -> (Response, Typed) {
+    let (shown, typed) = ((limits.show)(value.to_f64()), RefCell::default());
+    let field = DragValue::new(value)
+        .speed(speed)
+        .range(N::from_f64(*limits.range.start())..=N::from_f64(*limits.range.end()))
+        // What is out of range already is kept until it is edited.
+        .clamp_existing_to_range(false)
+        .custom_formatter(|value, _| (limits.show)(value))
+        .custom_parser(|text| limits.parse(text, &shown, &typed))
+        .update_while_editing(false);
+    let response = ui.add(field);
+    (response, typed.into_inner())
 }
 
 /// A text below a field, as long as this has the value that it had.
@@ -132,6 +156,7 @@ mod tests {
             quantity: Quantity::Length,
             units: DisplayUnits::Metric,
             range: 0.5..=15.0,
+            why_least: ", as the form says",
             why_most: ", the radius",
             show: &show,
         };
@@ -142,7 +167,7 @@ mod tests {
             ("12", Some(12.0), None),
             ("20", None, Some("20 is too much: at most 15 mm, the radius")),
             ("1 in", None, Some("1 in is too much: at most 15 mm, the radius")),
-            ("-3", None, Some("-3 is too little: at least 0.5 mm")),
+            ("-3", None, Some("-3 is too little: at least 0.5 mm, as the form says")),
             ("5 ft", None, Some("“5 ft” is not a length: 12.5, 30/4 mm or 0.5 in are")),
         ] {
             assert_eq!(limits.parse(text, "10 mm", &typed), value, "{text}");

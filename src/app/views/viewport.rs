@@ -8,24 +8,22 @@ use glam::Vec3;
 
 use crate::gpu::camera::Camera;
 use crate::gpu::cutters::CutterFilter;
-use crate::gpu::scene::{FloorColours, SceneOptions, SectionPlane};
+use crate::gpu::scene::{FloorColours, SceneOptions};
 use crate::palette::ColourMap;
-use crate::plunge::PlungePlan;
-use crate::plunge::inspect::feed_direction;
 
 use crate::app::App;
 use crate::app::control::export::device_problem;
 use crate::app::model::flank_passes::extent_of_pass;
-use crate::app::model::look::{Arrangement, Operation, PlaneOrientation, SectionPlaneLook};
+use crate::app::model::look::{Arrangement, Operation, SectionPlaneLook};
 use crate::app::model::planned::Side;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::solid::SolidColours;
-use crate::app::model::state::AppState;
 use crate::app::views::cube;
 use crate::app::views::legend::{self, Values};
 use crate::app::views::overlay::{self, SwitchChoice};
 use crate::app::views::panels::{self, part};
 use crate::app::views::picture::{Content, ShownFlank};
+use crate::app::views::section_plane::section_plane;
 use crate::app::views::theme;
 use crate::app::views::view3d::{self, ViewHit, view_point};
 
@@ -205,7 +203,11 @@ impl App {
         picture.load_flank(flank);
         picture.load_program(program);
         picture.load(content);
-        picture.load_cutter_colours(look.layers.cutter_colours, &look.hidden_classes);
+        picture.load_cutter_colours(
+            look.layers.cutter_colours,
+            &look.hidden_classes,
+            &self.state.plans_in_view(),
+        );
         picture.load_preview(preview);
         picture.load_borders(borders);
         picture.load_solid(solid);
@@ -457,7 +459,8 @@ impl App {
             theme: self.screen.theme,
             cutter_stub: if shows_timeline_tool { FULL_LENGTH } else { SceneOptions::default().cutter_stub },
             up_to: look.cut_count.filter(|&cut| cut < count || cut == 0),
-            selected: look.selected.filter(|_| side == look.side),
+            // Of the plunges, which the other operations do not show.
+            selected: look.selected.filter(|_| roughing && side == look.side),
             pixel_scale: self.screen.scale,
             section: look.section.and_then(|section| section_plane(state, section)),
             ..SceneOptions::default()
@@ -473,38 +476,4 @@ pub(in crate::app) struct Hover {
     camera: Camera,
     hit: ViewHit,
     other: Option<f32>,
-}
-
-/// The section plane in the part's frame; `None` if it needs a position and there is none.
-fn section_plane(state: &AppState, section: SectionPlaneLook) -> Option<SectionPlane> {
-    let part = &state.document.part.as_ref()?.impeller;
-    let to = |v: [f64; 3]| Vec3::from_array(v.map(|x| x as f32));
-    // The selected position, else one in the middle of the plan.
-    let index = |plan: &PlungePlan| state.look.selected.unwrap_or(plan.positions.len() / 2);
-    let (normal, through) = match section.across {
-        PlaneOrientation::Meridian => {
-            let plan = state.shown().map(|shown| shown.plan());
-            let position = plan.and_then(|plan| plan.positions.get(index(plan)));
-            let at = position.map_or(0.0, |position| position.tip.y.atan2(position.tip.x) as f32);
-            let (sin, cos) = (at + section.offset.to_radians()).sin_cos();
-            let normal = Vec3::new(-sin, cos, 0.0) * if section.flipped { -1.0 } else { 1.0 };
-            return Some(SectionPlane { normal, offset: 0.0 });
-        }
-        PlaneOrientation::X => (Vec3::X, Vec3::ZERO),
-        PlaneOrientation::Y => (Vec3::Y, Vec3::ZERO),
-        PlaneOrientation::Z => {
-            let middle = 0.5 * (part.hub.point(0.0).z + part.hub.point(1.0).z);
-            (Vec3::Z, Vec3::Z * middle as f32)
-        }
-        PlaneOrientation::Row => {
-            let plan = state.shown()?.plan();
-            let k = index(plan);
-            let position = plan.positions.get(k)?;
-            let feed = to(feed_direction(part, plan, k).into());
-            (feed.cross(to(position.axis.into())), to(position.tip.coords.into()))
-        }
-    };
-    let normal = if section.flipped { -normal } else { normal };
-    let moved = if section.flipped { -section.offset } else { section.offset };
-    Some(SectionPlane { normal, offset: normal.dot(through) + moved })
 }

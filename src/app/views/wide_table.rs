@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use egui::emath::GuiRounding;
 use egui::{
     Align, Label, Layout, Pos2, Rect, Response, RichText, Role, ScrollArea, Sense, Ui, UiBuilder, Vec2,
     WidgetInfo,
@@ -77,7 +78,8 @@ impl WideTable<'_> {
             let parts = Parts {
                 lefts: &lefts,
                 origin,
-                corner: origin + view.min.to_vec2(),
+                // On whole pixels, as the origin is: head and first column would tremble while it scrolls.
+                corner: (origin + view.min.to_vec2()).round_to_pixels(ui.pixels_per_point()),
                 seen,
                 pitch,
                 pinned: lefts.get(1).copied().unwrap_or(0.0),

@@ -1,6 +1,8 @@
 //! FreeCAD tool bits (`.fctb`) and libraries (`.fctl`). They know neither holder nor feeds; the numbers of
 //! the tools are in the library.
 
+use std::sync::Arc;
+
 use serde_json::Value;
 
 use super::json::{elements, json_text, tool_tree};
@@ -177,7 +179,7 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
             beside(file).and_then(|(bit, bytes)| read_bit(&bit, &bytes, Some(number)))
         };
         match read() {
-            Ok(ToolBit::Mill(tool)) => library.tools.push(*tool),
+            Ok(ToolBit::Mill(tool)) => library.tools.push(Arc::new(*tool)),
             Ok(ToolBit::Other(shown, why)) => left_out.add(shown, why),
             Err(error) => {
                 left_out.add(format!("tool {}", index + 1), error.message.clone());

@@ -4,6 +4,8 @@
 //! Segments run from the cutter or the collet towards the spindle. Segments of a holder beyond its gauge
 //! length are in the spindle and are left out. An expression prevails over the number beside it.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use serde_json::Value;
 
@@ -70,7 +72,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     let entries: Vec<FusionEntry> = data.par_iter().enumerate().map(entry).collect();
     for found in entries {
         match found {
-            FusionEntry::Mill(tool) => library.tools.push(*tool),
+            FusionEntry::Mill(tool) => library.tools.push(Arc::new(*tool)),
             FusionEntry::Holder => holders += 1,
             FusionEntry::Other(shown, why, is_mill) => {
                 if is_mill {

@@ -5,10 +5,25 @@ use serde_json::{Map, Value, json};
 use super::{LibraryTool, ToolLibrary};
 use crate::io::hash::{FNV_START, fnv1a};
 
+/// What a Fusion library that is written here does not hold, although Fusion keeps it, as lines for the user;
+/// the last only where a tool has an insert width.
+pub fn missing_in_fusion(library: &ToolLibrary) -> Vec<String> {
+    let mut lines = vec![
+        "Vendor, product, material and coolant of the tools".to_owned(),
+        "Feed rates other than that of a plunge: cutting, lead-in and ramp".to_owned(),
+        "Identifiers: Fusion takes every tool and holder for a new one".to_owned(),
+        "Names of holders, and inches: all lengths are in mm".to_owned(),
+    ];
+    if library.tools.iter().any(|entry| entry.tool.core_radius() > 0.0) {
+        lines.push("Insert widths, which Fusion does not know".to_owned());
+    }
+    lines
+}
+
 /// Writes a library in mm. Tools without a name are called by number and diameter; Fusion has no insert
 /// width.
 pub fn write_fusion(library: &ToolLibrary) -> String {
-    let data: Vec<Value> = library.tools.iter().map(entry_of).collect();
+    let data: Vec<Value> = library.tools.iter().map(|entry| entry_of(entry)).collect();
     let mut text = serde_json::to_string_pretty(&json!({"data": data, "version": 36})).unwrap_or_default();
     text.push('\n');
     text

@@ -14,6 +14,7 @@ mod zip;
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::InputError;
 use super::source::{Source, name_of, read_bytes_up_to};
@@ -23,7 +24,7 @@ use crate::geometry::without_conversion_error;
 use crate::setup::Tool;
 use crate::setup::cutting_data::MissingRates;
 use freecad::ToolBit;
-pub use fusion_write::write_fusion;
+pub use fusion_write::{missing_in_fusion, write_fusion};
 use json::MAX_LIBRARY_BYTES;
 
 /// Largest size of the file of one tool, bytes.
@@ -42,13 +43,24 @@ pub struct LibraryTool {
     pub notes: Vec<String>,
 }
 
-/// A library that was read.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// A library that was read. Copies share the tools that they have in common: libraries of makers have many
+/// thousand.
+#[derive(Clone, Debug, Default)]
 pub struct ToolLibrary {
     /// The mills, in file order.
-    pub tools: Vec<LibraryTool>,
+    pub tools: Vec<Arc<LibraryTool>>,
     /// Entries that are not mills, and other remarks on the whole.
     pub notes: Vec<String>,
+}
+
+impl PartialEq for ToolLibrary {
+    /// Shared tools are not compared one by one.
+    fn eq(&self, other: &Self) -> bool {
+        let same = |(a, b): (&Arc<LibraryTool>, &Arc<LibraryTool>)| Arc::ptr_eq(a, b) || a == b;
+        self.tools.len() == other.tools.len()
+            && self.tools.iter().zip(&other.tools).all(same)
+            && self.notes == other.notes
+    }
 }
 
 impl ToolLibrary {
@@ -160,13 +172,14 @@ pub fn read_library_bytes(
     match format {
         LibraryFormat::Toml => {
             let tools = read_tools_with_rates(name, bytes)?.into_iter();
-            let tools = tools.map(|(tool, missing)| LibraryTool { tool, missing, notes: Vec::new() });
+            let tools =
+                tools.map(|(tool, missing)| Arc::new(LibraryTool { tool, missing, notes: Vec::new() }));
             Ok(ToolLibrary { tools: tools.collect(), notes: Vec::new() })
         }
         LibraryFormat::FusionJson => fusion::read(name, bytes),
         LibraryFormat::FusionTools => fusion::read(name, &zip::json_member(name, bytes)?),
         LibraryFormat::FreeCadBit => match freecad::read_bit(name, bytes, None)? {
-            ToolBit::Mill(tool) => Ok(ToolLibrary { tools: vec![*tool], notes: Vec::new() }),
+            ToolBit::Mill(tool) => Ok(ToolLibrary { tools: vec![Arc::new(*tool)], notes: Vec::new() }),
             ToolBit::Other(shown, why) => {
                 let what = format!("contains no mill: {shown}: {why}");
                 Err(Source::new(name, ErrorCode::ToolFile).fault(0, what, "give an end mill"))
@@ -188,7 +201,7 @@ pub fn write_toml(library: &ToolLibrary) -> String {
         let _ = writeln!(out, "# {}", note.replace(char::is_control, " "));
     };
     library.notes.iter().for_each(|note| comment(&mut out, note));
-    for LibraryTool { tool, missing, notes } in &library.tools {
+    for LibraryTool { tool, missing, notes } in library.tools.iter().map(|entry| &**entry) {
         if !out.is_empty() {
             out.push('\n');
         }
@@ -202,7 +215,7 @@ pub fn write_toml(library: &ToolLibrary) -> String {
 /// Rounds lengths to 1e-9 mm, as 3 in are 76.2 mm and not 76.199…: converted numbers are read by people.
 fn round_lengths(library: &mut ToolLibrary) {
     let round = |mm: &mut f64| *mm = without_conversion_error(*mm);
-    for LibraryTool { tool, .. } in &mut library.tools {
+    for LibraryTool { tool, .. } in library.tools.iter_mut().map(Arc::make_mut) {
         [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
             .into_iter()
             .for_each(round);
@@ -217,7 +230,7 @@ fn round_lengths(library: &mut ToolLibrary) {
 fn number_tools(library: &mut ToolLibrary) {
     let mut taken = std::collections::BTreeSet::new();
     let mut next = library.tools.iter().map(|t| t.tool.number).max().unwrap_or(0);
-    for LibraryTool { tool, notes, .. } in &mut library.tools {
+    for LibraryTool { tool, notes, .. } in library.tools.iter_mut().map(Arc::make_mut) {
         if tool.number == 0 || !taken.insert(tool.number) {
             next += 1;
             notes.push(match tool.number {
@@ -301,7 +314,7 @@ mod tests {
         tool.assembly.holder = vec![[0.1 * 25.4, 3.0 * 25.4, 1.1 * 25.4]];
         assert_ne!(tool.diameter, 76.2, "by the multiplication alone");
         let mut library = ToolLibrary {
-            tools: vec![LibraryTool { tool, missing: MissingRates::default(), notes: Vec::new() }],
+            tools: vec![Arc::new(LibraryTool { tool, missing: MissingRates::default(), notes: Vec::new() })],
             ..Default::default()
         };
         round_lengths(&mut library);

@@ -34,6 +34,8 @@ pub enum Tone {
     Done,
     /// Something failed; the text says what to do.
     Fault,
+    /// What was typed is not taken, and why.
+    Refusal,
 }
 
 /// A message of the status bar.
@@ -54,6 +56,8 @@ pub struct RecoveryCopy {
     pub title: String,
     /// File of the project; `None` where that was never saved.
     pub project: Option<PathBuf>,
+    /// File of its part; `None` for a sample, or where the copy cannot be read.
+    pub part: Option<PathBuf>,
 }
 
 /// The state of the window, apart from drawing.
@@ -298,6 +302,12 @@ impl AppState {
         self.shown_on(self.look.side)
     }
 
+    /// The plans that the views show, those of both sides where both are visible.
+    pub fn plans_in_view(&self) -> Vec<ShownPlan<'_>> {
+        let sides = [Side::Before, Side::After].into_iter().filter(|side| self.shows(*side));
+        sides.filter_map(|side| self.shown_on(side)).collect()
+    }
+
     /// The selected position.
     pub fn selected(&self) -> Option<&Position> {
         self.shown()?.plan().positions.get(self.look.selected?)
@@ -352,6 +362,11 @@ impl AppState {
     /// Reports success in the status bar.
     pub fn report_done(&mut self, text: impl Into<String>) {
         self.notice = Some(Notice { tone: Tone::Done, text: text.into() });
+    }
+
+    /// Reports in the status bar alone why an input was not taken: it is gone with the next message.
+    pub fn report_refusal(&mut self, text: impl Into<String>) {
+        self.notice = Some(Notice { tone: Tone::Refusal, text: text.into() });
     }
 
     /// Reports a problem; it stays until it is dismissed or solved. A problem of a calculation replaces the

@@ -218,7 +218,7 @@ impl Prompt {
         if name.is_empty() {
             return Err(String::new());
         }
-        let mut path = self.folder.join(name);
+        let mut path = self.folder.join(in_home(name));
         if path.is_dir() {
             return Ok(path);
         }
@@ -239,7 +239,8 @@ impl Prompt {
                 return Err(format!("The folder {} does not exist", folder.display()));
             }
         } else if !path.exists() {
-            return Err(format!("The file {} does not exist", path.display()));
+            let what = if name.ends_with(std::path::is_separator) { "folder" } else { "file" };
+            return Err(format!("The {what} {} does not exist", path.display()));
         }
         Ok(path)
     }
@@ -274,6 +275,16 @@ impl Prompt {
     }
 }
 
+/// A typed name; `~` at its beginning is the home folder, as in a terminal.
+fn in_home(name: &str) -> PathBuf {
+    let rest =
+        name.strip_prefix('~').filter(|rest| rest.is_empty() || rest.starts_with(std::path::is_separator));
+    match rest.zip(std::env::home_dir()) {
+        Some((rest, home)) => home.join(rest.trim_start_matches(std::path::is_separator)),
+        None => PathBuf::from(name),
+    }
+}
+
 /// The path `text`, shortened at its beginning until it fits: the last folders show where the user is. `fits` tells
 /// whether a text is short enough.
 fn end_that_fits(text: &str, fits: impl Fn(&str) -> bool) -> String {
@@ -297,6 +308,14 @@ fn select_stem(ui: &Ui, id: egui::Id, name: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tilde_is_the_home_folder() {
+        let home = std::env::home_dir().expect("a home");
+        assert_eq!(in_home("~"), home);
+        assert_eq!(in_home("~/parts/a.toml"), home.join("parts/a.toml"));
+        assert_eq!(in_home("~a.toml"), PathBuf::from("~a.toml"));
+    }
 
     #[test]
     fn a_long_path_keeps_its_end() {

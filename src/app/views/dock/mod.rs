@@ -19,7 +19,7 @@ use egui_tiles::{Container, LinearDir, SimplificationOptions, Tile, TileId, Tree
 pub use windows::in_front;
 
 use crate::app::App;
-use crate::app::model::layout::Layout;
+use crate::app::model::layout::{Layout, WindowPlace};
 use crate::app::model::panels::DockPanel;
 use crate::app::views::panels;
 
@@ -46,6 +46,8 @@ pub struct Dock {
     details_height: f32,
     /// Where a window appears that was just popped out.
     popped_out: Option<(DockPanel, Pos2)>,
+    /// Where the windows of panels are, or were when they were closed.
+    windows: HashMap<DockPanel, WindowPlace>,
     /// The layout that is stored.
     stored: Layout,
 }
@@ -66,6 +68,7 @@ impl Dock {
             kept: HashMap::new(),
             details_height: FIRST_DETAILS,
             popped_out: None,
+            windows: layout.windows.iter().copied().collect(),
             stored: layout.clone(),
         }
     }
@@ -269,10 +272,11 @@ impl App {
         if ctx.input(|input| input.pointer.any_down()) || self.state.look.panels.wants_reset {
             return None;
         }
-        let layout =
-            stored::layout_of(&self.dock.tree, &self.dock.kept, &self.dock.fronts, &self.state.look.panels)?;
-        (layout != self.dock.stored).then(|| {
-            self.dock.stored.clone_from(&layout);
+        let dock = &mut self.dock;
+        let panels = &self.state.look.panels;
+        let layout = stored::layout_of(&dock.tree, &dock.kept, &dock.fronts, panels, &dock.windows)?;
+        (layout != dock.stored).then(|| {
+            dock.stored.clone_from(&layout);
             layout
         })
     }

@@ -7,7 +7,7 @@ use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 
 use super::fronts::FrontTabs;
 use super::sizes::KeptSize;
-use crate::app::model::layout::{Layout, LayoutChild, LayoutNode};
+use crate::app::model::layout::{Layout, LayoutChild, LayoutNode, WindowPlace};
 use crate::app::model::panels::{DockPanel, Panels};
 
 /// The tree of a stored layout.
@@ -44,9 +44,11 @@ pub fn layout_of(
     kept: &HashMap<TileId, KeptSize>,
     fronts: &FrontTabs,
     panels: &Panels,
+    windows: &HashMap<DockPanel, WindowPlace>,
 ) -> Option<Layout> {
     let docked = node_of(&tree.tiles, kept, fronts, tree.root?)?;
-    Some(Layout::new(docked, panels))
+    let windows = DockPanel::ALL.into_iter().filter_map(|panel| Some((panel, *windows.get(&panel)?)));
+    Some(Layout::new(docked, panels, windows.collect()))
 }
 
 fn node_of(

@@ -5,9 +5,12 @@ use egui::{Context, Id, LayerId, Order, Pos2, Rect, Ui, UiBuilder, Vec2, Window}
 use super::content::panel_id;
 use super::grip::grip;
 use crate::app::App;
+use crate::app::model::layout::WindowPlace;
 use crate::app::model::panels::{DockPanel, Panels};
 use crate::app::views::theme;
 
+/// Distance of a new window from the upper edge of a low program window, below menus and figures, points.
+const BELOW_VERDICT: f32 = 72.0;
 /// Room that a new window leaves in a small program window, points.
 const AROUND: Vec2 = Vec2::new(40.0, 80.0);
 
@@ -37,7 +40,10 @@ fn sizes(panel: DockPanel) -> ([f32; 2], [f32; 2]) {
 fn corner(panel: DockPanel, screen: Rect, size: Vec2) -> Pos2 {
     match panel {
         // In a corner of the picture, which follows the handle.
-        DockPanel::Tradeoff => screen.left_bottom() + Vec2::new(theme::LEFT_WIDTH + 20.0, -size.y - 140.0),
+        DockPanel::Tradeoff => {
+            let corner = screen.left_bottom() + Vec2::new(theme::LEFT_WIDTH + 20.0, -size.y - 140.0);
+            Pos2::new(corner.x, corner.y.max(screen.top() + BELOW_VERDICT))
+        }
         DockPanel::ToolLibrary => Pos2::new(60.0, 60.0),
         _ => screen.center() - 0.5 * size,
     }
@@ -79,18 +85,26 @@ impl App {
     fn floating_panel(&mut self, ui: &Ui, panel: DockPanel) {
         let (size, least) = sizes(panel);
         let screen = ui.ctx().content_rect();
-        let size = Vec2::from(size).min(screen.size() - AROUND);
+        // As it was left, in an earlier session too.
+        let known = self.dock.windows.get(&panel).copied();
+        let size = Vec2::from(known.map_or(size, |place| place.size)).min(screen.size() - AROUND);
         let mut open = true;
         let mut window = Window::new(panel.title()).id(window_id(panel)).open(&mut open).collapsible(false);
         window = match self.dock.popped_out.take_if(|(popped, _)| *popped == panel) {
             Some((_, at)) => window.current_pos(at),
-            None => window.default_pos(corner(panel, screen, size)),
+            None => {
+                let at = known.map_or_else(|| corner(panel, screen, size), |place| Pos2::from(place.at));
+                window.default_pos(at)
+            }
         };
         window = match panel {
             DockPanel::ToolLibrary => window.resizable(false),
             _ => window.default_size(size).min_size(least),
         };
         let is_docked_at_first = !panel.is_window_at_first();
+        // In its first frame it is measured, and has another size.
+        let layer = LayerId::new(Order::Middle, window_id(panel));
+        let was_visible = ui.memory(|memory| memory.areas().visible_last_frame(&layer));
         let shown = window.show(ui.ctx(), |ui| {
             let rect = ui.available_rect_before_wrap();
             if is_docked_at_first {
@@ -105,7 +119,13 @@ impl App {
         if !open {
             self.state.look.panels.close_window(panel);
         }
-        let Some(used) = shown.and_then(|shown| shown.inner) else { return };
+        let Some(shown) = shown else { return };
+        let (at, size) = (shown.response.rect.min, shown.response.rect.size());
+        let Some(used) = shown.inner else { return };
+        let place = WindowPlace { at: [at.x.round(), at.y.round()], size: [size.x.round(), size.y.round()] };
+        if was_visible {
+            self.dock.windows.insert(panel, place);
+        }
         if used.drag_started
             && let Some(tile) = self.dock.tree.tiles.find_pane(&panel)
         {

@@ -137,18 +137,18 @@ fn angle(ui: &mut Ui, radians: &mut f64, spec: &FieldSpec) {
     }
 }
 
-/// How many edits there are, and those that do nothing in this plan with the reasons, with buttons that remove
-/// them.
+/// How many edits there are, and those that do nothing in this plan with the reasons, with buttons that
+/// remove them.
 pub fn counts(ui: &mut Ui, state: &mut AppState) {
     let count = state.edit_count();
-    if count == 0 {
-        return;
-    }
     let unapplied = state.unapplied_edits().to_vec();
     let word = if count == 1 { "edit" } else { "edits" };
-    let text = match unapplied.len() {
-        0 => format!("{count} {word}"),
-        n => format!("{count} {word}, {n} not applied"),
+    // The lines are there without edits, too: the panel stands on the lower edge, and would grow upwards
+    // beneath the pointer with the first one.
+    let text = match (count, unapplied.len()) {
+        (0, _) => "No edits".to_owned(),
+        (_, 0) => format!("{count} {word}"),
+        (_, n) => format!("{count} {word}, {n} not applied"),
     };
     ui.label(RichText::new(text).weak()).on_hover_text(UNAPPLIED_TIP);
     for edit in unapplied.iter().take(MAX_LISTED) {
@@ -161,7 +161,8 @@ pub fn counts(ui: &mut Ui, state: &mut AppState) {
         if !unapplied.is_empty() && ui.small_button("Remove those").on_hover_text(UNAPPLIED_TIP).clicked() {
             state.remove_unapplied_edits();
         }
-        if ui.small_button("Remove all").on_hover_text("Removes all edits; undo brings them back").clicked() {
+        let remove = ui.add_enabled(count > 0, Button::new("Remove all").small());
+        if remove.on_hover_text("Removes all edits; undo brings them back").clicked() {
             state.remove_edits();
         }
     });

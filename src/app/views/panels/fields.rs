@@ -126,6 +126,7 @@ pub fn number_box(
         quantity,
         units,
         range: least.max(spec.min)..=spec.max,
+        why_least: "",
         why_most: spec.why_most,
         show: &show_limit,
     };

@@ -8,22 +8,31 @@ use super::positions::cell;
 use crate::app::model::figures::format_clock;
 use crate::app::model::flank_passes::FlankPass;
 use crate::app::model::state::AppState;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme;
 use crate::flank::region::{Region, WallName};
 
-/// Heads of the columns with their meaning, and their widths, points.
-const COLUMNS: [(&str, &str, f32); 5] = [
-    ("#", "Number in cutting order", 30.0),
-    ("Layer", "Layer, 1 at the hub", 38.0),
-    ("Region", "Where in the channel; w: along a wall", 64.0),
-    ("Length", "Length of the pass", 48.0),
-    ("Time", "Time from the first pass on when the pass ends, without what is cut before it", 58.0),
+/// Heads of the columns with their meaning, and their widths, points, in mm and in inches, whose numbers are
+/// longer.
+const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
+    ("#", "Number in cutting order", [30.0; 2]),
+    ("Layer", "Layer, 1 at the hub", [38.0; 2]),
+    ("Region", "Where in the channel; w: along a wall", [64.0, 60.0]),
+    ("Length", "Length of the pass", [48.0, 54.0]),
+    ("Time", "Time from the first pass on when the pass ends, without what is cut before it", [58.0, 54.0]),
 ];
 
 /// Draws the table; a click on a row selects the pass.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
-    ui.label(RichText::new("Passes").strong());
     let found = std::sync::Arc::clone(&state.results.passes);
+    let layout = state.results.flank.as_ref().map(|outcome| &outcome.plan.layout);
+    let passes = layout.map_or(0, |layout| layout.totals[layout.strategy as usize].passes);
+    let title = match passes == found.passes.len() {
+        true => "Passes".to_owned(),
+        false => format!("{} cuts of {passes} passes", found.passes.len()),
+    };
+    let tip = "A pass is several cuts where the tool leaves it between: at blades and where it is not cut";
+    ui.label(RichText::new(title).strong()).on_hover_text(tip);
     if found.passes.is_empty() {
         ui.label(RichText::new("The plan has no passes").weak());
         return;
@@ -36,8 +45,9 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         // No higher than its place, however low that is.
         .min_scrolled_height(0.0)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
-    for (_, _, width) in COLUMNS {
-        builder = builder.column(Column::exact(width));
+    let unit = usize::from(state.look.units == DisplayUnits::Inch);
+    for (_, _, widths) in COLUMNS {
+        builder = builder.column(Column::exact(widths[unit]));
     }
     builder = builder.column(Column::remainder());
     let reveal = std::mem::take(&mut state.look.flank.reveal);

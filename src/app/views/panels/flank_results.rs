@@ -24,7 +24,7 @@ const MAX_LISTED: usize = 200;
 /// Draws the verdict line.
 pub fn verdict(ui: &mut Ui, state: &AppState) {
     let Some(outcome) = &state.results.flank else {
-        ui.label(RichText::new("Flank milling is not calculated yet").weak());
+        ui.label(RichText::new(state.results.words_without_flank()).weak());
         return;
     };
     let amber = Condition::Blocked.text(ui.visuals());
@@ -40,7 +40,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         _ => Condition::Interfering,
     };
     let text = RichText::new(format!("Faults {faults}")).strong().color(condition.text(ui.visuals()));
-    ui.label(text).on_hover_text("Gouges, collisions of shank and holder, rapids through stock");
+    ui.label(text).on_hover_text("Overcut walls, collisions of shank and holder, rapids through stock");
     if outcome.verdict.is_none() {
         ui.label(RichText::new("not verified").color(amber));
     }
@@ -58,7 +58,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         ui,
         "Wall error",
         walls,
-        "Largest gouge below the blade allowance, and most stock left above it",
+        "Largest overcut below the blade allowance, and largest undercut above it",
     );
     for (name, share, tip) in floor_shares(outcome) {
         divided_figure(ui, name, format_percent(share), tip);
@@ -83,7 +83,7 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     ui.label(RichText::new("Flank milling").strong());
     let Some(outcome) = &state.results.flank else {
         ui.add_space(6.0);
-        ui.label(RichText::new("Not calculated yet").weak());
+        ui.label(RichText::new(state.results.words_without_flank()).weak());
         return;
     };
     ScrollArea::vertical().id_salt("flank results").auto_shrink(false).show(ui, |ui| {
@@ -145,7 +145,7 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         ui.label(note);
     }
     ui.label(format!(
-        "{} layers, cutter {}, floor {}; wall error: −{} gouge, +{} left; {}",
+        "{} layers, cutter {}, floor {}; wall error: −{} overcut, +{} undercut; {}",
         curves.layers.len(),
         units.diameter(plan.tool.diameter),
         match units {

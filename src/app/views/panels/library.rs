@@ -1,18 +1,18 @@
 //! The tool library of the shop: search, filter, look at, edit, take into the setup, save.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-use egui::{ComboBox, DragValue, RichText, ScrollArea, TextEdit, Ui};
+use egui::{ComboBox, Id, Rect, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::app::model::document::Edited;
+use crate::app::model::library_state::LibraryState;
 use crate::app::model::number::Quantity;
+use crate::app::model::problem::without_markdown;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
-use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
-use crate::app::views::{tool_form, units};
-use crate::io::shop_tools::ToolLibrary;
+use crate::app::views::typed::{self, TypedLimits};
+use crate::app::views::{tool_drawing, tool_form, units};
 use crate::setup::Setup;
 
 /// Size of the list, points.
@@ -35,7 +35,7 @@ pub enum LibraryAnswer {
 pub struct LibraryPanel {
     library: Option<ShopLibrary>,
     /// The library in the last frame, and the project as it was when that was edited last.
-    latest: Option<(ToolLibrary, Option<Edited>)>,
+    latest: Option<(LibraryState, Option<Edited>)>,
 }
 
 impl LibraryPanel {
@@ -51,7 +51,7 @@ impl LibraryPanel {
     }
 
     /// Records that `content` was written to `path`.
-    pub fn note_saved(&mut self, path: PathBuf, content: ToolLibrary) {
+    pub fn note_saved(&mut self, path: PathBuf, content: LibraryState) {
         if let Some(library) = &mut self.library {
             library.note_saved(path, content);
         }
@@ -62,9 +62,9 @@ impl LibraryPanel {
         let Some(library) = &mut self.library else { return };
         library.watch(time);
         match &mut self.latest {
-            Some((known, _)) if *known == library.content => {}
-            Some(latest) => *latest = (library.content.clone(), Some(project.clone())),
-            latest => *latest = Some((library.content.clone(), None)),
+            Some((known, _)) if known == library.content() => {}
+            Some(latest) => *latest = (library.content().clone(), Some(project.clone())),
+            latest => *latest = Some((library.content().clone(), None)),
         }
     }
 
@@ -165,10 +165,12 @@ fn head(ui: &mut Ui, library: &mut ShopLibrary, answer: &mut Option<LibraryAnswe
         let mark = if library.is_unsaved() { " • not saved" } else { "" };
         let label = egui::Label::new(RichText::new(format!("{name}{mark}")).weak()).extend();
         ui.add(label).on_hover_text(tip);
-        if !library.content.notes.is_empty() {
-            let notes = library.content.notes.join("\n");
-            let count = library.content.notes.len();
-            ui.label(RichText::new(format!("{count} remarks")).weak()).on_hover_text(notes);
+        let notes = &library.content().notes;
+        if !notes.is_empty() {
+            let word = if notes.len() == 1 { "remark" } else { "remarks" };
+            let label = ui.label(RichText::new(format!("{} {word}", notes.len())).weak());
+            // Of thousands of entries they are written when they are asked for.
+            label.on_hover_ui(|ui| drop(ui.label(without_markdown(&notes.join("\n")))));
         }
     });
 }
@@ -179,7 +181,8 @@ fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
         let field = TextEdit::singleline(&mut library.search).hint_text("name, T, Ø, L").desired_width(200.0);
         ui.add(field).labelled_by(label.id);
     });
-    ui.horizontal(|ui| {
+    let form = ui.scope_id();
+    let fields = ui.horizontal(|ui| {
         ui.spacing_mut().interact_size.x = 46.0;
         let label = ui.label("Type");
         ComboBox::from_id_salt("tool type")
@@ -192,26 +195,43 @@ fn filters(ui: &mut Ui, library: &mut ShopLibrary) {
             })
             .response
             .labelled_by(label.id);
-        let units = units::of(ui);
-        let label = ui.label("Ø").on_hover_text(format!("Diameters shown, {}", units.length_unit()));
-        let [least, most] = &mut library.diameters;
-        let [lowest, highest] = ALL_DIAMETERS;
-        ui.add(diameter_field(least, lowest..=*most, units)).labelled_by(label.id);
-        ui.label("to");
-        ui.add(diameter_field(most, *least..=highest, units)).labelled_by(label.id);
+        diameters(ui, form, &mut library.diameters)
     });
+    typed::show(ui, form, DIAMETERS, BOTH, fields.inner);
 }
 
-fn diameter_field(value: &mut f64, range: RangeInclusive<f64>, units: DisplayUnits) -> DragValue<'_> {
-    let parse = units.field_parser(Quantity::Length, *value, units.short(*value, 1));
-    let field = DragValue::new(value).speed(0.2).range(range);
-    field.custom_formatter(move |mm, _| units.short(mm, 1)).custom_parser(parse)
+/// Name of the diameters shown, and value that the note on them goes by: two fields share a line below them.
+const DIAMETERS: &str = "Diameters shown";
+const BOTH: f64 = 0.0;
+
+/// The fields of the least and the greatest diameter shown; returns their place.
+fn diameters(ui: &mut Ui, form: Id, [least, most]: &mut [f64; 2]) -> Rect {
+    let units = units::of(ui);
+    let label = ui.label("Ø").on_hover_text(format!("{DIAMETERS}, {}", units.length_unit()));
+    let [lowest, highest] = ALL_DIAMETERS;
+    let show = |mm: f64| units.short(mm, 1);
+    let mut at = Rect::NOTHING;
+    let mut field = |ui: &mut Ui, value: &mut f64, range, why: (&str, &str)| {
+        let (why_least, why_most) = why;
+        let quantity = Quantity::Length;
+        let limits = TypedLimits { quantity, units, range, why_least, why_most, show: &show };
+        let (field, typed) = typed::limited_field(ui, value, &limits, 0.2);
+        typed::keep(ui, form, DIAMETERS, BOTH, typed);
+        at = at.union(field.labelled_by(label.id).rect);
+    };
+    let why_most = ", the greatest that is shown. For more, raise that first";
+    let (low, high) = (*least, *most);
+    field(ui, least, lowest..=high, ("", why_most));
+    ui.label("to");
+    let why_least = ", the least that is shown. For less, lower that first";
+    field(ui, most, low..=highest, (why_least, ""));
+    at
 }
 
 fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let units = units::of(ui);
     let count = library.shown(units).len();
-    ui.label(RichText::new(format!("{count} of {} tools", library.content.tools.len())).weak());
+    ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
     ScrollArea::vertical().max_height(height).auto_shrink([false, false]).show_rows(
         ui,
@@ -220,7 +240,7 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
         |ui, range| {
             let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
             for index in shown {
-                let entry = &library.content.tools[index];
+                let entry = &library.content().tools[index];
                 let button =
                     egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
                 let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
@@ -239,7 +259,7 @@ fn selected(
     setup: Option<&mut Setup>,
     answer: &mut Option<LibraryAnswer>,
 ) {
-    let Some(index) = library.selected.filter(|&index| index < library.content.tools.len()) else {
+    let Some(index) = library.selected.filter(|&index| index < library.content().tools.len()) else {
         ui.label(RichText::new("Select a tool to see its drawing").weak());
         return;
     };
@@ -264,19 +284,18 @@ fn selected(
         }
     });
     let Some(index) = library.selected else { return };
-    let Some(entry) = library.content.tools.get_mut(index) else { return };
+    let Some(entry) = library.content().tools.get(index).cloned() else { return };
     let warn = Condition::Blocked.text(ui.visuals());
     for note in &entry.notes {
-        ui.add(egui::Label::new(RichText::new(note).color(warn)).wrap());
+        ui.add(egui::Label::new(RichText::new(without_markdown(note)).color(warn)).wrap());
     }
-    let before = entry.tool.clone();
+    let mut tool = entry.tool.clone();
+    // It stays while the fields scroll, so that an edit is seen.
+    tool_drawing::show(ui, &tool);
     ScrollArea::vertical().id_salt("library tool").max_height(LIST.1 + 20.0).show(ui, |ui| {
-        ui.push_id(("library tool", index), |ui| tool_form::show(ui, &mut entry.tool));
+        ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool));
     });
-    if entry.tool != before {
-        // A rate that was entered is given.
-        entry.missing.plunge_feed &= entry.tool.plunge_feed == before.plunge_feed;
-        entry.missing.spindle &= entry.tool.spindle == before.spindle;
-        library.changed();
+    if tool != entry.tool {
+        library.replace(index, tool);
     }
 }

@@ -13,11 +13,13 @@ use crate::report::words::NOT_ON_MACHINE;
 /// State of an operation, in words and as a condition.
 fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
     let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
+    let mut is_unfinished = false;
     let (times, faults, is_stale) = match operation {
         Operation::Roughing => {
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
             let result = shown.planned.result(shown.policy);
             let summary = &result.summary;
+            is_unfinished = result.plan.is_unfinished();
             let times = match summary.is_refused {
                 true => NOT_ON_MACHINE.to_owned(),
                 false => times(summary.time_s(), summary.time_of_channels_s(channels, channels)),
@@ -41,6 +43,8 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
         ("calculating…".to_owned(), None)
     } else if is_stale {
         ("out of date".to_owned(), Some(Condition::Blocked))
+    } else if is_unfinished {
+        ("unfinished".to_owned(), Some(Condition::Blocked))
     } else if faults > 0 {
         let word = if faults == 1 { "fault" } else { "faults" };
         (format!("{faults} {word}"), Some(Condition::Interfering))
@@ -60,8 +64,9 @@ fn unplanned(running: bool) -> (String, Option<Condition>) {
     (if running { "calculating…" } else { "not calculated" }.to_owned(), None)
 }
 
-/// Draws the list; returns the operation that was clicked. `running`: the operation that is being calculated.
-pub fn show(ui: &mut Ui, state: &AppState, running: Option<Operation>) -> Option<Operation> {
+/// Draws the list; returns the operation that was clicked. `is_running`: whether an operation is being
+/// calculated.
+pub fn show(ui: &mut Ui, state: &AppState, is_running: impl Fn(Operation) -> bool) -> Option<Operation> {
     let mut clicked = None;
     let all = [
         (Operation::Roughing, Command::Plan),
@@ -74,7 +79,7 @@ pub fn show(ui: &mut Ui, state: &AppState, running: Option<Operation>) -> Option
             continue;
         }
         let selected = state.look.operation == operation;
-        let (words, condition) = status(state, operation, running == Some(operation));
+        let (words, condition) = status(state, operation, is_running(operation));
         let visuals = ui.visuals();
         let colour = match condition {
             // The colours of conditions are too pale on that of the selection.

@@ -1,6 +1,6 @@
 //! Panel "Part": data of the open part, and the start page.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use egui::{Grid, RichText, Ui};
 
@@ -64,6 +64,25 @@ fn blades(main: usize, splitters_per_pitch: usize) -> String {
     }
 }
 
+/// Name of a project among others: with as many of its folders as tell it from those of the same name.
+pub fn name_in_list(path: &Path, all: &[PathBuf]) -> String {
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let folders = |path: &Path, count: usize| -> Vec<String> {
+        let above = path.ancestors().skip(1).filter_map(Path::file_name).take(count);
+        above.map(|name| name.to_string_lossy().into_owned()).collect()
+    };
+    let twins: Vec<&PathBuf> =
+        all.iter().filter(|other| *other != path && stem(other) == stem(path)).collect();
+    let depth = path.ancestors().count();
+    let tells = |count: &usize| twins.iter().all(|other| folders(other, *count) != folders(path, *count));
+    let mut named = folders(path, (0..depth).find(tells).unwrap_or(depth));
+    named.reverse();
+    match named.is_empty() {
+        true => stem(path),
+        false => format!("{} ({})", stem(path), named.join("/")),
+    }
+}
+
 /// One button per sample part.
 pub fn sample_buttons(ui: &mut Ui, samples: &[Sample]) -> Option<PartSource> {
     let mut chosen = None;
@@ -113,8 +132,7 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
             ui.add_space(14.0);
             ui.label(RichText::new("Recent").weak());
             for path in state.recents.iter().take(4) {
-                let name = path.file_stem().unwrap_or_default().to_string_lossy();
-                if ui.link(name).on_hover_text(path.display().to_string()).clicked() {
+                if ui.link(name_in_list(path, &state.recents)).on_hover_text(path.display().to_string()).clicked() {
                     action = Some(PartAction::OpenFile(path.clone()));
                 }
             }
@@ -135,4 +153,17 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
         }
     });
     action
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn projects_of_one_name_are_told_apart_by_their_folders() {
+        let all = ["/a/new/wheel.vanecut", "/a/old/wheel.vanecut", "/b/old/wheel.vanecut", "/b/pump.vanecut"];
+        let all = all.map(PathBuf::from);
+        let names: Vec<String> = all.iter().map(|path| name_in_list(path, &all)).collect();
+        assert_eq!(names, ["wheel (new)", "wheel (a/old)", "wheel (b/old)", "pump"]);
+    }
 }

@@ -122,16 +122,9 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
         .auto_shrink([false, false])
         // No higher than its place, however low that is.
         .min_scrolled_height(0.0)
-        .cell_layout(egui::Layout::right_to_left(egui::Align::Center))
-        .column(Column::exact(12.0))
-        .column(Column::exact(30.0))
-        .column(Column::exact(28.0))
-        .column(Column::exact(diameter_width(state)))
-        .column(Column::exact(46.0))
-        .column(Column::exact(50.0))
-        .column(Column::exact(44.0));
-    if has_machine {
-        builder = builder.column(Column::exact(AXES_WIDTH));
+        .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
+    for width in widths(state) {
+        builder = builder.column(Column::exact(width));
     }
     builder = builder.column(Column::remainder());
     // The offset acts in this frame; scrolling to a row would act in the next one, many positions later while
@@ -151,7 +144,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
             header.col(|_| ());
             for key in keys() {
                 header.col(|ui| {
-                    if head(ui, key, (sort.column == key).then_some(sort.descending)) {
+                    if head(ui, (key, units), (sort.column == key).then_some(sort.descending)) {
                         sorted = Some(sort.clicked(key));
                     }
                 });
@@ -235,7 +228,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
 }
 
 /// Head of a column; `true` when it was clicked. `sorted`: whether the table is sorted by it, largest first.
-fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
+fn head(ui: &mut Ui, (key, units): (Key, DisplayUnits), sorted: Option<bool>) -> bool {
     let text = RichText::new(key.label());
     let text = if sorted.is_some() { text.strong() } else { text.weak() };
     let response = ui.add(egui::Label::new(text).selectable(false).sense(Sense::click()));
@@ -244,29 +237,44 @@ fn head(ui: &mut Ui, key: Key, sorted: Option<bool>) -> bool {
     }
     let name = format!("Sort by {}", key.name());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
-    response.on_hover_text(format!("{}; click to sort", key.tip())).clicked()
+    let unit = match key {
+        Key::Diameter | Key::Contact | Key::Hub => format!(", {}", units.length_unit()),
+        Key::Order | Key::Row | Key::Alpha | Key::Axes => String::new(),
+    };
+    response.on_hover_text(format!("{}{unit}; click to sort", key.tip())).clicked()
 }
 
-/// Width of the column of axis warnings, points.
-const AXES_WIDTH: f32 = 54.0;
-/// Width of the other columns with the space between them, but for that of the diameters, points.
-const COLUMNS_WIDTH: f32 = 252.0;
-/// Least width of the column of diameters, and width of a digit, points.
-const DIAMETER_WIDTH: f32 = 30.0;
+/// Least widths of the columns from the mark of the state to the axis warnings, points.
+const WIDTHS: [f32; 8] = [12.0, 30.0, 28.0, 30.0, 46.0, 50.0, 44.0, 54.0];
+/// Width of a digit, points.
 const DIGIT_WIDTH: f32 = 7.3;
+/// Space before a length in inches, points.
+const INCH_SPACE: f32 = 8.0;
+/// Space between columns, points.
+const SPACING: f32 = 6.0;
 
-/// Width of the column of diameters: all digits of every tool fit, points.
-fn diameter_width(state: &AppState) -> f32 {
-    let sections = state.shown().map(|shown| &shown.plan().sections[..]).unwrap_or_default();
-    let digits = |mm: f64| state.look.units.size(mm).chars().count();
-    let most = sections.iter().map(|section| digits(section.tool.diameter)).max().unwrap_or(0);
-    (DIGIT_WIDTH * most as f32).ceil().max(DIAMETER_WIDTH)
+/// Widths of the columns: all digits of every number fit, points. Lengths in inches have more of them.
+fn widths(state: &AppState) -> Vec<f32> {
+    let units = state.look.units;
+    let plan = state.shown().map(|shown| shown.plan());
+    let sections = plan.map(|plan| &plan.sections[..]).unwrap_or_default();
+    let diameter = sections.iter().map(|section| units.size(section.tool.diameter).chars().count());
+    // As long as the deepest contact and the least stock there are.
+    let [contact, hub] = [9.99, -9.99].map(|mm| units.number(mm, 2).chars().count());
+    let count = plan.map_or(0, |plan| plan.positions.len()).to_string().len();
+    let digits = [0, count, 0, diameter.max().unwrap_or(0), 0, contact, hub, 0];
+    let shown = if state.document.edited.setup.machine.file.is_some() { 8 } else { 7 };
+    // Beside four decimals, numbers would read as one without more space.
+    let space = if units == DisplayUnits::Inch { INCH_SPACE } else { 0.0 };
+    let width = |(least, digits): (f32, usize)| {
+        least.max((DIGIT_WIDTH * digits as f32).ceil() + if digits > 3 { space } else { 0.0 })
+    };
+    WIDTHS.into_iter().zip(digits).take(shown).map(width).collect()
 }
 
 /// Width of the columns with the space between them, points.
 pub fn columns_width(state: &AppState) -> f32 {
-    let has_machine = state.document.edited.setup.machine.file.is_some();
-    COLUMNS_WIDTH + diameter_width(state) + if has_machine { AXES_WIDTH + 6.0 } else { 0.0 }
+    widths(state).into_iter().map(|width| width + SPACING).sum()
 }
 
 /// Contact depth, from mm; "0" if it would round to 0.00 mm.
@@ -317,6 +325,12 @@ pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
             PlungeMark::Locked(_) => drop(ui.label(RichText::new("locked").weak())),
         }
     });
+    // What makes it interfere, if that is not the contact of its core.
+    let breach = position.evaluation.breach.filter(|_| !position.evaluation.contact.interferes());
+    if let Some(breach) = breach {
+        let text = RichText::new(breach.words()).color(of.text(ui.visuals()));
+        ui.add(egui::Label::new(text).truncate());
+    }
 }
 
 /// Figures of the selected position.

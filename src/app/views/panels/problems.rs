@@ -2,6 +2,7 @@
 
 use egui::{Frame, Label, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
+use crate::app::model::problem::without_markdown;
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
@@ -33,13 +34,15 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
                 let stroke = egui::Stroke::new(1.5, mark.mark());
                 Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
                     ui.set_width(width - 16.0);
-                    let text = RichText::new(&problem.message).color(mark.text(ui.visuals()));
+                    let text =
+                        RichText::new(without_markdown(&problem.message)).color(mark.text(ui.visuals()));
                     let shown = ui.add(Label::new(text).wrap());
                     if let Some(code) = problem.code {
                         shown.on_hover_text(format!("{code}: {}", code.meaning()));
                     }
                     if !problem.help.is_empty() {
-                        let text = RichText::new(format!("Fix: {}", problem.help)).strong();
+                        let text =
+                            RichText::new(format!("Fix: {}", without_markdown(&problem.help))).strong();
                         ui.add(Label::new(text).wrap());
                     }
                     ui.horizontal(|ui| {

@@ -53,7 +53,8 @@ pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
 
 fn flank_message(state: &AppState) -> RichText {
     match &state.results.flank {
-        None => RichText::new("Flank milling is not calculated yet (F6)").weak(),
+        None if state.results.flank_is_running => RichText::new(state.results.words_without_flank()).weak(),
+        None => RichText::new(format!("{} (F6)", state.results.words_without_flank())).weak(),
         Some(_) if state.flank_is_stale() => RichText::new("Setup edited: recalculate flank (F6)"),
         Some(outcome) => RichText::new(format!("Flank calculated in {:.1} s", outcome.elapsed)).weak(),
     }
@@ -65,6 +66,9 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
             let colour = Condition::Interfering.text(ui.visuals());
             match (notice.tone, state.problems.len()) {
                 (Tone::Done, _) => RichText::new(&notice.text),
+                (Tone::Refusal, _) => {
+                    RichText::new(&notice.text).color(Condition::Blocked.text(ui.visuals()))
+                }
                 (Tone::Fault, 0) => RichText::new(&notice.text).color(colour),
                 // The message itself is over the 3D view.
                 (Tone::Fault, 1) => RichText::new("1 problem: see the message").color(colour),

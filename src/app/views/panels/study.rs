@@ -85,7 +85,7 @@ fn head(ui: &mut Ui, table: &mut StudyTable) {
     });
     let mut axes = table.axes;
     let is_narrow = ui.available_width() < WIDTH_OF_HEAD;
-    let note = RichText::new("the line joins the runs that no other beats in both").weak();
+    let note = RichText::new("line: faultless runs that none beats in both").weak();
     ui.horizontal(|ui| {
         let width = if is_narrow { NARROW_LIST } else { LIST };
         axis_list(ui, "Across", &mut axes[0], table.shown, width);

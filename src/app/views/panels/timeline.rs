@@ -14,6 +14,8 @@ use crate::app::views::theme::Condition;
 
 /// Height of the timeline, points.
 const HEIGHT: f32 = 34.0;
+/// Width below which the buttons of its ends are left out, points.
+const NARROW: f32 = 320.0;
 /// Height of each line below it, of the program and of the machine, points.
 const LINE_HEIGHT: f32 = 20.0;
 
@@ -109,9 +111,12 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         let playing = state.look.playing.is_some();
-        for command in
-            [Command::ToBlank, Command::StepBack, Command::Play, Command::StepForward, Command::ToEnd]
-        {
+        // In a narrow view the slider, whose ends these are, has priority.
+        let is_narrow = ui.available_width() < NARROW;
+        let commands =
+            [Command::ToBlank, Command::StepBack, Command::Play, Command::StepForward, Command::ToEnd];
+        let is_end = |command: &Command| matches!(command, Command::ToBlank | Command::ToEnd);
+        for command in commands.into_iter().filter(|command| !(is_narrow && is_end(command))) {
             if icon(ui, command, playing, count > 0) {
                 chosen = Some(command);
             }

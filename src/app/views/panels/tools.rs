@@ -1,6 +1,5 @@
 //! Panel "Tools": tools and their sections, chosen by the program or entered by the user.
 
-use std::cell::RefCell;
 use std::collections::HashSet;
 
 use egui::{ComboBox, Grid, Id, RichText, Ui};
@@ -341,21 +340,12 @@ fn s_box(ui: &mut Ui, form: Id, value: &mut f64, limits: (f64, f64, &str)) -> eg
     ui.spacing_mut().interact_size.x = 44.0;
     let (least, most, why_most) = limits;
     let show = |s: f64| DisplayUnits::Metric.short(s, S.decimals);
-    let range = least..=most;
     let (quantity, units) = (Quantity::Plain, DisplayUnits::Metric);
-    let limits = TypedLimits { quantity, units, range: range.clone(), why_most, show: &show };
-    let (shown, said) = (show(*value), RefCell::default());
-    let field = egui::DragValue::new(value)
-        .speed(S.speed)
-        .range(range)
-        .clamp_existing_to_range(false)
-        .custom_formatter(|s, _| show(s))
-        .custom_parser(|text| limits.parse(text, &shown, &said))
-        .update_while_editing(false);
-    let field = ui.add(field).on_hover_text(S.tip);
+    let limits = TypedLimits { quantity, units, range: least..=most, why_least: "", why_most, show: &show };
+    let (field, said) = typed::limited_field(ui, value, &limits, S.speed);
     // Both ends share a line below them.
-    typed::keep(ui, form, S.label, 0.0, said.into_inner());
-    field
+    typed::keep(ui, form, S.label, 0.0, said);
+    field.on_hover_text(S.tip)
 }
 
 fn direction_label(feed: Option<CutDirection>) -> &'static str {

@@ -236,7 +236,11 @@ fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &A
     let length = |mm: f64| state.look.units.length(mm, 2);
     let (now, known) = shown.filter(|place| place.0.is_finite()).unwrap_or(slowest);
     if !state.out_of_date() || (handle - now).abs() < SAME_TIME_MIN {
-        let longest = format!("the curve ends at {:.1} min with {}", slowest.0, length(slowest.1));
+        // The same plan is not written twice: its stock is measured on another grid for the curve.
+        let longest = match (slowest.0 - now).abs() < SAME_TIME_MIN {
+            true => "where the curve ends".to_owned(),
+            false => format!("the curve ends at {:.1} min with {}", slowest.0, length(slowest.1)),
+        };
         return format!(
             "{handle:.1} min per channel: hub stock {} (95 %), the shown plan; {longest}",
             length(known)

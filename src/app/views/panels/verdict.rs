@@ -8,7 +8,7 @@ use crate::setup::falls_short;
 use crate::stock::InaccessibleFloor;
 
 use crate::app::model::figures::{
-    MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, times_tip,
+    MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, interfering_words, times_tip,
 };
 use crate::app::model::look::Operation;
 use crate::app::model::planned::{DisplayPlan, Side};
@@ -143,8 +143,7 @@ fn overall(state: &AppState, PolicyResult { plan, summary, .. }: &PolicyResult) 
 
 fn interferential(ui: &mut Ui, state: &AppState, before: &PolicyResult, after: &PolicyResult) {
     let colour = overall(state, after).text(ui.visuals());
-    let [faulty_before, faulty_after] = [before, after].map(|result| result.plan.count_interfering());
-    let text = format!("Interfering {faulty_before} to {faulty_after}");
+    let text = interfering_words([before, after]);
     let (plan, before, after) = (&after.plan, &before.summary, &after.summary);
     let depths = format!(
         "Core meets stock: {} of {} plunges before (deepest {}), {} of {} after (deepest {})",

@@ -6,7 +6,7 @@ use crate::io::project_file::SetFigures;
 use crate::io::write_setup;
 use crate::setup::Setup;
 
-use crate::app::model::figures::format_duration;
+use crate::app::model::figures::{INTERFERING_TIP, format_duration};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
@@ -30,9 +30,9 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     };
     let heads = [
         ("Pos.", "Number of plunges"),
-        ("Interf.", "Plunges whose core meets stock"),
+        ("Interf.", INTERFERING_TIP),
         (stock_head, "Residual stock on the hub: mean and 95th percentile"),
-        ("Wheel", "Time of all channels, without tool changes; on the machine if the setup names one"),
+        ("Wheel", WHEEL_TIP),
     ];
     row(ui, |ui, k| {
         let (head, tip) = heads[k];
@@ -74,6 +74,9 @@ fn small(ui: &mut Ui, enabled: bool, text: &str, name: &str) -> bool {
     response.on_hover_text(name).clicked()
 }
 
+const WHEEL_TIP: &str = "Time of all channels: on the machine with tool changes if the setup names one, else from feed rates \
+     and rapids without them";
+
 /// Widths of the columns, points; together they fit the panel.
 const WIDTHS: [f32; 4] = [38.0, 44.0, 78.0, 48.0];
 
@@ -102,7 +105,8 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
             0 => RichText::new(f.positions.to_string()),
             1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
             2 => RichText::new(units::of(ui).pair(f.residual_mean, f.residual_p95, 2)),
-            _ => RichText::new(format_duration(f.time * channels as f64)),
+            // Older projects do not have it: links from channel to channel are then left out.
+            _ => RichText::new(format_duration(f.wheel_time.unwrap_or(f.time * channels as f64))),
         };
         let label = ui.label(text);
         if k == 3 {

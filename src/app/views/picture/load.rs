@@ -9,6 +9,7 @@ use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::machine::ProgramOnMachine;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::ShownCutters;
+use crate::app::model::state::ShownPlan;
 use crate::app::tasks::solid::SolidPicture;
 use crate::drawing::cutters::cutter_set;
 use crate::drawing::flank::{self, FlankColours};
@@ -24,6 +25,8 @@ pub(super) struct ColouredCutters {
     hidden: Vec<CutterClass>,
     planned: Arc<DisplayPlan>,
     policy: AxisPolicy,
+    /// All plans in view, for which a colour means the same.
+    in_view: Vec<(Arc<DisplayPlan>, AxisPolicy)>,
 }
 
 impl PartialEq for ColouredCutters {
@@ -31,6 +34,8 @@ impl PartialEq for ColouredCutters {
     fn eq(&self, other: &Self) -> bool {
         (self.colours, &self.hidden, self.policy) == (other.colours, &other.hidden, other.policy)
             && Arc::ptr_eq(&self.planned, &other.planned)
+            && self.in_view.len() == other.in_view.len()
+            && self.in_view.iter().zip(&other.in_view).all(|(a, b)| Arc::ptr_eq(&a.0, &b.0) && a.1 == b.1)
     }
 }
 
@@ -91,14 +96,20 @@ impl SidePicture {
         }
     }
 
-    /// Colours the cutters of the loaded content, and leaves out those of the hidden classes of these
-    /// colours; does nothing if that is so already.
-    pub fn load_cutter_colours(&mut self, colours: CutterColours, hidden: &[CutterClass]) {
+    /// Colours the cutters of the loaded content, one of the plans `in_view`, and leaves out those of the
+    /// hidden classes of these colours; does nothing if that is so already.
+    pub fn load_cutter_colours(
+        &mut self,
+        colours: CutterColours,
+        hidden: &[CutterClass],
+        in_view: &[ShownPlan],
+    ) {
         let wanted = self.content.as_ref().map(|content| ColouredCutters {
             colours,
             hidden: hidden.to_vec(),
             planned: Arc::clone(&content.planned),
             policy: content.policy,
+            in_view: in_view.iter().map(|shown| (Arc::clone(shown.planned), shown.policy)).collect(),
         });
         if self.coloured == wanted {
             return;
@@ -113,7 +124,10 @@ impl SidePicture {
                 self.scene.set_cutters(set);
             }
         }
-        let of_plan = wanted.as_ref().and_then(|wanted| colours.of_plan(&wanted.planned, wanted.policy));
+        let of_plan = wanted.as_ref().and_then(|wanted| {
+            let shown = ShownPlan { planned: &wanted.planned, policy: wanted.policy };
+            colours.of_plan(&shown, &colours.key(in_view))
+        });
         self.scene.set_cutter_colours(of_plan.as_deref());
         self.coloured = wanted;
         self.generation += 1;

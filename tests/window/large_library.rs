@@ -1,0 +1,78 @@
+//! A shop library of many tools: a frame costs no more than with few.
+
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
+use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+
+use crate::fake;
+use crate::harness::{Window, click_enabled, settle, with_sample};
+
+/// The text of a library of `count` tools, with holders as libraries of makers have them.
+fn library_of(count: usize) -> String {
+    let mut text = String::new();
+    for number in 1..=count {
+        let diameter = 6.0 + 0.01 * (number % 2000) as f64;
+        write!(
+            text,
+            "[[tool]]\nnumber = {number}\nname = \"tool {number} of the maker\"\ndiameter = {diameter}\n\
+             insert_width = 2.0\noverhang = 90.0\nplunge_feed = 300.0\nspindle = 1200.0\n\
+             holder = [[30.0, 42.0, 25.0], [50.0, 50.0, 35.0]]\n\n"
+        )
+        .expect("a string takes text");
+    }
+    text
+}
+
+/// A window in which the library of `count` tools is open.
+fn with_library(folder: &std::path::Path, count: usize) -> Window {
+    let path = folder.join(format!("shop{count}.toml"));
+    std::fs::write(&path, library_of(count)).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::OpenLibrary, path);
+    settle(&mut window);
+    window.run_steps(4);
+    window.get_by_label(&format!("{count} of {count} tools"));
+    window
+}
+
+/// Least time of a frame: others take longer on a busy machine.
+fn frame(window: &mut Window) -> Duration {
+    let times = (0..41).map(|_| {
+        let start = Instant::now();
+        window.step();
+        start.elapsed()
+    });
+    times.min().unwrap_or_default()
+}
+
+#[test]
+fn frames_cost_as_much_with_many_tools_as_with_few() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut few = with_library(folder.path(), 20);
+    let mut many = with_library(folder.path(), 20_000);
+    for window in [&mut few, &mut many] {
+        window.get_by_label("T1 Ø6.01 L90 tool 1 of the maker").click();
+        window.run_steps(3);
+    }
+    let still = [frame(&mut few), frame(&mut many)];
+    for window in [&mut few, &mut many] {
+        click_enabled(window, "Copy");
+        window.run_steps(2);
+    }
+    let edited = [frame(&mut few), frame(&mut many)];
+    // The recovery copy is written in the background.
+    many.state_mut().set_home(folder.path().join("home"));
+    let copied = [edited[0], frame(&mut many)];
+    eprintln!("few and many tools: still {still:?}, edited {edited:?}, copied {copied:?}");
+    for [few, many] in [still, edited, copied] {
+        assert!(many < few * 2 + Duration::from_millis(5), "{many:?} with many tools, {few:?} with few");
+    }
+    many.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    many.run_steps(3);
+    settle(&mut many);
+    many.get_by_label("20000 of 20000 tools");
+}
