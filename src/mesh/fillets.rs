@@ -12,10 +12,10 @@ const STEPS: usize = 24;
 const BEGUN: f64 = 2.5e-4;
 /// Smallest excess of the thickness at the end of a fillet, mm per mm of the blade's height.
 const WHOLE: f64 = 4e-3;
-/// Smallest excess growth of the thickness over some step of a fillet, mm per mm of height: a fillet meets the hub at a
-/// steep angle. The thickness of a blade may change unevenly, but hardly as fast.
+/// Smallest excess growth of the thickness over some step of a fillet, mm per mm of height: a fillet meets
+/// the hub at a steep angle. The thickness of a blade may change unevenly, but hardly as fast.
 const STEEP: f64 = 0.2;
-/// Smallest excess of the thickness at the end of a fillet, in mean deviations of the growth away from the end.
+/// Smallest excess of the thickness at the end of a fillet, in mean deviations of the growth away from it.
 const NOISES: f64 = 4.0;
 /// Fewest zones with a fillet: it need not go all around the blade.
 const FEWEST: usize = 2;
@@ -55,8 +55,8 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }
 }
 
-/// Index of the step with which a fillet begins in a blade of some `height` (mm) that is `thick` (mm) in each zone at
-/// the examined heights, from its middle to an end; `None` without one.
+/// Index of the step with which a fillet begins in a blade of some `height` (mm) that is `thick` (mm) in each
+/// zone at the examined heights, from its middle to an end; `None` without one.
 fn fillet_begins(thick: &[[f64; ZONES]], height: f64) -> Option<usize> {
     let last = thick.len() - 1;
     // From the end, the run of steps in which a zone grows faster than its growth in the half away from the
@@ -127,7 +127,7 @@ mod tests {
     const HEIGHT: f64 = 20.0;
     const STEP: f64 = HEIGHT / (2 * STEPS) as f64;
 
-    /// A blade that is `thickness` mm thick, the same in all zones, at the distances from its middle to an end.
+    /// A blade that is `thickness` mm thick at distances from its middle to an end, alike in all zones.
     fn blade(thickness: impl Fn(f64) -> f64) -> Vec<[f64; ZONES]> {
         (0..=STEPS).map(|k| [thickness(k as f64 * STEP); ZONES]).collect()
     }

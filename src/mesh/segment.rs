@@ -17,8 +17,8 @@ const SMOOTH: f64 = 0.9;
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
 /// Smallest weight (area × border length) of the lighter one of hub and cover, as a share of the heavier one.
 const COVER: f64 = 0.05;
-/// How far before and past the ends of the hub's curve a face of a blade may go on below it, as a share of its length
-/// along the course.
+/// How far before and past the ends of the hub's curve a face of a blade may go on below it, as a share of
+/// the length of the curve along the course.
 const END_SLACK: f64 = 0.05;
 /// Share of the largest blade's area below which a piece is discarded as a fragment.
 const SCRAP: f64 = 0.05;
@@ -265,7 +265,7 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     };
     let over = |face: &RevolvedFace, t: usize| stands(face, t) && !past(face, t);
     let in_cover = |t: usize| cover.as_ref().is_none_or(|cover| over(cover, t));
-    // A face of a blade that goes on below the edge of the hub, as the imprint of a trailing edge in the rim does.
+    // Of a face of a blade that goes on below the edge of the hub, as a trailing edge does in the rim.
     let goes_below = |t: usize| {
         let reach = END_SLACK * (hub.extent.1 - hub.extent.0);
         let within = |i: &u32| {

@@ -9,7 +9,8 @@ const AT_LEADING: f64 = 0.05;
 const AT_TRAILING: f64 = 0.15;
 /// Share of the length within which both ends of a flat trailing edge are from the point furthest downstream.
 const NEAR_TAIL: f64 = 0.02;
-/// Largest rise of a flat trailing edge over the chord between its ends, as a share of that; half of it is a semicircle.
+/// Largest rise of a flat trailing edge over the chord between its ends, as a share of that. A semicircle
+/// rises by half of it.
 const FLAT: f64 = 0.25;
 /// Points closer together than this share of the local spacing are merged.
 const CROWDED: f64 = 0.35;
@@ -337,8 +338,8 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
     (first.len() > 3 && second.len() > 3).then_some(SplitSlice { first, second, round_tail })
 }
 
-/// The seams at both ends of a trailing edge that is nearly flat and has a face of its own: its corners may be too obtuse
-/// for sharp edges. `None` unless there are exactly two seams beyond `level`.
+/// The seams at both ends of a trailing edge that is nearly flat and has a face of its own: its corners may
+/// be too obtuse for sharp edges. `None` unless there are exactly two seams beyond `level`.
 fn flat_tail(
     points: &[SlicePoint],
     step: &impl Fn(usize, bool) -> Option<usize>,

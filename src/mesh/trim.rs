@@ -64,7 +64,8 @@ pub fn depth_behind(blade: &MeshSurface, curve: &MeridionalCurve) -> f64 {
     blade.points.iter().map(|p| -curve.project(Meridional::of(p)).1).fold(0.0, f64::max)
 }
 
-/// The part of `blade` on the outer side of a meridional curve; corners within `tolerance` mm of the curve are on it.
+/// The part of `blade` on the outer side of a meridional curve. Corners within `tolerance` mm of the curve
+/// are on it.
 pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> MeshSurface {
     let height = |p: &Point| curve.project(Meridional::of(p)).1;
     let on_curve = |h: f64| if h.abs() < tolerance { 0.0 } else { h };

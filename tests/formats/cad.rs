@@ -154,12 +154,12 @@ fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
     }
 }
 
-/// The face of the trailing edge goes on below the edge of the hub, in its rim, and the blade is blunt and tapered.
+/// The face of the trailing edge goes on below the edge of the hub, in its rim. The blade is blunt, tapered.
 #[test]
 fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
     let part = built(&read_bytes("plane_blades.step", PLANE_BLADES, &MeshOptions::default()));
     assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
-    // The planes of the sides, y over x and z: through (40, y, 3.4), 2 mm less at x = 56, and over z as the script has it.
+    // The planes of the sides as the script has them: through (40, y, 3.4), 2 mm less at x = 56, and by z.
     let off = |p: &Point, y: f64, by_z: f64| {
         let across = |p: Point| p.y - (y - 2.0 * (p.x - 40.0) / 16.0 + by_z * (p.z - 3.4));
         (0..3).map(|k| across(rotate_z(p, part.pitch() * f64::from(k))).abs()).fold(f64::INFINITY, f64::min)
