@@ -16,12 +16,24 @@ impl<const D: usize> Cubic<D> {
     /// End slopes come from the cubic through the outermost four points, so that a cubic is
     /// reproduced exactly.
     pub fn interpolate(knots: &[f64], points: &[[f64; D]]) -> Self {
+        Self::interpolate_with_corners(knots, points, &[])
+    }
+
+    /// As [`Self::interpolate`], with corners at the points of these increasing indices: a spline from each to the
+    /// next.
+    pub fn interpolate_with_corners(knots: &[f64], points: &[[f64; D]], corners: &[usize]) -> Self {
         let n = points.len();
         assert!(n >= 2 && knots.len() == n, "a spline needs two points and a knot for each");
-        let slopes = spline_slopes(knots, points);
-        let segments = (0..n - 1)
-            .map(|i| hermite(knots[i + 1] - knots[i], &points[i], &points[i + 1], &slopes[i], &slopes[i + 1]))
-            .collect();
+        let mut segments = Vec::with_capacity(n - 1);
+        let mut from = 0;
+        for to in corners.iter().copied().filter(|k| (1..n - 1).contains(k)).chain([n - 1]) {
+            let (knots, points) = (&knots[from..=to], &points[from..=to]);
+            let slopes = spline_slopes(knots, points);
+            segments.extend((0..to - from).map(|i| {
+                hermite(knots[i + 1] - knots[i], &points[i], &points[i + 1], &slopes[i], &slopes[i + 1])
+            }));
+            from = to;
+        }
         Self::from_segments(knots.to_vec(), segments)
     }
 

@@ -48,14 +48,18 @@ pub struct SpanSection {
 
 impl SideCurve {
     fn new(points: &[SlicePoint]) -> Option<Self> {
-        let mut raw: Vec<[f64; 4]> =
-            thinned(points).iter().map(|p| [p.point.x, p.point.y, p.point.z, p.along]).collect();
-        raw.dedup_by(|a, b| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs() < 1e-9);
+        let mut raw: Vec<([f64; 4], bool)> =
+            thinned(points).iter().map(|p| ([p.point.x, p.point.y, p.point.z, p.along], p.edge)).collect();
+        raw.dedup_by(|(a, _), (b, _)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs() < 1e-9);
         if raw.len() < 4 {
             return None;
         }
-        let places: Vec<[f64; 3]> = raw.iter().map(|p| [p[0], p[1], p[2]]).collect();
-        Some(Self { curve: Cubic::interpolate(&chord_lengths(&places), &raw), table: Vec::new() })
+        let places: Vec<[f64; 3]> = raw.iter().map(|(p, _)| [p[0], p[1], p[2]]).collect();
+        // A blunt edge has a corner where the side begins.
+        let corners: Vec<usize> = (0..raw.len()).filter(|&k| raw[k].1).collect();
+        let values: Vec<[f64; 4]> = raw.into_iter().map(|(p, _)| p).collect();
+        let curve = Cubic::interpolate_with_corners(&chord_lengths(&places), &values, &corners);
+        Some(Self { curve, table: Vec::new() })
     }
 
     fn length(&self) -> f64 {
@@ -146,21 +150,22 @@ impl SpanSection {
     }
 }
 
-/// Merges points that are too close together: keeps the one of two that was moved less off its chord.
+/// Merges points that are too close together: keeps the one of two that was moved less off its chord, and all
+/// on sharp edges.
 fn thinned(points: &[SlicePoint]) -> Vec<SlicePoint> {
     let last = points.len() - 1;
     let mut kept: Vec<SlicePoint> = vec![points[0]];
     for i in 1..=last {
         let (from, to) = (i.saturating_sub(2), (i + 2).min(last));
         let spacing = (points[to].point - points[from].point).norm() / (to - from) as f64;
-        let Some(previous) = kept.last().copied() else { break };
-        if (points[i].point - previous.point).norm() >= CROWDED * spacing {
-            kept.push(points[i]);
-        } else if (i == last || points[i].chord_offset_mm < previous.chord_offset_mm) && kept.len() > 1 {
+        let (Some(previous), point) = (kept.last().copied(), points[i]) else { break };
+        let is_crowded = (point.point - previous.point).norm() < CROWDED * spacing;
+        let replaces = i == last || point.edge || point.chord_offset_mm < previous.chord_offset_mm;
+        if is_crowded && replaces && !previous.edge && kept.len() > 1 {
             kept.pop();
-            kept.push(points[i]);
-        } else if i == last {
-            kept.push(points[i]);
+            kept.push(point);
+        } else if !is_crowded || point.edge || i == last {
+            kept.push(point);
         }
     }
     kept

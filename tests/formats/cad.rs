@@ -165,9 +165,9 @@ fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
         (0..3).map(|k| across(rotate_z(p, part.pitch() * f64::from(k))).abs()).fold(f64::INFINITY, f64::min)
     };
     for side in [&part.main.suction, &part.main.pressure] {
-        // From well behind the corner of the blunt leading edge, which the curves of the sections round.
+        // From behind the corner of the blunt leading edge on.
         let points: Vec<Point> = (0..=20)
-            .flat_map(|i| (0..=20).map(move |j| (0.6 + 0.02 * f64::from(i), f64::from(j) / 20.0)))
+            .flat_map(|i| (0..=20).map(move |j| (0.4 + 0.03 * f64::from(i), f64::from(j) / 20.0)))
             .map(|(u, v)| side.point(u, v))
             .collect();
         let farthest = |y: f64, by_z: f64| points.iter().map(|p| off(p, y, by_z)).fold(0.0, f64::max);
