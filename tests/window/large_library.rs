@@ -44,7 +44,7 @@ fn a_library_of_many_tools_is_edited_and_taken_back() {
     let mut window = with_library(folder.path(), 20_000);
     window.get_by_label("T1 Ø6.01 L90 tool 1 of the maker").click();
     window.run_steps(3);
-    click_enabled(&mut window, "Copy");
+    click_enabled(&window, "Copy");
     window.run_steps(2);
     window.get_by_label("20001 of 20001 tools");
     // The recovery copy is written in the background.
