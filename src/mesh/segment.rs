@@ -274,8 +274,9 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         };
         below(&hub, t) && any(&hub, t, &|h| h > tolerance) && wheel.triangles[t].iter().all(within)
     };
-    let over_hub = wheel.subset(|t| (over(&hub, t) || goes_below(t)) && in_cover(t));
-    let blades = match (0..wheel.triangles.len()).any(goes_below) {
+    let crossing: Vec<bool> = (0..wheel.triangles.len()).map(goes_below).collect();
+    let over_hub = wheel.subset(|t| (over(&hub, t) || crossing[t]) && in_cover(t));
+    let blades = match crossing.contains(&true) {
         true => trimmed(&over_hub, &hub.curve, tolerance),
         false => over_hub,
     }

@@ -39,6 +39,13 @@ fn part_name(window: &Window) -> Option<String> {
     window.state().state().document.part.as_ref().map(|part| part.impeller.name.clone())
 }
 
+/// Writes a file `name` into `folder`; returns its path.
+fn file_in(folder: &Path, name: &str, text: &str) -> PathBuf {
+    let path = folder.join(name);
+    std::fs::write(&path, text).expect("writes");
+    path
+}
+
 fn step(window: &Window) -> Option<f64> {
     window.state().state().document.edited.setup.plunge.step
 }
@@ -46,11 +53,7 @@ fn step(window: &Window) -> Option<f64> {
 #[test]
 fn part_setup_and_project_open_where_they_are_dropped() {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).expect("writes");
-        path
-    };
+    let file = |name: &str, text: &str| file_in(folder.path(), name, text);
     let part = file("wheel.toml", include_str!("../../assets/parts/pump6.toml"));
     let setup = file("fine.toml", "[plunge]\nstep = 6.5\n");
     let machine = file("machine.toml", "[machine]\nmax_axis_tilt = 80\n");
@@ -149,11 +152,7 @@ fn a_plan_opens_with_its_part_and_setup() {
 #[test]
 fn a_part_dropped_with_a_setup_asks_too_and_nothing_opens_beneath_the_question() {
     let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).expect("writes");
-        path
-    };
+    let file = |name: &str, text: &str| file_in(folder.path(), name, text);
     let part = file("wheel.toml", include_str!("../../assets/parts/pump6.toml"));
     let setup = file("fine.toml", "[plunge]\nstep = 6.5\n");
     let letter = file("letter.txt", "Dear machinist");

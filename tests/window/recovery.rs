@@ -58,6 +58,13 @@ fn press(window: &mut Window, modifiers: egui::Modifiers, key: egui::Key) {
     settle(window);
 }
 
+/// Takes the offer to recover unsaved changes.
+fn recover(window: &mut Window) {
+    window.get_by_label("Recover").click();
+    window.run_steps(3);
+    settle(window);
+}
+
 /// A part file in `folder`.
 fn part_in(folder: &Path) -> PathBuf {
     let part = folder.join("wheel.toml");
@@ -73,9 +80,7 @@ fn what_is_recovered_is_saved_beside_its_part_and_not_among_the_copies() {
     let first = window_with_part(&engine, &home, folder.path());
     edit_and_crash(first, 6.5);
     let mut second = window_at(&engine, &home);
-    second.get_by_label("Recover").click();
-    second.run_steps(2);
-    settle(&mut second);
+    recover(&mut second);
     assert_eq!(step(&second), Some(6.5));
     press(&mut second, egui::Modifiers::COMMAND, egui::Key::S);
     second.get_by_label("Save project");
@@ -135,9 +140,7 @@ fn unsaved_changes_of_a_project_are_offered_when_it_is_opened() {
     assert!(later.query_by_label("Unsaved changes of p, just now").is_none());
     drop(later);
     let mut recovered = opened();
-    recovered.get_by_label("Recover").click();
-    recovered.run_steps(3);
-    settle(&mut recovered);
+    recover(&mut recovered);
     assert_eq!(step(&recovered), Some(6.5), "what was edited is there");
     let document = &recovered.state().state().document;
     assert!(document.is_unsaved() && document.path.as_deref() == Some(project.as_path()));
@@ -245,9 +248,7 @@ fn edits_are_copied_while_editing_goes_on() {
     }
     drop(first);
     let mut second = window_at(&engine, &home);
-    second.get_by_label("Recover").click();
-    second.run_steps(2);
-    settle(&mut second);
+    recover(&mut second);
     // All but those of the last two seconds.
     let recovered = step(&second).expect("an edit");
     assert!(recovered >= 5.0 + 0.25 * 7.0, "{recovered}");
@@ -264,9 +265,7 @@ fn unsaved_changes_are_offered_where_their_part_is_opened_alone() {
     let mut second = window_with_part(&engine, &home, folder.path());
     second.get_by_label_contains("Unsaved changes of wheel");
     assert_eq!(step(&second), None, "not before the answer");
-    second.get_by_label("Recover").click();
-    second.run_steps(2);
-    settle(&mut second);
+    recover(&mut second);
     assert_eq!(step(&second), Some(6.5));
     assert!(second.query_by_label_contains("Unsaved changes of wheel").is_none());
 }
@@ -281,9 +280,7 @@ fn what_another_window_has_recovered_is_said() {
     let mut second = window_at(&engine, &home);
     let mut third = window_at(&engine, &home);
     for window in [&mut second, &mut third] {
-        window.get_by_label("Recover").click();
-        window.run_steps(2);
-        settle(window);
+        recover(window);
     }
     assert_eq!(step(&second), Some(6.5));
     let said = third.state().state().problems.last().cloned().expect("a problem");

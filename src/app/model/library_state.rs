@@ -1,5 +1,5 @@
-//! A tool library as it is at one moment. Frames compare states and undo keeps them, so both have to cost
-//! little however many tools there are: states share their tools, and are told apart by numbers.
+//! A state of a tool library. Each frame compares states and undo keeps them, which must be cheap for large
+//! libraries too: states share their tools, and are compared by revision number.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ fn next() -> u64 {
     LAST.fetch_add(1, Ordering::Relaxed) + 1
 }
 
-/// A state of a library. Two are equal if they have the same number.
+/// A state of a library. Two are equal if they have the same revision.
 #[derive(Clone, Debug)]
 pub struct LibraryState {
     revision: u64,

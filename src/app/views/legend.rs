@@ -352,7 +352,7 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     } else if (low, high) != before {
         state.look.range = Some((low, high));
     }
-    // The strip has no room for a reason below the field.
+    // There is no space below these fields for the reason.
     if let Some(reason) = refused {
         state.report_refusal(reason);
     }

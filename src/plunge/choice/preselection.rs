@@ -2,9 +2,9 @@
 //! library of a maker has thousands.
 //!
 //! A library of up to `ALL_TOOLS` is used whole. From a larger one, tools wider than the channel or much thinner
-//! than necessary are removed. If more than `ALL_TOOLS` remain, three are taken for each station and each share of
-//! its room in `ROOM_SHARES`, among the tools that fit and are long enough: the two with the highest removal rate,
-//! and the one with the slimmest holder.
+//! than necessary are removed. If more than `ALL_TOOLS` remain, three are taken for each station and each of the
+//! `DIAMETER_SHARES`, among the tools of at most that diameter that are long enough: the two with the highest
+//! removal rate, and the one with the slimmest holder.
 
 use super::fit::{Rules, TILT_ROOM};
 use crate::plunge::spacing::{step_limit, stepover};
@@ -13,9 +13,9 @@ use crate::setup::{PlungeSetup, Tool};
 
 /// Largest number of tools that is used whole.
 const ALL_TOOLS: usize = 100;
-/// Largest diameters for which tools are taken, as shares of the room at a station. Between twisted walls a cutter
-/// as wide as the room does not fit.
-const ROOM_SHARES: [f64; 4] = [1.0, 0.85, 0.7, 0.5];
+/// Maximum diameters for which tools are taken, as shares of the largest one that can tilt at a station. Between
+/// twisted walls that one itself does not fit.
+const DIAMETER_SHARES: [f64; 4] = [1.0, 0.85, 0.7, 0.5];
 /// Diameter below which a tool is not considered, in widths of the narrowest passage.
 const MIN_SHARE: f64 = 0.15;
 
@@ -52,12 +52,12 @@ fn thinned<'t>(list: &[&'t Tool], survey: &Survey, rules: &Rules, plunge: &Plung
         .collect();
     let mut taken = vec![false; fitting.len()];
     for station in &survey.stations {
-        // Room for a tilted cutter, mm.
-        let room = rules.free_width(station.narrowest).min(widest) / TILT_ROOM;
+        // Largest diameter of a cutter that can tilt, mm.
+        let can_tilt = rules.free_width(station.narrowest).min(widest) / TILT_ROOM;
         let needed = rules.overhang(station);
-        for share in ROOM_SHARES {
+        for share in DIAMETER_SHARES {
             let good = |index: &usize| {
-                fitting[*index].diameter <= share * room && fitting[*index].overhang >= needed
+                fitting[*index].diameter <= share * can_tilt && fitting[*index].overhang >= needed
             };
             let good: Vec<usize> = (0..fitting.len()).filter(good).collect();
             let fastest = good.iter().copied().max_by(|&a, &b| removal[a].total_cmp(&removal[b]));
