@@ -6,7 +6,7 @@ use super::bodies::{Body, segment_bodies};
 use super::holes::fill_holes;
 use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
-use super::profile::{Course, FittedProfile, find_flow_side, mean_point};
+use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
 use super::roles::{NamedMesh, Role, assign_roles, listed};
 use super::rows::{BladeRows, separate_blades};
 use super::rulings::Rulings;
@@ -29,8 +29,6 @@ const SECTION_POINTS: usize = 180;
 const STRAIGHT: f64 = 0.012;
 /// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
 const CLEAR_WRAP: f64 = 0.1;
-/// Smallest share of the area of hub or shroud, without fillets, that has to be on its curve.
-pub(super) const MOSTLY: f64 = 0.5;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
 const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 /// Largest distance of a blade tip from the line of the tips, as a share of the diameter: tips are often not

@@ -5,11 +5,14 @@ use std::collections::VecDeque;
 
 use super::fit::SmoothFunction;
 use super::nearest::MeridionalGrid;
-use super::surface::{MeshSurface, NONE, SHARP};
+use super::surface::{MeshSurface, SHARP};
+use super::weld::NONE;
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, norm2};
 use crate::part::PartError;
 
+/// Smallest share of the area of hub or shroud, without fillets, that has to be on its curve.
+pub const MOSTLY: f64 = 0.5;
 /// Smallest number of votes of a piece of the flow side, as a share of the largest number.
 const VOTES: f64 = 0.2;
 /// Number of blade corners that vote for the piece nearest to them.

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use super::surface::{MeshSurface, NONE};
-use super::weld::NumberMap;
+use super::surface::MeshSurface;
+use super::weld::{NONE, NumberMap};
 use super::{Role, TriangleMesh};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, Point, wrap_angle};

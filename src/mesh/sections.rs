@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::normals::{CornerNormals, ExactNormals};
-use super::surface::{MeshSurface, NONE, SHARP};
+use super::surface::{MeshSurface, SHARP};
+use super::weld::NONE;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// As [`SHARP`], between a side and a cap.

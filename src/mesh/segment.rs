@@ -1,10 +1,10 @@
 //! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
 //! cover, the rest is blades.
 
-use super::describe::MOSTLY;
-use super::profile::{Course, FittedProfile, mean_point, meridional_normal};
-use super::surface::{MeshSurface, NONE};
+use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal};
+use super::surface::MeshSurface;
 use super::trim::trimmed;
+use super::weld::NONE;
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;

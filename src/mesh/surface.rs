@@ -1,11 +1,9 @@
 //! Triangle mesh with adjacency: welded corners, neighbours across edges, connected pieces.
 
 use super::TriangleMesh;
-use super::weld::{self, NumberMap};
+use super::weld::{self, NONE, NumberMap};
 use crate::geometry::{Point, Vector};
 
-/// Index that means "no neighbour" or "no face".
-pub const NONE: u32 = u32::MAX;
 /// Two neighbouring triangles meet in an edge of the part, not in a smooth face, where the cosine between
 /// their normals is below this.
 pub const SHARP: f64 = 0.82;

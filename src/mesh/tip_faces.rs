@@ -6,8 +6,9 @@
 use std::collections::BTreeMap;
 
 use super::profile::{Course, FittedProfile, mean_point, meridional_normal};
-use super::surface::{MeshSurface, NONE};
+use super::surface::MeshSurface;
 use super::tip_border::tip_extent;
+use super::weld::NONE;
 use crate::geometry::{Meridional, MeridionalCurve};
 
 /// Smallest height over the hub of a tip face, as a share of that of the blade.

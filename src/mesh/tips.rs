@@ -2,7 +2,8 @@
 //! sharp edges. See `tip_border` for tips that have none.
 
 use super::profile::{Course, FittedProfile};
-use super::surface::{MeshSurface, NONE, SHARP};
+use super::surface::{MeshSurface, SHARP};
+use super::weld::NONE;
 use crate::geometry::{Meridional, MeridionalCurve};
 
 /// Distance from the curve through the highest corners within which a corner is on the tip, mm per mm of

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-use super::surface::NONE;
 use crate::geometry::Point;
 
+/// Index that means "no corner", "no neighbour" or "no face".
+pub const NONE: u32 = u32::MAX;
 /// Distance within which corners at borders are welded, as a share of the mesh's extent …
 const NEAR: f64 = 1e-6;
 /// … or, if that is more, as a share of the largest coordinate: single precision resolves 1.2e-7 of it.
