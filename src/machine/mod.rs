@@ -10,9 +10,10 @@
 //! | `choice` | rotary positions of a whole program: branches, turns, poles |
 //! | [`course`](Pose) | how far a move in joint space strays from the planned one |
 //! | `clear` | links that leave the part |
+//! | [`step`](MachineStep) | one block |
 //! | [`motion`](machine_program) | the blocks of a program |
 //! | [`calls`](ChannelCalls) | programs that are called once a channel |
-//! | [`table`](MachineTable) | tools that meet the table |
+//! | `table` | tools that meet the table |
 //! | [`time`](section_times) | how long they take |
 //! | [`clock`](MachineClock) | how long programs of one part take on one machine |
 //!
@@ -32,6 +33,7 @@ mod model;
 mod motion;
 mod placement;
 mod reach;
+mod step;
 mod table;
 mod time;
 
@@ -43,10 +45,10 @@ pub use fault::MotionFault;
 pub use kinematics::{AngleSolution, MachineBody, turned};
 pub use limits::{LimitFault, NEAR_POLE_RAD};
 pub use model::{
-    AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTool, OutputKind, PartPlacement, RotaryAxis,
-    TurnLink,
+    AxisSide, LINEAR_NAMES, LinearAxis, LinkSettings, MachineTable, MachineTool, OutputKind, PartPlacement,
+    RotaryAxis, TurnLink,
 };
-pub use motion::{MachineProgram, MachineStep, MotionOptions, StepMotion, gauge_length, machine_program};
+pub use motion::{MachineProgram, MotionOptions, gauge_length, machine_program};
 pub use placement::PlacedPart;
-pub use table::MachineTable;
+pub use step::{MachineStep, StepMotion};
 pub use time::{MachineTime, SectionTime, block_times, move_clock, section_times};

@@ -2,7 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use super::table::MachineTable;
 use crate::geometry::{Point, Vector};
 
 /// One of the three linear axes. Machine coordinates are those of the gauge point with all rotary axes at 0.
@@ -185,3 +184,12 @@ impl MachineTool {
 
 /// Names of the linear axes.
 pub const LINEAR_NAMES: [char; 3] = ['X', 'Y', 'Z'];
+
+/// The table of a machine: a disc about its rotary axis, else about the part's origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MachineTable {
+    /// Its radius, mm.
+    pub radius: f64,
+    /// Machine coordinate Z of its upper face with all rotary axes at 0, mm.
+    pub top: f64,
+}

@@ -7,6 +7,7 @@ use super::course::{Pose, even_turn, mixed_angles};
 use super::fault::MotionFault;
 use super::model::{MachineTool, OutputKind, TurnLink};
 use super::placement::PlacedPart;
+use super::step::{MachineStep, StepMotion};
 use super::table::table_contact;
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::Point;
@@ -25,30 +26,6 @@ const MAX_HALVINGS: u32 = 40;
 const MAX_POINTS_PER_MOVE: usize = 20_000;
 /// Share of a tolerance that splitting keeps to, as a move is sampled only.
 const SAFE_SHARE: f64 = 0.8;
-
-/// How a step is moved to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StepMotion {
-    /// From the machine's retract position, after a tool change or with a new plane.
-    Approach,
-    /// Cutting, with a feed rate in mm/min.
-    Feed(f64),
-    /// Not cutting, at the rate of links, along a straight course of the tip.
-    Link,
-}
-
-/// One block of the machine's motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MachineStep {
-    /// How it is moved to.
-    pub motion: StepMotion,
-    /// Pose at its end, in program coordinates.
-    pub pose: Pose,
-    /// Index of the tool in the program.
-    pub tool: usize,
-    /// Index of the move that it belongs to.
-    pub source: usize,
-}
 
 /// How to make the motion.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,8 @@
 //! overhang, and above it, up to the spindle's nose, a holder that is assumed to have twice its diameter.
 
 use super::course::{Pose, even_turn};
-use super::model::{AxisSide, MachineTool};
-use super::motion::{MachineStep, StepMotion};
+use super::model::{AxisSide, MachineTable, MachineTool};
+use super::step::{MachineStep, StepMotion};
 use crate::geometry::Point;
 use crate::toolpath::ClTool;
 
@@ -13,15 +13,6 @@ use crate::toolpath::ClTool;
 const STEP: (f64, f64) = (5.0, 2.0 * std::f64::consts::PI / 180.0);
 /// Spacing of the places along the tool, mm.
 const ALONG: f64 = 5.0;
-
-/// The table of a machine: a disc about its rotary axis, else about the part's origin.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MachineTable {
-    /// Its radius, mm.
-    pub radius: f64,
-    /// Machine coordinate Z of its upper face with all rotary axes at 0, mm.
-    pub top: f64,
-}
 
 /// A part of a tool below the upper face of the table.
 #[derive(Clone, Copy, Debug, PartialEq)]

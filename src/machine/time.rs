@@ -6,7 +6,8 @@
 //! an S-curve: up, steady, down.
 
 use super::model::MachineTool;
-use super::motion::{MachineProgram, StepMotion, gauge_length};
+use super::motion::{MachineProgram, gauge_length};
+use super::step::StepMotion;
 use crate::geometry::Point;
 use crate::toolpath::ClProgram;
 

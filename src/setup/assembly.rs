@@ -107,3 +107,29 @@ impl ToolAssembly {
         segments
     }
 }
+
+/// `[clearance]`: distances that shank and holder keep from the finished part with its allowances, and from
+/// the blank, mm. Only tools with a given shank or holder are held to them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClearanceSetup {
+    /// Distance of the shank.
+    pub shank: f64,
+    /// Distance of the holder.
+    pub holder: f64,
+}
+
+impl ClearanceSetup {
+    /// The clearance of a part of the tool, mm.
+    pub fn of(&self, part: AssemblyPart) -> f64 {
+        match part {
+            AssemblyPart::Shank => self.shank,
+            AssemblyPart::Holder => self.holder,
+        }
+    }
+}
+
+impl Default for ClearanceSetup {
+    fn default() -> Self {
+        Self { shank: 1.0, holder: 1.0 }
+    }
+}

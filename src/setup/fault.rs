@@ -1,6 +1,6 @@
 //! Faults of a setup: what is wrong, what to do, and the key where it is.
 
-use super::{Setup, Tool};
+use super::Tool;
 use crate::error::{ErrorCode, UserError};
 
 /// Location of a fault in a setup, from which the reader of the file finds the line.
@@ -69,21 +69,6 @@ pub fn round_down(x: f64, decimals: i32) -> f64 {
 /// The least number of `decimals` decimals that is not below `x`; see [`round_down`].
 pub fn round_up(x: f64, decimals: i32) -> f64 {
     -round_down(-x, decimals)
-}
-
-/// Tool number `number` of the setup.
-///
-/// # Errors
-/// When the setup has no tool of that number.
-pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
-    setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
-        SetupFault::new(
-            ErrorCode::UndefinedTool,
-            format!("a section uses tool {number}, which the setup does not define"),
-            "add the tool or name another",
-        )
-        .at(SetupPlace::Tool(number))
-    })
 }
 
 /// Checks that a tool is a cylinder: of a tapered one neither planners nor `verify` know the upper part.

@@ -19,12 +19,12 @@ mod plunge_settings;
 mod settings;
 pub mod tool;
 
-pub use assembly::{AssemblyPart, AssemblySegment, ToolAssembly};
+pub use assembly::{AssemblyPart, AssemblySegment, ClearanceSetup, ToolAssembly};
 pub use edits::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
-pub use fault::{SetupFault, SetupPlace, check_taper, round_down, round_up, tool_of};
+pub use fault::{SetupFault, SetupPlace, check_taper, round_down, round_up};
 pub use flank_settings::{FlankFeedRates, FlankSetup, FlankStrategy};
 pub use plunge_settings::{
     AxisPolicy, CutDirection, Goal, PlungeSetup, SectionKind, SectionSetup, SemiFinishing,
 };
-pub use settings::{AllowanceSetup, ClearanceSetup, Machine, Setup, TILT_TOLERANCE, falls_short};
+pub use settings::{AllowanceSetup, Machine, Setup, TILT_TOLERANCE, falls_short, tool_of};
 pub use tool::{OutlineKind, OutlinePiece, Tool};

@@ -6,7 +6,7 @@ use super::cutting_data::CuttingData;
 use super::fault::{SetupFault, SetupPlace};
 use super::flank_settings::{FlankSetup, FlankStrategy};
 use super::plunge_settings::{AxisPolicy, Goal, PlungeSetup};
-use super::{AssemblyPart, Tool};
+use super::{ClearanceSetup, Tool};
 use crate::error::ErrorCode;
 use crate::geometry::Vector;
 use crate::part::{Blank, BlankShape, Channel, Impeller, PassageWidth, Workpiece};
@@ -84,32 +84,6 @@ impl AllowanceSetup {
             "give a larger blank, or check its units and where its zero is",
         )
         .at(SetupPlace::Stock("blank")))
-    }
-}
-
-/// `[clearance]`: distances that shank and holder keep from the finished part with its allowances, and from
-/// the blank, mm. Only tools with a given shank or holder are held to them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ClearanceSetup {
-    /// Distance of the shank.
-    pub shank: f64,
-    /// Distance of the holder.
-    pub holder: f64,
-}
-
-impl ClearanceSetup {
-    /// The clearance of a part of the tool, mm.
-    pub fn of(&self, part: AssemblyPart) -> f64 {
-        match part {
-            AssemblyPart::Shank => self.shank,
-            AssemblyPart::Holder => self.holder,
-        }
-    }
-}
-
-impl Default for ClearanceSetup {
-    fn default() -> Self {
-        Self { shank: 1.0, holder: 1.0 }
     }
 }
 
@@ -279,6 +253,21 @@ impl Default for Setup {
             machine: Machine { file: None, max_axis_tilt_rad: std::f64::consts::PI },
         }
     }
+}
+
+/// Tool number `number` of the setup.
+///
+/// # Errors
+/// When the setup has no tool of that number.
+pub fn tool_of(setup: &Setup, number: u32) -> Result<&Tool, SetupFault> {
+    setup.tools.iter().find(|t| t.number == number).ok_or_else(|| {
+        SetupFault::new(
+            ErrorCode::UndefinedTool,
+            format!("a section uses tool {number}, which the setup does not define"),
+            "add the tool or name another",
+        )
+        .at(SetupPlace::Tool(number))
+    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Tools.
 
-use super::assembly::{AssemblyPart, ToolAssembly};
-use super::settings::ClearanceSetup;
+use super::assembly::{AssemblyPart, ClearanceSetup, ToolAssembly};
 use crate::geometry::{CutterSolid, Point, Vector};
 
 /// Length of a holder that is drawn where it is only assumed, in diameters of the cutter.
