@@ -4,7 +4,7 @@
 //! and have no contact. Where the bounds prove this for a whole row, its cells are skipped. The margins are
 //! far above the rounding of single precision, so cell by cell the result would be the same.
 
-use super::field::FieldCutter;
+use super::field_cutter::FieldCutter;
 use super::meeting::{LaneRow, Meeting, dot, greatest, larger, mask, smaller};
 use super::tiles::{REACH_MARGIN, TILE};
 

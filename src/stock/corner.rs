@@ -4,9 +4,7 @@
 //! about Z, its axis with it, until it clears the wall.
 
 use super::hub_patch::HubPatch;
-use super::obstacles::CornerLimit;
 use super::overhang::{BladesOverFloor, WallTable, WallTables, s_of_row};
-use super::reach::InaccessibleStrip;
 use crate::geometry::{CutterSolid, Point, Vector, frame_about, rotate_vector_z, rotate_z, wrap_angle};
 use crate::part::{FinishedPart, SideProbe, Workpiece};
 
@@ -423,4 +421,49 @@ impl<'a> FloorRays<'a> {
         }
         Some(cut)
     }
+}
+
+/// What keeps a cutter from getting nearer to the foot of a wall that leans over it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum CornerLimit {
+    /// The largest angle of its axis from the isoparametric one: with more it would get nearer.
+    MaxTilt,
+    /// The wall on the other side of the passage.
+    OppositeWall,
+    /// Only hub and wall, as its bottom is wide: a smaller cutter would get nearer.
+    Cutter,
+}
+
+impl CornerLimit {
+    /// Its value in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MaxTilt => "max_tilt",
+            Self::OppositeWall => "opposite_wall",
+            Self::Cutter => "cutter",
+        }
+    }
+
+    /// What limits the cutter, for users.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::MaxTilt => "limited by max_tilt",
+            Self::OppositeWall => "limited by the opposite wall",
+            Self::Cutter => "limited by the cutter's diameter",
+        }
+    }
+}
+
+/// Inaccessible floor beside one wall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InaccessibleStrip {
+    /// Angle from the foot of the wall, rad; 0 where all is accessible.
+    pub(super) angle: f64,
+    /// What makes it so.
+    pub(super) limit: CornerLimit,
+}
+
+impl InaccessibleStrip {
+    /// No inaccessible floor.
+    pub(super) const NONE: Self = Self { angle: 0.0, limit: CornerLimit::Cutter };
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::field::FieldCutter;
+use super::field_cutter::FieldCutter;
 use super::grid::FloorGrid;
 use super::meeting::{FAR, Meeting};
 use super::tiles::{TILE, TileBins};

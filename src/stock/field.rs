@@ -7,12 +7,11 @@
 use rayon::prelude::*;
 
 use super::bounds::{RowBounds, RowStock};
+use super::field_cutter::FieldCutter;
 use super::grid::FloorGrid;
 use super::meeting::{FAR, LaneRow, Meeting, MeetingRow, greatest, larger, mask, smaller};
 use super::tiles::{TILE, TileBins};
 use super::trace::{PositionTrace, TraceSums, VolumeUnit, whole_units_between};
-use crate::geometry::{Point, Vector};
-use crate::setup::Tool;
 
 mod cache;
 
@@ -22,35 +21,6 @@ pub use cache::FieldCache;
 pub const CONTACT_TOLERANCE: f32 = crate::cutting::contact::CONTACT_TOLERANCE as f32;
 /// Height by which a cell must drop to count as cut, mm. The kernel gets it as a constant.
 pub const CUT_TOLERANCE: f32 = 1e-4;
-
-/// One plunge as the kernels take it: a cylinder from the tip upwards.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FieldCutter {
-    /// Tip M: centre of the bottom, mm.
-    pub tip: [f32; 3],
-    /// Radius R, mm.
-    pub radius: f32,
-    /// Unit axis, tip → holder.
-    pub axis: [f32; 3],
-    /// Core radius R − w, mm.
-    pub core_radius: f32,
-    /// Corner radius, mm.
-    pub corner_radius: f32,
-}
-
-impl FieldCutter {
-    /// The plunge of `tool` to `tip` along the unit `axis`.
-    pub fn of(tool: &Tool, tip: Point, axis: Vector) -> Self {
-        let single = |v: [f64; 3]| v.map(|x| x as f32);
-        Self {
-            tip: single(tip.coords.into()),
-            radius: tool.radius() as f32,
-            axis: single(axis.into()),
-            core_radius: tool.core_radius() as f32,
-            corner_radius: tool.corner_radius as f32,
-        }
-    }
-}
 
 /// Heights of stock above the finished hub after some positions were cut.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::field::FieldCutter;
+use super::field_cutter::FieldCutter;
 use super::grid::FloorGrid;
 use super::surface::{FloorSurface, thinned_lines};
 use super::tiles::{TILE, TileBins};

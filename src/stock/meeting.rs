@@ -4,7 +4,7 @@
 //! when it is compiled. Only the steps around the corner of a bull nose branch, so that loops over the others
 //! become vector instructions.
 
-use super::field::FieldCutter;
+use super::field_cutter::FieldCutter;
 use super::tiles::TILE;
 
 /// Height that no ray reaches, mm.

@@ -1,6 +1,8 @@
 //! What makes floor inaccessible: under which wall it lies, and for which cutter.
 
-use super::grid::{FloorGrid, FloorSource};
+use super::corner::CornerLimit;
+use super::floor_source::FloorSource;
+use super::grid::FloorGrid;
 use super::overhang::WallTables;
 use super::reach::InaccessibleTables;
 
@@ -50,37 +52,6 @@ impl FloorObstacle {
             Self::SplitterSuctionSide => "under the suction side of a splitter",
             Self::SplitterPressureSide => "under the pressure side of a splitter",
             Self::HubAllowance => "with no more stock than the hub allowance",
-        }
-    }
-}
-
-/// What keeps a cutter from getting nearer to the foot of a wall that leans over it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum CornerLimit {
-    /// The largest angle of its axis from the isoparametric one: with more it would get nearer.
-    MaxTilt,
-    /// The wall on the other side of the passage.
-    OppositeWall,
-    /// Only hub and wall, as its bottom is wide: a smaller cutter would get nearer.
-    Cutter,
-}
-
-impl CornerLimit {
-    /// Its value in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::MaxTilt => "max_tilt",
-            Self::OppositeWall => "opposite_wall",
-            Self::Cutter => "cutter",
-        }
-    }
-
-    /// What limits the cutter, for users.
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::MaxTilt => "limited by max_tilt",
-            Self::OppositeWall => "limited by the opposite wall",
-            Self::Cutter => "limited by the cutter's diameter",
         }
     }
 }

@@ -12,47 +12,12 @@
 
 use rayon::prelude::*;
 
-use super::corner::{ReachCutter, WallCorner};
-use super::grid::FloorSource;
-use super::obstacles::CornerLimit;
+use super::corner::{CornerLimit, InaccessibleStrip, ReachCutter, WallCorner};
+use super::floor_source::{CutterStretch, FloorSource};
 use super::overhang::{BladesOverFloor, ROWS, WallTables, rows_beside, s_of_row};
-
-/// A range of s and the radius of the cutter used there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CutterStretch {
-    /// s at the outlet end.
-    pub from: f64,
-    /// s at the inlet end.
-    pub to: f64,
-    /// R, mm.
-    pub radius: f64,
-    /// Number of the tool.
-    pub tool: u32,
-}
-
-impl CutterStretch {
-    /// Distance of `s` from the range, 0 within it.
-    fn distance_to(&self, s: f64) -> f64 {
-        (s - self.from).max(self.to - s).max(0.0)
-    }
-}
 
 /// Inaccessible floor at one row of the tables, per wall.
 type InaccessibleStrips = Vec<InaccessibleStrip>;
-
-/// Inaccessible floor beside one wall.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct InaccessibleStrip {
-    /// Angle from the foot of the wall, rad; 0 where all is accessible.
-    pub(super) angle: f64,
-    /// What makes it so.
-    pub(super) limit: CornerLimit,
-}
-
-impl InaccessibleStrip {
-    /// No inaccessible floor.
-    pub(super) const NONE: Self = Self { angle: 0.0, limit: CornerLimit::Cutter };
-}
 
 /// Inaccessible floor along s.
 #[derive(Debug)]

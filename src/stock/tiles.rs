@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::field::FieldCutter;
+use super::field_cutter::FieldCutter;
 use super::grid::FloorGrid;
 
 /// Cells along one edge of a tile: one workgroup on the GPU, sixteen lanes of a row on the CPU.

@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{FieldCutter, ResidualField, RowStock, TILE, Tile, TileBins, VolumeUnit, store, traces};
+use super::{ResidualField, RowStock, TILE, Tile, TileBins, VolumeUnit, store, traces};
+use crate::stock::field_cutter::FieldCutter;
 use crate::stock::grid::FloorGrid;
 use crate::stock::meeting::LaneRow;
 use crate::stock::trace::TraceSums;

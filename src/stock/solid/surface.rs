@@ -68,7 +68,8 @@ impl StockSurface {
                 },
             )
             .collect();
-        let (mut whole, sides) = NumberedSlabs::new(slabs).joined();
+        let (Vertices { points, normals, cut_by }, triangles, sides) = NumberedSlabs::new(slabs).joined();
+        let mut whole = Self { points, normals, cut_by, triangles };
         whole.flip_across_sharp_edges(sides);
         whole
     }

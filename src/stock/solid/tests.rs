@@ -3,12 +3,12 @@
 mod surface;
 mod unions;
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use super::*;
 use crate::geometry::{Meridional, Vector};
 use crate::setup::Tool;
-use surface::assert_closed;
 
 /// A turned disc of radius 40 between z = 0 and 30.
 fn disc() -> SolidBlank {
@@ -425,4 +425,19 @@ fn a_cancelled_run_ends() {
     let tools = [SolidTool::of(&tool(10.0, 0.0))];
     let result = stock.make_moves(&tools, &many_plunges(3), &monitor);
     assert_eq!(result, Err(SolidError::Cancelled(crate::monitor::Cancelled)));
+}
+
+/// Every edge has one triangle on each side.
+fn assert_closed(surface: &StockSurface) {
+    let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
+    for t in &surface.triangles {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            assert_ne!(a, b);
+            *edges.entry((a, b)).or_default() += 1;
+        }
+    }
+    for (&(a, b), &count) in &edges {
+        assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "edge {a} {b}");
+    }
 }

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::StockSurface;
 use crate::geometry::{Point, Vector};
 
 /// A side of a fan around a sharp vertex: its ends, and its triangle.
@@ -127,17 +126,16 @@ impl NumberedSlabs {
             .collect()
     }
 
-    /// The whole surface, and the sides of the fans around its sharp vertices.
-    pub fn joined(&self) -> (StockSurface, Vec<FanSide>) {
+    /// All vertices, all triangles, and the sides of the fans around the sharp vertices.
+    pub fn joined(&self) -> (Vertices, Vec<[u32; 3]>, Vec<FanSide>) {
         let slabs = &self.slabs;
-        let surface = StockSurface {
+        let vertices = Vertices {
             points: Self::gather(&self.vertices, |s, k| slabs[s].own.points[k]),
             normals: Self::gather(&self.vertices, |s, k| slabs[s].own.normals[k]),
             cut_by: Self::gather(&self.vertices, |s, k| slabs[s].own.cut_by[k]),
-            triangles: Self::gather(&self.triangles, |s, k| {
-                slabs[s].triangles[k].map(|own| self.vertex(s, own))
-            }),
         };
+        let triangles =
+            Self::gather(&self.triangles, |s, k| slabs[s].triangles[k].map(|own| self.vertex(s, own)));
         let mut sides: Vec<FanSide> = Vec::with_capacity(slabs.iter().map(|slab| slab.sides.len()).sum());
         for (s, slab) in slabs.iter().enumerate() {
             sides.extend(slab.sides.iter().map(|&((a, b), t)| {
@@ -145,6 +143,6 @@ impl NumberedSlabs {
                 ((a.min(b), a.max(b)), t + self.triangles[s] as u32)
             }));
         }
-        (surface, sides)
+        (vertices, triangles, sides)
     }
 }

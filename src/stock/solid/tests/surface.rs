@@ -1,23 +1,6 @@
 //! The surface: closed, on the solid, sharp.
 
-use std::collections::HashMap;
-
 use super::*;
-
-/// Every edge has one triangle on each side.
-pub fn assert_closed(surface: &StockSurface) {
-    let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
-    for t in &surface.triangles {
-        for k in 0..3 {
-            let (a, b) = (t[k], t[(k + 1) % 3]);
-            assert_ne!(a, b);
-            *edges.entry((a, b)).or_default() += 1;
-        }
-    }
-    for (&(a, b), &count) in &edges {
-        assert_eq!((count, edges.get(&(b, a))), (1, Some(&1)), "edge {a} {b}");
-    }
-}
 
 /// Signed distance from what is left of the disc, by brute force; negative in stock.
 fn distance_from_rest(p: &Point, cutter: &Tool, moves: &[SolidMove]) -> f64 {
