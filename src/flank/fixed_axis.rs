@@ -18,7 +18,6 @@ use crate::part::{FinishedPart, Workpiece};
 use crate::setup::{AssemblySegment, ClearanceSetup, Tool};
 use distance_table::DistanceTable;
 use scene::{BladePoints, Cone, MinDistances, NearPoints, ToolShape};
-use search::Greedy;
 
 /// Contact of a tool with a layer.
 #[derive(Clone, Copy, Debug)]
@@ -128,6 +127,8 @@ struct SpareClearance {
     by: AxisObstacle,
 }
 
+/// Missing clearance up to which an axis of the grid is a seed of that search, mm.
+const SEED_SPARE: f64 = 1.5;
 /// Maximum angle between a fixed axis and the normal of the layer, rad.
 pub const MAX_TILT: f64 = 65.0 * std::f64::consts::PI / 180.0;
 /// Tolerance of the final check of the distance from the hub, mm.
@@ -157,18 +158,6 @@ impl<'a> FixedAxisSearch<'a> {
         }
     }
 
-    /// The runs of `stations`, sets of contacts of the tool on a layer in order along a region. `layer` is
-    /// the surface of the layer offset by the corner radius: tools with a flat bottom are lifted until they
-    /// do not cut into it.
-    pub fn runs(&self, stations: &[Vec<LayerContact>], layer: &DepthSurface) -> FixedAxes {
-        Greedy::new(self, layer, stations.to_vec()).run()
-    }
-
-    /// The obstacle of every axis at `contact`; `None` where an axis is free. See [`Self::runs`] for `layer`.
-    pub fn blocked(&self, contact: &LayerContact, layer: &DepthSurface) -> Option<AxisObstacle> {
-        Greedy::new(self, layer, Vec::new()).blocked(&self.prepare_contact(contact, None))
-    }
-
     /// Tip of the tool with `axis` at `contact`: in contact, and lifted along the axis where the bottom would
     /// cut into `layer` (see [`Self::runs`]).
     pub fn tip(&self, contact: &LayerContact, axis: &Vector, layer: &DepthSurface) -> Point {
@@ -186,7 +175,7 @@ impl<'a> FixedAxisSearch<'a> {
     fn prepare_contact(&self, contact: &LayerContact, cone: Option<Cone>) -> PreparedContact {
         let cone = cone.unwrap_or(Cone { axis: contact.normal, angle: self.limits.max_tilt_rad });
         let centre = contact.point + contact.normal * self.tool.corner_radius;
-        let margin = self.limits.blade_allowance + self.blades.slack + search::SEED_SPARE;
+        let margin = self.limits.blade_allowance + self.blades.slack + SEED_SPARE;
         let near = self.blades.near(&centre, &cone, &self.shape, margin);
         PreparedContact { contact: *contact, centre, top: self.top(&centre), cone, near }
     }

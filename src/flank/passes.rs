@@ -11,6 +11,7 @@ mod along_wall;
 mod inner;
 mod nose;
 mod stretches;
+mod wall_positions;
 
 use super::chart::LayerChart;
 use super::curves::LayerLayout;
@@ -25,12 +26,9 @@ use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};
 use crate::part::{Channel, FinishedPart, Workpiece};
 use crate::setup::{Setup, Tool};
-use along_wall::{LayerPose, WallPositions};
 use stretches::{CurvePiece, split_by_region};
+use wall_positions::{CHORD, LayerPose, WallPositions};
 
-/// Positions are raised by this above the layer, mm, so that the straight moves between them do not cut into
-/// it.
-const CHORD: f64 = 0.005;
 /// Maximum turn of the axis from one position to the next, rad: a little less than 5°.
 const MAX_STEP_TURN: f64 = 4.8 * std::f64::consts::PI / 180.0;
 /// Turn of the axis from one position to the next at which a pass ends, rad.
@@ -145,7 +143,11 @@ impl<'a> PassMaker<'a> {
         surface: &DepthSurface,
     ) -> PlannedLayer {
         let layer = &found.layer;
-        let milled = self.walls.iter().map(|wall| WallPositions::on(self, (number, layer), wall)).collect();
+        let milled = self
+            .walls
+            .iter()
+            .map(|wall| WallPositions::new((self.tool, &self.search), (number, layer), wall))
+            .collect();
         let on = LayerPassMaker { maker: self, layer, found, number, chart, surface, milled };
         let mut made = PlannedLayer { passes: Vec::new(), axes: Vec::new(), uncut: Vec::new() };
         let mut inner: Vec<(Region, Vec<LayerPoint>)> = Vec::new();

@@ -5,8 +5,11 @@
 //! wall that the layer forms, up to where the flank begins on the layer above, and do not cut what is formed
 //! above it.
 
+mod bounds;
 mod clearance;
 mod fit;
+mod milling;
+mod minimax;
 mod rays;
 mod stations;
 mod strip;
@@ -17,65 +20,13 @@ use rayon::prelude::*;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::flank::region::{Region, WallName};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
-use crate::part::{FinishedPart, Passage, SideProbe};
-use crate::setup::Tool;
-use clearance::own_side;
+use crate::part::{BladeSide, FinishedPart, Passage, SideProbe};
 use fit::{AxisLine, FittedAxis, OffsetSide, evenly};
+pub use milling::{BladeObstacle, WallMilling, WallStation};
 use stations::station_parameters;
-use strip::WallStrip;
+use strip::{MAX_LEAD_ANGLE, MAX_UNFORMED, WallStrip};
 pub use swept::DeviationMap;
-use swept::{MapColumn, deviations, push_off};
-
-/// Parameters of the milling of a wall. All lengths in mm.
-#[derive(Clone, Debug)]
-pub struct WallMilling<'a> {
-    /// The tool.
-    pub tool: &'a Tool,
-    /// Stock that stays on the blades.
-    pub blade_allowance: f64,
-    /// Stock that stays on the hub: below it, and below the corner of the cutter, the wall is not cut.
-    pub hub_allowance: f64,
-    /// Length of the pass beyond either end of the wall.
-    pub lead_in_out: f64,
-    /// Maximum distance between stations.
-    pub step: f64,
-    /// Maximum chord error of the straight move between two stations; it reduces their distance where the
-    /// wall bends.
-    pub chord_error: f64,
-}
-
-/// The blade side that a position is too near to.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BladeObstacle {
-    /// Index of the blade side in [`crate::part::Channel::sides`].
-    pub side: usize,
-    /// u of the nearest point on it, LE 0 to TE 1.
-    pub u: f64,
-    /// v of that point, hub 0 to tip 1.
-    pub v: f64,
-    /// Distance there, mm; negative where the cutter cuts the blade.
-    pub distance: f64,
-}
-
-/// One position of the tool beside the wall, in the frame of the part.
-#[derive(Clone, Copy, Debug)]
-pub struct WallStation {
-    /// u of the wall at which the position was fitted; beyond 0…1 on the extensions of the wall.
-    pub u: f64,
-    /// s of the foot of the axis on the hub.
-    pub s: f64,
-    /// Point of the axis near the hub.
-    pub foot: Point,
-    /// Unit axis, towards the holder.
-    pub axis: Vector,
-    /// Tip of the tool, lowered along the axis until it rests on the layer; `None` where it misses the layer.
-    pub tip: Option<Point>,
-    /// Forced deviation, mm: the minimax deviation of a straight edge from the strip of the wall that this
-    /// layer forms, not cutting the wall above by more. Twist and bow force it.
-    pub forced: f64,
-    /// What the cutter is too near to: another wall, or a nose.
-    pub blocked: Option<BladeObstacle>,
-}
+use swept::{CORRECTIONS, DISTANCE_TOLERANCE, MARGIN, MapColumn, deviations, push_off};
 
 /// The tool positions along a wall, from before its leading edge to beyond its end, and the deviation they
 /// leave.
@@ -105,22 +56,12 @@ pub struct MilledWall {
     pub axes: WallAxes,
 }
 
+/// Distance of a point of a side from itself that rounding may cause, mm.
+const SAME_SIDE: f64 = 1e-6;
 /// Least allowed overcut of the axes along a wall, mm.
 pub(super) const MIN_WALL_TOLERANCE: f64 = 5e-4;
-/// Share of the height of a wall above which no strip begins: it would be too narrow to define a direction.
-const MAX_UNFORMED: f64 = 0.9;
 /// Rows of a map per strip, where a wall is highest.
 const ROWS_PER_STRIP: usize = 4;
-/// Maximum angle of an axis along the feed to the plain offset, rad.
-const MAX_LEAD_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
-/// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
-const CORRECTIONS: usize = 8;
-/// Tolerance of distances, mm.
-const DISTANCE_TOLERANCE: f64 = 1e-5;
-/// Distance kept from the limit, mm.
-const MARGIN: f64 = 3.0 * DISTANCE_TOLERANCE;
-/// Maximum turn of the axis between stations, rad.
-const MAX_STATION_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 
 /// A wall with positions fitted to it, before the allowed overcut is chosen.
 pub struct WallFit<'a> {
@@ -327,4 +268,11 @@ fn obstacles<'a>(
         let near = probe.nearest_below(cutter, wanted).filter(|near| near.distance < wanted)?;
         Some(BladeObstacle { side, u: near.u, v: near.v, distance: near.distance })
     })
+}
+
+/// Index of the blade side that a wall is part of.
+fn own_side(blades: &[SideProbe], wall: &BladeSide) -> Option<usize> {
+    let (from, to) = wall.u_range();
+    let on: Point = wall.point(0.5 * (from + to), 0.5);
+    blades.iter().position(|probe| probe.nearest_to_point(&on).distance < SAME_SIDE)
 }

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::scene::Cone;
 use super::{
-    AxisObstacle, FixedAxes, FixedAxisSearch, FixedRun, LayerContact, PreparedContact, SpareClearance,
-    Unreachable,
+    AxisObstacle, FixedAxes, FixedAxisSearch, FixedRun, LayerContact, PreparedContact, SEED_SPARE,
+    SpareClearance, Unreachable,
 };
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Vector, frame_about};
@@ -22,8 +22,6 @@ struct AxisCandidate {
 const GRID: f64 = 6.0 * std::f64::consts::PI / 180.0;
 /// Step angles of the search for directions between those of the grid, rad.
 const STEPS: [f64; 3] = [0.5 * GRID, 0.25 * GRID, 0.125 * GRID];
-/// Missing clearance up to which an axis of the grid is a seed of that search, mm.
-pub(super) const SEED_SPARE: f64 = 1.5;
 /// Maximum number of seeds.
 const SEEDS: usize = 4;
 /// Number of contacts that the search from a seed starts with.
@@ -43,7 +41,21 @@ const ENOUGH_RADII: f64 = 1.0;
 /// Limits of a spare clearance, mm, that leave it as it is.
 const EXACT: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-pub(super) struct Greedy<'s, 'a> {
+impl FixedAxisSearch<'_> {
+    /// The runs of `stations`, sets of contacts of the tool on a layer in order along a region. `layer` is
+    /// the surface of the layer offset by the corner radius: tools with a flat bottom are lifted until they
+    /// do not cut into it.
+    pub fn runs(&self, stations: &[Vec<LayerContact>], layer: &DepthSurface) -> FixedAxes {
+        Greedy::new(self, layer, stations.to_vec()).run()
+    }
+
+    /// The obstacle of every axis at `contact`; `None` where an axis is free. See [`Self::runs`] for `layer`.
+    pub fn blocked(&self, contact: &LayerContact, layer: &DepthSurface) -> Option<AxisObstacle> {
+        Greedy::new(self, layer, Vec::new()).blocked(&self.prepare_contact(contact, None))
+    }
+}
+
+struct Greedy<'s, 'a> {
     search: &'s FixedAxisSearch<'a>,
     layer: &'s DepthSurface<'s>,
     stations: Vec<Vec<LayerContact>>,

@@ -1,8 +1,8 @@
 //! Inner passes: as few fixed axes as possible, blended towards the axes of near walls.
 
-use super::along_wall::LayerPose;
 use super::stretches::pieces_between;
-use super::{CHORD, LayerPassMaker, PlannedLayer, RegionAxis};
+use super::wall_positions::{CHORD, LayerPose};
+use super::{LayerPassMaker, PlannedLayer, RegionAxis};
 use crate::flank::fixed_axis::{AxisObstacle, LayerContact};
 use crate::flank::layer::LayerPoint;
 use crate::flank::region::Region;

@@ -1,8 +1,8 @@
 //! The pass along one side of a splitter, round its nose, and back along the other side.
 
-use super::along_wall::{LayerPose, WallPositions, split_into_runs};
 use super::inner::MAX_TURN;
-use super::{CHORD, LayerPassMaker, PassMaker, PlannedLayer};
+use super::wall_positions::{CHORD, LayerPose, WallPositions, split_into_runs};
+use super::{LayerPassMaker, PassMaker, PlannedLayer};
 use crate::flank::fixed_axis::LayerContact;
 use crate::flank::layer::LayerPoint;
 use crate::flank::layer_walls::LayerSplitter;

@@ -7,7 +7,7 @@
 //! smoothly past the nose, and none ends within a channel with one splitter. Where a splitter divides the
 //! passage beside another, fans change at the nose of the first.
 
-use super::{PassCurve, layer_margin, own_wall_margin};
+use super::pass_curve::{PassCurve, layer_margin, own_wall_margin};
 use crate::flank::chart::LayerChart;
 use crate::flank::layer_regions::RegionStretch;
 use crate::flank::region::{Region, WallName};

@@ -1,7 +1,7 @@
 //! Isoparametric strategy: each curve is at a constant fraction between the walls; the widest station sets
 //! their number.
 
-use super::{PassCurve, PassRole};
+use super::pass_curve::{PassCurve, PassRole};
 use crate::flank::layer::{LayerPoint, LayerSurface};
 use crate::flank::layer_regions::RegionStretch;
 use crate::flank::layer_walls::{LayerWalls, y_at};

@@ -2,7 +2,7 @@
 //! offset towards each other, and each offset is kept where its own wall is the nearer one. In the middle
 //! gaps of up to two stepovers may remain.
 
-use super::{PassCurve, layer_margin, own_wall_margin};
+use super::pass_curve::{PassCurve, layer_margin, own_wall_margin};
 use crate::flank::chart::LayerChart;
 
 /// The curves of a layer, with lead-in and lead-out of `beyond` mm.

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::fit::{AxisLine, FittedAxis};
 use super::rays::{AxisRay, RaySweep};
+use super::stations::MAX_STATION_TURN;
 use super::strip::WallStrip;
 use super::swept::MapColumn;
-use super::{MAX_STATION_TURN, MIN_WALL_TOLERANCE, WallFit, obstacles};
+use super::{MIN_WALL_TOLERANCE, SAME_SIDE, WallFit, obstacles};
 use crate::geometry::{CutterSolid, Point};
-use crate::part::{BladeSide, SideProbe};
 
 /// Shares of the way from the axis of the whole wall to that of the strip that are tried where another blade
 /// is in the way of the latter.
@@ -24,8 +24,6 @@ const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 const BETWEEN_TOLERANCE: f64 = 2e-5;
 /// Distance kept from the limit of the own blade, mm.
 const OWN_MARGIN: f64 = 1e-4;
-/// Distance of a point of a side from itself that rounding may cause, mm.
-const SAME_SIDE: f64 = 1e-6;
 /// Added to the distance from which on a ray counts no more, mm: more than rounding takes from it.
 const LIMIT_MARGIN: f64 = 1e-9;
 
@@ -178,11 +176,4 @@ impl WallFit<'_> {
             }
         }
     }
-}
-
-/// Index of the blade side that a wall is part of.
-pub(super) fn own_side(blades: &[SideProbe], wall: &BladeSide) -> Option<usize> {
-    let (from, to) = wall.u_range();
-    let on: Point = wall.point(0.5 * (from + to), 0.5);
-    blades.iter().position(|probe| probe.nearest_to_point(&on).distance < SAME_SIDE)
 }

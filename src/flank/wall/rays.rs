@@ -1,6 +1,6 @@
 //! Sweep of a tool axis, taken from the centre of the round end on, from station to station.
 
-use super::swept::lower_bound_between;
+use super::bounds::{bend_of_distance, lower_bound_between};
 use crate::geometry::{Point, Vector, search};
 
 /// A tool axis from the centre of the round end on.
@@ -66,20 +66,6 @@ impl RayMotion {
     fn turn(&self, axis: &Vector) -> Vector {
         self.axis - axis * axis.dot(&self.axis)
     }
-}
-
-/// Turn between two unit directions, as the length of their difference, up to which [`bend_of_distance`]
-/// holds.
-const MAX_TURN: f64 = 0.5;
-
-/// Bound on the negative second derivative of the distance of a point from a line, by the share of the way
-/// from one line to the next: while it moves by `travel` mm without turning, the distance is convex. `turn`
-/// is the length of the difference of its unit directions, `far` the greatest distance of the point from the
-/// point of the line that moves straight, mm.
-pub(super) fn bend_of_distance(travel: f64, turn: f64, far: f64) -> f64 {
-    // At most 2 · travel · |a′| + far · (|a″| + |a′|²) for the unit direction a. With turns up to MAX_TURN,
-    // |a′| ≤ 1.04 turn and |a″| ≤ 3.5 turn².
-    if turn <= MAX_TURN { turn * (3.0 * travel + 5.0 * far * turn) } else { f64::INFINITY }
 }
 
 /// The sweep of an axis from ray to ray.

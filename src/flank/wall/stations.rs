@@ -1,9 +1,11 @@
 //! Spacing of the stations along a wall.
 
 use super::fit::{OffsetSide, evenly};
-use super::{MAX_STATION_TURN, WallMilling};
+use super::milling::WallMilling;
 use crate::geometry::{Point, Vector};
 
+/// Maximum turn of the axis between stations, rad.
+pub(super) const MAX_STATION_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Samples along a wall for the spacing of stations.
 const SPACING_SAMPLES: usize = 160;
 /// Maximum number of stations of a wall.

@@ -4,10 +4,15 @@
 use rayon::prelude::*;
 
 use super::fit::{AxisLine, FitHeights, FittedAxis, OffsetSide, evenly};
-use super::swept::{MapColumn, correct_overcuts};
-use super::{MARGIN, MAX_LEAD_ANGLE, MAX_STATION_TURN, MAX_UNFORMED, WallMilling};
+use super::milling::WallMilling;
+use super::stations::MAX_STATION_TURN;
+use super::swept::{MARGIN, MapColumn, correct_overcuts};
 use crate::cutting::drop_cutter::DepthSurface;
 
+/// Share of the height of a wall above which no strip begins: it would be too narrow to define a direction.
+pub(super) const MAX_UNFORMED: f64 = 0.9;
+/// Maximum angle of an axis along the feed to the plain offset, rad.
+pub(super) const MAX_LEAD_ANGLE: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Heights of a fit, on a ruled wall and on another one; an evaluation uses about twice as many.
 const RULED_HEIGHTS: usize = 11;
 const BOWED_HEIGHTS: usize = 25;

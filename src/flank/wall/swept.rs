@@ -3,9 +3,8 @@
 
 use rayon::prelude::*;
 
+use super::bounds::{bend_of_distance, lower_bound_between};
 use super::fit::{AxisLine, OffsetSide};
-use super::rays::bend_of_distance;
-use super::{CORRECTIONS, DISTANCE_TOLERANCE};
 use crate::geometry::{Point, Vector, search};
 
 /// Swept deviation of a wall, mm.
@@ -32,6 +31,12 @@ impl DeviationMap {
     }
 }
 
+/// Maximum number of iterations that move positions off the wall where the swept cutter cuts too deep.
+pub(super) const CORRECTIONS: usize = 8;
+/// Tolerance of distances, mm.
+pub(super) const DISTANCE_TOLERANCE: f64 = 1e-5;
+/// Distance kept from the limit, mm.
+pub(super) const MARGIN: f64 = 3.0 * DISTANCE_TOLERANCE;
 /// Tolerance of the search along a segment between two axes, as a share of it.
 const SHARE_TOLERANCE: f64 = 1e-3;
 
@@ -137,18 +142,6 @@ pub(super) fn deviations(
             })
         })
         .collect()
-}
-
-/// Lower bound on [0, 1] of a function with these (value, slope) at both ends, whose second derivative is
-/// nowhere less than −`bend`.
-pub(super) fn lower_bound_between([(start, rate), (end, end_rate)]: [(f64, f64); 2], bend: f64) -> f64 {
-    // Less the parabola ½ · bend · x · (1 − x), which is 0 at both ends, it is convex: above its tangents.
-    let (falling, rising) = (rate - 0.5 * bend, end_rate + 0.5 * bend);
-    if falling >= 0.0 || rising <= 0.0 {
-        return if falling >= 0.0 { start } else { end };
-    }
-    let meet = ((end - rising - start) / (falling - rising)).clamp(0.0, 1.0);
-    if meet.is_nan() { f64::NEG_INFINITY } else { start + falling * meet }
 }
 
 /// On a bowed wall every n-th axis is a seed of the search for the nearest.
