@@ -1,6 +1,6 @@
 //! The turned envelope of a mesh: greatest and least height of its triangles over circles about Z.
 
-use super::blank_shape::BlankMesh;
+use super::blank_mesh::BlankMesh;
 use super::meridional_outline::{MeridionalOutline, OutlineFault};
 use crate::geometry::{Meridional, Point, norm2};
 

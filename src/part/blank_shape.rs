@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::blank_envelope::envelope_of;
+use super::blank_mesh::BlankMesh;
 use super::body::{body_outline, up_sign};
 use super::impeller::Impeller;
 use super::meridional_outline::{MeridionalOutline, OutlineFault};
-use crate::geometry::{Meridional, Point};
+use crate::geometry::Meridional;
 
 /// Distance by which a part may stick out of its blank, mm: chords of a curve and rounding.
 const ENCLOSED_TOLERANCE: f64 = 0.02;
@@ -25,15 +26,6 @@ pub enum BlankShape {
     Turned,
     /// From a file.
     File(Arc<BlankFile>),
-}
-
-/// A closed triangle mesh, mm, part frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BlankMesh {
-    /// Corners.
-    pub points: Vec<Point>,
-    /// Triangles by the indices of their corners, counter-clockwise from outside.
-    pub triangles: Vec<[u32; 3]>,
 }
 
 /// A blank from a file. Equal blanks have the same name and outline.

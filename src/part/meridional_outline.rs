@@ -3,20 +3,18 @@
 //! Its edges lie in a binary tree of bounding boxes over consecutive edges, in preorder. Queries descend it
 //! and skip the boxes that cannot change the result.
 
+mod edge_box;
 mod meridian_line;
 
 use crate::error::{ErrorCode, UserError};
 use crate::geometry::{Meridional, Point, Vector, norm2, search};
+use edge_box::{EdgeBox, SAME, add_boxes};
 use meridian_line::MeridianLine;
 
 /// Largest number of points of an outline.
 pub const MAX_OUTLINE_POINTS: usize = 4000;
-/// Points closer together than this are merged, mm; edges nearer to the axis than this do not bound the body.
-const SAME: f64 = 1e-6;
 /// Distance of a point from the line between its neighbours below which it is left out, mm.
 const STRAIGHT: f64 = 1e-7;
-/// Edges in a leaf of the tree.
-const LEAF: usize = 4;
 /// Area below which an outline bounds nothing, mm².
 const MIN_AREA: f64 = 1e-6;
 /// Chords of a line in the body shorter than this do not count, mm.
@@ -70,17 +68,6 @@ impl OutlineFault {
         };
         UserError::new(ErrorCode::BlankFile, what, help)
     }
-}
-
-/// A box around consecutive edges.
-#[derive(Clone, Copy, Debug)]
-struct EdgeBox {
-    low: Meridional,
-    high: Meridional,
-    /// The edges of a leaf; empty for other boxes.
-    edges: (u32, u32),
-    /// The next box that is not in this one.
-    next: u32,
 }
 
 /// A closed outline (r, z), mm, to be revolved about Z.
@@ -391,29 +378,6 @@ fn nearest_of(
 ) -> (f64, Meridional) {
     let feet = edges.iter().map(|(a, b)| point.nearest_on_segment(*a, *b));
     feet.fold(best, |best, foot| if foot.0 < best.0 { foot } else { best })
-}
-
-/// Adds the box around edges `from` to `to`, and those in it.
-fn add_boxes(edges: &[(Meridional, Meridional)], from: usize, to: usize, boxes: &mut Vec<EdgeBox>) {
-    if from >= to {
-        return;
-    }
-    let infinite = Meridional { r: f64::INFINITY, z: f64::INFINITY };
-    let (mut low, mut high) = (infinite, Meridional { r: -infinite.r, z: -infinite.z });
-    for p in edges[from..to].iter().flat_map(|(a, b)| [a, b]) {
-        low = Meridional { r: low.r.min(p.r), z: low.z.min(p.z) };
-        high = Meridional { r: high.r.max(p.r), z: high.z.max(p.z) };
-    }
-    let index = boxes.len();
-    let is_leaf = to - from <= LEAF;
-    let own = if is_leaf { (from as u32, to as u32) } else { (0, 0) };
-    boxes.push(EdgeBox { low, high, edges: own, next: 0 });
-    if !is_leaf {
-        let middle = from.midpoint(to);
-        add_boxes(edges, from, middle, boxes);
-        add_boxes(edges, middle, to, boxes);
-    }
-    boxes[index].next = boxes.len() as u32;
 }
 
 /// A place where two edges cross that have no end in common.

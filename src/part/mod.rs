@@ -3,6 +3,7 @@
 mod blade;
 pub mod blank;
 mod blank_envelope;
+mod blank_mesh;
 pub mod blank_shape;
 pub mod body;
 mod camber;
@@ -26,7 +27,8 @@ mod workpiece;
 
 pub use blade::Blade;
 pub use blank::Blank;
-pub use blank_shape::{BlankFile, BlankMesh, BlankShape};
+pub use blank_mesh::BlankMesh;
+pub use blank_shape::{BlankFile, BlankShape};
 pub use channel::{Channel, ChannelPoint, Division, Passage, SplitterWalls, Wall, WallAngle, passage_angle};
 pub use closed_blade::ClosedBlade;
 pub use description::{

@@ -4,7 +4,7 @@ mod query;
 mod seeds;
 
 use query::{CutterQuery, DistanceQuery, FrustumQuery, PointQuery, endless_cylinder_around};
-use seeds::{LineMinimum, MAX_LINES, Seed, Seeds};
+use seeds::{LineMinimum, MAX_LINES, MAX_V_LINES, Seed, Seeds};
 
 use super::side::BladeSide;
 use crate::geometry::{CutterSolid, Frustum, Point, Vector, search};
@@ -60,8 +60,6 @@ pub struct NearestOnSide {
     pub point: Point,
 }
 
-/// Lines of v in the grid of a side that is not ruled; a ruled one bends only by its twist.
-const MAX_V_LINES: usize = 9;
 const RULED_V_LINES: usize = 5;
 /// Argument tolerance of the searches in u. The distance is stationary there, so its error is far below 1 µm
 /// on any machinable size.

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use super::result::{FIGURES, PROGRAM_VERSION, RESULT_VERSION, RunResult, RunStatus};
-use super::runs::{Run, RunInput, RunList};
+use super::result::{FIGURES, PROGRAM_VERSION, RunResult, RunStatus};
+use super::runs::{RESULT_VERSION, Run, RunInput, RunList};
 use crate::error::{ErrorCode, UserError};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::job::{self, FIELD_CELLS, JobError, PlanOutcome, PlanRequest};

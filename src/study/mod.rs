@@ -20,7 +20,7 @@ mod shard;
 
 pub use execute::{Execution, Tally, execute};
 pub use file::{MAX_RUNS, StudyAxis, StudyFile};
-pub use result::{MACHINE_TIME, RESULT_VERSION, RunResult, RunStatus};
+pub use result::{MACHINE_TIME, RunResult, RunStatus};
 pub use results::StudyResults;
-pub use runs::{Run, RunList, StudyPart};
+pub use runs::{RESULT_VERSION, Run, RunList, StudyPart};
 pub use shard::{Lookup, Shard};

@@ -8,15 +8,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::runs::{Run, RunInput, RunList};
+use super::runs::{RESULT_VERSION, Run, RunInput, RunList};
 use crate::error::ErrorCode;
 use crate::io::source::read_bytes;
 use crate::io::table::Scalar;
 use crate::io::write::write_atomically;
 use crate::io::{InputError, source};
 
-/// Version of the result file. It is part of the names of runs: results of another version are not taken.
-pub const RESULT_VERSION: u32 = 1;
 /// Version of the program, whose results are not mixed with those of another.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 

@@ -7,7 +7,6 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::file::{StudyAxis, StudyFile};
-use super::result::RESULT_VERSION;
 use crate::error::{ErrorCode, UserError};
 use crate::io::part_file::read_part;
 use crate::io::part_hash::PartHash;
@@ -19,6 +18,8 @@ use crate::io::{InputError, source};
 use crate::part::Impeller;
 use crate::setup::Setup;
 
+/// Version of the result file. It is part of the names of runs: results of another version are not taken.
+pub const RESULT_VERSION: u32 = 1;
 /// Hexadecimal digits of the name of a run: 64 bits, by which 100,000 runs collide once in billions of
 /// studies; a collision is found, since results hold their whole input.
 const ID_DIGITS: usize = 16;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::fault::{Fault, FaultKind, Finding};
-use super::{ProgramCut, TOOL_TOLERANCE};
+use super::plunges::ProgramCut;
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
 use crate::cutting::assembly_move::AssemblyMove;
 use crate::cutting::contact::Columns;
@@ -15,6 +15,8 @@ use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
 use crate::toolpath::{ClProgram, Move};
 
+/// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
+pub(super) const TOOL_TOLERANCE: f64 = 0.01;
 /// Moves that one thread looks at one after another.
 const STEPS_IN_RUN: usize = 128;
 /// Distance beyond the least one so far up to which distances are measured, mm: what is further off need not be

@@ -30,7 +30,6 @@ use crate::setup::{Setup, Tool};
 use crate::stock::solid::Contact;
 use crate::toolpath::ClProgram;
 use examine::{StepResult, examine_step};
-use findings::{BLADE_TOLERANCE, PLANNED_BLADE_TOLERANCE};
 use gouge::{StepClearance, StepSurroundings};
 use standing::StandingStock;
 use steps::{CutterStep, steps_of};
@@ -39,6 +38,12 @@ pub use uncovered::Uncovered;
 pub use verdict::FlankVerdict;
 use walls::wall_deviation;
 
+/// Gouge below the hub's allowance that is tolerated, mm: linear moves between positions deviate a little.
+const HUB_TOLERANCE: f64 = 1e-3;
+/// The same at the blades, where the best fit of a cylinder to a twisted wall cuts up to 5 µm too deep.
+const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
+/// The same for a planner, mm: below 5 µm by more than what a clearance along a move errs by.
+const PLANNED_BLADE_TOLERANCE: f64 = 4.9e-3;
 /// Height at which the flank of a cutter begins when its axis is tilted by 30°, in corner radii.
 const TILTED_CORNER_RADII: f64 = 1.5;
 /// Progress at which the moves, the floors and the solid stock are judged; the walls remain.

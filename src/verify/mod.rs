@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
 pub use assembly::unjudged_tools;
-use assembly::{holder_in_stock, judge_moves};
+use assembly::{TOOL_TOLERANCE, holder_in_stock, judge_moves};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, VerifyError, count_by_kind};
 use fault::{
@@ -49,8 +49,6 @@ use crate::toolpath::ClProgram;
 const PROGRAM_TOLERANCE: f64 = 2e-6;
 /// Turn of the axis above which its direction in a rapid is ambiguous, rad.
 const MAX_RAPID_TURN_RAD: f64 = 175.0 * std::f64::consts::PI / 180.0;
-/// Depth of the tool in the blank that is tolerated in a rapid as rounding, mm.
-const TOOL_TOLERANCE: f64 = 0.01;
 
 /// Progress at which the cuts are measured, and shank and holder remain.
 const CUTS_DONE: f64 = 0.6;

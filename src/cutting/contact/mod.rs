@@ -6,12 +6,14 @@ mod columns;
 mod crossed;
 mod engagement;
 mod index;
+mod neighbours;
 mod remainder;
 mod standing;
 
 pub use columns::{BlankTop, Columns, Earlier, PlungeColumn};
-use crossed::{CoreLine, Neighbours};
+use crossed::CoreLine;
 pub use engagement::{Engagement, engagement};
+use neighbours::Neighbours;
 use remainder::LineRemainder;
 pub use standing::{StandingHeight, standing_height};
 

@@ -10,7 +10,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use super::columns::{BlankTop, Earlier, PlungeColumn};
-use super::crossed::{CoreLine, Neighbours};
+use super::crossed::CoreLine;
+use super::neighbours::Neighbours;
 use super::remainder::LineRemainder;
 use crate::geometry::{CutterSolid, Meridional, Vector, norm2};
 use crate::part::Blank;

@@ -1,6 +1,6 @@
 //! A line in space against the boxes and edges of an outline.
 
-use super::{EdgeBox, SAME};
+use super::edge_box::{EdgeBox, SAME};
 use crate::geometry::{Meridional, Point, Vector};
 
 /// A line in space as it runs in the meridional plane: r² is a quadratic of the height along the line.

@@ -1,7 +1,7 @@
 //! Where the searches on the lines of a side begin, and what they find.
 
-use super::MAX_V_LINES;
-
+/// Lines of v in the grid of a side that is not ruled; a ruled one bends only by its twist.
+pub(super) const MAX_V_LINES: usize = 9;
 /// Largest number of lines of a search: those of the grid, and the ends of the range.
 pub(super) const MAX_LINES: usize = MAX_V_LINES + 2;
 

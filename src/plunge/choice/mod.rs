@@ -14,6 +14,7 @@
 //! | rest milling beside leaning walls | [`rest`] |
 //! | which of very many tools are looked at | [`preselection`] |
 
+mod chosen;
 pub mod estimate;
 pub mod fit;
 mod opening;
@@ -25,6 +26,7 @@ pub mod times;
 
 use crate::plunge::survey::Survey;
 use crate::setup::{AllowanceSetup, SectionKind, SectionSetup, Setup, Tool};
+pub use chosen::ChosenSection;
 use estimate::Estimator;
 use fit::Rules;
 pub use opening::choose_opening;
@@ -32,15 +34,6 @@ use reason::Reasons;
 use rest::rest_sections;
 use search::cheapest;
 use times::MoveTimes;
-
-/// A chosen section with the reason for it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ChosenSection {
-    /// The section, without a cutting direction.
-    pub section: SectionSetup,
-    /// The reason, one line.
-    pub reason: String,
-}
 
 /// Chooses sections for `tools` in the channel of `survey`. Cutters with a diameter above `limit` (mm) are
 /// ignored if there are others. Empty without tools. `times` tells how long moves take.

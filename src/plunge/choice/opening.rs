@@ -1,6 +1,6 @@
 //! The tool for what stands above the shroud: the fastest that is long enough.
 
-use super::ChosenSection;
+use super::chosen::ChosenSection;
 use super::times::{MoveTimes, PlungeMoves};
 use crate::part::Impeller;
 use crate::plunge::opening::{Opening, OpeningRow};

@@ -3,7 +3,7 @@
 //! The flat bottom of a cutter that is inclined with its wall leaves a wedge on the hub, about 2R·tan(tilt
 //! angle) high. Only a smaller cutter makes it thinner.
 
-use super::ChosenSection;
+use super::chosen::ChosenSection;
 use super::fit::{Rules, ToolFit};
 use super::search::MIN_SECTION_S;
 use crate::plunge::survey::Survey;

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::FlankVerifier;
 use super::examine::StepResult;
 use super::gouge::StepClearance;
 use super::steps::CutterStep;
 use super::stock::{FloorResult, StockCollision, StockProbe};
+use super::{FlankVerifier, HUB_TOLERANCE};
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Motion, Move};
@@ -17,12 +17,6 @@ use crate::verify::fault::{
 };
 use crate::verify::too_deep;
 
-/// Gouge below the hub's allowance that is tolerated, mm: linear moves between positions deviate a little.
-const HUB_TOLERANCE: f64 = 1e-3;
-/// The same at the blades, where the best fit of a cylinder to a twisted wall cuts up to 5 µm too deep.
-pub(super) const BLADE_TOLERANCE: f64 = 5e-3 + HUB_TOLERANCE;
-/// The same for a planner, mm: below 5 µm by more than what a clearance along a move errs by.
-pub(super) const PLANNED_BLADE_TOLERANCE: f64 = 4.9e-3;
 /// Depth of a plausible cut, in layers of the setup.
 const MAX_LAYERS: f64 = 4.0;
 /// Depth of a plausible cut, in cutter diameters.

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::steps::CutterStep;
-use super::uncovered::Uncovered;
+use super::uncovered::{SAMPLE_SCALLOP, Uncovered};
 use crate::flank::fixed_axis::MAX_TILT;
 use crate::geometry::CutterSolid;
 use crate::monitor::{Cancelled, Monitor};
@@ -16,8 +16,6 @@ use crate::stock::{
 
 /// Cells of the floor along either direction.
 const CELLS: usize = 256;
-/// Scallop height between the samples of a sweep, mm.
-pub(super) const SAMPLE_SCALLOP: f64 = 0.01;
 /// Stock that a rapid may touch over its whole bottom, mm: the field cannot distinguish it from scallops
 /// between samples. Neither does a cutter cut where its flank only skims stock that stands beside it.
 pub(super) const SKIM_DEPTH: f64 = 0.02;

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::stock::SAMPLE_SCALLOP;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::flank::fixed_axis::{FixedAxisLimits, FixedAxisSearch, LayerContact, MAX_TILT};
 use crate::geometry::{Meridional, Point, Vector};
@@ -25,6 +24,8 @@ pub struct Uncovered {
     pub gap: f64,
 }
 
+/// Scallop height between the samples of a sweep, mm.
+pub(super) const SAMPLE_SCALLOP: f64 = 0.01;
 /// Cells of a block, along and across; the axis search uses its first cell for all of it.
 const BLOCK: usize = 8;
 /// Largest number of steps in which a ball slides along the floor away from the blades.

@@ -1,0 +1,12 @@
+//! A section as it was chosen, with the reason.
+
+use crate::setup::SectionSetup;
+
+/// A chosen section with the reason for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChosenSection {
+    /// The section, without a cutting direction.
+    pub section: SectionSetup,
+    /// The reason, one line.
+    pub reason: String,
+}
