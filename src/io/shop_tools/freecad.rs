@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::json::{elements, json_text, tool_tree};
 use super::left_out::LeftOutTools;
 use super::length::{angle_deg, length_mm};
-use super::{
+use super::library::{
     LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools, rated,
     round_lengths, short_name, too_many,
 };

@@ -12,16 +12,16 @@ use serde_json::Value;
 use super::expression::Expressions;
 use super::json::{elements, json_text, tool_tree};
 use super::left_out::LeftOutTools;
-use super::{
-    LibraryTool, MAX_SEGMENTS, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools,
-    rated, round_lengths, short_name, too_many,
+use super::library::{
+    LibraryTool, OVERHANG_DIAMETERS, ToolLibrary, check_tool, note_missing_rates, number_tools, rated,
+    round_lengths, short_name, too_many,
 };
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{Source, quote_for_message};
 use crate::io::table::NumberRange;
 use crate::io::tool_file::{
-    CUTTING_SPEED, FEED_PER_TOOTH, MAX_NUMBER, MAX_TEETH, MAX_TOOLS, PLUNGE_FEED, SPINDLE,
+    CUTTING_SPEED, FEED_PER_TOOTH, MAX_NUMBER, MAX_SEGMENTS, MAX_TEETH, MAX_TOOLS, PLUNGE_FEED, SPINDLE,
 };
 use crate::setup::cutting_data::MissingRates;
 use crate::setup::{Tool, ToolAssembly};

@@ -10,6 +10,7 @@ mod fusion_write;
 mod json;
 mod left_out;
 mod length;
+mod library;
 mod zip;
 
 use std::fmt::Write;
@@ -18,63 +19,15 @@ use std::sync::Arc;
 
 use super::InputError;
 use super::source::{Source, name_of, read_bytes_up_to};
-use super::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TOOLS, read_tools_with_rates, write_tool};
+use super::tool_file::{read_tools_with_rates, write_tool};
 use crate::error::ErrorCode;
-use crate::geometry::without_conversion_error;
-use crate::setup::Tool;
-use crate::setup::cutting_data::MissingRates;
 use freecad::ToolBit;
 pub use fusion_write::{missing_in_fusion, write_fusion};
 use json::MAX_LIBRARY_BYTES;
+pub use library::{LibraryTool, ToolLibrary};
 
 /// Largest size of the file of one tool, bytes.
 const MAX_BIT_BYTES: usize = 1 << 20;
-/// Overhang in cutter diameters where a library has none.
-const OVERHANG_DIAMETERS: f64 = 4.0;
-
-/// A tool of a library.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LibraryTool {
-    /// The tool; rates that are `missing` follow from its cutting data, without a material.
-    pub tool: Tool,
-    /// The rates that the library does not give.
-    pub missing: MissingRates,
-    /// What was assumed, or could not be taken over.
-    pub notes: Vec<String>,
-}
-
-/// A library that was read. Copies share the tools that they have in common: libraries of makers have many
-/// thousand.
-#[derive(Clone, Debug, Default)]
-pub struct ToolLibrary {
-    /// The mills, in file order.
-    pub tools: Vec<Arc<LibraryTool>>,
-    /// Entries that are not mills, and other remarks on the whole.
-    pub notes: Vec<String>,
-}
-
-impl PartialEq for ToolLibrary {
-    /// Shared tools are not compared one by one.
-    fn eq(&self, other: &Self) -> bool {
-        let same = |(a, b): (&Arc<LibraryTool>, &Arc<LibraryTool>)| Arc::ptr_eq(a, b) || a == b;
-        self.tools.len() == other.tools.len()
-            && self.tools.iter().zip(&other.tools).all(same)
-            && self.notes == other.notes
-    }
-}
-
-impl ToolLibrary {
-    /// All remarks on tools and on the whole, few lines also for thousands of tools.
-    pub fn remarks(&self) -> Vec<String> {
-        let remarks = self.tools.iter().flat_map(|entry| {
-            let (number, notes) = (entry.tool.number.to_string(), entry.notes.iter());
-            notes.map(move |note| (number.clone(), note.as_str()))
-        });
-        let mut lines = left_out::in_few_lines(remarks);
-        lines.extend(self.notes.iter().cloned());
-        lines
-    }
-}
 
 /// Format of a library file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -210,116 +163,4 @@ pub fn write_toml(library: &ToolLibrary) -> String {
         let _ = write_tool(&mut out, tool, *missing);
     }
     out
-}
-
-/// Rounds lengths to 1e-9 mm, as 3 in are 76.2 mm and not 76.199…: converted numbers are read by people.
-fn round_lengths(library: &mut ToolLibrary) {
-    let round = |mm: &mut f64| *mm = without_conversion_error(*mm);
-    for LibraryTool { tool, .. } in library.tools.iter_mut().map(Arc::make_mut) {
-        [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
-            .into_iter()
-            .for_each(round);
-        tool.assembly.flute_length.iter_mut().for_each(round);
-        tool.assembly.shank.iter_mut().flatten().for_each(round);
-        tool.assembly.holder.iter_mut().flatten().for_each(round);
-    }
-}
-
-/// Puts tools under numbers of their own: a tool without one, or with one that is taken, gets the least free
-/// one above all given ones.
-fn number_tools(library: &mut ToolLibrary) {
-    let mut taken = std::collections::BTreeSet::new();
-    let mut next = library.tools.iter().map(|t| t.tool.number).max().unwrap_or(0);
-    for LibraryTool { tool, notes, .. } in library.tools.iter_mut().map(Arc::make_mut) {
-        if tool.number == 0 || !taken.insert(tool.number) {
-            next += 1;
-            notes.push(match tool.number {
-                0 => "no number in the library: a free one given".to_owned(),
-                _ => "its number is taken by another tool: a free one given".to_owned(),
-            });
-            tool.number = next;
-            taken.insert(next);
-        }
-    }
-}
-
-/// A description cut to the length of a name; `None` when it is empty.
-fn short_name(text: &str) -> Option<String> {
-    let name: String = text.trim().chars().filter(|c| !c.is_control()).take(MAX_NAME).collect();
-    (!name.is_empty()).then_some(name)
-}
-
-/// A tool with the rates that it lacks, as in a setup without a material.
-fn rated(entry: LibraryTool) -> LibraryTool {
-    LibraryTool { tool: entry.missing.filled(&entry.tool, None), ..entry }
-}
-
-/// Notes what rates a library does not give, where they do not follow from what it gives.
-fn note_missing_rates(missing: MissingRates, tool: &Tool, notes: &mut Vec<String>) {
-    let more = &tool.assembly;
-    let spindle = missing.spindle && more.cutting_speed.is_none();
-    let feed = missing.plunge_feed && (more.feed_per_tooth.is_none() || more.teeth.is_none());
-    let what = match (feed, spindle) {
-        (true, true) => "neither plunge feed nor spindle speed",
-        (true, false) => "no plunge feed",
-        (false, true) => "no spindle speed",
-        (false, false) => return,
-    };
-    notes.push(format!(
-        "{what} in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min"
-    ));
-}
-
-/// Checks the sizes of a tool as the reader of setups does: writes it and reads it back.
-///
-/// # Errors
-/// What is out of range, and what to do.
-fn check_tool(entry: &LibraryTool) -> Result<(), String> {
-    let mut text = String::from("[[tool]]\n");
-    let tool = Tool { number: entry.tool.number.max(1), ..entry.tool.clone() };
-    // `write!` to a `String` cannot fail.
-    let _ = write_tool(&mut text, &tool, entry.missing);
-    read_tools_with_rates("", text.as_bytes())
-        .map(|_| ())
-        .map_err(|error| format!("{}; {}", error.message, error.help))
-}
-
-/// Error of a library with too many tools.
-fn too_many(name: &str, count: usize) -> Result<(), InputError> {
-    if count <= MAX_TOOLS {
-        return Ok(());
-    }
-    let what = format!("{count} tools, more than {MAX_TOOLS}");
-    Err(Source::new(name, ErrorCode::ToolFile)
-        .fault(0, what, "split the library")
-        .with_code(ErrorCode::FileTooLarge))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn inches_become_the_numbers_that_people_write() {
-        let mut tool = Tool {
-            number: 1,
-            diameter: 3.0 * 25.4,
-            corner_radius: 0.0,
-            insert_width: 0.5 * 25.4,
-            overhang: 0.7 * 25.4,
-            plunge_feed: 300.0,
-            spindle: 1000.0,
-            assembly: Default::default(),
-        };
-        tool.assembly.holder = vec![[0.1 * 25.4, 3.0 * 25.4, 1.1 * 25.4]];
-        assert_ne!(tool.diameter, 76.2, "by the multiplication alone");
-        let mut library = ToolLibrary {
-            tools: vec![Arc::new(LibraryTool { tool, missing: MissingRates::default(), notes: Vec::new() })],
-            ..Default::default()
-        };
-        round_lengths(&mut library);
-        let tool = &library.tools[0].tool;
-        assert_eq!((tool.diameter, tool.overhang), (76.2, 17.78));
-        assert_eq!(tool.assembly.holder, [[2.54, 76.2, 27.94]]);
-    }
 }

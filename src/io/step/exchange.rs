@@ -2,13 +2,7 @@
 
 mod parser;
 
-use crate::error::ErrorCode;
-use crate::io::InputError;
-use crate::io::source::{Source, TRUNCATED, line_at};
-use parser::{ExchangeParser, SyntaxFault};
-
-/// Application protocols that the message about another schema names.
-const READABLE: &str = "export it as AP203, AP214 or AP242";
+pub use parser::parse;
 
 /// A value of an instance.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,34 +98,6 @@ impl<'a> Exchange<'a> {
     }
 }
 
-/// Parses a file; `name` is the file name used in messages.
-///
-/// # Errors
-/// When the bytes are not an exchange structure of a known schema, or two instances have the same number.
-pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError> {
-    let source = Source::new(name, ErrorCode::StepFile);
-    // Editors put a byte order mark in front of text.
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let mut parser = ExchangeParser::new(bytes);
-    if !parser.takes(b"ISO-10303-21;") {
-        let what = "is not a STEP file: it does not begin with ISO-10303-21";
-        return Err(source
-            .fault(0, what, "check that this is the right file")
-            .with_code(ErrorCode::FileFormat));
-    }
-    parser.file().map_err(|fault| {
-        let SyntaxFault { at, id, what, is_schema } = fault;
-        let place = id.map_or(String::new(), |id| format!("#{id}: "));
-        let (code, cure) = match (is_schema, at >= bytes.len()) {
-            (true, _) => (ErrorCode::StepFile, READABLE),
-            (false, true) => (ErrorCode::FileCutOff, TRUNCATED),
-            (false, false) => (ErrorCode::StepFile, "export the file again"),
-        };
-        let line = line_at(bytes, at.min(bytes.len()));
-        source.fault(line, format!("{place}{what}"), cure).with_code(code)
-    })
-}
-
 /// A string as text: doubled apostrophes and backslashes, and the codes `\X\`, `\X2\`, `\X4\` and `\S\`.
 pub fn decoded(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(text).replace("''", "'");
@@ -168,6 +134,7 @@ pub fn decoded(text: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::ErrorCode;
 
     fn file(data: &str) -> String {
         format!(
@@ -216,7 +183,7 @@ mod tests {
         let other = file("").replace("AUTOMOTIVE_DESIGN", "IFC4");
         let error = parse("a.step", other.as_bytes()).expect_err("another schema");
         assert_eq!((error.code, error.place()), (ErrorCode::StepFile, "a.step:3".to_owned()));
-        assert_eq!(error.help, READABLE, "the schemas that are read");
+        assert_eq!(error.help, "export it as AP203, AP214 or AP242", "the schemas that are read");
         assert!(parse("a.step", b"\x7fELF\0\0").is_err());
     }
 

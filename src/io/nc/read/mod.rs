@@ -6,6 +6,7 @@
 mod iso;
 mod klartext;
 mod machine_state;
+mod reading;
 mod sinumerik;
 mod words;
 
@@ -13,52 +14,14 @@ use super::post::Dialect;
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::{self, Source};
-use crate::machine::{MachineTool, PlacedPart};
-use crate::setup::Tool;
-use crate::toolpath::ClProgram;
 use machine_state::NcState;
+pub use reading::{AxisOverrun, NcReading, ReadContext};
 
 /// Largest number of lines.
 const MAX_LINES: usize = 2_000_000;
 
-/// A position of a program beyond the limits of the machine.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AxisOverrun {
-    /// Line of the program.
-    pub line: usize,
-    /// Letter of the axis.
-    pub letter: char,
-    /// Its position, mm or degrees.
-    pub value: f64,
-    /// Its limits, mm or degrees.
-    pub limits: (f64, f64),
-}
-
-/// A program read back.
-#[derive(Clone, Debug, Default)]
-pub struct NcReading {
-    /// Its moves, in the part frame. Between two blocks that turn the tool far, positions are added, as the
-    /// axes run linearly in joint space.
-    pub program: ClProgram,
-    /// Positions beyond limits; at most `MAX_OVERRUNS`.
-    pub overruns: Vec<AxisOverrun>,
-    /// Rotary positions (rad) at each move, where the program names them.
-    pub angles: Vec<Option<[f64; 2]>>,
-}
-
 /// Largest number of [`NcReading::overruns`].
 pub const MAX_OVERRUNS: usize = 1000;
-
-/// What a program does not say itself.
-#[derive(Clone, Copy, Debug)]
-pub struct ReadContext<'a> {
-    /// The machine.
-    pub machine: &'a MachineTool,
-    /// How the part lies on it.
-    pub placed: PlacedPart,
-    /// Tools by number; a comment `TOOL n D= R= W= L=` in the program comes first.
-    pub tools: &'a [Tool],
-}
 
 /// Whether the bytes look like APT rather than NC code.
 pub fn is_apt(bytes: &[u8]) -> bool {

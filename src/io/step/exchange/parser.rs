@@ -1,8 +1,12 @@
 //! Syntax of the exchange structure.
 
 use super::{Exchange, Instance, Record, Value};
-use crate::io::source::quote_for_message;
+use crate::error::ErrorCode;
+use crate::io::InputError;
+use crate::io::source::{Source, TRUNCATED, line_at, quote_for_message};
 
+/// Application protocols that the message about another schema names.
+const READABLE: &str = "export it as AP203, AP214 or AP242";
 /// Deepest nesting of lists and typed values; schemas use up to 5.
 const MAX_DEPTH: usize = 32;
 /// Largest number of values in a file, which bounds its memory to about 1 GB.
@@ -12,14 +16,14 @@ const SCHEMAS: [&str; 6] =
     ["CONFIG_CONTROL", "AUTOMOTIVE_DESIGN", "AP203", "AP214", "AP242", "CONFIGURATION_CONTROL"];
 
 /// A fault of the syntax.
-pub(super) struct SyntaxFault {
+struct SyntaxFault {
     /// Byte at which it was found.
-    pub(super) at: usize,
+    at: usize,
     /// The instance it is in.
-    pub(super) id: Option<u32>,
-    pub(super) what: String,
+    id: Option<u32>,
+    what: String,
     /// Whether it is about the schema of the file.
-    pub(super) is_schema: bool,
+    is_schema: bool,
 }
 
 impl SyntaxFault {
@@ -29,14 +33,14 @@ impl SyntaxFault {
 }
 
 /// A position in the file, and how many values were read.
-pub(super) struct ExchangeParser<'a> {
+struct ExchangeParser<'a> {
     bytes: &'a [u8],
     at: usize,
     values: usize,
 }
 
 impl<'a> ExchangeParser<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0, values: 0 }
     }
 
@@ -84,7 +88,7 @@ impl<'a> ExchangeParser<'a> {
     }
 
     /// Whether `word` comes next; it is passed over then.
-    pub(super) fn takes(&mut self, word: &[u8]) -> bool {
+    fn takes(&mut self, word: &[u8]) -> bool {
         self.peek();
         let is = self.bytes.get(self.at..).is_some_and(|rest| rest.starts_with(word));
         self.at += if is { word.len() } else { 0 };
@@ -118,7 +122,7 @@ impl<'a> ExchangeParser<'a> {
     }
 
     /// The whole file, behind its first word.
-    pub(super) fn file(&mut self) -> Result<Exchange<'a>, SyntaxFault> {
+    fn file(&mut self) -> Result<Exchange<'a>, SyntaxFault> {
         self.header()?;
         let mut instances: Vec<Instance<'a>> = Vec::new();
         // AP242 files may have several data sections.
@@ -306,4 +310,32 @@ impl<'a> ExchangeParser<'a> {
             }
         }
     }
+}
+
+/// Parses a file; `name` is the file name used in messages.
+///
+/// # Errors
+/// When the bytes are not an exchange structure of a known schema, or two instances have the same number.
+pub fn parse<'a>(name: &str, bytes: &'a [u8]) -> Result<Exchange<'a>, InputError> {
+    let source = Source::new(name, ErrorCode::StepFile);
+    // Editors put a byte order mark in front of text.
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+    let mut parser = ExchangeParser::new(bytes);
+    if !parser.takes(b"ISO-10303-21;") {
+        let what = "is not a STEP file: it does not begin with ISO-10303-21";
+        return Err(source
+            .fault(0, what, "check that this is the right file")
+            .with_code(ErrorCode::FileFormat));
+    }
+    parser.file().map_err(|fault| {
+        let SyntaxFault { at, id, what, is_schema } = fault;
+        let place = id.map_or(String::new(), |id| format!("#{id}: "));
+        let (code, cure) = match (is_schema, at >= bytes.len()) {
+            (true, _) => (ErrorCode::StepFile, READABLE),
+            (false, true) => (ErrorCode::FileCutOff, TRUNCATED),
+            (false, false) => (ErrorCode::StepFile, "export the file again"),
+        };
+        let line = line_at(bytes, at.min(bytes.len()));
+        source.fault(line, format!("{place}{what}"), cure).with_code(code)
+    })
 }

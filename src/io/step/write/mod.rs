@@ -1,7 +1,7 @@
 //! Writes a part as STEP (ISO 10303-21, AP214): hub body and blades as closed solids, the shroud as a sheet.
 //!
 //! Blade sides are the part's own surfaces, bicubic (or ruled) B-splines, without approximation. Hub and
-//! shroud are surfaces of revolution of B-spline curves within [`CURVE_ERROR`]; tips lie on the shroud, feet
+//! shroud are surfaces of revolution of B-spline curves within 1e-7 mm (`CURVE_ERROR` of `spline.rs`); tips lie on the shroud, feet
 //! on the hub.
 //!
 //! | file | contents |
@@ -21,8 +21,6 @@ use instances::{Instances, quoted};
 use super::read::ROTATION_NOTE;
 use crate::part::Impeller;
 
-/// Largest distance of the curves of hub and shroud from those of the part, mm.
-const CURVE_ERROR: f64 = 1e-7;
 /// Distance within which edges lie on their faces, mm: trailing edges are straight between both sides.
 const UNCERTAINTY: f64 = 1e-3;
 

@@ -2,8 +2,8 @@
 
 use crate::geometry::{Cubic, Meridional, MeridionalCurve};
 
-use super::CURVE_ERROR;
-
+/// Largest distance of the curves of hub and shroud from those of the part, mm.
+const CURVE_ERROR: f64 = 1e-7;
 /// Largest number of pieces of the curve of hub or shroud.
 const MAX_PIECES: usize = 1024;
 
