@@ -6,7 +6,9 @@ use serde_json::{Map, Value, json};
 
 use super::args::AssessArgs;
 use super::output::{head, number};
-use super::{Failure, open, plan, print_stdout};
+use super::output_folder::{check_directory, create_directory};
+use super::stdout::print_stdout;
+use super::{Failure, open};
 use crate::assess::passage::{PassageKind, PassageMeasure};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::Twist;
@@ -26,7 +28,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     let (_, part) = open::part(&args.part, &args.mesh)?;
     let opened = open::setup(args.setup.as_deref(), &args.part, &part)?;
     if let Some(folder) = &args.output {
-        plan::check_directory(folder)?;
+        check_directory(folder)?;
     }
     let found = AssessedPart::of(part, &opened.setup);
     if let Some(fault) = found.no_reach.clone().filter(|_| args.setup.is_some()) {
@@ -53,7 +55,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
 #[cfg(feature = "gpu")]
 fn write_pictures(folder: &Path, found: &AssessedPart) -> Result<String, Failure> {
     let document = assessment_page(found, "").map_err(Failure::of_work)?;
-    plan::create_directory(folder)?;
+    create_directory(folder)?;
     let page = folder.join("assess.html");
     write_all_atomically(&document.files_at(&page))?;
     Ok(format!("wrote {} and its pictures\n", page.display()))

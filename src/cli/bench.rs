@@ -7,7 +7,8 @@ use rayon::prelude::*;
 
 use super::args::BenchArgs;
 use super::bench_measure::{build, describe, median, print_row};
-use super::{Failure, bench_flank, bench_growth, bench_stock, print_stdout};
+use super::stdout::print_stdout;
+use super::{Failure, bench_flank, bench_growth, bench_stock};
 use crate::cutting::drop_cutter::DepthSurface;
 #[cfg(feature = "gpu")]
 use crate::gpu::{Gpu, ResidualKernel};

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use super::Failure;
 use super::bench_measure::{build_sample, median, print_row, slope};
-use super::{Failure, print_stdout};
+use super::stdout::print_stdout;
 use crate::flank::LayoutInputs;
 use crate::flank::choice::choose_tool;
 use crate::io::tool_library::flank_cutters;

@@ -4,9 +4,10 @@
 
 use std::time::Instant;
 
+use super::Failure;
 use super::bench_measure::{build, slope};
 use super::bench_wheel::scaled_wheel;
-use super::{Failure, print_stdout};
+use super::stdout::print_stdout;
 use crate::error::{ErrorCode, UserError};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::{Failure, print_stdout};
+use super::Failure;
+use super::stdout::print_stdout;
 use crate::io::part_file::read_part_bytes;
 use crate::part::{Impeller, PartDescription};
 

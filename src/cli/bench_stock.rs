@@ -1,7 +1,8 @@
 //! Benchmarks of the stock as a solid.
 
+use super::Failure;
 use super::bench_measure::{build, build_sample, describe, median, print_row};
-use super::{Failure, print_stdout};
+use super::stdout::print_stdout;
 use crate::geometry::Vector;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::monitor::Monitor;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::args::{ConvertArgs, MeshArgs};
-use super::{Failure, open, print_stdout};
+use super::stdout::print_stdout;
+use super::{Failure, open};
 use crate::error::ErrorCode;
 use crate::geometry::rotate_z;
 use crate::io::flank_file::{StoredFlank, is_flank, read_flank_bytes};

@@ -2,7 +2,7 @@
 
 use super::args::ExplainArgs;
 use super::failure::Failure;
-use super::print_stdout;
+use super::stdout::print_stdout;
 use crate::error::ErrorCode;
 use crate::io::table::nearest;
 

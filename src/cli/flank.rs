@@ -8,10 +8,11 @@ use serde_json::{Map, Value, json};
 use super::args::FlankArgs;
 use super::machine_figures::MachineFigures;
 use super::output::{fault_list, head, number};
-use super::plan::{check_directory, create_directory};
+use super::output_folder::{check_directory, create_directory, write_report};
+use super::stdout::print_stdout;
 use super::verify::flank::walls_text;
 use super::watch::run_with_progress;
-use super::{Failure, open, print_stdout};
+use super::{Failure, open};
 use crate::error::ErrorCode;
 use crate::flank::choice::overhang_note;
 use crate::flank::curves::WIDEST_GAP;
@@ -98,7 +99,7 @@ fn write_sheet(folder: &Path, outcome: &FlankOutcome) -> Result<(), Failure> {
     let pictures = Vec::new();
     let files = [ProgramFile::plan("flank.json"), ProgramFile::apt("flank.apt")];
     let document = flank_sheet(&FlankSheetInput { outcome, files: &files }, pictures);
-    Ok(write_all_atomically(&document.files_at(&folder.join("report.html")))?)
+    write_report(folder, &document)
 }
 
 /// Number of regions of a channel.

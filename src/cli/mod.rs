@@ -20,6 +20,7 @@ mod flank;
 mod machine_figures;
 mod open;
 mod output;
+mod output_folder;
 mod plan;
 mod post;
 #[cfg(feature = "gpu")]
@@ -28,6 +29,9 @@ mod render;
 mod render_flank;
 #[cfg(feature = "gpu")]
 mod render_solid;
+#[cfg(feature = "gpu")]
+mod render_words;
+mod stdout;
 mod stock;
 mod study;
 mod verify;
@@ -43,26 +47,9 @@ use clap::Parser;
 use crate::error::ErrorCode;
 use args::{Arguments, CliCommand};
 use failure::Failure;
+use stdout::print_stdout;
 #[cfg(not(feature = "gpu"))]
 use without_gpu::render;
-
-/// Number of faults or collisions that are printed; further ones are only counted.
-const MAX_SHOWN: usize = 20;
-
-/// Prints to standard output. A closed pipe (EPIPE) is not an error.
-///
-/// # Errors
-/// [`Failure::work`] when standard output cannot be written for another reason.
-pub(crate) fn print_stdout(text: &str) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            let what = format!("cannot be written ({error})");
-            Err(Failure::work(ErrorCode::System, what, "send it elsewhere").at("standard output"))
-        }
-        _ => Ok(()),
-    }
-}
 
 /// Environment variable that adds the codes of errors to their lines.
 const CODES_VARIABLE: &str = "VANECUT_ERROR_CODES";

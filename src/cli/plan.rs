@@ -11,8 +11,10 @@ use super::edits::{unapplied_objects, unapplied_text};
 use super::machine_figures::MachineFigures;
 use super::open::OpenSetup;
 use super::output::{PlungeFigures, SectionFigures};
+use super::output_folder::{check_directory, create_directory, write_report};
+use super::stdout::print_stdout;
 use super::watch::run_with_progress;
-use super::{Failure, open, output, print_stdout};
+use super::{Failure, open, output};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
@@ -104,7 +106,7 @@ fn write_sheet(folder: &Path, input: &SheetInput) -> Result<(), Failure> {
     #[cfg(not(feature = "gpu"))]
     let pictures = Vec::new();
     let document = setup_sheet(input, pictures);
-    Ok(write_all_atomically(&document.files_at(&folder.join("report.html")))?)
+    write_report(folder, &document)
 }
 
 /// Runs the planning job, with progress on a terminal.
@@ -140,29 +142,6 @@ fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
                 .at(format!("--channels {word}"))
         }),
     }
-}
-
-/// Checks the output directory before planning, so that [`create_directory`] does not fail only after it.
-///
-/// # Errors
-/// [`Failure::input`] when `folder` exists and is not a directory.
-pub fn check_directory(folder: &Path) -> Result<(), Failure> {
-    if folder.exists() && !folder.is_dir() {
-        let help = "give one that can be written";
-        return Err(Failure::input(ErrorCode::FileNotWritten, "is not a directory", help).at_path(folder));
-    }
-    Ok(())
-}
-
-/// Creates the output directory.
-///
-/// # Errors
-/// [`Failure::input`] when it cannot be created.
-pub fn create_directory(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        let what = format!("the directory cannot be created ({error})");
-        Failure::input(ErrorCode::FileNotWritten, what, "give one that can be written").at_path(folder)
-    })
 }
 
 fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> Map<String, Value> {

@@ -3,7 +3,8 @@
 use serde_json::{Map, Value, json};
 
 use super::args::PostArgs;
-use super::{Failure, open, output, print_stdout};
+use super::stdout::print_stdout;
+use super::{Failure, open, output};
 use crate::error::ErrorCode;
 use crate::geometry::without_conversion_error;
 use crate::io::apt::read_apt_bytes;

@@ -3,10 +3,11 @@
 use glam::UVec2;
 
 use super::args::RenderArgs;
+use super::render_words::{SOLID, parse_range, parse_size};
 use super::{Failure, open, plan, render_flank, render_solid};
 use crate::drawing::{scene_of_part, show_plan};
 use crate::error::{ErrorCode, UserError};
-use crate::gpu::image::{MAX_SIDE, draw_png};
+use crate::gpu::image::draw_png;
 use crate::gpu::{CutterFilter, FloorColours, Gpu, GpuError, Renderer, SceneOptions, Theme, View};
 use crate::io::flank_file::{is_flank, read_flank_bytes};
 use crate::io::plan_file::read_plan_bytes;
@@ -19,9 +20,6 @@ use crate::plunge::PlungePlan;
 use crate::stock::surface::fitting_range;
 use crate::stock::{FloorGrid, FloorSource, ResidualField, field_cutters, residual_field, stretches_of};
 use crate::toolpath::ClProgram;
-
-/// Word of `--show` for the stock as a solid.
-pub const SOLID: &str = "solid";
 
 impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
@@ -131,25 +129,4 @@ fn picture(
         show_plan(&mut scene, &gpu, plan, grid, &field.heights);
     }
     draw_png(&gpu, &mut renderer, &scene, view, &options, size, legend).map_err(Failure::of_work)
-}
-
-fn parse_size(word: &str) -> Result<UVec2, Failure> {
-    let side = |s: &str| s.parse::<u32>().ok().filter(|n| (1..=MAX_SIDE).contains(n));
-    word.split_once(['x', 'X']).and_then(|(w, h)| Some(UVec2::new(side(w)?, side(h)?))).ok_or_else(|| {
-        let help = format!("give WIDTHxHEIGHT up to {MAX_SIDE}");
-        Failure::input(ErrorCode::Arguments, "not a picture size", help).at(format!("--size {word}"))
-    })
-}
-
-/// Parses LOW:HIGH, mm: pictures can be compared only with the same colour scale.
-///
-/// # Errors
-/// When the word is not of this form, or the range is empty.
-pub fn parse_range(word: &str) -> Result<(f32, f32), Failure> {
-    let ends = word.split_once(':').and_then(|(low, high)| Some((low.parse().ok()?, high.parse().ok()?)));
-    let usable = |(low, high): &(f32, f32)| low.is_finite() && high.is_finite() && low < high;
-    ends.filter(usable).ok_or_else(|| {
-        let help = "give LOW:HIGH in mm, such as 0.5:4";
-        Failure::input(ErrorCode::Arguments, "not a colour scale", help).at(format!("--range {word}"))
-    })
 }

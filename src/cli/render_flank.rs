@@ -3,7 +3,7 @@
 use glam::UVec2;
 
 use super::args::RenderArgs;
-use super::render::SOLID;
+use super::render_words::SOLID;
 use super::{Failure, render_solid};
 use crate::drawing::flank::{FlankColours, toolpath_lines, wall_deviations};
 use crate::drawing::scene_of_part;

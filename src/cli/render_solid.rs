@@ -6,7 +6,7 @@ use glam::UVec2;
 
 use super::Failure;
 use super::args::RenderArgs;
-use super::render::parse_range;
+use super::render_words::parse_range;
 use super::watch::run_with_progress;
 use crate::drawing::scene_of_part;
 use crate::drawing::solid::solid_mesh;

@@ -7,8 +7,9 @@ use serde_json::{Map, Value, json};
 
 use super::args::StockArgs;
 use super::output::{self, number};
+use super::stdout::{MAX_SHOWN, print_stdout};
 use super::watch::run_with_progress;
-use super::{Failure, MAX_SHOWN, open, print_stdout};
+use super::{Failure, open};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::blank_file::{is_stl, read_blank};

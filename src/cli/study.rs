@@ -4,11 +4,12 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::Failure;
 use super::args::{MergeArgs, ParetoArgs, StudyAction, StudyArgs};
 use super::output::number;
-use super::plan::check_directory;
+use super::output_folder::check_directory;
+use super::stdout::print_stdout;
 use super::watch::run_with_progress;
-use super::{Failure, print_stdout};
 use crate::error::ErrorCode;
 use crate::io::write_atomically;
 use crate::study::merge::merge;
