@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::boundary::Boundary;
 use super::listing::ProgramListing;
 use super::preview::ShownCutters;
-use super::state::Boundary;
 use super::units::DisplayUnits;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;

@@ -1,6 +1,6 @@
 //! What the cutters in the 3D view are coloured by, and the classes of that which can be hidden.
 
-use super::state::ShownPlan;
+use super::planned::ShownPlan;
 use super::units::DisplayUnits;
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN, category};
 use crate::plunge::{Condition, PlungePlan};

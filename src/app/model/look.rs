@@ -7,11 +7,11 @@ use crate::plunge::inspect::CutPlane;
 use crate::setup::{AxisPolicy, PlungePose};
 
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
+use crate::app::model::edit_fields::EditFields;
 use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::panels::Panels;
 use crate::app::model::planned::{PerSide, Side};
-use crate::app::model::plunge_edits::EditFields;
 use crate::app::model::solid::SolidColours;
 use crate::app::model::table_scroll::TableScroll;
 use crate::app::model::units::DisplayUnits;

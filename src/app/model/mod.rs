@@ -1,9 +1,11 @@
 //! What the window knows: document, results, look, and the rules that connect them. Nothing here draws, runs
 //! in the background, or knows egui.
 
+pub mod boundary;
 pub mod checked;
 pub mod cutter_colours;
 pub mod document;
+pub mod edit_fields;
 pub mod exported;
 pub mod field_faults;
 pub mod figures;

@@ -312,3 +312,24 @@ fn off_axis(point: [f32; 3], tip: [f32; 3], axis: [f32; 3]) -> f32 {
     let along = dot(d, axis);
     (dot(d, d) - along * along).max(0.0).sqrt()
 }
+
+/// A plan that is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownPlan<'a> {
+    /// The set of plans it belongs to.
+    pub planned: &'a Arc<DisplayPlan>,
+    /// Policy of the plan.
+    pub policy: AxisPolicy,
+}
+
+impl<'a> ShownPlan<'a> {
+    /// The plan itself.
+    pub fn plan(&self) -> &'a PlungePlan {
+        self.planned.plan(self.policy)
+    }
+
+    /// Mean residual stock on the hub under a position's cutter, mm.
+    pub fn stock(&self, position: usize) -> f32 {
+        self.planned.stock(self.policy, position)
+    }
+}

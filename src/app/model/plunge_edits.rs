@@ -12,23 +12,6 @@ use crate::app::model::look::Operation;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::state::AppState;
 
-/// What the fields of the edit tab say, until it is applied.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EditFields {
-    /// Whether the whole row is edited.
-    pub whole_row: bool,
-    /// By how much to stop short, mm.
-    pub lift: f64,
-    /// Where to move, and how to turn.
-    pub by: PlungeMove,
-}
-
-impl Default for EditFields {
-    fn default() -> Self {
-        Self { whole_row: false, lift: 0.5, by: PlungeMove::default() }
-    }
-}
-
 /// Where a plunge or row goes in the cutting order of its section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CuttingPlace {

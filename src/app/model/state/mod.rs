@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use crate::drawing::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
-use crate::plunge::{PlungePlan, Position};
+use crate::plunge::Position;
 use crate::report::words::missed_goal;
 use crate::setup::AxisPolicy;
 
@@ -25,7 +25,10 @@ use crate::app::model::preview::PreviewCutters;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::results::Results;
 use crate::plunge::inspect::CutPlane;
-pub use timeline::{Boundary, PLAY_RATE};
+pub use timeline::PLAY_RATE;
+
+pub use crate::app::model::boundary::Boundary;
+pub use crate::app::model::planned::ShownPlan;
 
 /// Kind of a status bar message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,27 +107,6 @@ impl Default for AppState {
             notice: None,
             opening: None,
         }
-    }
-}
-
-/// A plan that is shown.
-#[derive(Clone, Copy, Debug)]
-pub struct ShownPlan<'a> {
-    /// The set of plans it belongs to.
-    pub planned: &'a Arc<DisplayPlan>,
-    /// Policy of the plan.
-    pub policy: AxisPolicy,
-}
-
-impl<'a> ShownPlan<'a> {
-    /// The plan itself.
-    pub fn plan(&self) -> &'a PlungePlan {
-        self.planned.plan(self.policy)
-    }
-
-    /// Mean residual stock on the hub under a position's cutter, mm.
-    pub fn stock(&self, position: usize) -> f32 {
-        self.planned.stock(self.policy, position)
     }
 }
 

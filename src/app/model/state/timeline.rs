@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::AppState;
+use crate::app::model::boundary::Boundary;
 use crate::app::model::look::{Operation, REVEAL};
 use crate::app::model::timeline_program::TimelineProgram;
 use crate::plunge::Position;
@@ -12,16 +13,6 @@ use crate::plunge::Position;
 pub const PLAY_RATE: f64 = 15.0;
 /// Moves in their place: they are shorter.
 const MOVES_PLAY_RATE: f64 = 150.0;
-
-/// Where a timeline jumps to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Boundary {
-    /// The first plunge of a tool.
-    Tool,
-    /// The first plunge of a section; of a flank plan the first move of a layer; of a checked program that of
-    /// a section that it names.
-    Section,
-}
 
 impl AppState {
     /// What the timeline runs through; `None` before there is anything.

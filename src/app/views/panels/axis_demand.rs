@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 
-use super::positions::cell;
+use super::cells::cell;
 use crate::app::model::machine::AxisDemand;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;

@@ -3,8 +3,8 @@
 use egui::{RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
+use super::cells::cell;
 use super::flank::{region_words, splitters_among};
-use super::positions::cell;
 use crate::app::model::figures::format_clock;
 use crate::app::model::flank_passes::FlankPass;
 use crate::app::model::state::AppState;

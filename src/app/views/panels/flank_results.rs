@@ -8,8 +8,8 @@ use crate::job::flank::FlankOutcome;
 use crate::setup::FlankStrategy;
 use crate::verify::Uncovered;
 
+use super::figures::divided_figure;
 use super::flank::strategy_label;
-use super::verdict::divided_figure;
 use crate::app::model::figures::{
     flank_times_tip, format_duration, format_percent, format_times, skipped_length,
 };

@@ -3,8 +3,10 @@
 
 mod assess;
 mod axis_demand;
+mod cells;
 pub mod edit_plunge;
 pub mod fields;
+mod figures;
 pub mod flank;
 pub mod flank_passes;
 pub mod flank_results;

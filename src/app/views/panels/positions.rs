@@ -7,6 +7,7 @@ use egui::{ComboBox, Grid, Popup, RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use super::axis_demand::{axis_remarks, axis_text, axis_warning};
+use super::cells::{cell, mark};
 use super::hand_mark::{hand_mark, hand_words};
 use crate::plunge::{Blocked, PlungeMark, Position};
 
@@ -280,33 +281,6 @@ pub fn columns_width(state: &AppState) -> f32 {
 /// Contact depth, from mm; "0" if it would round to 0.00 mm.
 fn depth(depth: f64, units: DisplayUnits) -> String {
     if depth < 0.005 { "0".to_owned() } else { units.number(depth, 2) }
-}
-
-/// A cell of a table.
-pub fn cell(ui: &mut Ui, text: RichText) {
-    // Selectable text would swallow the clicks on the row.
-    ui.add(egui::Label::new(text.monospace().size(12.0)).selectable(false));
-}
-
-/// Mark of a state, by colour and shape: disc, square or small ring.
-fn mark(ui: &mut Ui, of: Condition) {
-    let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, theme::ROW_HEIGHT), Sense::hover());
-    let painter = ui.painter();
-    match of {
-        Condition::Interfering => {
-            painter.circle_filled(rect.center(), 4.5, of.mark());
-        }
-        Condition::Blocked => {
-            painter.rect_filled(
-                egui::Rect::from_center_size(rect.center(), egui::vec2(8.0, 8.0)),
-                0.0,
-                of.mark(),
-            );
-        }
-        Condition::Sound => {
-            painter.circle_stroke(rect.center(), 2.5, egui::Stroke::new(1.5, of.mark()));
-        }
-    }
 }
 
 /// Number and state of the selected position.

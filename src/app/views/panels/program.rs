@@ -3,7 +3,7 @@
 use egui::{Button, Grid, Label, Panel, RichText, ScrollArea, Ui};
 
 use super::fields;
-use super::verdict::divided_figure;
+use super::figures::divided_figure;
 use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
 use crate::app::model::state::AppState;

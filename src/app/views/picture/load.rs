@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
+use super::coloured::ColouredCutters;
 use super::{Content, ShownFlank, SidePicture};
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
 use crate::app::model::machine::ProgramOnMachine;
-use crate::app::model::planned::DisplayPlan;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::solid::SolidPicture;
@@ -16,28 +16,6 @@ use crate::drawing::flank::{self, FlankColours};
 use crate::drawing::floor::{contact_mesh, floor_meshes, value_mesh};
 use crate::gpu::mesh::{Mesh, Segment};
 use crate::io::flank_file::shown_walls;
-use crate::setup::AxisPolicy;
-
-/// Colours of the cutters of a plan, and the classes that are left out.
-#[derive(Clone, Debug)]
-pub(super) struct ColouredCutters {
-    colours: CutterColours,
-    hidden: Vec<CutterClass>,
-    planned: Arc<DisplayPlan>,
-    policy: AxisPolicy,
-    /// All plans in view, for which a colour means the same.
-    in_view: Vec<(Arc<DisplayPlan>, AxisPolicy)>,
-}
-
-impl PartialEq for ColouredCutters {
-    /// Plans are immutable, so pointer equality suffices.
-    fn eq(&self, other: &Self) -> bool {
-        (self.colours, &self.hidden, self.policy) == (other.colours, &other.hidden, other.policy)
-            && Arc::ptr_eq(&self.planned, &other.planned)
-            && self.in_view.len() == other.in_view.len()
-            && self.in_view.iter().zip(&other.in_view).all(|(a, b)| Arc::ptr_eq(&a.0, &b.0) && a.1 == b.1)
-    }
-}
 
 impl SidePicture {
     /// Loads the content; does nothing if it is loaded already.

@@ -1,6 +1,7 @@
 //! A 3D picture: the renderer draws into its own texture, which egui shows as an image; an unchanged picture
 //! is not drawn again.
 
+mod coloured;
 mod content;
 mod load;
 mod shown_flank;
@@ -27,8 +28,8 @@ use crate::gpu::residual::ResidualKernel;
 use crate::gpu::scene::{Scene, SceneOptions};
 use crate::gpu::stock_floor::{StockFloor, StockState};
 use crate::gpu::view::ViewTargets;
+use coloured::ColouredCutters;
 pub use content::Content;
-use load::ColouredCutters;
 pub use shown_flank::ShownFlank;
 
 /// Rays that the kernel may intersect with cutters for a picture in motion on a software driver. Meant for 30
