@@ -2,17 +2,17 @@
 //! the edits apply to it. Where they lock plunges that the planner does not place by itself, the requested
 //! plan is made once more around these, and the edits apply to that one.
 
+use super::cache::PlanCache;
 use super::goal::{self, MetGoal, WholeInput};
-use super::{
-    FIRST_SHARE, JobError, Listener, PlanCache, PlanOutcome, PlanRequest, measure_residual, plan,
-    plan_in_stages,
-};
+use super::outcome::{JobError, PlanOutcome, PlanRequest, measure_residual};
+use super::planning::{FIRST_SHARE, plan, plan_in_stages};
+use super::stage::Listener;
 use crate::error::ErrorCode;
 use crate::monitor::Monitor;
 use crate::plunge::{PlanError, Planner, SectionCache};
 use crate::setup::{AxisPolicy, PlungeChange, PlungeEdit, Setup, SetupFault, SetupPlace};
 
-/// Like [`PlanJob::run_with_listener`], with the cache `known`.
+/// Plans one channel with the edits of the setup and the cache `known`, reporting every stage to `listener`.
 pub(super) fn plan_with_edits(
     request: &PlanRequest,
     known: &mut PlanCache,

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{PlanOutcome, PolicyResult, measure_residual};
+use super::outcome::{PlanOutcome, PolicyResult, measure_residual};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::plunge::{PlanError, Planner, PlungePlan, RowDensity, SectionCache};

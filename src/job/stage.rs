@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::PolicyResult;
+use super::outcome::PolicyResult;
 use crate::part::Workpiece;
 use crate::plunge::{PlungePlan, Unevaluated};
 use crate::setup::Setup;
