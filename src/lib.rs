@@ -11,10 +11,10 @@
 //! | [`part`] | impeller, channel, blade sides, blank, workpiece |
 //! | [`setup`] | allowances, clearances, tools, machine, their defaults and faults |
 //! | [`mesh`] | triangle meshes of a part, and parts from triangle meshes |
-//! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
 //! | [`toolpath`] | programs as data: tools, moves, sections, rows |
 //! | [`machine`] | five-axis machines: chain of axes, rotary positions, links, time |
 //! | [`cutting`] | a cutter against part and stock: shank, holder, drop-cutter depth, links, core contact |
+//! | [`assess`] | machinability before any plan: twist, bow, depth, width, reach ([assessment paper]) |
 //! | [`plunge`] | the plunge planner, one file per stage of the [plunge paper] |
 //! | [`flank`] | the flank planner ([flank paper]): layers, regions, passes, and the cutter axes along them |
 //! | [`stock`] | the heightfield of stock left on the channel floor, its CPU kernel; the stock as a solid |
