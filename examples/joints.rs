@@ -1,7 +1,6 @@
 //! Machine coordinates of poses: `cargo run --example joints -- MACHINE.toml LENGTH < poses`, with poses as
-//! lines of
-//! `x y z first second` (tip in program coordinates, mm; positions of both rotary axes, degrees) for a tool of
-//! LENGTH mm. Prints X Y Z of the spindle nose, mm.
+//! lines of `x y z first second` (tip in program coordinates, mm; positions of both rotary axes, degrees) for
+//! a tool of LENGTH mm. Prints X Y Z of the spindle nose, mm.
 
 use std::io::BufRead as _;
 use std::path::Path;

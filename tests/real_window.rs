@@ -44,8 +44,8 @@ struct Screen {
 }
 
 impl Screen {
-    /// The server picks a free number and prints it as soon as clients may connect. Without `-noreset` it starts
-    /// anew whenever its last client leaves, and refuses connections meanwhile.
+    /// The server picks a free number and prints it as soon as clients may connect. Without `-noreset` it
+    /// starts anew whenever its last client leaves, and refuses connections meanwhile.
     fn new() -> Self {
         for (program, package) in [("Xvfb", "xvfb"), ("xdotool", "xdotool")] {
             assert!(
@@ -169,8 +169,8 @@ fn ticks(process: u32) -> Option<u64> {
     Some(fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?)
 }
 
-/// Kills the program at random moments while someone edits, as `kill -9` does: every edit older than two seconds is
-/// in its recovery copy. `KILL_MOMENTS` and `KILL_SEED` set how often, and when.
+/// Kills the program at random moments while someone edits, as `kill -9` does: every edit older than two
+/// seconds is in its recovery copy. `KILL_MOMENTS` and `KILL_SEED` set how often, and when.
 #[test]
 #[ignore = "takes fifteen seconds a moment; scripts/nightly runs it"]
 fn edits_survive_a_kill_on_a_real_screen() {
@@ -225,8 +225,8 @@ fn number(name: &str, default: u64) -> u64 {
     std::env::var(name).map_or(default, |text| text.parse().expect("a whole number"))
 }
 
-/// Random clicks, drags, turns of the wheel and keys: the program may be closed by them, but it does not end by
-/// itself. `EVENT_COUNT` and `EVENT_SEED` set how many, and which.
+/// Random clicks, drags, turns of the wheel and keys: the program may be closed by them, but it does not end
+/// by itself. `EVENT_COUNT` and `EVENT_SEED` set how many, and which.
 #[test]
 #[ignore = "takes minutes; scripts/nightly runs it"]
 fn random_events_end_in_no_panic_on_a_real_screen() {

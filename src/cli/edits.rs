@@ -7,7 +7,8 @@ use crate::job::PlanOutcome;
 use crate::plunge::UnappliedEdit;
 use crate::setup::PlungePose;
 
-/// A line for each edit of the setup that the plan could not apply; they count from 1, as they are in the file.
+/// A line for each edit of the setup that the plan could not apply; they count from 1, as they are in the
+/// file.
 pub fn unapplied_text(outcome: &PlanOutcome) -> String {
     let line = |unapplied: &UnappliedEdit| {
         let edit = outcome.setup.plunge.edits.get(unapplied.index)?;

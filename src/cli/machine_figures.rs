@@ -1,4 +1,5 @@
-//! What `vanecut plan` and `vanecut verify` say of a program on its machine: the time by all axes, and their travel.
+//! What `vanecut plan` and `vanecut verify` say of a program on its machine: the time by all axes, and their
+//! travel.
 
 use serde_json::{Map, Value, json};
 
@@ -16,13 +17,14 @@ use crate::toolpath::ClProgram;
 /// Figures of a program on its machine.
 pub(super) struct MachineFigures<'a> {
     machine: &'a MachineTool,
-    /// Times by section and travel of both rotary axes (rad); `None` where the machine cannot run the program.
+    /// Times by section and travel of both rotary axes (rad); `None` where the machine cannot run the
+    /// program.
     run: Option<(Vec<SectionTime>, [f64; 2])>,
 }
 
 impl<'a> MachineFigures<'a> {
-    /// The figures by the rotary positions that the program names; where it leaves them to the control, by those
-    /// that `post` would choose.
+    /// The figures by the rotary positions that the program names; where it leaves them to the control, by
+    /// those that `post` would choose.
     pub(super) fn of(
         on_machine: &'a NcMachine,
         program: &ClProgram,
@@ -40,8 +42,8 @@ impl<'a> MachineFigures<'a> {
         Self::of_motion(clock.machine(), program, clock.motion(program).ok().as_ref())
     }
 
-    /// Keys of `--json` for a plan with `setup`; none where it names no machine. `figures`: those of its machine, `None`
-    /// where that is not known.
+    /// Keys of `--json` for a plan with `setup`; none where it names no machine. `figures`: those of its
+    /// machine, `None` where that is not known.
     pub(super) fn keys_of(figures: Option<&Self>, setup: &Setup) -> Map<String, Value> {
         match (figures, &setup.machine.file) {
             (Some(figures), _) => figures.keys(),

@@ -59,8 +59,8 @@ pub struct OpenSetup {
 }
 
 impl OpenSetup {
-    /// `setup`, made of this one, as it is stored in a plan: the machine file is named as it was given, since a plan
-    /// is also read elsewhere.
+    /// `setup`, made of this one, as it is stored in a plan: the machine file is named as it was given, since
+    /// a plan is also read elsewhere.
     pub fn as_stored(&self, setup: &Setup) -> Setup {
         let mut stored = setup.clone();
         stored.machine.file.clone_from(&self.machine_file);

@@ -14,8 +14,8 @@ const INTERRUPTED: i32 = 130;
 static RUNNING: Mutex<Option<Arc<Monitor>>> = Mutex::new(None);
 
 /// Runs a job, with its progress on a terminal, where `what` says what it does. The first Ctrl+C stops the
-/// job: a planner keeps the best result found so far, a check ends without one. A second Ctrl+C ends the program
-/// at once.
+/// job: a planner keeps the best result found so far, a check ends without one. A second Ctrl+C ends the
+/// program at once.
 pub fn run_with_progress<T>(what: &str, job: impl FnOnce(&Monitor) -> T) -> T {
     static HANDLER: Once = Once::new();
     let monitor = Arc::new(Monitor::default());

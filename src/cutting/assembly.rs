@@ -15,8 +15,8 @@ use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
 
 /// Clearance that may be missing by rounding, mm.
 pub const ASSEMBLY_TOLERANCE: f64 = 1e-3;
-/// Distances beyond the required one up to which distances are measured along short and long moves, mm: nothing
-/// need be looked at again until the tool has moved by that.
+/// Distances beyond the required one up to which distances are measured along short and long moves, mm:
+/// nothing need be looked at again until the tool has moved by that.
 const MIN_LOOK_AHEAD: f64 = 4.0;
 const MAX_LOOK_AHEAD: f64 = 20.0;
 /// Shares of the length of a segment at which circles are compared with the hub.
@@ -222,9 +222,9 @@ impl<'a> AssemblySurroundings<'a> {
         least
     }
 
-    /// Least clearance over a move whose start has `slack` mm of clearance more than required (0 or less where
-    /// that is not known), and the slack at its end. Of what is further off than matters for the way to the
-    /// next place the distance is not found.
+    /// Least clearance over a move whose start has `slack` mm of clearance more than required (0 or less
+    /// where that is not known), and the slack at its end. Of what is further off than matters for the way to
+    /// the next place the distance is not found.
     pub fn along(
         &self,
         tool: &Tool,

@@ -11,8 +11,8 @@ const STEP: f64 = 0.05;
 const MAX_EXTENSION: f64 = 1000.0;
 
 impl AssemblySurroundings<'_> {
-    /// The least overhang, in whole mm and at most `limit`, with which the holder of `tool` is clear at a pose;
-    /// `None` where the shank is in the way, too, or no overhang within reason suffices.
+    /// The least overhang, in whole mm and at most `limit`, with which the holder of `tool` is clear at a
+    /// pose; `None` where the shank is in the way, too, or no overhang within reason suffices.
     pub fn stick_out(&self, tool: &Tool, pose: (Point, Vector), limit: f64) -> Option<f64> {
         let segments = tool.assembly.segments(tool.overhang);
         let (holder, shank): (Vec<_>, Vec<_>) =
@@ -52,8 +52,8 @@ impl AssemblySurroundings<'_> {
         None
     }
 
-    /// Clearance from the blank that the lower end of a segment's axis misses at a pose, mm: the segment misses no
-    /// less. `None` where it misses none, or less of the blank stands.
+    /// Clearance from the blank that the lower end of a segment's axis misses at a pose, mm: the segment
+    /// misses no less. `None` where it misses none, or less of the blank stands.
     fn depth_of_axis(&self, segment: &AssemblySegment, tool: &Tool, pose: (Point, Vector)) -> Option<f64> {
         let blank = self.blank.filter(|_| self.earlier.is_none())?;
         let widest = segment.radii[0].max(segment.radii[1]);

@@ -99,8 +99,8 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
     Ok(ChosenTool { tool: tool.clone(), reason: Some(reason) })
 }
 
-/// What a longer tool would free, one line: where a holder is in the way of passes, and the tool shorter than the
-/// channel asks for. The overhang that it names keeps the holder out of the channel.
+/// What a longer tool would free, one line: where a holder is in the way of passes, and the tool shorter than
+/// the channel asks for. The overhang that it names keeps the holder out of the channel.
 pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
     let depth = deepest(part);
     let wanted = (OVERHANG_MARGIN * depth).ceil();

@@ -36,8 +36,8 @@ pub(super) struct CheckedMoves {
     pub(super) faults: Vec<MoveFault>,
 }
 
-/// Overcut up to which positions are moved off the blade instead of being removed, mm: what stays on the blade
-/// then is much less than where a piece of a pass is missing.
+/// Overcut up to which positions are moved off the blade instead of being removed, mm: what stays on the
+/// blade then is much less than where a piece of a pass is missing.
 const MAX_MOVED_OVERCUT: f64 = 0.05;
 /// Overcut that is left where they are moved, mm.
 const OVERCUT_LEFT: f64 = 0.0045;

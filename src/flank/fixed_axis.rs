@@ -7,6 +7,7 @@
 //! ends a run, directions between its nodes are tried. The search uses the fast approximate distances of
 //! `scene` and `distance_table`; the axis of each run is then checked against the true surfaces.
 
+mod directions;
 mod distance_table;
 mod scene;
 mod search;
@@ -180,8 +181,8 @@ impl<'a> FixedAxisSearch<'a> {
         PreparedContact { contact: *contact, centre, top: self.top(&centre), cone, near }
     }
 
-    /// Spare clearance of `axis` at `place` by the fast distances, mm, but hardly more than `most`. Stops early
-    /// below `enough`: the result is then only an upper bound.
+    /// Spare clearance of `axis` at `place` by the fast distances, mm, but hardly more than `most`. Stops
+    /// early below `enough`: the result is then only an upper bound.
     fn spare(&self, place: &PreparedContact, axis: &Vector, (enough, most): (f64, f64)) -> SpareClearance {
         let along = place.contact.normal.dot(axis);
         let tilt = along.clamp(-1.0, 1.0).acos();

@@ -19,8 +19,8 @@ impl<const D: usize> Cubic<D> {
         Self::interpolate_with_corners(knots, points, &[])
     }
 
-    /// As [`Self::interpolate`], with corners at the points of these increasing indices: a spline from each to the
-    /// next.
+    /// As [`Self::interpolate`], with corners at the points of these increasing indices: a spline from each
+    /// to the next.
     pub fn interpolate_with_corners(knots: &[f64], points: &[[f64; D]], corners: &[usize]) -> Self {
         let n = points.len();
         assert!(n >= 2 && knots.len() == n, "a spline needs two points and a knot for each");

@@ -236,7 +236,8 @@ impl MeridionalCurve {
         }
     }
 
-    /// A point projected onto the tangent at arc length `t`: distance from there along it, and signed distance, mm.
+    /// A point projected onto the tangent at arc length `t`: distance from there along it, and signed
+    /// distance, mm.
     fn along_tangent(&self, t: f64, to: Meridional) -> (f64, f64) {
         let CurvePoint { point, tangent, normal, .. } = self.at(t);
         let (dr, dz) = (to.r - point.r, to.z - point.z);

@@ -126,8 +126,8 @@ pub fn distance_rate(point: &Point, direction: &Vector, foot: Meridional) -> f64
     (dr * radial + dz * direction.z) / norm2(dr, dz).max(1e-12)
 }
 
-/// `value` without the error of converting its unit, and back: rounded to 1e-9. 5° would be 5.000000000000001°, and
-/// 3 in 76.19999999999999 mm.
+/// `value` without the error of converting its unit, and back: rounded to 1e-9. 5° would be
+/// 5.000000000000001°, and 3 in 76.19999999999999 mm.
 pub fn without_conversion_error(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }

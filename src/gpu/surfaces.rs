@@ -1,5 +1,5 @@
-//! Draw calls of surfaces: hub and blades, the floor with its values, the stock as a solid, and where the section
-//! plane cuts these.
+//! Draw calls of surfaces: hub and blades, the floor with its values, the stock as a solid, and where the
+//! section plane cuts these.
 
 use super::mesh_buffers::MeshBuffers;
 use super::pipelines::Pipelines;

@@ -43,8 +43,8 @@ pub fn is_built_in(name: &str) -> bool {
     built_in_names().any(|known| known == name)
 }
 
-/// The machine of `setup`, whose file is located: `None` where it names none, and where the file is gone, as of a plan
-/// that was sent without it.
+/// The machine of `setup`, whose file is located: `None` where it names none, and where the file is gone, as
+/// of a plan that was sent without it.
 ///
 /// # Errors
 /// When the file is there and is not that of a machine.

@@ -51,7 +51,8 @@ pub fn is_plan_file(path: &Path) -> bool {
 /// Reads part and setup of a plan file.
 ///
 /// # Errors
-/// When the file cannot be read, is not a plan file of a supported version, or contains an invalid part or setup.
+/// When the file cannot be read, is not a plan file of a supported version, or contains an invalid part or
+/// setup.
 pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
     let (name, bytes) = (name_of(path), read_bytes(path)?);
     let file: InputsRecord = serde_json::from_slice(&bytes).map_err(|error| {

@@ -213,8 +213,8 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
 /// Reads a project file from bytes; `path` is where it is saved.
 ///
 /// # Errors
-/// When the bytes are not a project file of a supported version. Faults in its setups do not keep it from being
-/// opened: they are in [`Project::setup_faults`].
+/// When the bytes are not a project file of a supported version. Faults in its setups do not keep it from
+/// being opened: they are in [`Project::setup_faults`].
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
     let fault =

@@ -173,8 +173,8 @@ impl FlankOutcome {
         self.verdict.as_ref().map_or_else(|| self.plan.max_overcut(), |verdict| verdict.max_overcut)
     }
 
-    /// Most stock left above the blade allowance, mm: by the program if it can be verified, else by the positions
-    /// along the walls.
+    /// Most stock left above the blade allowance, mm: by the program if it can be verified, else by the
+    /// positions along the walls.
     pub fn max_undercut(&self) -> f64 {
         self.verdict.as_ref().map_or_else(|| self.plan.max_undercut(), |verdict| verdict.max_undercut)
     }

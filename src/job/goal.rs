@@ -125,8 +125,8 @@ fn density_of(number: usize) -> RowDensity {
     if number == 0 { RowDensity::Dense } else { RowDensity::Sparse }
 }
 
-/// The plan that the goal of the setup asks for. An unfinished plan stays as it is. `known` keeps the sections
-/// of the plan with fewer rows.
+/// The plan that the goal of the setup asks for. An unfinished plan stays as it is. `known` keeps the
+/// sections of the plan with fewer rows.
 ///
 /// A stop ends the planning of fewer rows; the goal is then met from the whole plan alone.
 ///
@@ -204,8 +204,8 @@ impl PlanOutcome {
         })?
     }
 
-    /// The points of [`Self::time_stock_curve`] without their plans. The channel with fewer rows is planned for
-    /// them all the same.
+    /// The points of [`Self::time_stock_curve`] without their plans. The channel with fewer rows is planned
+    /// for them all the same.
     ///
     /// # Errors
     /// [`Cancelled`] when `monitor` is cancelled.

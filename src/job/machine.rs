@@ -5,8 +5,8 @@ use crate::machine::{MachineClock, MachineTool};
 use crate::part::Workpiece;
 use crate::setup::{Setup, SetupFault};
 
-/// The machine of `setup`; `None` where it names none, and where its file is gone, as of a plan that was sent without
-/// it: that is planned all the same, with times without a machine.
+/// The machine of `setup`; `None` where it names none, and where its file is gone, as of a plan that was sent
+/// without it: that is planned all the same, with times without a machine.
 ///
 /// # Errors
 /// When the file is there and is not that of a machine.

@@ -21,8 +21,8 @@ pub struct MachineRun {
 }
 
 impl MachineRun {
-    /// The motion by the rotary positions (rad) that the program names, one for each move; `None` where it names
-    /// none at all, since the control chooses them.
+    /// The motion by the rotary positions (rad) that the program names, one for each move; `None` where it
+    /// names none at all, since the control chooses them.
     pub fn by_angles(placed: &PlacedPart, program: &ClProgram, angles: &[Option<[f64; 2]>]) -> Option<Self> {
         if angles.iter().all(Option::is_none) {
             return None;

@@ -13,8 +13,8 @@ fn longest_asked_for(plan: &PlungePlan) -> Option<f64> {
     plan.dropped.iter().filter_map(|dropped| dropped.stick_out).reduce(f64::max)
 }
 
-/// An overhang with which a tool reaches the hub from above the shroud, in whole mm; `None` where the blank stands
-/// higher than that.
+/// An overhang with which a tool reaches the hub from above the shroud, in whole mm; `None` where the blank
+/// stands higher than that.
 fn overhang_for(setup: &Setup, part: &Impeller) -> Option<f64> {
     if setup.allowances.blank_of(part).outline().is_some() {
         return None;

@@ -94,8 +94,8 @@ impl PlanOutcome {
         Ok(ClProgram::of_plan(&part.name, &plan))
     }
 
-    /// Time that semi-finishing takes for what `result`, one of the results of this outcome, leaves in a channel, s;
-    /// `None` where the goal does not count it.
+    /// Time that semi-finishing takes for what `result`, one of the results of this outcome, leaves in a
+    /// channel, s; `None` where the goal does not count it.
     pub fn finishing_time_s(&self, result: &PolicyResult) -> Option<f64> {
         let Goal::Total { finishing } = self.setup.plunge.goal else { return None };
         let left = statistics(&self.grid, &result.field.heights, |_| true);

@@ -23,8 +23,8 @@ use crate::tradeoff::PlanClock;
 /// Share of the progress of planning `minimal` before its goal is met by plans with fewer plunges.
 pub(super) const FIRST_SHARE: f64 = 0.6;
 
-/// Completes the setup: missing tools and sections are chosen from the program's tool library, by their times on the
-/// machine of the setup if it names one.
+/// Completes the setup: missing tools and sections are chosen from the program's tool library, by their times
+/// on the machine of the setup if it names one.
 ///
 /// # Errors
 /// [`SetupFault`] when part and setup are incompatible, or the machine file is not valid.

@@ -1,4 +1,5 @@
-//! The posting job that window and command line share: from a program to NC code of a control, with its times.
+//! The posting job that window and command line share: from a program to NC code of a control, with its
+//! times.
 
 use crate::error::{ErrorCode, UserError};
 use crate::io::nc::{NcProgram, Post, write_nc};
@@ -95,8 +96,8 @@ pub fn post_program(
     Ok(PostedProgram { motion, written, times })
 }
 
-/// The fault of a called program that the machine could run by itself, but not within `range` (rad): what the other
-/// calls leave of the range of the axis that turns the part.
+/// The fault of a called program that the machine could run by itself, but not within `range` (rad): what the
+/// other calls leave of the range of the axis that turns the part.
 fn range_too_small(letter: char, range: f64, fault: &MotionFault) -> UserError {
     let fault = fault.explained();
     let what = format!(

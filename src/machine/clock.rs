@@ -14,8 +14,8 @@ use crate::toolpath::ClProgram;
 /// Decimals of rotary positions, degrees: as the posts write them.
 const ANGLE_DECIMALS: usize = 4;
 
-/// A machine with the part on it, as the machine file places it. It tells the time of programs as `post` does that
-/// writes them with the output of the machine file.
+/// A machine with the part on it, as the machine file places it. It tells the time of programs as `post` does
+/// that writes them with the output of the machine file.
 #[derive(Clone, Debug)]
 pub struct MachineClock {
     machine: MachineTool,

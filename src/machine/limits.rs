@@ -93,16 +93,17 @@ impl RotaryAxis {
 }
 
 impl MachineTool {
-    /// Angle of the unit vector `axis`, in program coordinates, from the pole, rad: from the line of the first
-    /// rotary axis, the one nearest to the workpiece.
+    /// Angle of the unit vector `axis`, in program coordinates, from the pole, rad: from the line of the
+    /// first rotary axis, the one nearest to the workpiece.
     pub fn pole_angle(&self, axis: &Vector) -> f64 {
         let angle = self.rotary[0].direction.angle(axis);
         angle.min(PI - angle)
     }
 
     /// What keeps the machine from holding a tool of `length` mm along the unit vector `axis` with its tip on
-    /// each of `tips`, in program coordinates; `None` where it can. Of its two solutions, that counts which is
-    /// the least beyond the limits. At the pole, where the first axis is free, linear axes are not considered.
+    /// each of `tips`, in program coordinates; `None` where it can. Of its two solutions, that counts which
+    /// is the least beyond the limits. At the pole, where the first axis is free, linear axes are not
+    /// considered.
     pub fn limit_fault(&self, axis: &Vector, tips: &[Point], length: f64) -> Option<LimitFault> {
         let (solutions, count) = self.solve(axis);
         let mut least: Option<LimitFault> = None;

@@ -329,9 +329,10 @@ impl MotionMaker<'_> {
         Ok(())
     }
 
-    /// The positions of a link whose tip is held, with those between its ends raised along the axis, so that the bottom
-    /// of the tool comes no nearer to the blank than on the planned way: between two positions the machine leaves it,
-    /// most in the middle, by a parabola, and less than a line that rises from an end by four times as much.
+    /// The positions of a link whose tip is held, with those between its ends raised along the axis, so that
+    /// the bottom of the tool comes no nearer to the blank than on the planned way: between two positions the
+    /// machine leaves it, most in the middle, by a parabola, and less than a line that rises from an end by
+    /// four times as much.
     fn raised(&self, from: Pose, mut poses: Vec<Pose>, tool: usize) -> Vec<Pose> {
         let strays = matches!(self.options.output, OutputKind::TcpAngles | OutputKind::Joints);
         let (length, radius) = (self.lengths[tool], self.radii[tool]);

@@ -52,7 +52,8 @@ pub struct MachineTime {
 }
 
 impl MachineTime {
-    /// That of `count` runs of the program, between which no tool is changed, s; the links between them are left out.
+    /// That of `count` runs of the program, between which no tool is changed, s; the links between them are
+    /// left out.
     pub fn of_runs_s(self, count: usize) -> f64 {
         self.total_s + (self.total_s - self.tool_changes_s) * (count as f64 - 1.0)
     }
@@ -183,8 +184,8 @@ pub fn block_times(machine: &MachineTool, program: &ClProgram, motion: &MachineP
 }
 
 impl MachineTool {
-    /// Time of a straight move of the linear axis that takes longest for it, s: `length` (mm) from rest to rest, at no
-    /// more than `rate` (mm/min).
+    /// Time of a straight move of the linear axis that takes longest for it, s: `length` (mm) from rest to
+    /// rest, at no more than `rate` (mm/min).
     pub fn straight_s(&self, length: f64, rate: f64) -> f64 {
         (0..3).map(|i| self.lone_move_s(i, length, length / rate * 60.0)).fold(0.0, f64::max)
     }

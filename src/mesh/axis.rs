@@ -124,8 +124,8 @@ impl Facet {
     }
 }
 
-/// Deviation from a surface of revolution about the axis through `through` along `along`: area-weighted mean of
-/// the circumferential component of the normals.
+/// Deviation from a surface of revolution about the axis through `through` along `along`: area-weighted mean
+/// of the circumferential component of the normals.
 fn revolution_error(facets: &[Facet], along: &Vector, through: &Point) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
     for facet in facets {

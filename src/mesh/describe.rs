@@ -180,7 +180,8 @@ pub fn describe_source(
                 let tips = fit_tip_faces(&main, &hub_curve.points, &course)?;
                 (tips.max_deviation_mm < tolerance).then_some((tips, false))
             };
-            // Meshes show their tips by sharp edges; models from CAD, which know their faces, often have none.
+            // Meshes show their tips by sharp edges; models from CAD, which know their faces, often have
+            // none.
             let tips = match is_cad {
                 false => by_edges().or_else(by_border),
                 true => by_faces().or_else(by_border).or_else(by_edges),

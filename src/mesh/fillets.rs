@@ -80,7 +80,8 @@ fn fillet_begins(thick: &[[f64; ZONES]], height: f64) -> Option<usize> {
         let mut usual = over[..=2 * quarter].to_vec();
         usual.sort_by(f64::total_cmp);
         let usual = usual[usual.len() / 2];
-        // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to it.
+        // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to
+        // it.
         let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > WHOLE * height;
         let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
         // Beside a blunt edge a zone holds part of that edge, and more or less of it from height to height.

@@ -21,8 +21,8 @@ const VOTERS: usize = 1000;
 const MAX_SPANS: usize = 240;
 /// Largest number of iterations that remove points above a curve.
 const MAX_ITERATIONS: usize = 40;
-/// Largest number of rounds that remove the feet of fillets, the distance along the course within which a lower
-/// point tells a foot, as a share of the curve, and how much lower, as a share of the tolerance.
+/// Largest number of rounds that remove the feet of fillets, the distance along the course within which a
+/// lower point tells a foot, as a share of the curve, and how much lower, as a share of the tolerance.
 const MAX_SETTLING: usize = 12;
 const NEARBY: f64 = 0.01;
 const FOOT: f64 = 0.02;
@@ -127,8 +127,8 @@ impl Course {
         None
     }
 
-    /// The curve through all `points` but those at the feet of fillets on the side of `above`, which are within
-    /// `tolerance`, mm, of it.
+    /// The curve through all `points` but those at the feet of fillets on the side of `above`, which are
+    /// within `tolerance`, mm, of it.
     pub fn fit_without_feet(
         &self,
         points: &[Meridional],

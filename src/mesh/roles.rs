@@ -116,8 +116,8 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// The role derived from the names of each mesh: that of the first name that has one. The mesh of a node that
-/// is alone in its file is the whole wheel: its name or that of the file, such as `bladed disc`, gives no role,
-/// unless its pieces have different ones.
+/// is alone in its file is the whole wheel: its name or that of the file, such as `bladed disc`, gives no
+/// role, unless its pieces have different ones.
 pub fn roles_from_names(meshes: &[NamedMesh]) -> Vec<Option<Role>> {
     // The own name comes first: the root node often has the name of the part, which may contain that of a
     // role.

@@ -28,14 +28,14 @@ pub struct ChannelCoordinates {
     shroud_ends: (f64, f64),
     /// Whether hub and shroud go on past the rim, along the tangents there.
     past_rim: bool,
-    /// Whether the shroud goes on past both of its ends, along the tangents there: it ends where the tips of the blades
-    /// turn into leading and trailing edge.
+    /// Whether the shroud goes on past both of its ends, along the tangents there: it ends where the tips of
+    /// the blades turn into leading and trailing edge.
     past_tips: bool,
 }
 
 impl ChannelCoordinates {
-    /// The channel between `hub` and `shroud` over the extent of the corners `blade`; with `past_tips` the blades go on
-    /// past the ends of the shroud, where their tips turn into leading and trailing edge.
+    /// The channel between `hub` and `shroud` over the extent of the corners `blade`; with `past_tips` the
+    /// blades go on past the ends of the shroud, where their tips turn into leading and trailing edge.
     pub fn new(
         hub: &MeridionalCurve,
         shroud: &MeridionalCurve,

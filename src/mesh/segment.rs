@@ -38,8 +38,8 @@ pub struct Segments {
     pub blades: Vec<MeshSurface>,
 }
 
-/// Whether a piece has points all around the axis at more than a `share` of its largest radius, as a wheel of one piece
-/// has near its rim and a blade has not.
+/// Whether a piece has points all around the axis at more than a `share` of its largest radius, as a wheel of
+/// one piece has near its rim and a blade has not.
 fn goes_around(piece: &MeshSurface, share: f64) -> bool {
     let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     let mut met = [false; SECTORS];
@@ -86,8 +86,8 @@ const PAST_BLADES: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
 /// Share of the area of a face on its curve from which on no shorter curve is tried.
 const NEARLY_ALL: f64 = 0.9;
 
-/// The curve of a smooth face of revolution with the corners `points` and the triangles `own`, over the blades
-/// and as far past them as one curve follows the face. The blades touch the face at `feet`.
+/// The curve of a smooth face of revolution with the corners `points` and the triangles `own`, over the
+/// blades and as far past them as one curve follows the face. The blades touch the face at `feet`.
 fn curve_of(
     course: &Course,
     (points, own): (&[Meridional], &[usize]),
@@ -224,8 +224,8 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
         Some(RevolvedFace { number, curve, extent: (ends[0], ends[1]), heights, inner })
     };
-    // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve that was
-    // found before belong to it.
+    // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve
+    // that was found before belong to it.
     let mut faces: Vec<(RevolvedFace, [f64; 2])> = Vec::new();
     for number in carrying {
         let own = corners_of(&|t| turned[t] && group[t] as usize == number);
@@ -286,8 +286,8 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
     let blades: Vec<MeshSurface> =
         measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
-    // A single piece may be the only blade of the file, on one pitch of the hub or on all of it; connected blades go
-    // around the axis.
+    // A single piece may be the only blade of the file, on one pitch of the hub or on all of it; connected
+    // blades go around the axis.
     if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, 0.0)) {
         return Err(unclear("the blades on its hub are connected with each other"));
     }

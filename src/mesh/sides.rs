@@ -22,8 +22,8 @@ const AT_GAP: f64 = 0.05;
 const BRIDGED: f64 = 0.01;
 /// A nose ends where the cosine between its direction and that at the foremost point falls below this.
 const NOSE_TURN: f64 = 0.5;
-/// A seam within this many times the distance of another one from the foremost point is that of a nose with a face of its
-/// own.
+/// A seam within this many times the distance of another one from the foremost point is that of a nose with a
+/// face of its own.
 const NEAR_SEAM: f64 = 4.0;
 /// Share of a side's length at which the thickness of the nose is measured.
 const NOSE_END: f64 = 0.04;

@@ -41,8 +41,8 @@ pub fn fit_tip_border(blade: &MeshSurface, hub: &[Meridional], course: &Course) 
     })
 }
 
-/// Where the tip of `blade` begins and ends by its border, as distances along the course, mm; `None` where the border
-/// does not tell.
+/// Where the tip of `blade` begins and ends by its border, as distances along the course, mm; `None` where
+/// the border does not tell.
 pub fn tip_extent(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<(f64, f64)> {
     let TipOutline { from, step, tip, .. } = TipOutline::of(blade, hub, course)?;
     Some((from + step * tip.0 as f64, from + step * tip.1 as f64))

@@ -1,7 +1,7 @@
-//! The shroud of an open wheel by the tip faces of its blades, where the file knows faces: of the faces of a blade whose
-//! normals hardly turn about the axis, leading and trailing edge begin at the hub and stand across the channel, and
-//! the faces of the tip do neither. Their corners reach up to both edges, which the border of the blade in the meridional
-//! plane does not tell from a tip that merges smoothly with them.
+//! The shroud of an open wheel by the tip faces of its blades, where the file knows faces: of the faces of a
+//! blade whose normals hardly turn about the axis, leading and trailing edge begin at the hub and stand
+//! across the channel, and the faces of the tip do neither. Their corners reach up to both edges, which the
+//! border of the blade in the meridional plane does not tell from a tip that merges smoothly with them.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,8 @@ const MERIDIONAL: f64 = 0.5;
 const ALONG: f64 = 0.34;
 /// Largest part of the tip's border without tip faces at either end, as a share of it.
 const MISSING: f64 = 0.05;
-/// Cosine between tip and hub below which a tip has turned into leading or trailing edge: the curve ends there.
+/// Cosine between tip and hub below which a tip has turned into leading or trailing edge: the curve ends
+/// there.
 const TURNED_AWAY: f64 = 0.42;
 /// Fewest corners that a curve is fitted through.
 const FEWEST: usize = 8;
@@ -28,14 +29,14 @@ const FEWEST: usize = 8;
 struct FaceSums {
     area: f64,
     circumferential: f64,
-    /// Components of the normal of either sign along the hub's normal, at right angles to it, and their product: a
-    /// mean direction whatever the signs.
+    /// Components of the normal of either sign along the hub's normal, at right angles to it, and their
+    /// product: a mean direction whatever the signs.
     squares: [f64; 3],
     min_height: f64,
 }
 
-/// The meridional curve through the tip faces of `blade` over the hub; `None` where the file does not tell them, or
-/// they do not make up the tip.
+/// The meridional curve through the tip faces of `blade` over the hub; `None` where the file does not tell
+/// them, or they do not make up the tip.
 pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<FittedProfile> {
     let corners: Vec<Meridional> = blade.points.iter().map(Meridional::of).collect();
     let curve = MeridionalCurve::through(hub).with_outer_side_towards(mean_point(&corners));

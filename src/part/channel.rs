@@ -129,8 +129,8 @@ impl Wall {
         &self.whole
     }
 
-    /// Angles about Z of the ends of the ruling between `s[0]` on the hub and `s[1]` on the shroud, each moved
-    /// by `offset` mm along the surface of hub or shroud, in the direction of increasing θ where it is
+    /// Angles about Z of the ends of the ruling between `s[0]` on the hub and `s[1]` on the shroud, each
+    /// moved by `offset` mm along the surface of hub or shroud, in the direction of increasing θ where it is
     /// positive, rad. `None` where the wall does not extend to these s.
     pub fn ruling_offset(&self, part: &Impeller, s: [f64; 2], offset: f64) -> Option<[f64; 2]> {
         let (foot, top) = (self.at(part, s[0], 0.0)?, self.at(part, s[1], 1.0)?);

@@ -91,8 +91,9 @@ impl ClosedBlade {
         let (p, by_u, by_v) = face.probe.side().derivatives(near.u, near.v);
         let normal = by_u.cross(&by_v).try_normalize(0.0).unwrap_or_else(Vector::zeros);
         let height = face.outward * normal.dot(&(point - p));
-        // Beyond an edge the side of the face on which a point is says nothing. Nor does it where noisy sections
-        // fold a face: what looks like a point inside is looked at twice, unless the triangles are too coarse.
+        // Beyond an edge the side of the face on which a point is says nothing. Nor does it where noisy
+        // sections fold a face: what looks like a point inside is looked at twice, unless the triangles are
+        // too coarse.
         let is_beside = height.abs() >= BESIDE * near.distance;
         let is_outside = if is_beside && (height > 0.0 || near.distance <= self.chord_error) {
             height > 0.0

@@ -23,11 +23,11 @@ pub(super) struct EndFace {
 
 impl EndFace {
     /// Height along `axis` (unit) above `centre`, mm, at which a disc of `radius` mm, lowered from above,
-    /// touches the face between the circles of its ends; `None` where its rim misses it. Where it touches one of
-    /// these circles first, that is higher.
+    /// touches the face between the circles of its ends; `None` where its rim misses it. Where it touches one
+    /// of these circles first, that is higher.
     ///
-    /// A cutter whose axis runs nearly along the face comes down beside the blank and enters it from the side;
-    /// no circle of the face is then where it touches first.
+    /// A cutter whose axis runs nearly along the face comes down beside the blank and enters it from the
+    /// side; no circle of the face is then where it touches first.
     pub fn touch_height(&self, centre: &Point, axis: &Vector, radius: f64) -> Option<f64> {
         let rim = Circle::new(centre, axis, radius);
         let height = |angle: f64| {

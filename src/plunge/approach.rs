@@ -18,8 +18,9 @@ const MARGIN: f64 = 0.02;
 /// Time that an approach saves at least, s: a further block of the program, with its stop, costs as much.
 const MIN_SAVED_S: f64 = 0.5;
 
-/// Adds, if the setup asks for it, to the `motions` of `plan`, whose plunges are `columns` with these `retracts`, the height above its
-/// tip at which the rapid down of each ends and its feed begins, in place of one that they have.
+/// Adds, if the setup asks for it, to the `motions` of `plan`, whose plunges are `columns` with these
+/// `retracts`, the height above its tip at which the rapid down of each ends and its feed begins, in place of
+/// one that they have.
 ///
 /// # Errors
 /// When `monitor` is cancelled.

@@ -65,7 +65,8 @@ impl<'a> AssemblyRule<'a> {
         })
     }
 
-    /// `why`, with the smallest overhang that makes the holder clear at `pose`, if that is at most `limit` mm.
+    /// `why`, with the smallest overhang that makes the holder clear at `pose`, if that is at most `limit`
+    /// mm.
     pub fn cause(&self, why: DropReason, pose: (Point, Vector), limit: f64) -> DropCause {
         let by_length = matches!(why, DropReason::Holder | DropReason::Overhang);
         DropCause {

@@ -39,11 +39,11 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     resolved
 }
 
-/// `resolved` with its chosen sections of rows cut from both ends of the channel, for a plan whose rows starve:
-/// those outside `s` from the outlet inwards, those inside from the inlet outwards, the innermost first. The
-/// section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one side. If s
-/// is 1, all are cut from the inlet, if it is 0 from the outlet. Returns `None` if this is the order of `resolved`, or
-/// if there is a single section (it tries both directions anyway).
+/// `resolved` with its chosen sections of rows cut from both ends of the channel, for a plan whose rows
+/// starve: those outside `s` from the outlet inwards, those inside from the inlet outwards, the innermost
+/// first. The section across `s` is divided there, unless less than [`MIN_SECTION_S`] would remain on one
+/// side. If s is 1, all are cut from the inlet, if it is 0 from the outlet. Returns `None` if this is the
+/// order of `resolved`, or if there is a single section (it tries both directions anyway).
 pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
     let mut arranged = from_outlet(resolved);
     let rows = chosen_rows(&arranged);
@@ -76,8 +76,8 @@ pub fn from_both_ends(resolved: &Resolved, s: f64) -> Option<Resolved> {
     (arranged.setup.plunge.sections != resolved.setup.plunge.sections).then_some(arranged)
 }
 
-/// `resolved` with its chosen sections of rows as they were chosen: from the outlet inwards, without a direction.
-/// They stand one after the other.
+/// `resolved` with its chosen sections of rows as they were chosen: from the outlet inwards, without a
+/// direction. They stand one after the other.
 fn from_outlet(resolved: &Resolved) -> Resolved {
     let mut resolved = resolved.clone();
     let rows = chosen_rows(&resolved);

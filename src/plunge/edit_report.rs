@@ -60,7 +60,8 @@ pub struct UnappliedEdit {
     pub index: usize,
     /// Why.
     pub why: UnappliedReason,
-    /// The plunge of the plan that is nearest to where the edit has its own; `None` where that is in the plan.
+    /// The plunge of the plan that is nearest to where the edit has its own; `None` where that is in the
+    /// plan.
     pub nearest: Option<NearPlunge>,
 }
 

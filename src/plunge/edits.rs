@@ -3,8 +3,8 @@
 //! is evaluated as every other one is: contact, clearances, links and time are those of what will be cut.
 //!
 //! An edit names its plunge by its pose. Where the plan has no such plunge (any more) it does nothing and is
-//! reported with the reason; a lock puts its plunge into the plan instead. The job then plans once more, around
-//! what is locked (`locked`), and the edits apply to that plan.
+//! reported with the reason; a lock puts its plunge into the plan instead. The job then plans once more,
+//! around what is locked (`locked`), and the edits apply to that plan.
 
 use std::ops::Range;
 
@@ -111,8 +111,8 @@ impl Editor<'_> {
         Ok(())
     }
 
-    /// Drops those plunges of `range` that another one repeats: the planner has placed them already, as they are
-    /// locked where the edit brings them.
+    /// Drops those plunges of `range` that another one repeats: the planner has placed them already, as they
+    /// are locked where the edit brings them.
     fn drop_doubles(&mut self, range: Range<usize>) {
         for k in range.rev() {
             let pose = self.plunges[k].pose();

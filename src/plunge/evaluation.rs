@@ -71,8 +71,8 @@ pub(super) struct MeasuredPlunges {
     pub retracts: Vec<Point>,
 }
 
-/// `plan`, whose plunges are `columns`, with what was `measured` of its positions; their retract points raised
-/// until links keep the safety distance from the blank, and with rapid approaches from there.
+/// `plan`, whose plunges are `columns`, with what was `measured` of its positions; their retract points
+/// raised until links keep the safety distance from the blank, and with rapid approaches from there.
 ///
 /// # Errors
 /// When `monitor` is cancelled.

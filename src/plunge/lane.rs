@@ -1,6 +1,7 @@
 //! Lanes: a lane is a passage with the axes of one cutter that clear both of its walls.
 //!
-//! Axes along the walls are fitted (`wall_axis`) and kept in tables; those of the rows between are interpolated.
+//! Axes along the walls are fitted (`wall_axis`) and kept in tables; those of the rows between are
+//! interpolated.
 
 mod fit_table;
 mod wall_axis;

@@ -1,9 +1,9 @@
 //! Plunges that the user locked ([`PlungeChange::Lock`]): they are cut where they are, and the planner places
 //! the others around them.
 //!
-//! A locked plunge takes the place of the nearest one of a row, where that is near and the core is free there;
-//! the others are cut after the rows of their section. The depths of what follows in the row, later rows, the
-//! second pass and added plunges are planned for the stock that the locked ones leave.
+//! A locked plunge takes the place of the nearest one of a row, where that is near and the core is free
+//! there; the others are cut after the rows of their section. The depths of what follows in the row, later
+//! rows, the second pass and added plunges are planned for the stock that the locked ones leave.
 
 use super::context::PlanContext;
 use super::cut::{CutRow, PlacedCutter, PlannedRow, SectionCut, cut_row_around};
@@ -19,8 +19,8 @@ use crate::setup::{PlungeChange, PlungeEdit, PlungePose, SectionKind, SectionSet
 /// Share of the step within which a locked plunge takes the place of one of the plan.
 const NEAR_SHARE: f64 = 0.5;
 
-/// Distance within which a locked plunge of `tool` takes the place of another one, mm, between the tips that both
-/// would have if they did not stop short.
+/// Distance within which a locked plunge of `tool` takes the place of another one, mm, between the tips that
+/// both would have if they did not stop short.
 pub(super) fn replaced_within(context: &PlanContext, tool: &Tool) -> f64 {
     NEAR_SHARE * step_limit(&context.setup.plunge, tool, false)
 }
@@ -150,8 +150,8 @@ fn places_in(stations: &[Station], waiting: &[LockedPlunge], reach: f64) -> Vec<
     places
 }
 
-/// Cuts the `waiting` plunges after the rows of section `index`: first those whose core is free, which may free
-/// others, then what remains. Each is a row of its own.
+/// Cuts the `waiting` plunges after the rows of section `index`: first those whose core is free, which may
+/// free others, then what remains. Each is a row of its own.
 ///
 /// # Errors
 /// When `monitor` is cancelled, or the section's tool is missing.

@@ -35,8 +35,8 @@ impl<'a> Planner<'a> {
         Self { context: PlanContext::new(workpiece, setup, density) }
     }
 
-    /// The same, with those plunges in every plan that `edits` lock: the others are planned around them. Caches of
-    /// sections are then those of plans with the same locks.
+    /// The same, with those plunges in every plan that `edits` lock: the others are planned around them.
+    /// Caches of sections are then those of plans with the same locks.
     #[must_use]
     pub fn keeping_locked(mut self, edits: &[PlungeEdit]) -> Self {
         self.context.locked = locked_plunges(&self.context, edits);

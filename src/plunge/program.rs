@@ -19,10 +19,10 @@ impl ClSection {
 }
 
 impl ClProgram {
-    /// The program of a plunge plan in cutting order, with sections and rows: per plunge a rapid to the retract
-    /// point, and on down to where it approaches stock if the setup has that; a feed move to the tip, with its
-    /// interruptions; a move off the stock where it has one; and a rapid back. Positions of a section that the
-    /// plan lacks are left out. The part name of an unfinished plan ends in `UNFINISHED`.
+    /// The program of a plunge plan in cutting order, with sections and rows: per plunge a rapid to the
+    /// retract point, and on down to where it approaches stock if the setup has that; a feed move to the tip,
+    /// with its interruptions; a move off the stock where it has one; and a rapid back. Positions of a
+    /// section that the plan lacks are left out. The part name of an unfinished plan ends in `UNFINISHED`.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
         let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
         let mut program =

@@ -1,5 +1,5 @@
-//! What a plan says of its positions and sections in a word: their condition, what blocks, limits or drops them, and why
-//! no more plunges were added.
+//! What a plan says of its positions and sections in a word: their condition, what blocks, limits or drops
+//! them, and why no more plunges were added.
 
 /// Overall condition of a position, from good to bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

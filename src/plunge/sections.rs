@@ -99,8 +99,8 @@ pub fn resolve(
     Ok(Resolved { setup: resolved, reasons })
 }
 
-/// Leaves in a setup that has a whole library the tools that it names, in sections, edits, and for flank passes,
-/// and that of number `more`.
+/// Leaves in a setup that has a whole library the tools that it names, in sections, edits, and for flank
+/// passes, and that of number `more`.
 pub fn keep_needed_tools(setup: &mut Setup, more: Option<u32>) {
     if setup.tools.len() <= MAX_KEPT_TOOLS {
         return;

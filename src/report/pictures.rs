@@ -16,8 +16,8 @@ use crate::stock::surface::fitting_range;
 /// Size of the pictures, pixels.
 pub(super) const SIZE: UVec2 = UVec2::new(900, 640);
 
-/// The passes of a flank plan by layer, and its walls by what is left on them. The names of the files begin with
-/// `prefix`.
+/// The passes of a flank plan by layer, and its walls by what is left on them. The names of the files begin
+/// with `prefix`.
 ///
 /// # Errors
 /// As [`plan_pictures`].
@@ -56,8 +56,8 @@ pub fn flank_pictures(outcome: &FlankOutcome, prefix: &str) -> Result<Vec<PagePi
     Ok(pictures)
 }
 
-/// Stock and interference before and after: those of the conventional plan and of `after`, on one scale. The names
-/// of the files begin with `prefix`.
+/// Stock and interference before and after: those of the conventional plan and of `after`, on one scale. The
+/// names of the files begin with `prefix`.
 ///
 /// # Errors
 /// When no graphics device is available, or when drawing fails.

@@ -41,8 +41,8 @@ pub fn clearances_text(s: &Summary, channels: usize) -> String {
     )
 }
 
-/// A line on the time that semi-finishing takes after `result`, one of the results of `outcome`; `None` where the
-/// goal does not count it.
+/// A line on the time that semi-finishing takes after `result`, one of the results of `outcome`; `None` where
+/// the goal does not count it.
 pub fn finishing_text(outcome: &PlanOutcome, result: &PolicyResult) -> Option<String> {
     let finishing_min = outcome.finishing_time_s(result)? / 60.0;
     let together = minutes(&result.summary) + finishing_min;
@@ -51,8 +51,8 @@ pub fn finishing_text(outcome: &PlanOutcome, result: &PolicyResult) -> Option<St
     ))
 }
 
-/// What keeps the plan of `outcome` from its goal, with lengths written by `length` (from mm); `None` where the
-/// goal is met.
+/// What keeps the plan of `outcome` from its goal, with lengths written by `length` (from mm); `None` where
+/// the goal is met.
 pub fn missed_goal(outcome: &PlanOutcome, length: impl Fn(f64) -> String) -> Option<String> {
     if !outcome.misses_goal {
         return None;

@@ -148,8 +148,8 @@ impl CuttingData {
     }
 }
 
-/// Rates that a tool, or the library it is from, does not say: they follow from its cutting speed and feed per
-/// tooth, else from the material.
+/// Rates that a tool, or the library it is from, does not say: they follow from its cutting speed and feed
+/// per tooth, else from the material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MissingRates {
     /// Its plunge feed is not given.
@@ -172,8 +172,8 @@ impl MissingRates {
     }
 }
 
-/// Spindle speed of a tool that does not say it, rev/min: by its cutting speed, else by the material, else the
-/// default.
+/// Spindle speed of a tool that does not say it, rev/min: by its cutting speed, else by the material, else
+/// the default.
 pub fn usual_spindle(diameter: f64, assembly: &ToolAssembly, material: Option<&CuttingData>) -> f64 {
     match assembly.cutting_speed {
         Some(speed) => speed * 1000.0 / (std::f64::consts::PI * diameter),
@@ -181,8 +181,8 @@ pub fn usual_spindle(diameter: f64, assembly: &ToolAssembly, material: Option<&C
     }
 }
 
-/// Plunge feed of a tool that does not say it, mm/min: by feed per tooth and teeth at its `spindle` speed, of the
-/// material where the tool has none, else the default.
+/// Plunge feed of a tool that does not say it, mm/min: by feed per tooth and teeth at its `spindle` speed, of
+/// the material where the tool has none, else the default.
 pub fn usual_feed(
     diameter: f64,
     assembly: &ToolAssembly,

@@ -150,8 +150,9 @@ pub struct PlungeSetup {
     pub peck: Option<f64>,
     /// Whether the feed rate of a plunge follows its engagement, for tools whose number of teeth is known.
     pub adapt_feed: bool,
-    /// Whether a plunge comes down in rapid to the safety distance above what earlier plunges left, instead of
-    /// feeding from the retract point over the blank; rapids down along the axis are then judged by that too.
+    /// Whether a plunge comes down in rapid to the safety distance above what earlier plunges left, instead
+    /// of feeding from the retract point over the blank; rapids down along the axis are then judged by that
+    /// too.
     pub rapid_approach: bool,
     /// What a plan of `minimal` is for.
     pub goal: Goal,
@@ -210,8 +211,8 @@ pub enum SemiFinishing {
 }
 
 impl SemiFinishing {
-    /// Time that semi-finishing of one channel takes, s: for a `volume` above the allowance, mm³, or in as many passes
-    /// as the height above it that 95 % of the floor stays below, `p95` mm, needs.
+    /// Time that semi-finishing of one channel takes, s: for a `volume` above the allowance, mm³, or in as
+    /// many passes as the height above it that 95 % of the floor stays below, `p95` mm, needs.
     pub fn time_s(&self, volume: f64, p95: f64) -> f64 {
         let minutes = match *self {
             Self::Rate { mm3_per_min } => volume.max(0.0) / mm3_per_min,

@@ -32,8 +32,8 @@ const DRAFT_ERROR: f64 = 0.05;
 const PENALTY: f64 = 4.0;
 /// Clearance that may be missing or left, mm.
 const CLEARANCE_TOLERANCE: f64 = 0.01;
-/// By which the border is put nearer to the wall than the search found it, in radii: what no plan can cut has to
-/// be so, and the search may miss the best pose by little.
+/// By which the border is put nearer to the wall than the search found it, in radii: what no plan can cut has
+/// to be so, and the search may miss the best pose by little.
 const BORDER_RADII: f64 = 0.005;
 /// Angle to the limit, and distance to an opposite wall in radii, at which a pose is limited by it.
 const LIMIT_ANGLE: f64 = std::f64::consts::PI / 180.0;
@@ -296,8 +296,8 @@ impl<'a> WallCorner<'a> {
         (1.0 - around.dot(&draft.axis).powi(2)).sqrt().max(0.3)
     }
 
-    /// The pose `at` an axis and a place along the meridional direction, beside the points of the wall; `None`
-    /// beyond the limits of the axis and where it cuts nothing of the row.
+    /// The pose `at` an axis and a place along the meridional direction, beside the points of the wall;
+    /// `None` beyond the limits of the axis and where it cuts nothing of the row.
     fn draft(&self, at: [f64; 3]) -> Option<CornerPose> {
         let cutter = self.cutter;
         let axis = (self.axes.ends[0] + self.turns.0 * at[0] + self.turns.1 * at[1]).normalize();
@@ -319,8 +319,8 @@ impl<'a> WallCorner<'a> {
         Some(pose)
     }
 
-    /// The centre of the bottom `shift` mm from the foot along the meridional direction, as low as the hub with
-    /// its allowance lets it.
+    /// The centre of the bottom `shift` mm from the foot along the meridional direction, as low as the hub
+    /// with its allowance lets it.
     fn lowered(&self, axis: &Vector, shift: f64) -> Point {
         let radius = self.cutter.radius;
         let (u, v) = frame_about(axis);

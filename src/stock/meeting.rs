@@ -136,8 +136,8 @@ impl Meeting {
         height
     }
 
-    /// As [`Self::corner_entry`] of a ball, whose entry has a closed form: the root of a quadratic, taken from
-    /// the sharp entry on so that its numbers are small.
+    /// As [`Self::corner_entry`] of a ball, whose entry has a closed form: the root of a quadratic, taken
+    /// from the sharp entry on so that its numbers are small.
     #[inline(always)]
     pub(super) fn ball_entry(&self, sharp_entry: f32, radius: f32) -> f32 {
         let squared =

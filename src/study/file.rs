@@ -166,7 +166,8 @@ fn base_setup(
     }
 }
 
-/// Names the files of a base setup, which is in the folder `beside` of the study's `folder`, as seen from the latter.
+/// Names the files of a base setup, which is in the folder `beside` of the study's `folder`, as seen from the
+/// latter.
 fn name_files_from(tree: &mut toml::Table, beside: &Path, folder: &Path) {
     for (table, key) in [("machine", "file"), ("stock", "blank")] {
         let named = tree.get_mut(table).and_then(|table| table.get_mut(key));

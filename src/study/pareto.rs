@@ -76,7 +76,8 @@ impl Table {
         self.columns.iter().position(|column| column == name)
     }
 
-    /// The figure that tells how long plans take: the time on the machine where each plan has one, else the estimate.
+    /// The figure that tells how long plans take: the time on the machine where each plan has one, else the
+    /// estimate.
     pub fn time_figure(&self) -> &'static str {
         let has_time = |place: usize| {
             let (status, mut rows) = (self.column("status"), self.rows.iter());

@@ -13,9 +13,9 @@ struct FreeCut {
     to: Point,
 }
 
-/// Length that the rapids of `program` have at least, in whatever order each tool does its cuts, mm: the retracts, and
-/// the shortest tree of links between all cuts of a tool (Prim's algorithm), as no path through them is shorter. `None`
-/// for programs of very many cuts.
+/// Length that the rapids of `program` have at least, in whatever order each tool does its cuts, mm: the
+/// retracts, and the shortest tree of links between all cuts of a tool (Prim's algorithm), as no path through
+/// them is shorter. `None` for programs of very many cuts.
 pub fn min_rapid_length(program: &ClProgram) -> Option<f64> {
     let mut least = 0.0;
     for moves in program.moves.chunk_by(|a, b| a.tool == b.tool).filter(|moves| moves[0].tool.is_some()) {

@@ -52,8 +52,8 @@ impl ClTool {
 
     /// The tool with what the program does not say from the tool of the same number and diameter in `setup`,
     /// or else assumed: edges over 0.9 of the radius, four diameters of overhang. Where both give the insert
-    /// width or the overhang, the lesser holds: a tool that is shorter than the program's collides, and one that
-    /// is longer is not what was programmed.
+    /// width or the overhang, the lesser holds: a tool that is shorter than the program's collides, and one
+    /// that is longer is not what was programmed.
     pub fn completed(&self, setup: &Setup) -> Tool {
         let same = |t: &&Tool| t.number == self.number && (t.diameter - self.diameter).abs() < 1e-6;
         let known = setup.tools.iter().find(same);
@@ -203,8 +203,8 @@ impl ClProgram {
 
 impl ClProgram {
     /// Indices of the moves with which plunges begin, in programs as the planner writes them: each of these
-    /// is a rapid to a plunge, the first of a tool or after the rapid out of the plunge before. The rapid that
-    /// may follow, down to where the feed begins, belongs to the same plunge.
+    /// is a rapid to a plunge, the first of a tool or after the rapid out of the plunge before. The rapid
+    /// that may follow, down to where the feed begins, belongs to the same plunge.
     pub fn plunge_starts(&self) -> Vec<usize> {
         let moves = &self.moves;
         let is_rapid = |k: usize| moves[k].motion == Motion::Rapid;

@@ -35,14 +35,14 @@ impl PlanClock {
         self.machine.as_ref().filter(|_| !self.refuses)
     }
 
-    /// The clock once the machine has refused the plan that was asked for: times of all plans are then told without
-    /// it, so that they can be compared.
+    /// The clock once the machine has refused the plan that was asked for: times of all plans are then told
+    /// without it, so that they can be compared.
     pub fn after_refusal(&self) -> Self {
         Self { machine: self.machine.clone(), refuses: true }
     }
 
-    /// Times of the sections of `plan` on the machine, in cutting order; `None` without a machine, and where it cannot
-    /// run the whole plan.
+    /// Times of the sections of `plan` on the machine, in cutting order; `None` without a machine, and where
+    /// it cannot run the whole plan.
     pub fn section_times(&self, plan: &PlungePlan) -> Option<Vec<SectionTime>> {
         self.timing()?.section_times(&ClProgram::of_plan("", plan))
     }
@@ -52,8 +52,9 @@ impl PlanClock {
         self.section_times(plan).map(|times| MachineTime::of_sections(&times))
     }
 
-    /// Time on the machine of the program for all channels of `part`, of which `plan` is the first, s; `None` as for
-    /// [`Self::section_times`]. Links and plunges that [`plan_channels`] raises count as they are in `plan`.
+    /// Time on the machine of the program for all channels of `part`, of which `plan` is the first, s; `None`
+    /// as for [`Self::section_times`]. Links and plunges that [`plan_channels`] raises count as they are in
+    /// `plan`.
     ///
     /// [`plan_channels`]: crate::plunge::channels::plan_channels
     pub fn wheel_time_s(&self, plan: &PlungePlan, part: &Impeller) -> Option<f64> {
@@ -61,8 +62,8 @@ impl PlanClock {
         Some(self.machine_time(&repeat_for_channels(plan, part, part.blade_count))?.total_s)
     }
 
-    /// Time of `plan`, s: on the machine, where one that it cannot run takes for ever; without a machine without
-    /// accelerations and tool changes.
+    /// Time of `plan`, s: on the machine, where one that it cannot run takes for ever; without a machine
+    /// without accelerations and tool changes.
     pub fn time_s(&self, plan: &PlungePlan) -> f64 {
         match self.timing() {
             Some(_) => self.machine_time(plan).map_or(f64::INFINITY, |time| time.total_s),
@@ -75,8 +76,8 @@ impl PlanClock {
         self.machine().map_or(RAPID_MM_PER_MIN, |machine| machine.links.rate)
     }
 
-    /// Time of the link between two positions, s: the longer of that of its length and that of the angle between
-    /// the tool axes at the rate of the slower rotary axis. Links that leave the part take longer.
+    /// Time of the link between two positions, s: the longer of that of its length and that of the angle
+    /// between the tool axes at the rate of the slower rotary axis. Links that leave the part take longer.
     pub(super) fn link_s(&self, from: &Position, to: &Position) -> f64 {
         let along = (from.evaluation.retract - to.evaluation.retract).norm() / self.link_rate() * 60.0;
         let turning = |machine: &MachineTool| {

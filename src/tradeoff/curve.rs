@@ -73,8 +73,8 @@ impl<'a> Tradeoff<'a> {
         points
     }
 
-    /// The point with the least time of plunging and `finishing`: the best at some times, and at more between the
-    /// neighbours of that one. The total need not have one minimum only.
+    /// The point with the least time of plunging and `finishing`: the best at some times, and at more between
+    /// the neighbours of that one. The total need not have one minimum only.
     fn least_total(&self, finishing: &SemiFinishing) -> Option<TradeoffPoint> {
         let least = |points: &[TradeoffPoint]| {
             points.iter().min_by(|a, b| a.total_s(finishing).total_cmp(&b.total_s(finishing))).copied()
@@ -205,7 +205,8 @@ impl Thinning<'_> {
     }
 
     /// The least number of plunges to leave out for a time of at most `time_s`; all that can be where that is
-    /// not enough. Bisection: time falls with nearly every plunge that goes; on a machine a new link may take longer.
+    /// not enough. Bisection: time falls with nearly every plunge that goes; on a machine a new link may take
+    /// longer.
     fn first_within_time(&self, time_s: f64) -> usize {
         let too_long = |count: usize| is_longer(self.time_without(count), time_s);
         if too_long(0) { (self.last_where(too_long) + 1).min(self.len()) } else { 0 }

@@ -19,8 +19,8 @@ use crate::toolpath::{ClProgram, Move};
 pub(super) const TOOL_TOLERANCE: f64 = 0.01;
 /// Moves that one thread looks at one after another.
 const STEPS_IN_RUN: usize = 128;
-/// Distance beyond the least one so far up to which distances are measured, mm: what is further off need not be
-/// looked at again until the tool has moved by this.
+/// Distance beyond the least one so far up to which distances are measured, mm: what is further off need not
+/// be looked at again until the tool has moved by this.
 const DISTANCE_AHEAD: f64 = 4.0;
 /// Largest way of any point of a tool between two places at which distances are compared, mm, and largest
 /// number of these places in a move.
@@ -114,9 +114,9 @@ impl LeastDistance {
 /// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`, at
 /// places at most [`DISTANCE_SPACING`] apart.
 ///
-/// Branch and bound: a place is measured only where the distance at the last measured one, less the way since,
-/// is below the least so far; and no further than that, and [`DISTANCE_AHEAD`]. What was found first does not
-/// change the result.
+/// Branch and bound: a place is measured only where the distance at the last measured one, less the way
+/// since, is below the least so far; and no further than that, and [`DISTANCE_AHEAD`]. What was found first
+/// does not change the result.
 ///
 /// # Errors
 /// When cancelled.
@@ -163,8 +163,8 @@ pub(super) fn min_distances(
     Ok(AssemblyDistances { shank, holder })
 }
 
-/// Clearances of shank and holder over `steps` of `tools` with these `segments`: what lacks clearance, and how
-/// much; of what does not, distances are mostly not found. `is_known` says which steps need no look.
+/// Clearances of shank and holder over `steps` of `tools` with these `segments`: what lacks clearance, and
+/// how much; of what does not, distances are mostly not found. `is_known` says which steps need no look.
 ///
 /// # Errors
 /// When cancelled.
@@ -291,8 +291,8 @@ pub(super) fn holder_in_stock(
     None
 }
 
-/// What is not judged of the tools of a program: a remark on tapered ones, and on those whose shank and holder
-/// are unknown.
+/// What is not judged of the tools of a program: a remark on tapered ones, and on those whose shank and
+/// holder are unknown.
 pub fn unjudged_tools(program: &ClProgram, setup: &Setup) -> Option<String> {
     let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
     let tapered: Vec<String> = program
@@ -309,8 +309,8 @@ pub fn unjudged_tools(program: &ClProgram, setup: &Setup) -> Option<String> {
     (!remarks.is_empty()).then(|| remarks.join("; "))
 }
 
-/// Tools of a program whose shank and holder are unknown: a remark. Of programs that mill along curves their holder
-/// is assumed, of others it is not looked at.
+/// Tools of a program whose shank and holder are unknown: a remark. Of programs that mill along curves their
+/// holder is assumed, of others it is not looked at.
 fn unknown_assemblies(program: &ClProgram, setup: &Setup) -> Option<String> {
     let used = |index: usize| program.moves.iter().any(|step| step.tool == Some(index));
     let unknown: Vec<String> = program

@@ -143,8 +143,8 @@ impl<'a> FlankVerifier<'a> {
     }
 
     /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: holders
-    /// keep off stock by what the solid does not resolve, so that a finer one finds nothing either, cuts are not
-    /// too deep even at the rim of the cutter, and no blade is overcut by more than 5 µm.
+    /// keep off stock by what the solid does not resolve, so that a finer one finds nothing either, cuts are
+    /// not too deep even at the rim of the cutter, and no blade is overcut by more than 5 µm.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
         Self::with(workpiece, setup, Strictness::PLAN, true)
     }

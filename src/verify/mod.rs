@@ -222,9 +222,9 @@ fn too_deep(depth: f64, tool: &Tool) -> Finding {
 }
 
 /// Least distance of the bottom to the blank in the rapids of a cut, mm, `None` where it has none; and the
-/// faults of these rapids. Where the setup has rapid approaches, a rapid down along the axis that is nearer to
-/// the blank than the safety distance is held against what the `earlier` cuts left, and does not count in that
-/// distance.
+/// faults of these rapids. Where the setup has rapid approaches, a rapid down along the axis that is nearer
+/// to the blank than the safety distance is held against what the `earlier` cuts left, and does not count in
+/// that distance.
 fn check_rapids(
     cut: &ProgramCut,
     earlier: Earlier,

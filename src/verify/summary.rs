@@ -46,11 +46,11 @@ pub struct Summary {
     pub time_estimate: f64,
     /// Of it, the time under feed, s.
     pub feed_time: f64,
-    /// Time on the machine of the setup; `None` without one, where it cannot run the whole plan, and for sections
-    /// and programs, of which only their plan's is known.
+    /// Time on the machine of the setup; `None` without one, where it cannot run the whole plan, and for
+    /// sections and programs, of which only their plan's is known.
     pub machine_time: Option<MachineTime>,
-    /// Time on that machine of the program for all channels, s; `None` as for `machine_time`, and for plans that were
-    /// not asked for.
+    /// Time on that machine of the program for all channels, s; `None` as for `machine_time`, and for plans
+    /// that were not asked for.
     pub wheel_time_s: Option<f64>,
     /// Whether the machine of the setup, which runs the plan that was asked for, cannot run this one.
     pub is_refused: bool,
@@ -109,8 +109,8 @@ impl<'a> CutFigures<'a> {
 }
 
 impl Summary {
-    /// The best known time, s: on the machine of the setup, or else the estimate; NaN for a plan that this machine
-    /// cannot run.
+    /// The best known time, s: on the machine of the setup, or else the estimate; NaN for a plan that this
+    /// machine cannot run.
     pub fn time_s(&self) -> f64 {
         self.machine_time.map_or(self.estimate_s(), |time| time.total_s)
     }
@@ -124,8 +124,8 @@ impl Summary {
         self.machine_time.map_or(self.estimate_s(), |time| time.total_s - time.tool_changes_s)
     }
 
-    /// The same for the first `count` of `channels` channels, cut tool by tool: each tool is changed once. Where the
-    /// time of all of them is not known, the links from channel to channel are left out.
+    /// The same for the first `count` of `channels` channels, cut tool by tool: each tool is changed once.
+    /// Where the time of all of them is not known, the links from channel to channel are left out.
     pub fn time_of_channels_s(&self, count: usize, channels: usize) -> f64 {
         let further = match self.wheel_time_s {
             // Exactly that time: one that is off by rounding may be written with another last digit.

@@ -61,7 +61,8 @@ const KJ66_BLADE: [[(f64, f64, f64); 10]; 2] = [
     ],
 ];
 
-/// Points of Open CASCADE's surfaces of the same blade near the corner of leading edge and tip, which is rounded.
+/// Points of Open CASCADE's surfaces of the same blade near the corner of leading edge and tip, which is
+/// rounded.
 const KJ66_EDGE: [(f64, f64, f64); 3] =
     [(10.0011, -27.0394, 39.6748), (9.1065, -24.9705, 39.7387), (11.5973, -26.9562, 38.2988)];
 
@@ -130,8 +131,8 @@ fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
     }
 }
 
-/// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to the axis, so
-/// that its inlet circle is on a seam of its torus.
+/// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to
+/// the axis, so that its inlet circle is on a seam of its torus.
 #[test]
 fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
     let description = read_bytes("open_wheel.step", OPEN_WHEEL, &MeshOptions::default());

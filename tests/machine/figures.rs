@@ -1,8 +1,9 @@
 //! What `verify` reports of a posted program: the figures of the program that it was posted from.
 //!
-//! Four figures may differ, for a reason, and are held to it here: the length in rapid and with it the time, as
-//! links leave the part; the least clearance of links, of which some are others; and, where a program mills
-//! along curves, the number of moves and the largest turn in one, as the post adds positions between them.
+//! Four figures may differ, for a reason, and are held to it here: the length in rapid and with it the time,
+//! as links leave the part; the least clearance of links, of which some are others; and, where a program
+//! mills along curves, the number of moves and the largest turn in one, as the post adds positions between
+//! them.
 
 use std::path::Path;
 use std::sync::LazyLock;

@@ -51,9 +51,10 @@ fn without_turn(line: &str) -> String {
     line.split(' ').filter(|word| !turns(word)).collect::<Vec<_>>().join(" ")
 }
 
-/// Every ninth cut: the last turn before it is left out, and the retract after it. Of turns in several blocks that is
-/// the last; one of the others is made up for by the next block, and what comes of it is a link like others. That the
-/// tip is no longer held where it should be, or still is, `a_mode_left_out_is_always_caught` looks at.
+/// Every ninth cut: the last turn before it is left out, and the retract after it. Of turns in several blocks
+/// that is the last; one of the others is made up for by the next block, and what comes of it is a link like
+/// others. That the tip is no longer held where it should be, or still is, `a_mode_left_out_is_always_caught`
+/// looks at.
 #[test]
 fn a_turn_or_a_retract_left_out_is_always_found() {
     for (name, control, output) in [
@@ -99,10 +100,11 @@ fn a_turn_or_a_retract_left_out_is_always_found() {
 /// Samples of a move between two steps.
 const SAMPLES: usize = 16;
 
-/// In links whose tip is held the bottom of the tool comes no nearer to what is below it than on the planned way, between
-/// the blocks too: the tip lies on the planned line or above, by more than the axis leans out of the plane of the planned
-/// turn. Where the control does not hold the tip, its way near the ends of a link is no parabola: in these turns of 20°
-/// it comes 3.3 µm nearer on the nutating table, of the 10 µm by which it may stray.
+/// In links whose tip is held the bottom of the tool comes no nearer to what is below it than on the planned
+/// way, between the blocks too: the tip lies on the planned line or above, by more than the axis leans out of
+/// the plane of the planned turn. Where the control does not hold the tip, its way near the ends of a link is
+/// no parabola: in these turns of 20° it comes 3.3 µm nearer on the nutating table, of the 10 µm by which it
+/// may stray.
 #[test]
 fn held_links_come_no_nearer_than_planned() {
     let program = plunges();

@@ -97,8 +97,8 @@ fn posted_s(program: &ClProgram, part: &Impeller, setup: &Setup) -> f64 {
     post_program(program, &post, &Monitor::default()).expect("posted").time_s()
 }
 
-/// A plan for a machine has the time that its program takes there, and that time keeps to the limit of the goal: by
-/// feeds and rapids alone the program took 17.3 min.
+/// A plan for a machine has the time that its program takes there, and that time keeps to the limit of the
+/// goal: by feeds and rapids alone the program took 17.3 min.
 #[test]
 fn goals_limit_the_time_on_the_machine() {
     let mut request = short_request(AxisPolicy::Minimal, false);
@@ -114,9 +114,9 @@ fn goals_limit_the_time_on_the_machine() {
     assert!(outcome.after.summary.time_estimate < 0.97 * posted);
 }
 
-/// The time of the wheel is that of the program of all channels, with the links between them and, where a section
-/// opens the stock, the plunges that neighbours share. Left out are retracts that links over the blank between two
-/// channels raise: where it stands above the shroud they come to more.
+/// The time of the wheel is that of the program of all channels, with the links between them and, where a
+/// section opens the stock, the plunges that neighbours share. Left out are retracts that links over the
+/// blank between two channels raise: where it stands above the shroud they come to more.
 #[test]
 fn the_time_of_the_wheel_is_that_of_its_program() {
     for (blank, limit) in [("edges", 1e-3), ("turned", 2e-3)] {

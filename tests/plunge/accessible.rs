@@ -73,8 +73,8 @@ impl CellSearch<'_> {
         (shroud.at_angle(theta + turn) - hub.at_angle(theta)).normalize()
     }
 
-    /// Clearance of the cutter with `axis` whose rim, in the direction `phi`, meets the ray of the cell as low
-    /// as the hub lets it, mm: negative where it meets a blade, an axis beyond the limit or no stock.
+    /// Clearance of the cutter with `axis` whose rim, in the direction `phi`, meets the ray of the cell as
+    /// low as the hub lets it, mm: negative where it meets a blade, an axis beyond the limit or no stock.
     fn margin(&self, axis: Vector, phi: f64) -> f64 {
         let finished = &self.workpiece.finished;
         let AllowanceSetup { hub_allowance, blade_allowance, .. } = stock();
@@ -141,8 +141,8 @@ impl CellSearch<'_> {
     }
 }
 
-/// Cells under the blades of `part`, evenly spread, of which a cutter of `radius` is said to reach some that no
-/// pose cuts, and not to reach some that a pose cuts; and the number of those looked at.
+/// Cells under the blades of `part`, evenly spread, of which a cutter of `radius` is said to reach some that
+/// no pose cuts, and not to reach some that a pose cuts; and the number of those looked at.
 fn disagreeing(part: Impeller, radius: f64, count: usize) -> (usize, usize, usize) {
     let workpiece = stock().workpiece_of(part);
     let cutters = [CutterStretch { from: 1.0, to: 0.0, radius, tool: 1 }];

@@ -278,7 +278,8 @@ fn goals_keep_their_limits() {
     assert_eq!(balance.setup.plunge.goal, Goal::Balance);
 }
 
-/// The total is no longer than at any other point of the curve; the slower semi-finishing is, the more is plunged.
+/// The total is no longer than at any other point of the curve; the slower semi-finishing is, the more is
+/// plunged.
 #[test]
 fn the_least_total_counts_what_semi_finishing_takes() {
     let mut times = Vec::new();
@@ -324,8 +325,8 @@ fn the_least_total_is_that_of_all_plans() {
     }
 }
 
-/// What is left is measured anew on the finished plan: volume above the allowance by the rate, and passes by the
-/// height of the 95th percentile.
+/// What is left is measured anew on the finished plan: volume above the allowance by the rate, and passes by
+/// the height of the 95th percentile.
 #[test]
 fn semi_finishing_goes_by_volume_or_by_passes() {
     let by_rate = planned(setup("goal = \"total\"\nfinish_rate = 500"));

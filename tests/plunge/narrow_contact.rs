@@ -52,8 +52,8 @@ fn chords_across_corners_of_the_blank_are_found() {
     assert!(short > 50, "{short} chords shorter than 0.5 mm");
 }
 
-/// Plunges at the inlet run nearly along the front face of the blank and come into it from the side, far above
-/// the floor.
+/// Plunges at the inlet run nearly along the front face of the blank and come into it from the side, far
+/// above the floor.
 #[test]
 fn a_column_reaches_up_to_where_the_last_of_its_lines_leaves_the_blank() {
     let blank = Blank::of(&WHOLE.workpiece.part, 0.0);

@@ -238,7 +238,8 @@ fn with_splitters_at(turn: f64) -> Impeller {
     ))
 }
 
-/// A cutter for a passage of one millimetre would take tens of thousands of plunges in the wide one beside it.
+/// A cutter for a passage of one millimetre would take tens of thousands of plunges in the wide one beside
+/// it.
 #[test]
 fn a_splitter_close_to_a_blade_does_not_make_the_cutters_of_the_wide_passage_tiny() {
     let narrowest = |part: &Impeller| {

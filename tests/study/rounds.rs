@@ -175,7 +175,8 @@ fn bad_arguments_are_refused_in_one_line() {
     }
 }
 
-/// Files that a base setup names stand beside it, runs have the time of the machine, and go by what its file says.
+/// Files that a base setup names stand beside it, runs have the time of the machine, and go by what its file
+/// says.
 #[test]
 fn runs_on_a_machine() {
     let study = Study::new();

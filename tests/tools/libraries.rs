@@ -277,7 +277,8 @@ fn thirty_broken_libraries_are_named_in_one_line() {
     }
 }
 
-/// A library of `count` end mills in inches with holders in mm, of three lengths each, and a drill for each ten.
+/// A library of `count` end mills in inches with holders in mm, of three lengths each, and a drill for each
+/// ten.
 fn large(count: usize) -> Vec<u8> {
     let mut tools = Vec::new();
     for k in 0..count {

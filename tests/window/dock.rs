@@ -359,7 +359,8 @@ fn popped_out_panels_stay_within_the_smallest_window_from_100_to_200_percent() {
     }
 }
 
-/// Names of what the Tab key goes through in `count` presses from the field "Step" on; empty for what has none.
+/// Names of what the Tab key goes through in `count` presses from the field "Step" on; empty for what has
+/// none.
 fn stops(window: &mut Window, count: usize) -> Vec<String> {
     use egui_kittest::kittest::NodeT;
     window.get_by_role_and_label(Role::SpinButton, "Step").focus();

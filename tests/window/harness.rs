@@ -32,8 +32,8 @@ pub fn scaled(engine: Engine, scale: f32) -> Window {
     window
 }
 
-/// The device of all windows but those that lose theirs: to find a driver and open a device on it takes longer
-/// than most tests.
+/// The device of all windows but those that lose theirs: to find a driver and open a device on it takes
+/// longer than most tests.
 static DEVICE: LazyLock<WgpuSetupExisting> = LazyLock::new(|| {
     let state = create_render_state(vulkan(), RendererOptions::PREDICTABLE);
     WgpuSetupExisting {
@@ -107,8 +107,8 @@ pub fn snapshot_view(window: &mut Window, name: &str) {
     snapshot(window, name, VIEW);
 }
 
-/// [`snapshot_view`] with the status bar painted over from its left end: there stands a path that is another in
-/// each run.
+/// [`snapshot_view`] with the status bar painted over from its left end: there stands a path that is another
+/// in each run.
 pub fn snapshot_view_without_path(window: &mut Window, name: &str) {
     use egui_kittest::kittest::Queryable;
     window.state_mut().draw_waiting_pictures();

@@ -70,8 +70,8 @@ fn plans_that_the_machine_refuses_are_named_instead_of_timed() {
     assert!(!labels(&window, "25 min per channel").is_empty());
 }
 
-/// The clock at the timeline is that of the machine, and that of flank plans begins with the plunges that open the
-/// stock.
+/// The clock at the timeline is that of the machine, and that of flank plans begins with the plunges that
+/// open the stock.
 #[test]
 fn the_clock_is_that_of_the_machine() {
     let mut window = with_machine("ac-trunnion");

@@ -209,7 +209,8 @@ fn the_axes_of_an_apt_program_are_those_of_the_machine_of_the_setup() {
         let stray = held_by_trunnion(&window, &now).angle(&moves[cut - 1].axis).to_degrees();
         assert!(stray < 1e-3, "{now:?} holds the tool {stray}° off move {cut}");
     }
-    // Without a machine there is nothing to show. The list of operations, one longer now, moves its field down.
+    // Without a machine there is nothing to show. The list of operations, one longer now, moves its field
+    // down.
     window.set_size(egui::vec2(1280.0, 1300.0));
     window.get_by_label_contains("Roughing: ").click();
     window.run_steps(3);

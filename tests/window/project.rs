@@ -282,8 +282,8 @@ fn a_crash_loses_nothing() {
     beside.run_steps(2);
     assert!(beside.query_by_label("Recover").is_none(), "its session runs");
     drop(beside);
-    // The crash: nothing of the first window gets to run any more, and the system unlocks what it held. The next
-    // start, at once, offers the copy.
+    // The crash: nothing of the first window gets to run any more, and the system unlocks what it held. The
+    // next start, at once, offers the copy.
     drop(first);
     let orphan = copy;
     let mut second = window(engine.clone());

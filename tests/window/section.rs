@@ -101,8 +101,8 @@ fn the_timeline_shows_the_stock_as_it_is_then() {
     window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::ArrowRight);
     window.run_steps(2);
     assert_eq!(window.state().state().look.cut_count, Some(count), "and at the end");
-    // The text of the sectional view takes height from the table when it arrives: a row at the end may leave the
-    // table in the frame of the click.
+    // The text of the sectional view takes height from the table when it arrives: a row at the end may leave
+    // the table in the frame of the click.
     for _ in 0..5 {
         settle(&mut window);
         window.run_steps(4);

@@ -204,7 +204,8 @@ fn while_a_slider_is_held_something_true_of_the_new_setup_comes_before_the_next_
     assert_eq!(planned.setup.plunge.step, wanted, "the last movement is what is planned in the end");
 }
 
-/// A plan that is far on but would take long is given up for the next movement; what is shown stays what it is.
+/// A plan that is far on but would take long is given up for the next movement; what is shown stays what it
+/// is.
 #[test]
 fn a_movement_restarts_a_plan_that_does_not_end_soon() {
     let (engine, allowed, begun) = counted();

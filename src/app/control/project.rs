@@ -39,7 +39,8 @@ pub(in crate::app) struct Session {
     pub(super) copied: Option<Edited>,
     /// When the recovery copy was due last, s.
     pub(super) copied_at: Option<f64>,
-    /// Tool library in its copy on disk, when that was due last, s, and the copy that another session has left.
+    /// Tool library in its copy on disk, when that was due last, s, and the copy that another session has
+    /// left.
     pub(super) copied_library: Option<LibraryState>,
     pub(super) library_copied_at: Option<f64>,
     pub(super) left_library: Option<PathBuf>,
@@ -55,7 +56,8 @@ pub(in crate::app) struct Session {
     pub(super) missing_part: Option<(PathBuf, PartSource)>,
     /// The same while its part is being located.
     located: Option<(PathBuf, PartSource)>,
-    /// The project's file, while it is asked whether to replace what another window or program has written there.
+    /// The project's file, while it is asked whether to replace what another window or program has written
+    /// there.
     pub(super) changed_on_disk: Option<PathBuf>,
     /// Whether closing was confirmed.
     pub(super) closing: bool,
@@ -128,8 +130,8 @@ impl App {
         }
     }
 
-    /// Saves the project to its file, or asks for one. What waited for an earlier saving waits no longer: that
-    /// one was cancelled or has failed.
+    /// Saves the project to its file, or asks for one. What waited for an earlier saving waits no longer:
+    /// that one was cancelled or has failed.
     pub(in crate::app) fn save_project(&mut self, ctx: &Context) {
         self.session.after_saving = None;
         match self.state.document.path.clone() {
@@ -246,8 +248,8 @@ impl App {
         }
     }
 
-    /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults stand
-    /// in place of what is faulty.
+    /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults
+    /// stand in place of what is faulty.
     fn report_setup_faults(&mut self, faults: &[SetupEntryFault]) {
         for SetupEntryFault { error: fault, entry } in faults.iter().take(MAX_REPORTED_FAULTS) {
             let help = format!("{}; until then the default is used", fault.help);

@@ -44,7 +44,8 @@ impl Pending {
 }
 
 impl App {
-    /// Runs an action that closes the open project or the tool library; asks first if there are unsaved changes.
+    /// Runs an action that closes the open project or the tool library; asks first if there are unsaved
+    /// changes.
     pub(in crate::app) fn run_guarded(&mut self, ctx: &Context, pending: Pending) {
         if pending.closes_project() && self.state.document.is_unsaved() {
             self.session.pending = Some((UnsavedWork::Project, pending));

@@ -48,8 +48,8 @@ pub struct Document {
     pub part: Option<OpenPart>,
     /// The edited content.
     pub edited: Edited,
-    /// File of the project, absolute: recovery copies carry it to sessions that begin in another folder. `None`
-    /// before it is saved.
+    /// File of the project, absolute: recovery copies carry it to sessions that begin in another folder.
+    /// `None` before it is saved.
     pub path: Option<PathBuf>,
     /// Hash of that file as this window read or wrote it last; `None` where it has not.
     pub on_disk: Option<u64>,

@@ -34,8 +34,8 @@ pub struct ProgramOnMachine {
     pub start: Option<AxisPositions>,
     /// At the end of each step; empty where the machine cannot run the program.
     pub ends: Vec<Option<AxisPositions>>,
-    /// Time from the start of the program to the end of each step, s, with accelerations and tool changes; empty as
-    /// `ends`.
+    /// Time from the start of the program to the end of each step, s, with accelerations and tool changes;
+    /// empty as `ends`.
     pub clock: Vec<f64>,
     /// Why it cannot: what is wrong, and what to do.
     pub fault: Option<(String, String)>,

@@ -62,8 +62,8 @@ impl AppState {
         (planned.setup.plunge.edits == self.document.edited.setup.plunge.edits).then_some(planned)
     }
 
-    /// Whether the plan that is shown is the one that the next edit changes: not while it has yet to follow the
-    /// last one.
+    /// Whether the plan that is shown is the one that the next edit changes: not while it has yet to follow
+    /// the last one.
     pub fn takes_edits(&self) -> bool {
         self.plan_with_all_edits().is_some() && self.editable_plan().is_some()
     }
@@ -73,8 +73,8 @@ impl AppState {
         pose(self.editable_plan()?, self.look.selected?)
     }
 
-    /// Whether the selected plunge may be lifted: also while the plan has yet to follow a lift of it, to which
-    /// the next one adds.
+    /// Whether the selected plunge may be lifted: also while the plan has yet to follow a lift of it, to
+    /// which the next one adds.
     pub fn takes_lifts(&self) -> bool {
         let lifted = || {
             let known = self.results.planned.as_ref()?.setup.plunge.edits.len();

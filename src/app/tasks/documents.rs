@@ -1,5 +1,5 @@
-//! Documents of the window: the setup sheet of a plan and the page of an assessment, as the command line writes
-//! them. The names of their pictures begin with that of the page: a folder may hold many pages.
+//! Documents of the window: the setup sheet of a plan and the page of an assessment, as the command line
+//! writes them. The names of their pictures begin with that of the page: a folder may hold many pages.
 
 use std::path::Path;
 

@@ -197,14 +197,14 @@ pub struct ProjectTask {
     pub text: String,
     /// What that stores.
     pub edited: Edited,
-    /// Hash of the file as this window read or wrote it last: a file with other content stays as it is. `None`: it
-    /// is replaced whatever it holds.
+    /// Hash of the file as this window read or wrote it last: a file with other content stays as it is.
+    /// `None`: it is replaced whatever it holds.
     pub known: Option<u64>,
 }
 
 impl ProjectTask {
-    /// Whether another window or program has written the file since this window knows it. A file that is gone is
-    /// not: writing loses nothing.
+    /// Whether another window or program has written the file since this window knows it. A file that is gone
+    /// is not: writing loses nothing.
     fn is_changed_on_disk(&self) -> bool {
         let Some(known) = self.known else { return false };
         read_bytes(&self.path).is_ok_and(|now| content_hash(&now) != known && now != self.text.as_bytes())

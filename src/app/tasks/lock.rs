@@ -1,5 +1,5 @@
-//! Files that are locked as long as a session, or its open project, lasts. The system unlocks them however the
-//! session ends, at once; a process number would not tell that.
+//! Files that are locked as long as a session, or its open project, lasts. The system unlocks them however
+//! the session ends, at once; a process number would not tell that.
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};

@@ -27,7 +27,8 @@ pub(in crate::app) enum OpenTask {
     /// Results of a study: its folder, the list in it, or its table.
     Study(PathBuf),
     /// The run of a row of a study's results, to be planned. `open`: hash of the part that is open;
-    /// `keeps_part`: whether only a run of that part may be opened, as nothing was asked about unsaved changes.
+    /// `keeps_part`: whether only a run of that part may be opened, as nothing was asked about unsaved
+    /// changes.
     Run { results: Arc<StudyResults>, row: usize, open: Option<PartHash>, keeps_part: bool },
     /// The nodes of a mesh file, for the roles dialog.
     Nodes(PartSource),

@@ -100,8 +100,8 @@ impl Work {
         self.asked_check = None;
     }
 
-    /// Whether the planner's task is worth waiting for while edits go on: as far as its progress tells, it ends
-    /// soon.
+    /// Whether the planner's task is worth waiting for while edits go on: as far as its progress tells, it
+    /// ends soon.
     pub(in crate::app) fn plan_ends_soon(&self) -> bool {
         let Some((fraction, submitted)) = self.planner.progress().zip(self.submitted) else { return false };
         fraction > 0.0 && submitted.elapsed().mul_f64((1.0 - fraction) / fraction) <= ENDS_SOON

@@ -71,7 +71,8 @@ pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) {
     }
 }
 
-/// Draws a frame in the colour of a condition and of a width, points, round the box `at` of a field, and `text` below it.
+/// Draws a frame in the colour of a condition and of a width, points, round the box `at` of a field, and
+/// `text` below it.
 pub fn mark(ui: &mut Ui, at: Rect, text: &str, (condition, width): (Condition, f32)) {
     let colour = condition.text(ui.visuals());
     ui.painter().rect_stroke(at, 3.0, Stroke::new(width, colour), StrokeKind::Outside);

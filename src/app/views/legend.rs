@@ -186,8 +186,8 @@ fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
     });
 }
 
-/// What the cutters are coloured by; `None` while they are hidden. The colours of the states, which table and verdict
-/// name too, are left out where they do not fit beside the scale of the floor.
+/// What the cutters are coloured by; `None` while they are hidden. The colours of the states, which table and
+/// verdict name too, are left out where they do not fit beside the scale of the floor.
 fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;

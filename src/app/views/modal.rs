@@ -2,8 +2,8 @@
 
 use egui::{Context, Id, Key, LayerId, Modal, ModalResponse, Modifiers, Popup, RichText, Ui};
 
-/// Takes the tooltips of the window away when a modal dialog opens: they would stay over it as long as the pointer
-/// rests. To be called before the window is drawn.
+/// Takes the tooltips of the window away when a modal dialog opens: they would stay over it as long as the
+/// pointer rests. To be called before the window is drawn.
 pub fn hide_tooltips_below(ctx: &Context) {
     let is_open = ctx.memory(|memory| memory.top_modal_layer()).is_some();
     let was_open = ctx.data_mut(|data| std::mem::replace(data.get_temp_mut_or_default(key()), is_open));
@@ -13,9 +13,10 @@ pub fn hide_tooltips_below(ctx: &Context) {
     }
 }
 
-/// Keeps open lists above the modal dialog that they belong to. A press in a dialog raises it; where press and
-/// release fall in one frame, the list opens in that frame, too, and egui keeps the order that both had before: a
-/// list that was open in an earlier dialog would open behind this one. To be called after the window is drawn.
+/// Keeps open lists above the modal dialog that they belong to. A press in a dialog raises it; where press
+/// and release fall in one frame, the list opens in that frame, too, and egui keeps the order that both had
+/// before: a list that was open in an earlier dialog would open behind this one. To be called after the
+/// window is drawn.
 pub fn keep_lists_above(ctx: &Context) {
     let Some(dialog) = ctx.memory(|memory| memory.top_modal_layer()) else { return };
     let is_list =
@@ -26,8 +27,8 @@ pub fn keep_lists_above(ctx: &Context) {
     }
 }
 
-/// Whether a dialog is closed without an answer, by Escape. A click beside it closes nothing: what was entered
-/// would be lost.
+/// Whether a dialog is closed without an answer, by Escape. A click beside it closes nothing: what was
+/// entered would be lost.
 pub fn is_dismissed<T>(dialog: &ModalResponse<T>) -> bool {
     let escape = || dialog.response.ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
     dialog.response.should_close() || dialog.is_top_modal && !dialog.any_popup_open && escape()

@@ -145,8 +145,8 @@ impl App {
         });
     }
 
-    /// Sectional view and figures of the selected position. `fill_height`: the height to fill, points; `None`: as high
-    /// as needed.
+    /// Sectional view and figures of the selected position. `fill_height`: the height to fill, points;
+    /// `None`: as high as needed.
     pub(in crate::app) fn details(&mut self, ui: &mut Ui, fill_height: Option<f32>) {
         let Some(k) = self.state.look.selected else { return };
         panels::positions::headline(ui, &self.state, k);

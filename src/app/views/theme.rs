@@ -123,7 +123,8 @@ pub fn apply(ctx: &Context) {
     }
 }
 
-/// A triangle under the head of a sorted column, at the middle of its lower edge; it points to the large values.
+/// A triangle under the head of a sorted column, at the middle of its lower edge; it points to the large
+/// values.
 pub fn sort_mark(ui: &Ui, at: egui::Pos2, descending: bool) {
     let up = if descending { 1.0 } else { -1.0 };
     let corner = |x: f32, y: f32| at + egui::vec2(x, 2.0 + y * up);

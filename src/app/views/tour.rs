@@ -1,5 +1,5 @@
-//! The tour: five cards that say what the parts of the window are for. It is offered once, with the first part
-//! that is opened.
+//! The tour: five cards that say what the parts of the window are for. It is offered once, with the first
+//! part that is opened.
 
 use egui::{Align2, Area, Frame, Id, LayerId, Order, Rect, RichText, Stroke, StrokeKind, Ui, Vec2};
 

@@ -1,5 +1,5 @@
-//! A table that may be wider and higher than its place: it scrolls both ways, while its head and its first column
-//! stay. What a cell cannot show is elided, and shown whole under the pointer.
+//! A table that may be wider and higher than its place: it scrolls both ways, while its head and its first
+//! column stay. What a cell cannot show is elided, and shown whole under the pointer.
 
 use std::ops::Range;
 

@@ -285,9 +285,9 @@ fn contact_up_to(
     CoreContact { depth, area_share: area }
 }
 
-/// Height, mm, below which entries of rim lines are not distinguished, so that a line is finished once it entered there.
-/// It is the distance between two rim lines: between two such entries, a crest of stock with flanks of up to 45° stays
-/// below the bottom of the core.
+/// Height, mm, below which entries of rim lines are not distinguished, so that a line is finished once it
+/// entered there. It is the distance between two rim lines: between two such entries, a crest of stock with
+/// flanks of up to 45° stays below the bottom of the core.
 fn deep_entry(column: &PlungeColumn) -> f64 {
     let apart = std::f64::consts::TAU * column.core_radius / RINGS[0].1 as f64;
     -apart.min(MAX_DEPTH_BELOW)

@@ -57,8 +57,8 @@ impl Neighbours {
         self.columns.len()
     }
 
-    /// Removes from `left` what the gathered plunges cut; stops as soon as further ones change nothing relevant.
-    /// `note` gets the numbers of those that mattered, 0 for the latest.
+    /// Removes from `left` what the gathered plunges cut; stops as soon as further ones change nothing
+    /// relevant. `note` gets the numbers of those that mattered, 0 for the latest.
     ///
     /// The order of the plunges does not matter. Those that did are moved to the front: the next line is
     /// mostly beside this one, and the same few plunges leave nothing of it.

@@ -34,8 +34,8 @@ pub struct StandingHeight {
     pub at_most: f64,
 }
 
-/// How high what the `earlier` plunges left of `blank` stands in the cylinder of a flat bottom, from there up.
-/// Where it stands higher than `enough` mm, the search may end with any bounds above that.
+/// How high what the `earlier` plunges left of `blank` stands in the cylinder of a flat bottom, from there
+/// up. Where it stands higher than `enough` mm, the search may end with any bounds above that.
 pub fn standing_height(
     bottom: &CutterSolid,
     earlier: Earlier,

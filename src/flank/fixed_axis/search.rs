@@ -3,13 +3,14 @@
 
 use rayon::prelude::*;
 
+use super::directions::{GRID, directions, ring};
 use super::scene::Cone;
 use super::{
     AxisObstacle, FixedAxes, FixedAxisSearch, FixedRun, LayerContact, PreparedContact, SEED_SPARE,
     SpareClearance, Unreachable,
 };
 use crate::cutting::drop_cutter::DepthSurface;
-use crate::geometry::{Vector, frame_about};
+use crate::geometry::Vector;
 
 /// An axis with its minimum spare clearance over the stations of a run, mm.
 #[derive(Clone, Copy, Debug)]
@@ -18,8 +19,6 @@ struct AxisCandidate {
     spare: f64,
 }
 
-/// Angle between directions of the grid, rad.
-const GRID: f64 = 6.0 * std::f64::consts::PI / 180.0;
 /// Step angles of the search for directions between those of the grid, rad.
 const STEPS: [f64; 3] = [0.5 * GRID, 0.25 * GRID, 0.125 * GRID];
 /// Maximum number of seeds.
@@ -478,27 +477,4 @@ fn cone_of(axes: &[AxisCandidate]) -> Option<Cone> {
     let axis = axes.iter().map(|c| c.axis).sum::<Vector>().try_normalize(1e-6)?;
     let widest = axes.iter().map(|c| c.axis.angle(&axis)).fold(0.0, f64::max);
     Some(Cone { axis, angle: widest + BEYOND })
-}
-
-/// Directions over the whole sphere, neighbours about [`GRID`] apart (Fibonacci spiral).
-fn directions() -> Vec<Vector> {
-    let count = (4.0 * std::f64::consts::PI / (GRID * GRID)).ceil();
-    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    (0..count as usize)
-        .map(|k| {
-            let z = 1.0 - (2.0 * k as f64 + 1.0) / count;
-            let (sin, cos) = (golden * k as f64).sin_cos();
-            let r = (1.0 - z * z).max(0.0).sqrt();
-            Vector::new(r * cos, r * sin, z)
-        })
-        .collect()
-}
-
-/// Eight directions at `angle` (rad) to `axis`.
-fn ring(axis: &Vector, angle: f64) -> [Vector; 8] {
-    let (e1, e2) = frame_about(axis);
-    std::array::from_fn(|k| {
-        let (sin, cos) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
-        (axis * angle.cos() + (e1 * cos + e2 * sin) * angle.sin()).normalize()
-    })
 }

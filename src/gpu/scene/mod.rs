@@ -140,7 +140,8 @@ impl Scene {
         self.solid = some.map(|mesh| (MeshBuffers::new(gpu, &mesh), mesh));
     }
 
-    /// Sets the machine, with corners by [`super::mesh::Vertex::painted`], or removes it. It cannot be picked.
+    /// Sets the machine, with corners by [`super::mesh::Vertex::painted`], or removes it. It cannot be
+    /// picked.
     pub fn set_machine(&mut self, gpu: &Gpu, mesh: Option<&Mesh>) {
         let reach =
             |mesh: &Mesh| mesh.vertices.iter().map(|v| Vec3::from(v.position).length()).fold(0.0, f32::max);

@@ -52,8 +52,8 @@ impl Dialect {
     }
 }
 
-/// Groups of blocks of a post, in the order of a program; the last two take the place of `start` and `end` where a
-/// program is called by another.
+/// Groups of blocks of a post, in the order of a program; the last two take the place of `start` and `end`
+/// where a program is called by another.
 pub(super) const GROUPS: [&str; 8] =
     ["start", "retract", "tool", "ready", "leave", "end", "sub_start", "sub_end"];
 /// Words in braces that the writer fills in.

@@ -32,8 +32,8 @@ pub fn write_setup_beside(setup: &Setup, path: &Path) -> String {
     out
 }
 
-/// The file of a machine that the setup at `path` names: absolute, so that it is found from anywhere. Machines
-/// that come with the program keep their names.
+/// The file of a machine that the setup at `path` names: absolute, so that it is found from anywhere.
+/// Machines that come with the program keep their names.
 ///
 /// # Errors
 /// When the file is there and is not that of a machine. One that is not there is needed for times alone.

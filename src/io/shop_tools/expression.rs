@@ -109,7 +109,8 @@ impl ExpressionParser<'_, '_, '_> {
         found.is_some()
     }
 
-    /// Combines two values that must be alike: a number without unit beside a length is in the unit of the tool.
+    /// Combines two values that must be alike: a number without unit beside a length is in the unit of the
+    /// tool.
     fn alike(&self, a: ExpressionValue, b: ExpressionValue, of: impl Fn(f64, f64) -> f64) -> ExpressionValue {
         let is_length = a.is_length || b.is_length;
         let [a, b] = [a, b].map(|x| if is_length { self.all.as_length(x) } else { x.value });

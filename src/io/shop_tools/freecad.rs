@@ -149,8 +149,8 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
 /// Reads a library and the tool bits it names.
 ///
 /// # Errors
-/// When the bytes are not a library, or none of its tool bits can be taken over. One that cannot be read beside
-/// others is left out, with a note.
+/// When the bytes are not a library, or none of its tool bits can be taken over. One that cannot be read
+/// beside others is left out, with a note.
 pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result<ToolLibrary, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let list = elements(json_text(name, bytes)?, "tools", MAX_TOOLS + 1);

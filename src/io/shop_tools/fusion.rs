@@ -53,8 +53,8 @@ enum FusionEntry {
 /// Reads a library.
 ///
 /// # Errors
-/// When the bytes are not JSON of this form, or no mill in it can be taken over. One with impossible sizes beside
-/// others is left out, with a note.
+/// When the bytes are not JSON of this form, or no mill in it can be taken over. One with impossible sizes
+/// beside others is left out, with a note.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> {
     let fault = |what: String, help: &str| Source::new(name, ErrorCode::ToolFile).fault(0, what, help);
     let text = json_text(name, bytes)?;

@@ -40,8 +40,8 @@ pub fn tool_tree(text: &str) -> Result<Value, String> {
     serde_json::from_str(text).map_err(|error| format!("it is not valid JSON: {error}"))
 }
 
-/// The texts of the elements of the list `key` of the object that `text` is, at most `most` of them; `None` where
-/// `text` is not an object, or has no such list. `text` must be valid JSON.
+/// The texts of the elements of the list `key` of the object that `text` is, at most `most` of them; `None`
+/// where `text` is not an object, or has no such list. `text` must be valid JSON.
 pub fn elements<'t>(text: &'t str, key: &str, most: usize) -> Option<Vec<&'t str>> {
     let mut cursor = JsonCursor { bytes: text.as_bytes(), at: 0 };
     if !cursor.takes(b'{') {

@@ -3,7 +3,8 @@
 /// Longest text that is looked at, characters.
 const MAX_LENGTH: usize = 60;
 
-/// Reads a length with its unit, which is mm if there is none; the result is in mm. `None` if `text` is not a length.
+/// Reads a length with its unit, which is mm if there is none; the result is in mm. `None` if `text` is not a
+/// length.
 pub fn length_mm(text: &str) -> Option<f64> {
     let (value, unit) = number_and_unit(text)?;
     let factor = match unit.to_lowercase().as_str() {

@@ -1,4 +1,5 @@
-//! Help for files whose bodies are complete but from which no part can be made: closing meshes does not help there.
+//! Help for files whose bodies are complete but from which no part can be made: closing meshes does not help
+//! there.
 
 use crate::error::ErrorCode;
 use crate::part::PartError;

@@ -1,6 +1,6 @@
 //! Time estimate for a cutter on a stretch of the channel without planning it: rows and positions spaced as
-//! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid; on a machine with
-//! accelerations, and turns between isoparametric axes.
+//! by the planner, each plunge at its feed rate over the depth of the channel, retracts in rapid; on a
+//! machine with accelerations, and turns between isoparametric axes.
 
 use std::collections::HashMap;
 
@@ -56,8 +56,8 @@ pub struct Estimator<'a> {
     pub rules: Rules,
     /// How long moves take.
     times: MoveTimes<'a>,
-    /// By number of the tool: for each station, the time of a plunge with its retract and the link to the next in each
-    /// passage, s.
+    /// By number of the tool: for each station, the time of a plunge with its retract and the link to the
+    /// next in each passage, s.
     plunges: HashMap<u32, Vec<Vec<f64>>>,
 }
 

@@ -1,10 +1,10 @@
 //! Which tools of a large library the choice looks at: its time grows with the square of their number, and a
 //! library of a maker has thousands.
 //!
-//! A library of up to `ALL_TOOLS` is used whole. From a larger one, tools wider than the channel or much thinner
-//! than necessary are removed. If more than `ALL_TOOLS` remain, three are taken for each station and each of the
-//! `DIAMETER_SHARES`, among the tools of at most that diameter that are long enough: the two with the highest
-//! removal rate, and the one with the slimmest holder.
+//! A library of up to `ALL_TOOLS` is used whole. From a larger one, tools wider than the channel or much
+//! thinner than necessary are removed. If more than `ALL_TOOLS` remain, three are taken for each station and
+//! each of the `DIAMETER_SHARES`, among the tools of at most that diameter that are long enough: the two with
+//! the highest removal rate, and the one with the slimmest holder.
 
 use super::fit::{Rules, TILT_ROOM};
 use crate::plunge::spacing::{step_limit, stepover};
@@ -13,14 +13,14 @@ use crate::setup::{PlungeSetup, Tool};
 
 /// Largest number of tools that is used whole.
 const ALL_TOOLS: usize = 100;
-/// Maximum diameters for which tools are taken, as shares of the largest one that can tilt at a station. Between
-/// twisted walls that one itself does not fit.
+/// Maximum diameters for which tools are taken, as shares of the largest one that can tilt at a station.
+/// Between twisted walls that one itself does not fit.
 const DIAMETER_SHARES: [f64; 4] = [1.0, 0.85, 0.7, 0.5];
 /// Diameter below which a tool is not considered, in widths of the narrowest passage.
 const MIN_SHARE: f64 = 0.15;
 
-/// The tools that a choice for plunges has to look at, in the order given: cylindrical ones with a flat bottom,
-/// where there are such, and not too many.
+/// The tools that a choice for plunges has to look at, in the order given: cylindrical ones with a flat
+/// bottom, where there are such, and not too many.
 pub fn preselect(tools: &[Tool], survey: &Survey, rules: &Rules, plunge: &PlungeSetup) -> Vec<Tool> {
     let suited = |tool: &&Tool| !tool.is_tapered() && tool.is_flat();
     let cylindrical = |tool: &&Tool| !tool.is_tapered();

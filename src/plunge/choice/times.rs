@@ -1,4 +1,5 @@
-//! How long the moves of a plunge take, in the estimates of a choice: by feed rate and rapid, or on a machine.
+//! How long the moves of a plunge take, in the estimates of a choice: by feed rate and rapid, or on a
+//! machine.
 
 use crate::machine::MachineTool;
 use crate::setup::Tool;
@@ -22,7 +23,8 @@ pub struct MoveTimes<'a> {
 }
 
 impl<'a> MoveTimes<'a> {
-    /// Times on `machine`: each move begins and ends at rest, as plunges do, and the slower of its axes counts.
+    /// Times on `machine`: each move begins and ends at rest, as plunges do, and the slower of its axes
+    /// counts.
     pub fn on(machine: Option<&'a MachineTool>) -> Self {
         Self { machine }
     }

@@ -1,5 +1,5 @@
-//! The setup sheet of a plan: what one takes to the machine, as HTML that prints to A4. Here is that of plunges,
-//! with what all sheets share; [`flank`] has that of flank plans.
+//! The setup sheet of a plan: what one takes to the machine, as HTML that prints to A4. Here is that of
+//! plunges, with what all sheets share; [`flank`] has that of flank plans.
 
 mod drawing;
 pub mod flank;

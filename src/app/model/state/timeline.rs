@@ -86,7 +86,8 @@ impl AppState {
         (!clock.is_empty() && clock.len() == self.timeline_len()).then_some(clock)
     }
 
-    /// Time of the program at the position of the timeline and at its end, s: on the machine, where that is known.
+    /// Time of the program at the position of the timeline and at its end, s: on the machine, where that is
+    /// known.
     pub fn clock(&self) -> Option<(f64, f64)> {
         let count = self.timeline_len();
         let cut = self.timeline_cut().unwrap_or(count);

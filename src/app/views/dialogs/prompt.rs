@@ -285,8 +285,8 @@ fn in_home(name: &str) -> PathBuf {
     }
 }
 
-/// The path `text`, shortened at its beginning until it fits: the last folders show where the user is. `fits` tells
-/// whether a text is short enough.
+/// The path `text`, shortened at its beginning until it fits: the last folders show where the user is. `fits`
+/// tells whether a text is short enough.
 fn end_that_fits(text: &str, fits: impl Fn(&str) -> bool) -> String {
     if fits(text) {
         return text.to_owned();

@@ -39,8 +39,8 @@ impl FrontTabs {
         }
     }
 
-    /// Takes over what was chosen in `tree`. Where the chosen tab has nothing to show, the one that stands there
-    /// instead was not chosen.
+    /// Takes over what was chosen in `tree`. Where the chosen tab has nothing to show, the one that stands
+    /// there instead was not chosen.
     pub fn follow(&mut self, tree: &Tree<DockPanel>) {
         let hidden = |id: &TileId, front: &TileId| {
             let is_hidden = !tree.tiles.is_visible_in_layout(*front);

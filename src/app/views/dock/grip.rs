@@ -47,8 +47,8 @@ pub struct GripUse {
     pub request: Option<PanelRequest>,
 }
 
-/// Draws the grip of a panel in `rect`. It is visible while the pointer is near. The Tab key skips it and moves from
-/// field to field; the View menu has the same commands.
+/// Draws the grip of a panel in `rect`. It is visible while the pointer is near. The Tab key skips it and
+/// moves from field to field; the View menu has the same commands.
 pub fn grip(ui: &Ui, rect: Rect, panel: DockPanel, is_floating: bool) -> GripUse {
     let at = Rect::from_center_size(rect.center_top() + Vec2::new(0.0, 0.5 * SIZE.y), SIZE);
     let id = egui::Id::unique(("grip of a panel", panel));

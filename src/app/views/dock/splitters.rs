@@ -1,5 +1,5 @@
-//! Borders between docked panels: dragged by the mouse, and reset by a double click. The Tab key skips them and moves
-//! from field to field.
+//! Borders between docked panels: dragged by the mouse, and reset by a double click. The Tab key skips them
+//! and moves from field to field.
 
 use std::collections::{HashMap, HashSet};
 

@@ -28,8 +28,8 @@ pub fn keep_together(ui: &mut Ui, words: &[&str]) {
     }
 }
 
-/// Draws a line between figures, or begins the next line if the `words` after it do not fit in this one: no line
-/// is left at its start or its end.
+/// Draws a line between figures, or begins the next line if the `words` after it do not fit in this one: no
+/// line is left at its start or its end.
 pub fn divide(ui: &mut Ui, words: &[&str]) {
     let line = SEPARATOR + ui.spacing().item_spacing.x;
     if line + width_of(ui, words) > ui.available_size_before_wrap().x {

@@ -103,8 +103,8 @@ impl LibraryPanel {
     /// Least width, points.
     pub const MIN_WIDTH: f32 = 270.0;
 
-    /// Draws it; returns what was asked for. `setup`: of the open part, if there is one. `is_docked`: it has the width
-    /// of its place, in which list and tool may have to stand one below the other.
+    /// Draws it; returns what was asked for. `setup`: of the open part, if there is one. `is_docked`: it has
+    /// the width of its place, in which list and tool may have to stand one below the other.
     pub fn show(&mut self, ui: &mut Ui, setup: Option<&mut Setup>, is_docked: bool) -> Option<LibraryAnswer> {
         // It begins with the program's own tools.
         let library = self.library.get_or_insert_default();

@@ -13,7 +13,8 @@ use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
 
-/// Draws the switch and the figures; a policy that the running task has finished, in its `preview`, goes first.
+/// Draws the switch and the figures; a policy that the running task has finished, in its `preview`, goes
+/// first.
 pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, preview: Option<&DisplayPlan>) {
     ui.checkbox(compare, "Compare all strategies")
         .on_hover_text("The next calculation plans every strategy, not only the chosen one");

@@ -112,8 +112,8 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     let has_machine = state.document.edited.setup.machine.file.is_some();
     let (can_edit, units) = (state.editable_plan().is_some(), state.look.units);
     let keys = || Key::ALL.into_iter().filter(move |key| has_machine || *key != Key::Axes);
-    // The offset is set beyond the end of the higher table that was there before a panel opened below: a scroll
-    // with momentum would take that for a fling, and go on to where that end was.
+    // The offset is set beyond the end of the higher table that was there before a panel opened below: a
+    // scroll with momentum would take that for a fling, and go on to where that end was.
     ui.spacing_mut().scroll.kinetic =
         KineticScrollStyle { decay_time: 0.0, rubber_band: false, ..KineticScrollStyle::default() };
     let mut builder = TableBuilder::new(ui)

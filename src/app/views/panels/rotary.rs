@@ -42,8 +42,8 @@ impl AxisCurve {
         Self { letter: plan.machine.rotary[axis].letter, colour, values, range }
     }
 
-    /// Indices of the values that a line of `width` points shows: all known ones, or of many the lowest and the
-    /// highest of each half point.
+    /// Indices of the values that a line of `width` points shows: all known ones, or of many the lowest and
+    /// the highest of each half point.
     fn drawn(&self, width: f32) -> Vec<usize> {
         let bins = (2.0 * width.max(1.0)) as usize;
         let known = |k: &usize| self.values[*k].is_finite();

@@ -38,8 +38,8 @@ fn plane_label(plane: CutPlane) -> &'static str {
     }
 }
 
-/// The line of controls: plane, fit, and, if it can, enlarge; `true` when that was pressed. `now`: the plane that
-/// is shown.
+/// The line of controls: plane, fit, and, if it can, enlarge; `true` when that was pressed. `now`: the plane
+/// that is shown.
 pub fn controls(ui: &mut Ui, look: &mut SectionalLook, now: CutPlane, can_enlarge: bool) -> bool {
     ui.horizontal(|ui| {
         let label = ui.label("Cut");

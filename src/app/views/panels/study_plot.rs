@@ -1,5 +1,5 @@
-//! The plot of two figures of a study. What it shows of the runs is found once for its size, figures and theme:
-//! a frame draws no more marks than the plot has places, however many runs there are.
+//! The plot of two figures of a study. What it shows of the runs is found once for its size, figures and
+//! theme: a frame draws no more marks than the plot has places, however many runs there are.
 
 use std::collections::{HashMap, HashSet};
 

@@ -1,5 +1,5 @@
-//! Time against stock: the curve of the plans of `minimal`, with the other policies beside it. The handle on the
-//! curve is the time that a channel may take; the plan follows it.
+//! Time against stock: the curve of the plans of `minimal`, with the other policies beside it. The handle on
+//! the curve is the time that a channel may take; the plan follows it.
 
 use egui::{
     Align2, Color32, FontId, Painter, Pos2, ProgressBar, Rect, RichText, Role, Sense, Shape, Stroke, Ui,
@@ -195,14 +195,16 @@ fn markers(policies: &[&crate::job::PolicyResult]) -> Vec<Marker> {
         .collect()
 }
 
-/// The other policies whose plans the machine cannot run, and which have no place in the plot; `None` without any.
+/// The other policies whose plans the machine cannot run, and which have no place in the plot; `None` without
+/// any.
 fn refused_text(policies: &[&crate::job::PolicyResult]) -> Option<String> {
     let refused = policies.iter().filter(|result| result.summary.is_refused);
     let names: Vec<&str> = refused.map(|result| policy_label(result.plan.policy)).collect();
     (!names.is_empty()).then(|| format!("{}: {NOT_ON_MACHINE}", names.join(", ")))
 }
 
-/// The two points of the curve beside a time of `minutes`, and how far it is from the first to the second, 0…1.
+/// The two points of the curve beside a time of `minutes`, and how far it is from the first to the second,
+/// 0…1.
 fn between(curve: &[CurvePlace], minutes: f64) -> Option<([usize; 2], f64)> {
     let next = curve.iter().position(|(time, _)| *time <= minutes).unwrap_or(curve.len() - 1);
     let pair = [next.saturating_sub(1), next];
@@ -227,8 +229,8 @@ fn total_at(curve: &[CurvePlace], minutes: f64, totals: &[CurvePlace]) -> Option
 /// Times that are nearer to each other than this are one, min: the handle moves by tenths.
 const SAME_TIME_MIN: f64 = 0.05;
 
-/// What the time of the handle costs, against the `shown` plan; where that stands at the handle, what the longest
-/// time of the curve would leave.
+/// What the time of the handle costs, against the `shown` plan; where that stands at the handle, what the
+/// longest time of the curve would leave.
 fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &AppState) -> String {
     let Some((slowest, stock)) = curve.first().copied().zip(stock_at(curve, handle)) else {
         return String::new();

@@ -21,7 +21,8 @@ use crate::app::views::units;
 /// Shares below this would show as 0.0 %.
 const MIN_SHOWN_SHARE: f64 = 0.0005;
 
-/// Draws the line of the selected operation. Where it is too long, it breaks between figures, and not within one.
+/// Draws the line of the selected operation. Where it is too long, it breaks between figures, and not within
+/// one.
 pub fn show(ui: &mut Ui, state: &AppState) {
     ui.horizontal_wrapped(|ui| {
         // Lines as close as those of a text.

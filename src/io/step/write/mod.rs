@@ -1,8 +1,8 @@
 //! Writes a part as STEP (ISO 10303-21, AP214): hub body and blades as closed solids, the shroud as a sheet.
 //!
 //! Blade sides are the part's own surfaces, bicubic (or ruled) B-splines, without approximation. Hub and
-//! shroud are surfaces of revolution of B-spline curves within 1e-7 mm (`CURVE_ERROR` of `spline.rs`); tips lie on the shroud, feet
-//! on the hub.
+//! shroud are surfaces of revolution of B-spline curves within 1e-7 mm (`CURVE_ERROR` of `spline.rs`); tips
+//! lie on the shroud, feet on the hub.
 //!
 //! | file | contents |
 //! |---|---|

@@ -7,8 +7,8 @@ const MAX_SWEEPS: usize = 12;
 /// Squared share of the elements beside the diagonal at which it counts as diagonal.
 const DIAGONAL: f64 = 1e-30;
 
-/// The eigenvalues and unit eigenvectors of the symmetric matrix with the upper triangle `a` (Jacobi's method,
-/// cyclic).
+/// The eigenvalues and unit eigenvectors of the symmetric matrix with the upper triangle `a` (Jacobi's
+/// method, cyclic).
 pub fn symmetric_parts(mut a: [[f64; 3]; 3]) -> [(f64, Vector); 3] {
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..MAX_SWEEPS {
