@@ -134,7 +134,6 @@ pub fn machine_program(
         options,
         sphere,
         out: MachineProgram::default(),
-        before: None,
         lengths: program.tools.iter().map(|tool| gauge_length(machine, tool)).collect(),
         radii: program.tools.iter().map(|tool| 0.5 * tool.diameter).collect(),
     };
@@ -208,8 +207,6 @@ struct MotionMaker<'a> {
     options: &'a MotionOptions,
     sphere: ClearanceSphere,
     out: MachineProgram,
-    /// The last step: its pose, tool and move.
-    before: Option<(Pose, usize, usize)>,
     /// Gauge lengths and radii of the tools, mm.
     lengths: Vec<f64>,
     radii: Vec<f64>,
@@ -218,12 +215,16 @@ struct MotionMaker<'a> {
 impl MotionMaker<'_> {
     fn push(&mut self, motion: StepMotion, pose: Pose, tool: usize, source: usize) {
         self.out.add_step(MachineStep { motion, pose, tool, source });
-        self.before = Some((pose, tool, source));
+    }
+
+    /// The last step.
+    fn last(&self) -> Option<MachineStep> {
+        self.out.steps.last().copied()
     }
 
     /// Out along the axis to the clearance sphere.
     fn leave(&mut self) {
-        if let Some((pose, tool, source)) = self.before {
+        if let Some(MachineStep { pose, tool, source, .. }) = self.last() {
             let out = self.sphere.outside(&pose);
             if out != pose {
                 self.push(StepMotion::Link, out, tool, source);
@@ -247,12 +248,10 @@ impl MotionMaker<'_> {
         source: usize,
         pose: Pose,
     ) -> Result<(), MotionFault> {
-        let from = match self.before {
-            Some((from, known, _)) if known == tool => from,
-            before => {
-                if before.is_some() {
-                    self.leave();
-                }
+        let from = match self.last() {
+            Some(last) if last.tool == tool => last.pose,
+            _ => {
+                self.leave();
                 self.approach(pose, tool, source);
                 return self.check_feed(motion, line).map(|_| ());
             }
@@ -366,7 +365,7 @@ impl MotionMaker<'_> {
         tolerance: (f64, f64),
         line: usize,
     ) -> Result<(Vec<Pose>, f64), MotionFault> {
-        let length = self.lengths.get(self.before.map_or(0, |b| b.1)).copied().unwrap_or_default();
+        let length = self.lengths.get(self.last().map_or(0, |last| last.tool)).copied().unwrap_or_default();
         let close = |a: &Pose, b: &Pose| match self.options.output {
             OutputKind::TcpVectors | OutputKind::Plane => true,
             _ if a.angles == b.angles => true,
