@@ -6,12 +6,12 @@
 //! corners of this face alone, so neighbours agree, and every edge belongs to two triangles.
 
 mod cells;
-mod eigen;
 mod nodes;
 mod slabs;
 
 use std::collections::HashSet;
 
+use nalgebra::{Matrix3, SymmetricEigen};
 use rayon::prelude::*;
 
 use super::SolidStock;
@@ -324,20 +324,16 @@ impl<'a> SlabMaker<'a> {
         let count = ring.len() as f64;
         let mean = Point::from(ring.iter().map(|(p, _)| p.coords).sum::<Vector>() / count);
         let normal: Vector = ring.iter().map(|(_, n)| n).sum();
-        let mut matrix = [[0.0; 3]; 3];
+        let mut matrix = Matrix3::zeros();
         let mut right = Vector::zeros();
         for (p, n) in ring {
-            for i in 0..3 {
-                for j in i..3 {
-                    matrix[i][j] += n[i] * n[j];
-                }
-            }
+            matrix += n * n.transpose();
             right += n * n.dot(&(p - mean));
         }
-        let parts = eigen::symmetric_parts(matrix);
-        let largest = parts.iter().map(|(value, _)| *value).fold(0.0, f64::max);
+        let parts = SymmetricEigen::new(matrix);
+        let largest = parts.eigenvalues.max();
         let mut point = mean;
-        for (value, direction) in &parts {
+        for (value, direction) in parts.eigenvalues.iter().zip(parts.eigenvectors.column_iter()) {
             if *value > FLAT_SHARE * largest && *value > 0.0 {
                 point += direction * (direction.dot(&right) / value);
             }
