@@ -64,7 +64,7 @@ error_codes! {
             "Correct the line: a key, an equals sign, and a number, a text in quotes, true, false or a list.";
         UnknownKey "unknown-key",
             "A table has a key that its format does not know.",
-            "Use the nearest known key, which the message names, or remove the key.";
+            "Use a known key, such as the nearest one where the message names it, or remove the key.";
         MissingKey "missing-key",
             "A key, table or entry that the format needs is missing.",
             "Add it.";

@@ -15,7 +15,7 @@ use super::source::{self, quote_for_message};
 use crate::error::{ErrorCode, UserError};
 pub use document::TomlDocument;
 pub use range::NumberRange;
-pub use text::{degrees_text, nearest, quoted};
+pub use text::{degrees_text, known_or_none, nearest_note, quoted};
 
 impl<'a> TomlDocument<'a> {
     /// The root table.
@@ -115,7 +115,7 @@ impl<'t> TomlTable<'t> {
     /// Checks that the table has no keys other than `known` and their former names.
     ///
     /// # Errors
-    /// At the first unknown key, with the nearest known one; at a former name beside the present one.
+    /// At the first unknown key, with the nearest known one where one is near; at a former name beside the present one.
     pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
         for (name, former) in self.renamed {
             if let (Some(_), Some(value)) = (self.table.get(*name), self.table.get(*former)) {
@@ -135,13 +135,12 @@ impl<'t> TomlTable<'t> {
         unknown.sort_by_key(|key| key.span().start);
         let Some(key) = unknown.first() else { return Ok(()) };
         let name: &str = key.get_ref();
-        let near = nearest(name, known).unwrap_or_default();
         Err(self
             .doc
             .fault(
                 key.span().start,
                 format!("unknown key {} in {}", quote_for_message(name), self.shown()),
-                format!("use `{near}`, the nearest known key, or remove it"),
+                known_or_none("key", name, known),
             )
             .with_code(ErrorCode::UnknownKey))
     }

@@ -59,24 +59,25 @@ pub const PLUNGE_FEED: NumberRange = NumberRange::Between(0.01, 1e5);
 /// The same of the spindle speed, rev/min.
 pub const SPINDLE: NumberRange = NumberRange::Between(1.0, 1e6);
 
-const TOOL_KEYS: [&str; 17] = [
-    "number",
-    "diameter",
-    "corner_radius",
-    "insert_width",
-    "overhang",
-    "plunge_feed",
-    "spindle",
-    "name",
-    "flute_length",
-    "teeth",
-    "taper",
-    "shank",
-    "holder",
-    "length_offset",
-    "diameter_offset",
-    "feed_per_tooth",
-    "cutting_speed",
+/// Keys of a tool, each with its unit; empty where it has none.
+pub(super) const TOOL_KEYS: [(&str, &str); 17] = [
+    ("number", ""),
+    ("diameter", "mm"),
+    ("corner_radius", "mm"),
+    ("insert_width", "mm"),
+    ("overhang", "mm"),
+    ("plunge_feed", "mm/min"),
+    ("spindle", "rev/min"),
+    ("name", ""),
+    ("flute_length", "mm"),
+    ("teeth", ""),
+    ("taper", "°"),
+    ("shank", "mm"),
+    ("holder", "mm"),
+    ("length_offset", ""),
+    ("diameter_offset", ""),
+    ("feed_per_tooth", "mm"),
+    ("cutting_speed", "m/min"),
 ];
 
 /// Reads a tool library: a file with only `[[tool]]` tables, in the format of a setup.
@@ -147,7 +148,7 @@ fn tool(
     numbers: &mut HashSet<u32>,
     material: Option<&CuttingData>,
 ) -> Result<(Tool, MissingRates), InputError> {
-    table.check_keys(&TOOL_KEYS)?;
+    table.check_keys(&TOOL_KEYS.map(|(key, _)| key))?;
     let given = table.whole("number", 1, MAX_NUMBER)?;
     let number = given.map_or(numbers.len() as u32 + 1, |n| n.value);
     let at = |at: Option<usize>, what: String, help: &str| match at {

@@ -22,7 +22,7 @@ use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::setup_file::{read_setup_with_defaults, setup_of_table};
 use crate::io::source::{name_of, quote_for_message, read_bytes};
-use crate::io::table::{Located, Scalar, TomlDocument, TomlTable, nearest};
+use crate::io::table::{Located, Scalar, TomlDocument, TomlTable, known_or_none};
 use crate::setup::Setup;
 
 /// Maximum number of runs of a study, before exclusions and its limit.
@@ -296,10 +296,8 @@ fn exclude(table: &TomlTable<'_>, axes: &[StudyAxis]) -> Result<Vec<(usize, Vec<
         let key = canonical_key(&written).unwrap_or_else(|_| written.clone());
         let Some(index) = axes.iter().position(|axis| axis.key == key) else {
             let names: Vec<&str> = axes.iter().map(|axis| axis.key.as_str()).collect();
-            let near = nearest(&key, &names).unwrap_or_default();
             let what = format!("{} is not an axis of the study", quote_for_message(&written));
-            return Err(fault(what, format!("use `{near}`, the nearest axis, or remove it"))
-                .with_code(ErrorCode::UnknownKey));
+            return Err(fault(what, known_or_none("axis", &key, &names)).with_code(ErrorCode::UnknownKey));
         };
         if matched.iter().any(|(known, _)| *known == index) {
             return Err(fault(format!("`{key}` is given twice"), "keep one of them".to_owned())

@@ -7,7 +7,7 @@ use super::result::{FIGURES, MACHINE_TIME, RunStatus};
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::{quote_for_message, read_bytes_up_to};
-use crate::io::table::nearest;
+use crate::io::table::known_or_none;
 
 /// Maximum size of a table, bytes.
 pub const MAX_TABLE_BYTES: usize = 512 << 20;
@@ -108,9 +108,8 @@ impl Table {
         for figure in figures {
             let place = self.column(figure).filter(|_| FIGURES.contains(figure));
             places.push(place.ok_or_else(|| {
-                let near = nearest(figure, &FIGURES).unwrap_or_default();
                 let what = format!("{} is not a figure of the table", quote_for_message(figure));
-                UserError::new(ErrorCode::UnknownName, what, format!("use `{near}`"))
+                UserError::new(ErrorCode::UnknownName, what, known_or_none("figure", figure, &FIGURES))
             })?);
         }
         let (part, status) = (self.column("part"), self.column("status"));

@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 use std::sync::Arc;
 
 use super::units::DisplayUnits;
+use crate::io::setup_file::unit_of_key;
 use crate::study::{MACHINE_TIME, StudyResults};
 
 /// What a figure of a study measures.
@@ -85,48 +86,6 @@ impl StudyFigure {
             FigureKind::Share => format!("{:.1}", self.shown(value, units)),
         }
     }
-}
-
-/// Last names of keys of a setup that have a unit, by unit.
-const UNITS_OF_KEYS: [(&str, &[&str]); 7] = [
-    (
-        "mm",
-        &[
-            "hub_allowance",
-            "blade_allowance",
-            "safety_distance",
-            "inlet_extension",
-            "shank",
-            "holder",
-            "diameter",
-            "corner_radius",
-            "insert_width",
-            "overhang",
-            "flute_length",
-            "feed_per_tooth",
-            "step",
-            "stepover",
-            "row_spacing",
-            "wall_scallop",
-            "lead_out",
-            "lift",
-            "peck",
-            "max_stock",
-            "finish_depth",
-        ],
-    ),
-    ("°", &["max_axis_change", "max_tilt", "max_axis_tilt", "taper"]),
-    ("mm/min", &["plunge_feed"]),
-    ("rev/min", &["spindle"]),
-    ("m/min", &["cutting_speed"]),
-    ("min", &["max_time", "finish_pass_time"]),
-    ("mm³/min", &["finish_rate"]),
-];
-
-/// The unit of a key of a study, which is that of setup files whatever the window shows; empty without one.
-fn unit_of_key(key: &str) -> &'static str {
-    let name = key.rsplit('.').next().unwrap_or_default();
-    UNITS_OF_KEYS.iter().find(|(_, names)| names.contains(&name)).map_or("", |(unit, _)| unit)
 }
 
 /// A column of the table.

@@ -6,7 +6,7 @@ use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
-use crate::io::table::{NumberRange, TomlTable, degrees_text, nearest};
+use crate::io::table::{NumberRange, TomlTable, degrees_text, nearest_note};
 use crate::io::tool_file::{MAX_LENGTH, MAX_NUMBER, check_count};
 use crate::setup::{PlungeChange, PlungeEdit, PlungeMove, PlungePose};
 
@@ -62,9 +62,8 @@ fn edit(table: &TomlTable<'_>) -> Result<PlungeEdit, InputError> {
         "reorder" => PlungeChange::Reorder(pose(table, "before")?),
         other => {
             let what = format!("{} is not a change", quote_for_message(other));
-            let near = nearest(other, &CHANGES).unwrap_or_default();
-            let help =
-                format!("use {} (the nearest is \"{near}\")", CHANGES.map(|c| format!("\"{c}\"")).join(", "));
+            let known = CHANGES.map(|change| format!("\"{change}\"")).join(", ");
+            let help = format!("use {known}{}", nearest_note(other, &CHANGES));
             return Err(table.fault_at(change.at, what, help).with_code(ErrorCode::UnknownName));
         }
     };

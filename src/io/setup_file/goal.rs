@@ -9,10 +9,6 @@ use crate::setup::{Goal, SemiFinishing};
 
 const MINUTES: NumberRange = NumberRange::Above(0.0, 100_000.0);
 
-/// Keys read here.
-pub(super) const GOAL_KEYS: [&str; 6] =
-    ["goal", "max_time", "max_stock", "finish_rate", "finish_depth", "finish_pass_time"];
-
 /// Reads the goal; `None` where the table does not say.
 pub(super) fn read_goal(table: &TomlTable<'_>) -> Result<Option<Goal>, InputError> {
     let [time, stock, rate, depth, pass_time] = [

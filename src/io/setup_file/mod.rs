@@ -1,7 +1,7 @@
 //! The setup file: TOML; lengths in mm, angles in degrees, feed rates in mm/min, spindle speeds in rev/min.
 //!
 //! Every key is optional; absent keys keep the values of the default setup,
-//! [`crate::setup::Setup::for_part`]. An unknown key is an error that names the nearest known key.
+//! [`crate::setup::Setup::for_part`]. An unknown key is an error that names a near known key.
 //!
 //! ```toml
 //! version = 2                # of the file format; absent: that of the program
@@ -30,11 +30,13 @@
 
 mod edits;
 mod goal;
+mod keys;
 mod plunge;
 mod read;
 mod tolerant;
 mod write;
 
+pub use keys::unit_of_key;
 pub use plunge::parse_axis_policy;
 pub(crate) use read::setup_of_table;
 pub use read::{line_of_place, parse_flank_strategy, read_setup, read_setup_bytes, read_setup_with_defaults};

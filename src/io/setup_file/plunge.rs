@@ -1,20 +1,16 @@
 //! Reading the table `[plunge]` of a setup, with its sections.
 
 use super::edits::read_edits;
-use super::goal::{GOAL_KEYS, read_goal};
+use super::goal::read_goal;
+use super::keys::{PLUNGE_KEYS, RENAMED_IN_SECTION, SECTION_KEYS};
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::source::quote_for_message;
-use crate::io::table::{NumberRange, RenamedKeys, TomlTable, nearest};
+use crate::io::table::{NumberRange, TomlTable, nearest_note};
 use crate::io::tool_file::{ALLOWANCE, LENGTH, MAX_NUMBER, check_count};
 use crate::setup::{AxisPolicy, CutDirection, PlungeSetup, SectionKind, SectionSetup, Tool};
 
 const ANGLE: NumberRange = NumberRange::Above(0.0, 90.0);
-
-/// `[plunge]`: keys that were renamed in version 2.
-pub(super) const RENAMED_IN_PLUNGE: RenamedKeys = &[("stepover", "row_spacing"), ("lead_out", "lift")];
-/// `[[plunge.section]]`: keys that were renamed in version 2.
-const RENAMED_IN_SECTION: RenamedKeys = &[("cutting_direction", "feed")];
 
 /// Maximum number of sections in a setup.
 const MAX_SECTIONS: usize = 100;
@@ -25,22 +21,7 @@ pub(super) fn plunge(
     tools: &[Tool],
     plunge: &mut PlungeSetup,
 ) -> Result<(), InputError> {
-    let own = [
-        "axis",
-        "step",
-        "stepover",
-        "wall_scallop",
-        "max_axis_change",
-        "max_tilt",
-        "lead_out",
-        "peck",
-        "adapt_feed",
-        "rapid_approach",
-        "rest",
-        "section",
-        "edit",
-    ];
-    table.check_keys(&[&own[..], &GOAL_KEYS].concat())?;
+    table.check_keys(&PLUNGE_KEYS.map(|(key, _)| key))?;
     if let Some(axis) = table.string("axis")? {
         plunge.axis = parse_axis_policy(axis.value).map_err(|error| table.locate(axis.at, error))?;
     }
@@ -96,7 +77,7 @@ fn check_section_order(sections: &[SectionSetup], tables: &[TomlTable<'_>]) -> R
 }
 
 fn section(table: &TomlTable<'_>, tools: &[Tool]) -> Result<SectionSetup, InputError> {
-    table.check_keys(&["tool", "from", "to", "cutting_direction", "rest", "opening"])?;
+    table.check_keys(&SECTION_KEYS.map(|(key, _)| key))?;
     let needed = |key: &str| {
         table
             .fault(format!("{} has no `{key}`", table.shown()), "give tool, from (outlet end) and to")
@@ -156,15 +137,11 @@ pub fn parse_axis_policy(name: &str) -> Result<AxisPolicy, UserError> {
         Some(policy) => Ok(policy),
         None => {
             let other = name;
-            let near = nearest(other, &AxisPolicy::ALL.map(AxisPolicy::name));
+            let near = nearest_note(other, &AxisPolicy::ALL.map(AxisPolicy::name));
             Err(UserError::new(
                 ErrorCode::UnknownName,
                 format!("{} is not an axis policy", quote_for_message(other)),
-                format!(
-                    "use \"conventional\", \"monotone\", \"minimal\" or \"staircase\" \
-                     (the nearest name is `{}`)",
-                    near.unwrap_or("")
-                ),
+                format!("use \"conventional\", \"monotone\", \"minimal\" or \"staircase\"{near}"),
             ))
         }
     }

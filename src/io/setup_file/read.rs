@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::VERSION;
-use super::plunge::{RENAMED_IN_PLUNGE, plunge};
+use super::keys::{
+    CLEARANCE_KEYS, FLANK_KEYS, MACHINE_KEYS, RENAMED_IN_FLANK, RENAMED_IN_PLUNGE, STOCK_KEYS,
+};
+use super::plunge::plunge;
 use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::blank_file::{is_stl, read_blank, read_blank_file};
 use crate::io::machine_file::{built_in_names, is_built_in, read_machine};
 use crate::io::source::{name_of, quote_for_message, read_bytes};
-use crate::io::table::{NumberRange, RenamedKeys, TomlDocument, TomlTable, nearest};
+use crate::io::table::{NumberRange, TomlDocument, TomlTable, nearest_note};
 use crate::io::tool_file::{ALLOWANCE, LENGTH, MAX_NUMBER, RATE, name, read_tool_tables};
 use crate::part::{BlankFile, BlankShape, Meridional, MeridionalOutline};
 use crate::setup::{AllowanceSetup, FlankSetup, FlankStrategy, Machine, Setup, SetupPlace};
@@ -18,8 +21,6 @@ use crate::setup::{AllowanceSetup, FlankSetup, FlankStrategy, Machine, Setup, Se
 /// Smallest tilt that a machine must reach for a plan, rad.
 const MIN_AXIS_TILT: f64 = 0.02;
 const HALF_TURN: NumberRange = NumberRange::Above(0.0, 180.0);
-/// `[flank]`: keys that were renamed in version 2.
-const RENAMED_IN_FLANK: RenamedKeys = &[("scallop_height", "allowed_error")];
 
 /// Reads a setup file; absent keys keep the values of `defaults`.
 ///
@@ -80,7 +81,7 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
         stock(&table, &mut setup.allowances)?;
     }
     if let Some(table) = root.table("clearance")? {
-        table.check_keys(&["shank", "holder"])?;
+        table.check_keys(&CLEARANCE_KEYS.map(|(key, _)| key))?;
         setup.clearances.shank = table.number_or("shank", ALLOWANCE, setup.clearances.shank)?;
         setup.clearances.holder = table.number_or("holder", ALLOWANCE, setup.clearances.holder)?;
     }
@@ -133,15 +134,7 @@ pub fn line_of_place(bytes: &[u8], place: &SetupPlace) -> usize {
 }
 
 fn stock(table: &TomlTable<'_>, stock: &mut AllowanceSetup) -> Result<(), InputError> {
-    table.check_keys(&[
-        "hub_allowance",
-        "blade_allowance",
-        "safety_distance",
-        "inlet_extension",
-        "blank",
-        "blank_outline",
-        "material",
-    ])?;
+    table.check_keys(&STOCK_KEYS.map(|(key, _)| key))?;
     stock.hub_allowance = table.number_or("hub_allowance", ALLOWANCE, stock.hub_allowance)?;
     stock.blade_allowance = table.number_or("blade_allowance", ALLOWANCE, stock.blade_allowance)?;
     stock.safety_distance = table.number_or("safety_distance", ALLOWANCE, stock.safety_distance)?;
@@ -193,7 +186,7 @@ fn blank(table: &TomlTable<'_>) -> Result<Option<BlankShape>, InputError> {
 /// Reads `[machine]`. A machine without `max_axis_tilt` beside it gives its own; with both the file is not
 /// read: setups within plans stay readable where the machine file is not.
 fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputError> {
-    table.check_keys(&["file", "max_axis_tilt"])?;
+    table.check_keys(&MACHINE_KEYS.map(|(key, _)| key))?;
     let file = table.string("file")?;
     if let Some(angle) = table.number("max_axis_tilt", HALF_TURN)? {
         machine.max_axis_tilt_rad = angle.value.to_radians();
@@ -221,17 +214,7 @@ fn machine(table: &TomlTable<'_>, machine: &mut Machine) -> Result<(), InputErro
 }
 
 fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError> {
-    table.check_keys(&[
-        "tool",
-        "scheme",
-        "layer_depth",
-        "scallop_height",
-        "extension",
-        "feed",
-        "slot_feed",
-        "wall_feed",
-        "ramp_feed",
-    ])?;
+    table.check_keys(&FLANK_KEYS.map(|(key, _)| key))?;
     if let Some(scheme) = table.string("scheme")? {
         flank.strategy =
             parse_flank_strategy(scheme.value).map_err(|error| table.locate(scheme.at, error))?;
@@ -254,14 +237,11 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
 /// When no strategy has this name: what is wrong, and what to do.
 pub fn parse_flank_strategy(name: &str) -> Result<FlankStrategy, UserError> {
     FlankStrategy::ALL.into_iter().find(|scheme| scheme.name() == name).ok_or_else(|| {
-        let near = nearest(name, &FlankStrategy::ALL.map(FlankStrategy::name)).unwrap_or("");
+        let near = nearest_note(name, &FlankStrategy::ALL.map(FlankStrategy::name));
         UserError::new(
             ErrorCode::UnknownName,
             format!("{} is not a flank strategy", quote_for_message(name)),
-            format!(
-                "use \"isoparametric\", \"layers\", \"regions\" or \"balanced\" \
-                 (the nearest name is `{near}`)"
-            ),
+            format!("use \"isoparametric\", \"layers\", \"regions\" or \"balanced\"{near}"),
         )
     })
 }

@@ -1,26 +1,52 @@
 //! Texts of names and values in TOML files.
 
-/// The first of the `known` names with the smallest edit distance to `name`.
-pub fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
+/// Length of a name whose every such part may be mistyped once for it to be near to a known one.
+const CHARS_PER_MISTAKE: usize = 3;
+/// Largest number of known names that a message lists.
+const MAX_LISTED: usize = 12;
+
+/// The one of the `known` names with the smallest edit distance to `name`, the first of several, if it is near
+/// enough to be what was meant: at most one mistake for every three characters.
+fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let name: Vec<char> = name.chars().take(64).flat_map(char::to_lowercase).collect();
-    known.iter().copied().min_by_key(|candidate| edit_distance(&name, candidate))
+    let distances = known.iter().map(|&candidate| (edit_distance(&name, candidate), candidate));
+    let (distance, candidate) = distances.min_by_key(|(distance, _)| *distance)?;
+    let length = name.len().max(candidate.chars().count());
+    (distance <= (length / CHARS_PER_MISTAKE).max(1)).then_some(candidate)
 }
 
-/// Levenshtein distance, with one row of the table.
+/// ` (the nearest is …)` where one of the `known` names is near to `name`, else empty.
+pub fn nearest_note(name: &str, known: &[&str]) -> String {
+    nearest(name, known).map_or_else(String::new, |near| format!(" (the nearest is `{near}`)"))
+}
+
+/// What to do about an unknown `name`, a `kind` of thing such as "key": use one of the `known` names, or remove it.
+pub fn known_or_none(kind: &str, name: &str, known: &[&str]) -> String {
+    match nearest(name, known) {
+        Some(near) => format!("use `{near}`, the nearest known {kind}, or remove it"),
+        None if (1..=MAX_LISTED).contains(&known.len()) => {
+            format!("use one of `{}`, or remove it", known.join("`, `"))
+        }
+        None => "remove it".to_owned(),
+    }
+}
+
+/// Optimal string alignment distance: characters that are missing, too many, wrong, or swapped with the next.
 fn edit_distance(a: &[char], b: &str) -> usize {
+    let mut before: Vec<usize> = Vec::new();
     let mut row: Vec<usize> = (0..=a.len()).collect();
+    let mut last = None;
     for (i, cb) in b.chars().enumerate() {
-        let mut diagonal = i;
-        let mut left = i + 1;
-        if let Some(first) = row.first_mut() {
-            *first = left;
+        let mut next = vec![i + 1; a.len() + 1];
+        for (j, &ca) in a.iter().enumerate() {
+            let changed = row[j] + usize::from(ca != cb);
+            next[j + 1] = changed.min(next[j] + 1).min(row[j + 1] + 1);
+            if j > 0 && last == Some(ca) && a[j - 1] == cb {
+                next[j + 1] = next[j + 1].min(before[j - 1] + 1);
+            }
         }
-        for (ca, above) in a.iter().zip(row.iter_mut().skip(1)) {
-            let least = (diagonal + usize::from(*ca != cb)).min(left + 1).min(*above + 1);
-            diagonal = *above;
-            *above = least;
-            left = least;
-        }
+        (before, row) = (row, next);
+        last = Some(cb);
     }
     row.last().copied().unwrap_or_default()
 }
@@ -61,8 +87,22 @@ mod tests {
     fn nearest_name_by_edit_distance() {
         assert_eq!(nearest("diametr", &["number", "diameter", "overhang"]), Some("diameter"));
         assert_eq!(nearest("STEP", &["axis", "step"]), Some("step"));
-        assert_eq!(edit_distance(&"kitten".chars().collect::<Vec<_>>(), "sitting"), 3);
-        assert_eq!(edit_distance(&[], "abc"), 3);
+        let distance = |a: &str, b| edit_distance(&a.chars().collect::<Vec<_>>(), b);
+        assert_eq!([distance("kitten", "sitting"), distance("", "abc"), distance("abc", "")], [3, 3, 3]);
+        assert_eq!([distance("stpe", "step"), distance("ba", "ab"), distance("ca", "abc")], [1, 1, 3]);
+    }
+
+    #[test]
+    fn what_is_not_near_is_not_suggested() {
+        let known = ["number", "diameter", "overhang"];
+        assert_eq!(nearest("stpe", &["axis", "step"]), Some("step"), "swapped");
+        assert_eq!(nearest("colour", &known), None);
+        assert_eq!(nearest("", &known), None);
+        assert_eq!(nearest_note("diametre", &known), " (the nearest is `diameter`)");
+        assert_eq!(nearest_note("colour", &known), "");
+        let help = known_or_none("key", "colour", &known);
+        assert_eq!(help, "use one of `number`, `diameter`, `overhang`, or remove it");
+        assert_eq!(known_or_none("key", "colour", &["x"; MAX_LISTED + 1]), "remove it");
     }
 
     #[test]
