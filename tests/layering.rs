@@ -1,6 +1,9 @@
-//! The order of the modules of the library: each uses only those above it.
+//! The order of the modules of the library: each uses only those above it, and no two files use each other.
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
+
+#[path = "layering/cycles.rs"]
+mod cycles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -22,12 +25,9 @@ const OUTSIDE: [&str; 11] =
 /// `stock`. `drawing` turns parts, setups and plans into these.
 const USED_BY_GPU: [&str; 6] = ["error", "palette", "geometry", "mesh", "stock", "gpu"];
 
-/// The source files of a module of the library.
-fn sources(module: &str) -> Vec<PathBuf> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut found = vec![src.join(format!("{module}.rs"))];
-    found.retain(|file| file.exists());
-    let mut folders = vec![src.join(module)];
+/// The Rust files below a folder.
+fn sources_below(folder: &Path) -> Vec<PathBuf> {
+    let (mut found, mut folders) = (Vec::new(), vec![folder.to_owned()]);
     while let Some(folder) = folders.pop() {
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = entry.path();
@@ -38,6 +38,15 @@ fn sources(module: &str) -> Vec<PathBuf> {
             }
         }
     }
+    found
+}
+
+/// The source files of a module of the library.
+fn sources(module: &str) -> Vec<PathBuf> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = vec![src.join(format!("{module}.rs"))];
+    found.retain(|file| file.exists());
+    found.extend(sources_below(&src.join(module)));
     assert!(!found.is_empty(), "no sources of {module}");
     found
 }
@@ -245,6 +254,25 @@ fn the_picture_of_the_structure_is_up_to_date() {
     let boxes: BTreeSet<String> = MODULES.into_iter().map(str::to_owned).collect();
     assert_eq!(ids("text"), boxes, "draw it again: scripts/structure");
     assert_eq!(ids("path"), arrows(), "draw it again: scripts/structure");
+}
+
+/// The modules in the rows of the first table of `text` that names any; its lines begin with `start`.
+fn modules_in_table(text: &str, start: &str) -> Vec<String> {
+    let cell = |line: &str| -> Option<String> {
+        let name = line.strip_prefix(start)?.trim_start_matches('[').strip_prefix('`')?.split('`').next()?;
+        MODULES.contains(&name).then(|| name.to_owned())
+    };
+    let rows = text.lines().skip_while(|line| cell(line).is_none());
+    rows.map_while(|line| cell(line)).collect()
+}
+
+#[test]
+fn the_tables_of_modules_are_in_the_order() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (file, start) in [("src/lib.rs", "//! | "), ("docs/ARCHITECTURE.md", "| ")] {
+        let text = fs::read_to_string(root.join(file)).expect("readable");
+        assert_eq!(modules_in_table(&text, start), MODULES, "{file}");
+    }
 }
 
 #[test]

@@ -13,8 +13,8 @@
 use std::path::Path;
 
 use super::super::InputError;
-use super::super::source::{JOINT, MAX_POINTS, Source, name_of, read_bytes, text};
-use super::{TurboGridFrame, profile_header};
+use super::super::source::{JOINT, MAX_POINTS, Source, name_of, number, read_bytes, text};
+use super::inf::TurboGridFrame;
 use crate::error::ErrorCode;
 use crate::geometry::Point;
 use crate::part::{BladeDescription, Meridional};
@@ -300,4 +300,14 @@ fn turn_at(points: &[(Point, Mark)], k: usize) -> f64 {
     let n = points.len();
     let at = |k: usize| points.get(k % n).map_or_else(Point::origin, |(p, _)| *p);
     (at(k) - at(k + n - 1)).angle(&(at(k + 1) - at(k)))
+}
+
+/// The span in percent of a section header `# Profile 1 at 20.00%`, if the line is one.
+fn profile_header(line: &str) -> Option<Option<f64>> {
+    let words = line.strip_prefix('#').filter(|rest| !rest.starts_with('#'))?;
+    if !words.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("profile")) {
+        return None;
+    }
+    let last = words.split_whitespace().last().unwrap_or_default();
+    Some(last.strip_suffix('%').and_then(|percent| number(percent).ok()))
 }

@@ -1,6 +1,8 @@
 use std::fs;
+use std::path::PathBuf;
 
 use super::*;
+use crate::geometry::Point;
 use crate::part::BladeDescription;
 
 const INF: &str = "! export\nAxis of Rotation: Z\nNumber of Blade Sets: 9\nNumber of Blades Per Set: 2\n\
@@ -72,7 +74,7 @@ fn marked_and_unmarked_edges_split_alike() {
 }
 
 #[test]
-fn unnamed_blades_are_told_apart_by_their_span() {
+fn unnamed_blades_are_distinguished_by_their_span() {
     let (_folder, path) = files(INF, &format!("{0}{0}", blade("", ["le", "te1", "te2", ""])));
     assert_eq!(read(&path).unwrap().splitters.len(), 1);
 }
