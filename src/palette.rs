@@ -219,7 +219,7 @@ mod tests {
 
     /// Least distance in Oklab, where black and white are 1 apart. Steps of .02 are just visible side by
     /// side.
-    const LEAST_DISTANCE: f64 = 0.09;
+    const MIN_DISTANCE: f64 = 0.09;
 
     #[test]
     fn classes_are_distinct_to_colour_blind_viewers() {
@@ -229,7 +229,7 @@ mod tests {
                 for &b in &all[..k] {
                     let (p, q) = (oklab(a, sight), oklab(b, sight));
                     let distance = p.iter().zip(q).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt();
-                    assert!(distance > LEAST_DISTANCE, "{a:?} and {b:?} are {distance:.3} apart");
+                    assert!(distance > MIN_DISTANCE, "{a:?} and {b:?} are {distance:.3} apart");
                 }
             }
         }

@@ -28,10 +28,10 @@ const TABLE_RADIUS: f64 = 1.15;
 const SPINDLE: (f64, f64) = (55.0, 150.0);
 /// Half the width of a ram, mm.
 const RAM_HALF: f64 = 90.0;
-/// Steepest direction of an axis that counts as level, and flattest that counts as upright: z of its unit
+/// Steepest direction of an axis that counts as level, and flattest that counts as vertical: z of its unit
 /// vector.
 const LEVEL: f64 = 0.3;
-const UPRIGHT: f64 = 0.95;
+const VERTICAL: f64 = 0.95;
 
 /// A tool as it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,7 +84,7 @@ impl Solids<'_> {
         for (&axis, is_last) in carried.iter().zip((1..=carried.len()).map(|n| n == carried.len())) {
             let (turned, k) = (MachineBody::Table(axis), machine.rotary[axis].direction);
             let carrier = if is_last { MachineBody::Base } else { MachineBody::Table(axis + 1) };
-            if k.z.abs() > UPRIGHT {
+            if k.z.abs() > VERTICAL {
                 let centre = Point::new(machine.rotary[axis].point.x, machine.rotary[axis].point.y, top.z);
                 self.cylinder(turned, [down(centre, THICK), centre], [TABLE_RADIUS * radius; 2], TABLE);
                 top = down(centre, THICK);
@@ -149,7 +149,7 @@ impl Solids<'_> {
         {
             let (body, rotary) = (MachineBody::Head(axis), &machine.rotary[axis]);
             let carrier = before.map_or(MachineBody::Ram, |&axis| MachineBody::Head(axis));
-            if rotary.direction.z.abs() > UPRIGHT {
+            if rotary.direction.z.abs() > VERTICAL {
                 let centre = Point::new(rotary.point.x, rotary.point.y, top);
                 let ends = [centre, centre + Vector::z() * 60.0];
                 self.cylinder(body, ends, [1.3 * SPINDLE.0; 2], HEAD);

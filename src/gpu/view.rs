@@ -11,7 +11,7 @@ pub enum View {
     /// The whole wheel from obliquely above the inlet, the active channel to the front.
     #[default]
     Iso,
-    /// The whole wheel from the side, axis upright.
+    /// The whole wheel from the side, axis vertical.
     Front,
     /// The whole wheel along its axis, inlet towards the viewer.
     Top,

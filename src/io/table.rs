@@ -115,7 +115,8 @@ impl<'t> TomlTable<'t> {
     /// Checks that the table has no keys other than `known` and their former names.
     ///
     /// # Errors
-    /// At the first unknown key, with the nearest known one where one is near; at a former name beside the present one.
+    /// At the first unknown key, with the nearest known one where one is near; at a former name beside the
+    /// present one.
     pub fn check_keys(&self, known: &[&str]) -> Result<(), InputError> {
         for (name, former) in self.renamed {
             if let (Some(_), Some(value)) = (self.table.get(*name), self.table.get(*former)) {

@@ -96,9 +96,9 @@ impl PlanCache {
 
 impl PlanOutcome {
     /// The outcome with the requested plan made again around the plunges that `locks` keep; `None` after a
-    /// stop. `sections` gives so many leading sections of the plan without them: those before the first that
-    /// has a locked plunge are the same. Its stages are reported: they replace those of the plan without
-    /// them.
+    /// stop. `sections` gives leading sections of the plan without them, by their number: those before the
+    /// first that has a locked plunge are the same. Its stages are reported: they replace those of the plan
+    /// without them.
     fn planned_around(
         &self,
         locks: &[PlungeEdit],

@@ -434,7 +434,7 @@ mod tests {
     }
 
     #[test]
-    fn failure_and_panic_are_told_apart() {
+    fn failure_and_panic_are_distinguished() {
         let worker = Worker::new("test", fake, || ());
         worker.submit(2);
         assert!(matches!(until(|| worker.take_outcome()).1, Outcome::Failed("no")), "an error is an error");

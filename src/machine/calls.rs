@@ -6,7 +6,7 @@ use super::model::{AxisSide, MachineTool, OutputKind};
 use crate::error::{ErrorCode, UserError};
 
 /// Least |z| of the direction of an axis that turns the part about its own axis.
-const UPRIGHT: f64 = 1.0 - 1e-9;
+const VERTICAL: f64 = 1.0 - 1e-9;
 /// Distance of the part's axis from that of its table below which they are the same, mm.
 const CENTRED: f64 = 1e-3;
 
@@ -53,7 +53,7 @@ impl MachineTool {
     fn turns_part(&self) -> bool {
         let first = &self.rotary[0];
         let off = first.point - self.part.origin;
-        first.side == AxisSide::Table && first.direction.z.abs() >= UPRIGHT && off.x.hypot(off.y) <= CENTRED
+        first.side == AxisSide::Table && first.direction.z.abs() >= VERTICAL && off.x.hypot(off.y) <= CENTRED
     }
 
     /// Turns of the part, rad, of those calls that the machine does not run like the first one.

@@ -111,7 +111,7 @@ pub fn describe_source(
             )
         })?,
     };
-    let upright = |surface: MeshSurface| match frame {
+    let about_z = |surface: MeshSurface| match frame {
         PartFromFile::Along(Axis::Z) => surface,
         _ => surface.transformed(|p| frame.apply(p)),
     };
@@ -120,14 +120,14 @@ pub fn describe_source(
         PartFromFile::Along(Axis::Z) => normals,
         _ => normals.transformed(|p| frame.apply(&scaled(p))),
     };
-    let mut hub = upright(hub);
-    let mut shroud = shroud.map(|mesh| upright(MeshSurface::of(&mesh)));
+    let mut hub = about_z(hub);
+    let mut shroud = shroud.map(|mesh| about_z(MeshSurface::of(&mesh)));
     let mut blade_surfaces: Vec<(Role, MeshSurface)> =
-        blade_meshes.into_iter().map(|(role, mesh)| (role, upright(MeshSurface::of(&mesh)))).collect();
+        blade_meshes.into_iter().map(|(role, mesh)| (role, about_z(MeshSurface::of(&mesh)))).collect();
     let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
     if let Some(name) = one {
         let bodies =
-            bodies.into_iter().map(|b| Body { surface: upright(b.surface), ..b }).collect::<Vec<Body>>();
+            bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
         let segments = match segment_bodies(bodies, &mut notes) {
             Ok(Some(segments)) => segments,
             _ => segment_wheel(&hub, &name)?,

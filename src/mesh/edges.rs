@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_jump_is_told_from_a_curved_edge() {
+    fn a_jump_is_distinguished_from_a_curved_edge() {
         let curved: Vec<Vector> =
             (0..13).map(|k| Vector::new(0.1 * f64::from(k * k), f64::from(k), 0.0)).collect();
         assert!(largest_irregularity(&curved).expect("enough of them").1 < 0.11);

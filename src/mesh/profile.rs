@@ -23,7 +23,7 @@ const MAX_SPANS: usize = 240;
 const MAX_ITERATIONS: usize = 40;
 /// Largest number of rounds that remove the feet of fillets, the distance along the course within which a
 /// lower point tells a foot, as a share of the curve, and how much lower, as a share of the tolerance.
-const MAX_SETTLING: usize = 12;
+const MAX_FOOT_ROUNDS: usize = 12;
 const NEARBY: f64 = 0.01;
 const FOOT: f64 = 0.02;
 /// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
@@ -159,7 +159,7 @@ impl Course {
         tolerance: f64,
     ) -> FittedProfile {
         points.sort_by(|a, b| self.coordinates_of(*a).0.total_cmp(&self.coordinates_of(*b).0));
-        for _ in 0..MAX_SETTLING {
+        for _ in 0..MAX_FOOT_ROUNDS {
             let Some(curve) = SmoothFunction::fit(&self.pairs(&profile.points), MAX_SPANS) else { break };
             let over: Vec<(f64, f64)> =
                 self.pairs(&points).into_iter().map(|(x, y)| (x, sign * (y - curve.at(x)))).collect();

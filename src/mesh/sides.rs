@@ -82,15 +82,16 @@ impl SideCurve {
             nodes.extend((0..4).map(|k| pair[0] + (pair[1] - pair[0]) * f64::from(k) / 4.0));
         }
         nodes.push(length);
-        let settled = |t: f64| 1.0 - (-t / (1.2 * nose)).exp();
+        let approached = |t: f64| 1.0 - (-t / (1.2 * nose)).exp();
         let mut along = vec![0.0];
         let mut total = 0.0;
         for pair in nodes.windows(2) {
             let gain = (self.curve.point(pair[1])[3] - self.curve.point(pair[0])[3])
                 .max(1e-9 * (pair[1] - pair[0]) / length);
             let middle = 0.5 * (pair[0] + pair[1]);
-            total +=
-                gain * settled(middle) * tail.map_or(1.0, |b| 1.0 - (-(length - middle) / (1.2 * b)).exp());
+            total += gain
+                * approached(middle)
+                * tail.map_or(1.0, |b| 1.0 - (-(length - middle) / (1.2 * b)).exp());
             along.push(total);
         }
         let round = |t: f64, a: f64| NOSE_SHARE * (1.0 - (-t / (2.0 * a)).exp());

@@ -59,12 +59,12 @@ pub fn fit_tip_curve(
         let curve = MeridionalCurve::through(&through.points).with_outer_side_towards(middle);
         let kept: Vec<Meridional> = tips.iter().filter(|p| curve.project(**p).1 < near).copied().collect();
         near = (0.5 * near).max(NEAR * height);
-        let settled = kept.len() == tips.len();
+        let converged = kept.len() == tips.len();
         if kept.len() < 8 {
             break;
         }
         tips = kept;
-        if settled && near <= NEAR * height {
+        if converged && near <= NEAR * height {
             break;
         }
     }

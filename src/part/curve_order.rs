@@ -18,7 +18,7 @@ const CORNER: f64 = FRAC_PI_4;
 /// Share of the largest radius within which a point is at the rim.
 const AT_RIM: f64 = 1e-6;
 /// Share of the largest radius by which the side towards the blades rises at least.
-const LEAST_RISE: f64 = 0.1;
+const MIN_RISE: f64 = 0.1;
 /// The side towards the blades is nearer to the shroud than this share of the distance of any other.
 const NEARER: f64 = 0.7;
 /// Number of points of the shroud from which distances are measured.
@@ -106,7 +106,7 @@ pub(super) fn hub_profile(points: &[Meridional], shroud: &MeridionalCurve) -> Hu
     let run = |pair: &[usize]| (pair[0]..=pair[1]).map(|i| points[i % n]).collect::<Vec<_>>();
     let rises = |run: &Vec<Meridional>| {
         let inner = run.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
-        run.iter().any(at_rim) && rim - inner > LEAST_RISE * rim
+        run.iter().any(at_rim) && rim - inner > MIN_RISE * rim
     };
     let away = |run: &[Meridional]| {
         let from = |k: usize| {

@@ -143,7 +143,7 @@ impl BladeSide {
     /// Whether the side is rounded at its trailing edge.
     pub fn has_round_tail(&self) -> bool {
         let direction = |u: f64| self.derivatives(u, 0.5).1;
-        direction(1.0).angle(&direction(1.0 - SETTLED_U)) > ROUND_RAD
+        direction(1.0).angle(&direction(1.0 - STEADY_U)) > ROUND_RAD
     }
 
     /// The side without its rounded ends: from where its direction comes within 10° of that at 8 % of the
@@ -151,16 +151,16 @@ impl BladeSide {
     /// round where its direction turns by more than 30°; a blunt end with a corner and a sharp one are kept.
     pub fn flank(&self) -> Self {
         const STEPS: usize = 60;
-        const SETTLED_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+        const STEADY_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
         // Length in u of the rounded end at u = `end` on the line `v`; `None` where that end is not round.
         let round = |end: f64, v: f64| {
             let u = |distance: f64| (end - distance).abs();
-            let (_, settled, _) = self.derivatives(u(SETTLED_U), v);
-            let bend = |distance: f64| self.derivatives(u(distance), v).1.angle(&settled) - SETTLED_RAD;
-            if bend(0.0) < ROUND_RAD - SETTLED_RAD {
+            let (_, steady, _) = self.derivatives(u(STEADY_U), v);
+            let bend = |distance: f64| self.derivatives(u(distance), v).1.angle(&steady) - STEADY_RAD;
+            if bend(0.0) < ROUND_RAD - STEADY_RAD {
                 return None;
             }
-            let at = |i: usize| SETTLED_U * i as f64 / STEPS as f64;
+            let at = |i: usize| STEADY_U * i as f64 / STEPS as f64;
             let last = (0..STEPS).rev().find(|&i| bend(at(i)) > 0.0)?;
             // Refined to the root: much depends on this border, and on a grid it would jump as the part
             // changes.
@@ -231,7 +231,7 @@ impl SideLine<'_> {
 }
 
 /// Distance in u from an end beyond which the side is certainly flank.
-const SETTLED_U: f64 = 0.08;
+const STEADY_U: f64 = 0.08;
 /// Least turn of the direction of a side at a rounded end, rad.
 const ROUND_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 

@@ -79,7 +79,7 @@ impl<'a> PlanContext<'a> {
         AssemblyRule::new(tool, finished, blank, self.setup).map(|rule| rule.after(self.opening.all()))
     }
 
-    /// Checks that the plan may have so many `positions`, of which the last ones are cut by `tool`.
+    /// Checks that the plan may have this number of `positions`, of which the last ones are cut by `tool`.
     ///
     /// # Errors
     /// At `place` when they are too many.

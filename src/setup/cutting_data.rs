@@ -206,7 +206,7 @@ const MAX_SPINDLE: f64 = 20_000.0;
 /// that plunge quietly.
 pub const ASSUMED_TEETH: u32 = 2;
 
-/// Greatest step along a row, in insert widths, up to a stick-out of so many diameters: the whole width up to
+/// Greatest step along a row, in insert widths, by the largest stick-out in diameters: the whole width up to
 /// 4 D, less where a tool is more slender, as its overhang decides on the radial cut (Dormer Pramet 2021,
 /// p. 774, which ends at 8 D).
 const STEP_OF_INSERTS: [(f64, f64); 4] = [(4.0, 1.0), (8.5, 0.8), (10.0, 0.65), (f64::INFINITY, 0.5)];

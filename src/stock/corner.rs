@@ -25,7 +25,7 @@ const RAYS: usize = 96;
 /// See [`RAYS`].
 const RAY_TOLERANCE: f64 = 0.02;
 /// Share of the height of the stock below which a cutter has to be to remove any.
-const LEAST_CUT: f64 = 0.9985;
+const MIN_CUT_SHARE: f64 = 0.9985;
 /// Error of a pose that was not measured, in radii.
 const DRAFT_ERROR: f64 = 0.05;
 /// Weight of missing clearance relative to distance from the wall.
@@ -410,7 +410,7 @@ impl<'a> FloorRays<'a> {
     fn first_cut(&self, cutter: &CutterSolid, bound: f64) -> Option<f64> {
         let is_cut = |(foot, normal, height): &(Point, Vector, f64)| {
             let entry = cutter.column_interval(cutter.radius, foot, normal);
-            entry.is_some_and(|(low, high)| high > 0.0 && low < LEAST_CUT * height)
+            entry.is_some_and(|(low, high)| high > 0.0 && low < MIN_CUT_SHARE * height)
         };
         let count = (bound / self.step + 2.0).min(RAYS as f64) as usize;
         let first = self.rays[..count].iter().position(is_cut)?;

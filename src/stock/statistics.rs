@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn uncut_cells_are_told_apart_and_what_is_no_floor_left_out() {
+    fn uncut_cells_are_distinguished_and_what_is_no_floor_left_out() {
         let mut grid = grid(vec![10.0, 10.0, 10.0, 0.0], vec![1.0; 4]);
         grid.floor[2] = false;
         let figures = statistics(&grid, &[9.995, 1.0, 7.0, 0.0], |_| true);
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_out_of_reach_are_told_apart_whether_cut_or_not() {
+    fn inaccessible_cells_are_distinguished_whether_cut_or_not() {
         let mut grid = grid(vec![10.0, 10.0, 10.0, 3.0], vec![1.0, 1.0, 1.0, 2.0]);
         grid.reachable[3] = false;
         let figures = statistics(&grid, &[10.0, 1.0, 2.0, 3.0], |_| true);

@@ -35,7 +35,7 @@ impl PlanClock {
         self.machine.as_ref().filter(|_| !self.refuses)
     }
 
-    /// The clock once the machine has refused the plan that was asked for: times of all plans are then told
+    /// The clock once the machine has refused the plan that was asked for: times of all plans are then given
     /// without it, so that they can be compared.
     pub fn after_refusal(&self) -> Self {
         Self { machine: self.machine.clone(), refuses: true }

@@ -75,7 +75,7 @@ impl<'a> Tradeoff<'a> {
 
     /// The point with the least time of plunging and `finishing`: the best at some times, and at more between
     /// the neighbours of that one. The total need not have one minimum only.
-    fn least_total(&self, finishing: &SemiFinishing) -> Option<TradeoffPoint> {
+    fn min_total(&self, finishing: &SemiFinishing) -> Option<TradeoffPoint> {
         let least = |points: &[TradeoffPoint]| {
             points.iter().min_by(|a, b| a.total_s(finishing).total_cmp(&b.total_s(finishing))).copied()
         };
@@ -158,7 +158,7 @@ impl<'a> Tradeoff<'a> {
                 self.all(|thinning| thinning.last_within_stock(limit)).min_by(by_time)
             }
             Goal::Balance => bend(&self.points(GOAL_POINTS)),
-            Goal::Total { finishing } => self.least_total(&finishing),
+            Goal::Total { finishing } => self.min_total(&finishing),
         };
         chosen.unwrap_or_else(|| first.point(0))
     }

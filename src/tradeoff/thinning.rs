@@ -50,7 +50,7 @@ pub struct Thinning<'a> {
     uncut_share: f64,
     /// Plunges that can be left out, the first one first.
     order: Vec<usize>,
-    /// Times that were told, by the number of plunges left out.
+    /// Times computed so far, by the number of plunges left out.
     times_s: Mutex<HashMap<usize, f64>>,
 }
 

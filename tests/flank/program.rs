@@ -164,7 +164,7 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
 }
 
 #[test]
-fn a_flank_file_reads_back_and_damage_is_told() {
+fn a_flank_file_reads_back_and_damage_is_reported() {
     let outcome = &*BALANCED;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.toml");
     let text = write_flank(&read_part(&path).expect("readable"), &outcome.setup, &outcome.plan);

@@ -154,7 +154,8 @@ fn the_walls_of_all_splitters_are_cut() {
     }
 }
 
-/// Checks that a plan cuts the walls of all its splitters, so many, and no other place.
+/// Checks that a plan cuts the walls of all its splitters, of which there are `splitters`, and no other
+/// place.
 fn judge(outcome: &FlankOutcome, splitters: usize) {
     let (plan, strategy) = (&outcome.plan, outcome.setup.flank.strategy);
     let place = format!("{splitters} splitters, {strategy:?}");

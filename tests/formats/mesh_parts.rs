@@ -289,7 +289,7 @@ fn the_sides_of_a_blade_may_be_meshes_of_their_own() {
 }
 
 #[test]
-fn splitters_without_a_name_are_told_by_their_length() {
+fn splitters_without_a_name_are_recognised_by_their_length() {
     let part = sample("impeller9x9.toml");
     let mut meshes = separate(&part);
     meshes.iter_mut().filter(|m| m.name.starts_with("Splitter")).for_each(|m| m.name = "Vane".into());

@@ -64,7 +64,7 @@ fn a_cutoff_leaves_out_only_what_is_further() {
 }
 
 #[test]
-fn whether_a_cutter_is_near_is_told_as_it_is_measured() {
+fn whether_a_cutter_is_near_is_found_as_it_is_measured() {
     for name in SAMPLES {
         let part = sample(name);
         let channel = Channel::of(&part);

@@ -246,16 +246,16 @@ fn a_splitter_close_to_a_blade_does_not_make_the_cutters_of_the_wide_passage_tin
         let passages = Channel::of(part).beside_splitter;
         passages.iter().map(|p| PassageWidth::new(part, p).min_width(0.9)).fold(f64::INFINITY, f64::min)
     };
-    let told = |resolved: &Resolved| {
+    let names_narrow = |resolved: &Resolved| {
         resolved.reasons.iter().flatten().any(|reason| reason.contains("beside much wider ones"))
     };
     let (inside, close) = (with_splitters_at(-30.0), with_splitters_at(-18.0));
     assert!(narrowest(&close) < 1.5 && narrowest(&inside) > 5.0);
     let resolved = chosen(&close, &Setup::default());
     assert!(diameters(&resolved).iter().all(|&diameter| diameter > 2.0), "{:?}", diameters(&resolved));
-    assert!(told(&resolved), "{:?}", resolved.reasons);
+    assert!(names_narrow(&resolved), "{:?}", resolved.reasons);
     let resolved = chosen(&inside, &Setup::default());
-    assert!(!told(&resolved), "every passage counts: {:?}", resolved.reasons);
+    assert!(!names_narrow(&resolved), "every passage counts: {:?}", resolved.reasons);
 }
 
 #[test]

@@ -304,7 +304,7 @@ fn large(count: usize) -> Vec<u8> {
 }
 
 #[test]
-fn a_library_of_a_maker_with_many_thousand_tools_is_read_and_told_in_few_lines() {
+fn a_library_of_a_maker_with_many_thousand_tools_is_read_and_reported_in_few_lines() {
     let bytes = large(20_000);
     let started = std::time::Instant::now();
     let library = read_library_bytes("maker.json", &bytes, LibraryFormat::FusionJson).expect("reads");

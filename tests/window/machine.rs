@@ -284,7 +284,7 @@ fn the_machine_is_a_layer_of_the_view() {
 }
 
 #[test]
-fn the_axes_of_a_position_are_told_under_the_pointer() {
+fn the_axes_of_a_position_are_shown_under_the_pointer() {
     let mut window = with_machine("ac-trunnion");
     let values = |window: &Window, k: usize| {
         let machine = on_machine(window);

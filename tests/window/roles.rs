@@ -91,7 +91,7 @@ fn source(window: &Window) -> Option<PartSource> {
 }
 
 #[test]
-fn nodes_without_names_are_told_apart_by_hand() {
+fn nodes_without_names_are_distinguished_by_hand() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = wheel(folder.path(), nameless);
     let (engine, _) = fake::engine();

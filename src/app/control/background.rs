@@ -143,7 +143,7 @@ impl App {
     }
 
     /// Stores the latest preview; previews of finished or superseded tasks are dropped.
-    fn collect_coming(&mut self) {
+    fn collect_preview(&mut self) {
         let preview = self.work.preview.take().filter(|preview| preview.task == self.work.tasks);
         if !self.work.planner.is_busy() {
             self.state.results.preview = None;
@@ -256,7 +256,7 @@ impl App {
                 }
             }
         }
-        self.collect_coming();
+        self.collect_preview();
         if let Some((_, end)) = self.work.flanker.take_outcome() {
             self.take_flank(end);
         }

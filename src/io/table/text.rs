@@ -5,8 +5,8 @@ const CHARS_PER_MISTAKE: usize = 3;
 /// Largest number of known names that a message lists.
 const MAX_LISTED: usize = 12;
 
-/// The one of the `known` names with the smallest edit distance to `name`, the first of several, if it is near
-/// enough to be what was meant: at most one mistake for every three characters.
+/// The one of the `known` names with the smallest edit distance to `name`, the first of several, if it is
+/// near enough to be what was meant: at most one mistake for every three characters.
 fn nearest<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let name: Vec<char> = name.chars().take(64).flat_map(char::to_lowercase).collect();
     let distances = known.iter().map(|&candidate| (edit_distance(&name, candidate), candidate));
@@ -20,7 +20,8 @@ pub fn nearest_note(name: &str, known: &[&str]) -> String {
     nearest(name, known).map_or_else(String::new, |near| format!(" (the nearest is `{near}`)"))
 }
 
-/// What to do about an unknown `name`, a `kind` of thing such as "key": use one of the `known` names, or remove it.
+/// What to do about an unknown `name`, a `kind` of thing such as "key": use one of the `known` names, or
+/// remove it.
 pub fn known_or_none(kind: &str, name: &str, known: &[&str]) -> String {
     match nearest(name, known) {
         Some(near) => format!("use `{near}`, the nearest known {kind}, or remove it"),

@@ -245,8 +245,8 @@ impl AppState {
     /// The last whole plan on a side; it may be older than the setup.
     pub fn last_whole_plan(&self, side: Side) -> Option<ShownPlan<'_>> {
         let planned = self.results.planned.as_ref()?;
-        let wished = self.look.policies[side].filter(|&policy| planned.has(policy));
-        Some(ShownPlan { planned, policy: wished.unwrap_or_else(|| planned.default_policy(side)) })
+        let wanted = self.look.policies[side].filter(|&policy| planned.has(policy));
+        Some(ShownPlan { planned, policy: wanted.unwrap_or_else(|| planned.default_policy(side)) })
     }
 
     /// Policy that a side will show when the running task finishes.

@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn projects_of_one_name_are_told_apart_by_their_folders() {
+    fn projects_of_one_name_are_distinguished_by_their_folders() {
         let all = ["/a/new/wheel.vanecut", "/a/old/wheel.vanecut", "/b/old/wheel.vanecut", "/b/pump.vanecut"];
         let all = all.map(PathBuf::from);
         let names: Vec<String> = all.iter().map(|path| name_in_list(path, &all)).collect();

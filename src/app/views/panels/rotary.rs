@@ -88,17 +88,17 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let count = plan.ends.len();
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, HEAD), rect.max - egui::vec2(5.0, 5.0));
     let scale = PositionScale { inner, count };
-    let upright = |k: usize, stroke: Stroke| {
+    let vertical = |k: usize, stroke: Stroke| {
         painter.vline(scale.place(k, 0.0).x, inner.y_range(), stroke);
     };
     let faint = ui.visuals().weak_text_color().gamma_multiply(0.4);
     for k in state.boundaries(Boundary::Section).into_iter().filter(|&k| k > 0) {
-        upright(k, Stroke::new(1.0, faint));
+        vertical(k, Stroke::new(1.0, faint));
     }
     let now = state.timeline_cut().map_or(count, |cut| cut.min(count)).checked_sub(1);
     let accent = theme::accent(ui.visuals());
     if let Some(k) = now {
-        upright(k, Stroke::new(1.0, accent));
+        vertical(k, Stroke::new(1.0, accent));
     }
     let font = FontId::proportional(theme::MIN_TEXT_SIZE);
     let mut at = rect.min + egui::vec2(5.0, 3.0);

@@ -53,7 +53,7 @@ const STEP: FieldSpec = FieldSpec::mm(
     100.0,
 )
 .sliding(1.0, 30.0);
-const ROW_SPACING: FieldSpec = FieldSpec::mm(
+const STEPOVER: FieldSpec = FieldSpec::mm(
     "Stepover",
     "Maximum distance of neighbouring rows; auto: 4/3 of each tool's radius.\n\
      Smaller: lower scallops between rows, but more rows and time",
@@ -290,7 +290,7 @@ pub fn plunge(
         }
         let (step, spacing) = (first.map(|t| t.insert_width), first.map(|t| 4.0 / 3.0 * t.radius()));
         fields::optional_row(ui, &mut setup.plunge.step, &STEP, step);
-        fields::optional_row(ui, &mut setup.plunge.stepover, &ROW_SPACING, spacing);
+        fields::optional_row(ui, &mut setup.plunge.stepover, &STEPOVER, spacing);
         fields::angle_row(ui, &mut setup.plunge.max_tilt_rad, default.max_tilt_rad, &TILT);
         fields::angle_row(ui, &mut setup.machine.max_axis_tilt_rad, machine.max_axis_tilt_rad, &MACHINE);
         fields::angle_row(ui, &mut setup.plunge.max_axis_change_rad, default.max_axis_change_rad, &CHANGE);

@@ -191,7 +191,7 @@ impl SidePicture {
         }
     }
 
-    /// Shows the machine after so many plunges of a plan on it, or none.
+    /// Shows the machine with its program after a number of plunges of the plan, or after all; or no machine.
     pub fn load_machine(&mut self, machine: Option<(Arc<ProgramOnMachine>, Option<usize>)>) {
         let same = match (&self.machine, &machine) {
             (Some((a, cut)), Some((b, wanted))) => Arc::ptr_eq(a, b) && cut == wanted,
