@@ -263,7 +263,7 @@ fn modules_in_table(text: &str, start: &str) -> Vec<String> {
         MODULES.contains(&name).then(|| name.to_owned())
     };
     let rows = text.lines().skip_while(|line| cell(line).is_none());
-    rows.map_while(|line| cell(line)).collect()
+    rows.map_while(cell).collect()
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn bare(code: &str) -> String {
     let mut out = String::with_capacity(code.len());
     let (mut in_text, mut before) = (false, ' ');
     for c in code.chars() {
-        let is_quote = c == '"' && before != '\\' && !(before == '\'' && !in_text);
+        let is_quote = c == '"' && before != '\\' && (in_text || before != '\'');
         if is_quote {
             in_text = !in_text;
         } else if !in_text {
