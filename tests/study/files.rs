@@ -127,7 +127,8 @@ fn bad_studies_are_refused_in_one_line() {
         ("range = [16, 20, 4]", "range = [16, 20]", 15, "three"),
         ("range = [16, 20, 4]", "range = [1, 2, 1e-9]", 15, "at most 100000"),
         ("range = [16, 20, 4]", "range = [16, 20, 1e-4]", 1, "2 × 3 × 40001 combinations are more"),
-        ("policy = \"monotone\"", "polcy = \"monotone\"", 17, "nearest axis"),
+        ("policy = \"monotone\"", "polcy = \"monotone\"", 17, "use one of `part`, `plunge.axis`"),
+        ("plunge.step = [6, 8.0]", "plunge.stp = [6, 8.0]", 18, "`plunge.step`, the nearest known axis"),
         ("policy = \"monotone\"", "policy = \"minimal\"", 17, "not a value on the axis"),
         ("plunge.step = [6, 8.0]", "plunge.step = [7]", 18, "`7` is not a value"),
         (
