@@ -1,15 +1,15 @@
 //! What every step of planning reads and none changes: the workpiece and the complete setup, with what
-//! follows from both whichever policy plans. It is made in one place, [`PlanContext::new`].
+//! follows from both whichever policy plans. It is made in one place,
+//! [`plan_context`](super::opening_section::plan_context).
 
 use rayon::prelude::*;
 
 use super::assembly::AssemblyRule;
-use super::cycle::PlanError;
-use super::locked::LockedPlunge;
-use super::opening::opening_columns;
+use super::error::PlanError;
+use super::locked_plunge::LockedPlunge;
+use super::position_limit::{MAX_POSITIONS, too_many_positions};
 use super::row_density::RowDensity;
 use super::section_layout::{StretchLayout, section_layout};
-use super::sections::{MAX_POSITIONS, too_many_positions};
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
@@ -33,18 +33,14 @@ pub(super) struct PlanContext<'a> {
 }
 
 impl<'a> PlanContext<'a> {
-    /// The context of planning `workpiece` with a complete `setup`, by `minimal` in rows of this `density`.
+    /// The context without the plunges that open the blank, which are planned in it.
     pub fn new(workpiece: &'a Workpiece, setup: &'a Setup, density: RowDensity) -> Self {
         let layout = |section: &SectionSetup| match section.kind {
             SectionKind::Rows => section_layout(workpiece, setup, section),
             SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
         let layouts = setup.plunge.sections.par_iter().map(layout).collect();
-        let mut context =
-            Self { workpiece, setup, density, opening: Columns::default(), locked: Vec::new(), layouts };
-        // A section that cannot be planned is reported with its place when it is.
-        context.opening = opening_columns(&context).unwrap_or_default();
-        context
+        Self { workpiece, setup, density, opening: Columns::default(), locked: Vec::new(), layouts }
     }
 
     /// Section `index` of the setup.

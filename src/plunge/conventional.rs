@@ -3,7 +3,7 @@
 
 use super::context::PlanContext;
 use super::cut::{PlannedRow, SectionCut};
-use super::cycle::PlanError;
+use super::error::PlanError;
 use super::row_plan::{Contacts, RowAttempts, cut_rows};
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 
 use super::assembly::{AssemblyRule, DropCause};
 use super::context::PlanContext;
-use super::cycle::PlanError;
+use super::error::PlanError;
+use super::placed_cutter::PlacedCutter;
 use super::reasons::{AddedPlunges, DropReason};
 use super::row::Station;
 use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, cuts_deeper_than, planned_contact};
@@ -17,16 +18,6 @@ use crate::setup::{CutDirection, SectionSetup, Tool};
 const MAX_LIFTS: usize = 8;
 /// Gap left between a lifted core and the stock below it, mm.
 pub(super) const LIFT_MARGIN: f64 = 1e-3;
-
-/// A cutter at its final depth, with its clearances to the finished part, mm.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PlacedCutter {
-    pub cutter: CutterSolid,
-    pub hub_clearance: f64,
-    pub blade_clearance: f64,
-    /// Distance by which it stops short of the hub allowance, mm.
-    pub lift: f64,
-}
 
 /// One row, planned.
 #[derive(Clone, Debug)]

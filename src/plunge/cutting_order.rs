@@ -8,8 +8,8 @@
 //! both ends up to an s at which they meet, or all of it from the inlet ([`from_both_ends`]).
 
 use super::choice::search::MIN_SECTION_S;
-use super::context::PlanContext;
 use super::minimal::{LeadBlockage, lead_blockage};
+use super::opening_section::plan_context;
 use super::row_density::RowDensity;
 use super::sections::Resolved;
 use crate::part::Workpiece;
@@ -30,7 +30,7 @@ pub fn arrange(workpiece: &Workpiece, mut resolved: Resolved) -> Resolved {
     if rows.len() < 2 {
         return resolved;
     }
-    let context = PlanContext::new(workpiece, &resolved.setup, RowDensity::Dense);
+    let context = plan_context(workpiece, &resolved.setup, RowDensity::Dense);
     // A section whose tool is missing is reported when it is planned.
     let blockages: Option<Vec<LeadBlockage>> =
         rows.iter().map(|&i| lead_blockage(&context, i).ok()).collect();

@@ -9,13 +9,14 @@
 use std::ops::Range;
 
 use super::context::PlanContext;
-use super::cycle::{PlacedPlan, PlanError};
 use super::edit_pose::{moved, position_at};
 use super::edit_report::{EditReport, PlungeMark, UnappliedEdit, UnappliedReason};
+use super::error::PlanError;
 use super::evaluation::evaluate;
 use super::inspect::run_around;
 use super::locked::replaced_within;
 use super::plan::{PlungePlan, Position, Unevaluated};
+use super::whole_plan::PlacedPlan;
 use crate::geometry::Point;
 use crate::monitor::Monitor;
 use crate::setup::{PlungeChange, PlungeEdit, PlungePose, SectionKind, SetupPlace, Tool};

@@ -5,11 +5,12 @@ use rayon::prelude::*;
 
 use super::approach::add_approaches;
 use super::context::PlanContext;
-use super::cycle::{PlacedPlan, PlanError};
+use super::error::PlanError;
 use super::links::raise_links;
 use super::motion::{motions, with_lead_outs};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan};
 use super::reasons::Breach;
+use super::whole_plan::PlacedPlan;
 use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contact};
 use crate::cutting::retract::RetractSurface;
 use crate::geometry::{Point, Vector};

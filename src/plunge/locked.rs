@@ -6,13 +6,15 @@
 //! rows, the second pass and added plunges are planned for the stock that the locked ones leave.
 
 use super::context::PlanContext;
-use super::cut::{CutRow, PlacedCutter, PlannedRow, SectionCut, cut_row_around};
-use super::cycle::PlanError;
+use super::cut::{CutRow, PlannedRow, SectionCut, cut_row_around};
 use super::edit_pose::position_at;
+use super::error::PlanError;
 use super::lane::AxisEnds;
+use super::locked_plunge::LockedPlunge;
+use super::placed_cutter::PlacedCutter;
 use super::row::Station;
 use super::spacing::step_limit;
-use crate::cutting::contact::{BlankTop, Columns, Earlier, PlungeColumn, planned_contact};
+use crate::cutting::contact::{BlankTop, Columns, Earlier, planned_contact};
 use crate::monitor::Monitor;
 use crate::setup::{PlungeChange, PlungeEdit, PlungePose, SectionKind, SectionSetup, Tool, tool_of};
 
@@ -25,44 +27,29 @@ pub(super) fn replaced_within(context: &PlanContext, tool: &Tool) -> f64 {
     NEAR_SHARE * step_limit(&context.setup.plunge, tool, false)
 }
 
-/// A locked plunge of a section.
-#[derive(Clone, Debug)]
-pub(super) struct LockedPlunge {
-    station: Station,
-    cutter: PlacedCutter,
-    /// λ in the channel.
-    lambda: f64,
-}
-
-impl LockedPlunge {
-    /// The plunge of `tool` at `pose` that stops `lift` mm short.
-    fn new(context: &PlanContext, tool: &Tool, pose: &PlungePose, lift: f64) -> Self {
-        let position = position_at(context, tool, pose, lift, (0, 0));
-        let foot = pose.lifted(-lift).tip;
-        let theta = foot.y.atan2(foot.x);
-        let (s, axis) = (position.s, pose.axis);
-        let station = Station {
-            ends: AxisEnds { s_hub: s, s_shroud: s, theta_hub: theta, theta_shroud: theta },
-            s_shroud_conventional: s,
-            tip: foot,
-            axis,
-            contact_point: position.contact_point,
-            alpha_rad: position.alpha_rad,
-            blocked: None,
-            limited_by: None,
-        };
-        let cutter = PlacedCutter {
-            cutter: tool.placed(pose.tip, axis),
-            hub_clearance: position.hub_clearance,
-            blade_clearance: position.blade_clearance,
-            lift,
-        };
-        Self { station, cutter, lambda: position.lambda }
-    }
-
-    fn column(&self, tool: &Tool, top: &BlankTop) -> PlungeColumn {
-        PlungeColumn::new(self.cutter.cutter, tool.core_radius(), top)
-    }
+/// The plunge of `tool` at `pose` that is locked and stops `lift` mm short.
+fn locked_at(context: &PlanContext, tool: &Tool, pose: &PlungePose, lift: f64) -> LockedPlunge {
+    let position = position_at(context, tool, pose, lift, (0, 0));
+    let foot = pose.lifted(-lift).tip;
+    let theta = foot.y.atan2(foot.x);
+    let (s, axis) = (position.s, pose.axis);
+    let station = Station {
+        ends: AxisEnds { s_hub: s, s_shroud: s, theta_hub: theta, theta_shroud: theta },
+        s_shroud_conventional: s,
+        tip: foot,
+        axis,
+        contact_point: position.contact_point,
+        alpha_rad: position.alpha_rad,
+        blocked: None,
+        limited_by: None,
+    };
+    let cutter = PlacedCutter {
+        cutter: tool.placed(pose.tip, axis),
+        hub_clearance: position.hub_clearance,
+        blade_clearance: position.blade_clearance,
+        lift,
+    };
+    LockedPlunge { station, cutter, lambda: position.lambda }
 }
 
 /// The plunges that `edits` lock, by section. Those of a tool that has several sections belong to the one on
@@ -77,7 +64,7 @@ pub(super) fn locked_plunges(context: &PlanContext, edits: &[PlungeEdit]) -> Vec
         if known.iter().any(|pose| pose.is(&edit.plunge)) {
             continue;
         }
-        let plunge = LockedPlunge::new(context, number, &edit.plunge, lift);
+        let plunge = locked_at(context, number, &edit.plunge, lift);
         let outside = |section: &SectionSetup| {
             let (low, high) = (section.from.min(section.to), section.from.max(section.to));
             let s = plunge.station.ends.s_hub;

@@ -8,7 +8,7 @@
 
 use super::context::PlanContext;
 use super::cut::{PlannedRow, SectionCut};
-use super::cycle::PlanError;
+use super::error::PlanError;
 use super::reasons::Blocked;
 use super::row::{RowMaker, Station};
 use super::row_plan::{Contacts, RowAttempts, RowStart, START_RETREATS, cut_rows};

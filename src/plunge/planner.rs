@@ -1,17 +1,20 @@
 //! The planner as others use it: one context, and the steps of planning over it.
 
 use super::context::PlanContext;
-use super::cycle::{PlacedPlan, PlanError, place_plunges};
+use super::cycle::place_plunges;
 use super::edit_report::EditReport;
 use super::edits::edit_plan;
+use super::error::PlanError;
 use super::evaluation::evaluate;
 use super::locked::locked_plunges;
-use super::opening::opening_for;
+use super::needed_opening::opening_for;
+use super::opening_section::plan_context;
 use super::plan::PlungePlan;
 use super::row_density::RowDensity;
 use super::section_cache::SectionCache;
 use super::subset::keep_plunges;
 use super::warm_start::warm_start;
+use super::whole_plan::PlacedPlan;
 use crate::cutting::contact::Columns;
 use crate::geometry::{Point, Vector};
 use crate::monitor::Monitor;
@@ -32,7 +35,7 @@ impl<'a> Planner<'a> {
 
     /// As [`Self::new`]; `minimal` places its rows with this `density`.
     pub fn with_rows(workpiece: &'a Workpiece, setup: &'a Setup, density: RowDensity) -> Self {
-        Self { context: PlanContext::new(workpiece, setup, density) }
+        Self { context: plan_context(workpiece, setup, density) }
     }
 
     /// The same, with those plunges in every plan that `edits` lock: the others are planned around them.

@@ -12,9 +12,9 @@
 
 use super::context::PlanContext;
 use super::cut::SectionCut;
-use super::cycle::PlanError;
+use super::error::PlanError;
 use super::locked::cut_waiting;
-use super::opening::opening_section;
+use super::opening_section::opening_section;
 use super::{conventional, minimal, monotone, staircase};
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 
 use super::context::PlanContext;
 use super::cut::{PlannedRow, SectionCut, cut_row};
-use super::cycle::PlanError;
+use super::error::PlanError;
 use super::locked::{cut_waiting, lock_into_row};
 use super::reasons::DropReason;
 use super::row::{RowMaker, Station};
-use super::section_layout::{RowLayout, StretchLayout, row_ends, row_maker};
+use super::row_places::{row_ends, row_maker};
+use super::section_layout::{RowLayout, StretchLayout};
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_interferes};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;

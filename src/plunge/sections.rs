@@ -8,18 +8,16 @@ use super::choice::preselection::preselect;
 use super::choice::search::MIN_SECTION_S;
 use super::choice::times::MoveTimes;
 use super::choice::{choose, choose_opening, choose_rest};
+use super::position_limit::{MAX_POSITIONS, too_many_positions};
 use super::spacing::{step_limit, stepover};
 use super::survey::Survey;
 use crate::error::ErrorCode;
 use crate::machine::MachineTool;
 use crate::part::{Impeller, Workpiece};
 use crate::setup::{
-    PlungeChange, PlungeSetup, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, check_taper,
-    round_down, tool_of,
+    PlungeChange, SectionKind, SectionSetup, Setup, SetupFault, SetupPlace, Tool, check_taper, round_down,
+    tool_of,
 };
-
-/// Maximum number of positions in the plan of one channel. Planning half as many takes about a gigabyte.
-pub const MAX_POSITIONS: usize = 200_000;
 
 /// Number of given tools up to which a plan keeps those that it does not use.
 const MAX_KEPT_TOOLS: usize = 500;
@@ -191,34 +189,6 @@ fn check_size(setup: &Setup, part: &Impeller, survey: &Survey) -> Result<(), Set
         }
     }
     beyond.map_or(Ok(()), |(tool, place)| Err(too_many_positions(total, plunge, tool, place)))
-}
-
-/// The fault of a plan with about `positions` positions, at the key that is finest in relation to its
-/// default.
-pub(super) fn too_many_positions(
-    positions: f64,
-    plunge: &PlungeSetup,
-    tool: &Tool,
-    place: SetupPlace,
-) -> SetupFault {
-    let step = 0.8 * tool.insert_width;
-    let asked = [
-        (plunge.step, step, "step"),
-        (plunge.stepover, 4.0 / 3.0 * tool.radius(), "stepover"),
-        (Some(step_limit(plunge, tool, true)), step_limit(plunge, tool, false), "wall_scallop"),
-    ];
-    let finest = asked
-        .into_iter()
-        .filter_map(|(value, usual, key)| Some((value? / usual, key)))
-        .filter(|(share, _)| *share < 0.4)
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let (help, place) = match finest {
-        Some((_, key)) => (format!("give a greater `{key}`"), SetupPlace::Plunge(key)),
-        None => (format!("use a larger cutter or wider inserts than those of tool {}", tool.number), place),
-    };
-    let count = if positions < 1e6 { format!("about {positions:.0}") } else { "over a million".to_owned() };
-    let what = format!("the plan would have {count} positions; the limit is {MAX_POSITIONS}");
-    SetupFault::new(ErrorCode::TooManyPositions, what, help).at(place)
 }
 
 /// Errors when no cutter fits anywhere in the channel because of the blade allowance.

@@ -4,7 +4,7 @@
 use super::context::PlanContext;
 use super::conventional::plan_row;
 use super::cut::SectionCut;
-use super::cycle::PlanError;
+use super::error::PlanError;
 use super::row_plan::cut_rows;
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;

@@ -1,7 +1,7 @@
 //! A plan with some of its plunges left out.
 
 use super::context::PlanContext;
-use super::cycle::PlanError;
+use super::error::PlanError;
 use super::evaluation::{MeasuredPlunges, evaluated};
 use super::motion::{motions, with_lead_outs};
 use super::plan::{PlungePlan, Position};

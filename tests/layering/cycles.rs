@@ -10,13 +10,8 @@ use std::path::Path;
 use super::{code, identifier, sources_below};
 
 /// Folders whose files may use each other, with the reason.
-const TOGETHER: [(&str, &str); 2] = [
-    ("src/app/", "`App` holds what views and control keep between frames, and these draw and change it"),
-    (
-        "src/plunge/",
-        "steps of planning return the error of the loop that calls them, and `minimal` searches itself",
-    ),
-];
+const TOGETHER: [(&str, &str); 1] =
+    [("src/app/", "`App` holds what views and control keep between frames, and these draw and change it")];
 
 /// Path of a module below the crate, such as `["plunge", "minimal", "path"]`.
 type ModulePath = Vec<String>;

@@ -1,24 +1,12 @@
 //! Axes of a row at one s: a grid of lead angles about the hub normal, and the axes of a lead angle with
 //! several tilt angles.
 
+use super::axis_frame::{AxisFrame, LeadGrid, MIDDLE_LEAD_DEG, RowFrame, ZeroLeadRef};
 use super::candidate::CandidateMaker;
 use crate::geometry::{Vector, wrap_angle};
 use crate::plunge::lane::{AxisEnds, is_wall};
 use crate::plunge::row::Station;
 
-/// First lead angle of the grid, degrees. The grid is shifted where the conventional axis has so large a lead
-/// angle that `max_tilt` would leave less than half of the grid.
-const FIRST_LEAD_DEG: f64 = -12.0;
-/// Step of the grid of lead angles, degrees.
-pub(super) const LEAD_STEP_DEG: f64 = 2.0;
-/// Number of steps of the grid.
-pub(super) const LEAD_STEPS: usize = 19;
-/// Middle of the grid, degrees.
-const MIDDLE_LEAD_DEG: f64 = FIRST_LEAD_DEG + 0.5 * LEAD_STEP_DEG * LEAD_STEPS as f64;
-
-/// Step of the grid around the conventional axis that is laid where no axis of the usual one clears the
-/// blades, degrees: in a passage hardly wider than the cutter the usual step is too coarse.
-const NARROW_STEP_DEG: f64 = 0.5;
 /// Distance between the fitted axis of a wall row and the plain offset of the ruling from which on axes
 /// turned off the wall are tried too, in cutter radii.
 const OFF_FOOT_RADII: f64 = 0.3;
@@ -27,72 +15,6 @@ const MAX_TURNED_DEG: f64 = 24.0;
 /// Least share of a turn of W about Z that is across the row: with less, turning does not change the tilt
 /// angle.
 const MIN_GAIN_SHARE: f64 = 0.2;
-
-/// Local frame at a position of a row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowFrame {
-    /// Hub normal.
-    pub(super) normal: Vector,
-    /// Unit direction along the row, towards the uncut side.
-    pub(super) feed: Vector,
-    /// Unit direction across the row.
-    pub(super) across: Vector,
-    /// Distance and angle about Z that M moves per unit of s along the row, mm and rad.
-    pub(super) path_by_s: (f64, f64),
-}
-
-/// Linearisation of the lead angle by s of W, around the axis with zero lead angle or a shifted one.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ZeroLeadRef {
-    s_shroud: f64,
-    /// Lead angle there, by which the whole grid is shifted, rad.
-    shift_rad: f64,
-    /// Derivative of the tangent of the lead angle by s of W.
-    tan_lead_by_s: f64,
-    /// Height of W above M along the normal, mm.
-    height: f64,
-}
-
-impl ZeroLeadRef {
-    /// s of W for a lead angle `tilt` (rad) relative to the shift.
-    pub(super) fn s_shroud_at_lead(&self, tilt: f64) -> f64 {
-        self.s_shroud + ((tilt + self.shift_rad).tan() - self.shift_rad.tan()) / self.tan_lead_by_s
-    }
-}
-
-/// Reference from which all axes at an s are made.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct AxisFrame {
-    pub(super) conventional: AxisEnds,
-    pub(super) frame: RowFrame,
-    pub(super) zero_lead: ZeroLeadRef,
-    /// The conventional axis, and its lead angle relative to the shift of the grid, rad.
-    pub(super) reference: Vector,
-    pub(super) conventional_lead: f64,
-    pub(super) grid: LeadGrid,
-}
-
-/// Lead angles of a stage, relative to its shift.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LeadGrid {
-    first_deg: f64,
-    step_deg: f64,
-}
-
-impl LeadGrid {
-    pub(super) const USUAL: Self = Self { first_deg: FIRST_LEAD_DEG, step_deg: LEAD_STEP_DEG };
-
-    /// The narrow grid around the lead angle `middle`, rad, which is one of its own.
-    pub(super) fn narrow(middle: f64) -> Self {
-        let half = (LEAD_STEPS / 2) as f64 * NARROW_STEP_DEG;
-        Self { first_deg: middle.to_degrees() - half, step_deg: NARROW_STEP_DEG }
-    }
-
-    /// Lead angle `j` of the grid with its steps divided into `fineness` parts, rad.
-    pub(super) fn lead(&self, j: usize, fineness: usize) -> f64 {
-        (self.first_deg + self.step_deg * j as f64 / fineness as f64).to_radians()
-    }
-}
 
 /// Step of s for finite differences.
 const SLOPE_STEP: f64 = 2e-3;

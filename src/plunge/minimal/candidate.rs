@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 use std::sync::OnceLock;
 
-use super::axes::{AxisFrame, LEAD_STEP_DEG, LEAD_STEPS, LeadGrid, RowFrame};
+use super::axis_frame::{AxisFrame, LEAD_STEP_DEG, LEAD_STEPS, LeadGrid, RowFrame};
 use crate::cutting::contact::{BlankTop, Earlier, PlungeColumn, cuts_deeper_than};
 use crate::geometry::{CutterSolid, Meridional, Point, Vector};
 use crate::part::{Blank, FinishedPart};

@@ -4,17 +4,18 @@
 //! side that is still uncut ([`super`]). Blades that lean along the row may leave no such axis in one cutting
 //! direction and many in the other.
 
+use rayon::prelude::*;
+
 use super::CandidateMaker;
-use super::section::candidate_maker;
+use super::rows::candidate_maker;
 use crate::cutting::contact::BlankTop;
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
-use crate::plunge::cycle::PlanError;
+use crate::plunge::error::PlanError;
 use crate::plunge::row::RowMaker;
-use crate::plunge::section_layout::{StretchLayout, row_maker};
+use crate::plunge::row_places::row_maker;
+use crate::plunge::section_layout::StretchLayout;
 use crate::setup::CutDirection;
-
-use rayon::prelude::*;
 
 /// Positions along a stretch that are looked at.
 const STATIONS: usize = 9;

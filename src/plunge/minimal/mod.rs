@@ -7,6 +7,7 @@
 //! Finally single plunges are added where the rows left the most (lazy greedy).
 
 mod axes;
+mod axis_frame;
 mod axis_limits;
 mod candidate;
 mod crossing;
@@ -16,6 +17,8 @@ mod free_leads;
 mod path;
 mod pool_rounds;
 mod row_path;
+mod row_stages;
+mod rows;
 mod second_pass;
 mod section;
 mod stages;
@@ -28,8 +31,7 @@ pub use crossing::RowCrossing;
 pub use extras::ExtraSearch;
 pub use floor::FloorHeightMap;
 pub(super) use free_leads::{LeadBlockage, lead_blockage};
-pub use path::PathSearch;
+pub use path::{MAX_LIFT_OF_DEPTH, PathSearch};
 pub use row_path::RowPath;
-pub use section::MAX_LIFT_OF_DEPTH;
 pub(super) use section::plan_section;
 pub(super) use touch_up::rest_section;

@@ -6,8 +6,7 @@ use rayon::prelude::*;
 use super::axis_limits::AxisLimits;
 use super::candidate::{CandidateMaker, CandidateStage, RowCandidate};
 use super::row_path::{PathStep, RowPath};
-use super::section::MAX_LIFT_OF_DEPTH;
-use super::stages::{RowStages, StageAt};
+use super::row_stages::{COST_OF_NEW_ROW, COST_PER_POSITION, RowStages, StageAt};
 use crate::cutting::contact::{Columns, ContactSearch, PlungeColumn};
 use crate::monitor::Cancelled;
 use crate::part::Blank;
@@ -15,15 +14,13 @@ use crate::plunge::assembly::DropCause;
 use crate::plunge::reasons::DropReason;
 use crate::plunge::row::Station;
 
+/// Maximum lift of a plunge as a share of its depth in the blank: what cuts less is not worth its time.
+pub const MAX_LIFT_OF_DEPTH: f64 = 0.8;
 /// Number of previous positions of the own row that are checked for contact, besides all earlier rows.
 const LOOK_BACK: usize = 4;
-/// Cost of each position, mm: breaks ties in favour of the shorter path.
-pub(super) const COST_PER_POSITION: f64 = 1e-3;
 /// Beam: excess of a state's lower bound over the best one of its stage up to which it is expanded, in cutter
 /// radii.
 const BEAM_RADII: f64 = 0.15;
-/// Cost of ending a row and beginning another, mm.
-pub(super) const COST_OF_NEW_ROW: f64 = 5.0;
 /// Lift from which on a finer grid of lead angles is tried, in cutter radii.
 const COARSE_LIFT_RADII: f64 = 0.3;
 /// Maximum number of parts into which the steps of the grid are divided.

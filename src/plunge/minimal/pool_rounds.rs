@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 
 use super::ExtraSearch;
-use super::section::cut_split;
+use super::rows::cut_split;
 use super::visit_order::{PlungePlace, short_path};
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
-use crate::plunge::cycle::PlanError;
+use crate::plunge::error::PlanError;
 use crate::plunge::row::Station;
 use crate::plunge::section_layout::PassageStretch;
 use crate::setup::Tool;
@@ -44,8 +44,8 @@ pub(super) struct PoolRounds<'p, 's> {
 }
 
 impl PoolRounds<'_, '_> {
-    /// Adds to `cut` what is worth at least `times` the minimum gain. Found plunges are cut even after a stop.
-    /// Returns how many were added.
+    /// Adds to `cut` what is worth at least `times` the minimum gain. Found plunges are cut even after a
+    /// stop. Returns how many were added.
     ///
     /// # Errors
     /// When `monitor` is cancelled.
@@ -62,8 +62,8 @@ impl PoolRounds<'_, '_> {
     }
 }
 
-/// The found plunges, by λ, in an order with short links after those of `cut`, in runs of the same λ (as index): all of
-/// them are free of contact after the plunges before this round, so any order will do.
+/// The found plunges, by λ, in an order with short links after those of `cut`, in runs of the same λ (as
+/// index): all of them are free of contact after the plunges before this round, so any order will do.
 fn in_visit_order(rows: Vec<Vec<Station>>, cut: &SectionCut) -> Vec<(usize, Vec<Station>)> {
     let found: Vec<(usize, Station)> = rows
         .into_iter()

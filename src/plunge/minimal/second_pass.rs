@@ -3,12 +3,12 @@
 //! asks, they stop short or leave places out. Once all rows are cut there is space beside them. The open
 //! places of each row are searched again, from both of their ends.
 
-use super::section::{RowOf, RowPlaces, SHORT_RADII, cut_path, rows_of_stretch, with_row_search};
-use super::stages::RowStages;
+use super::row_stages::RowStages;
+use super::rows::{RowOf, RowPlaces, SHORT_RADII, cut_path, rows_of_stretch, with_row_search};
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
-use crate::plunge::cycle::PlanError;
+use crate::plunge::error::PlanError;
 use crate::setup::CutDirection;
 
 /// Number of places before the open ones at which a path may begin.

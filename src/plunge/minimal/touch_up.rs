@@ -3,7 +3,7 @@
 
 use super::extras::PoolFan;
 use super::pool_rounds::{PoolRounds, feet_along};
-use super::section::{SCALE_RADII, candidate_maker, rows_of_stretch};
+use super::rows::{SCALE_RADII, candidate_maker, rows_of_stretch};
 use super::uncut_floor::cut_uncut_floor;
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::{BlankTop, Columns};
@@ -11,12 +11,13 @@ use crate::monitor::Monitor;
 use crate::plunge::choice::rest::{rest_threshold, rest_threshold_after};
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
-use crate::plunge::cycle::PlanError;
+use crate::plunge::error::PlanError;
 use crate::plunge::locked::cut_waiting;
+use crate::plunge::position_limit::MAX_POSITIONS;
 use crate::plunge::reasons::{AddedPlunges, StopReason};
 use crate::plunge::row::RowMaker;
-use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker, section_layout};
-use crate::plunge::sections::MAX_POSITIONS;
+use crate::plunge::row_places::{row_ends, row_maker};
+use crate::plunge::section_layout::{StretchLayout, section_layout};
 use crate::setup::tool_of;
 
 /// Settings of a search for single plunges.

@@ -8,15 +8,16 @@
 
 use super::extras::PoolFan;
 use super::pool_rounds::{PoolRounds, feet_along};
-use super::section::candidate_maker;
+use super::rows::candidate_maker;
 use super::{CandidateMaker, ExtraSearch, FloorHeightMap};
 use crate::cutting::contact::BlankTop;
 use crate::monitor::Monitor;
 use crate::plunge::context::PlanContext;
 use crate::plunge::cut::SectionCut;
-use crate::plunge::cycle::PlanError;
+use crate::plunge::error::PlanError;
 use crate::plunge::row::RowMaker;
-use crate::plunge::section_layout::{StretchLayout, row_ends, row_maker};
+use crate::plunge::row_places::{row_ends, row_maker};
+use crate::plunge::section_layout::StretchLayout;
 
 /// Uncut share of a stretch's floor from which on the search is worth its time. Less is mostly the corner
 /// under a wall, which no axis reaches.
