@@ -275,6 +275,28 @@ fn the_tables_of_modules_are_in_the_order() {
     }
 }
 
+/// Largest number of columns of a comment: rustfmt holds code to it, and leaves comments as they are.
+const MAX_COLUMNS: usize = 110;
+
+#[test]
+fn comments_wrap() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["src", "tests", "examples", "benches"].map(|folder| sources_below(&root.join(folder)));
+    let mut wide = Vec::new();
+    for path in folders.into_iter().flatten() {
+        let text = fs::read_to_string(&path).expect("readable");
+        for (number, line) in text.lines().enumerate() {
+            let comment = line.trim_start();
+            // Rows of tables are one line each.
+            let wraps = comment.starts_with("//") && !comment.starts_with("//! |");
+            if wraps && line.chars().count() > MAX_COLUMNS {
+                wide.push(format!("{}:{}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(wide.is_empty(), "longer than {MAX_COLUMNS} columns:\n{}", wide.join("\n"));
+}
+
 #[test]
 fn every_module_is_in_the_order() {
     let library = code(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));

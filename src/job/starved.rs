@@ -14,8 +14,8 @@ const STARVED_UNCUT: f64 = 0.05;
 const MUCH_LESS: f64 = 0.8;
 
 /// The sections of `outcome` in another cutting order, where its plan of `minimal` starves and that leaves
-/// much less uncut: from both ends of the channel up to where they leave least, or all from one end. The plan is
-/// kept in `known`.
+/// much less uncut: from both ends of the channel up to where they leave least, or all from one end. The plan
+/// is kept in `known`.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
@@ -50,9 +50,9 @@ pub(super) fn reordered(
     Ok(None)
 }
 
-/// The s at which rows from the outlet and rows from the inlet should meet; `None` where that promises little.
-/// What a plan leaves of the floor by rows in the same direction is known. In the other direction, where they
-/// may not starve, it is expected to be what the conventional plan leaves, which ignores contact.
+/// The s at which rows from the outlet and rows from the inlet should meet; `None` where that promises
+/// little. What a plan leaves of the floor by rows in the same direction is known. In the other direction,
+/// where they may not starve, it is expected to be what the conventional plan leaves, which ignores contact.
 fn meeting_s(outcome: &PlanOutcome, minimal: &PolicyResult) -> Option<f64> {
     let grid = &outcome.grid;
     let (here, free) = (uncut_areas(grid, &minimal.field), uncut_areas(grid, &outcome.before.field));

@@ -17,8 +17,8 @@ const MAX_ITERATIONS: usize = 8;
 /// Distance within which two plunges above the shroud are the same, mm.
 const SAME_PLACE: f64 = 1e-3;
 
-/// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links and approaches keep
-/// the distances of `setup` from `blank`. Row numbers continue from channel to channel.
+/// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links and approaches
+/// keep the distances of `setup` from `blank`. Row numbers continue from channel to channel.
 ///
 /// The order is tool by tool, so that no tool is loaded twice, and channel by channel with each tool. A
 /// plunge whose core meets stock only because of that order is lifted clear; one that interferes in channel 1
@@ -48,8 +48,8 @@ pub fn plan_channels(
     evaluated(plan, measured, &columns, (part, blank), setup, monitor)
 }
 
-/// The positions of channel 1, rotated into each channel: those of [`plan_channels`] before any is lifted, or a link
-/// raised.
+/// The positions of channel 1, rotated into each channel: those of [`plan_channels`] before any is lifted, or
+/// a link raised.
 pub fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
     let mut plan =
         PlungePlan { positions: Vec::with_capacity(channels * one.positions.len()), ..one.clone() };

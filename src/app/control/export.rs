@@ -141,7 +141,8 @@ impl App {
         self.write(WriteTask::Sheet(path, SheetTask { source, files }));
     }
 
-    /// Asks where an NC program is to run: on the machine of the setup, or on the one that was asked for last.
+    /// Asks where an NC program is to run: on the machine of the setup, or on the one that was asked for
+    /// last.
     pub(in crate::app) fn ask_for_nc_target(&mut self) {
         let operations = self.planned_operations();
         let last = self.nc_dialog.question();

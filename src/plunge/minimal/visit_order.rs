@@ -1,12 +1,13 @@
-//! In which order single plunges are visited that may be cut in any order: a short path, by the way of the tip and
-//! the turn of the axis from one to the next.
+//! In which order single plunges are visited that may be cut in any order: a short path, by the way of the
+//! tip and the turn of the axis from one to the next.
 //!
-//! The nearest unvisited place next, then 2-opt: a stretch of the path is reversed as long as that makes it shorter.
+//! The nearest unvisited place next, then 2-opt: a stretch of the path is reversed as long as that makes it
+//! shorter.
 
 use crate::geometry::{Point, Vector};
 
-/// Length that counts like a turn of the axis by 1 rad, mm. From rest to rest a linear axis with 4 m/s² moves as far in
-/// the time in which a rotary axis with 1000 °/s² turns by 10°, for each radian.
+/// Length that counts like a turn of the axis by 1 rad, mm. From rest to rest a linear axis with 4 m/s² moves
+/// as far in the time in which a rotary axis with 1000 °/s² turns by 10°, for each radian.
 const LEVER_MM: f64 = 200.0;
 /// Places of a path that are ordered together: the time of 2-opt grows with their square.
 const MAX_TOGETHER: usize = 1500;
@@ -24,8 +25,8 @@ fn link_cost((tip, axis): &PlungePlace, (other_tip, other_axis): &PlungePlace) -
     (tip - other_tip).norm() + LEVER_MM * (axis - other_axis).norm()
 }
 
-/// An order of `places`, as indices, in which the path from `start` through them is short. Long lists are ordered in
-/// parts, so they should already be roughly in order.
+/// An order of `places`, as indices, in which the path from `start` through them is short. Long lists are
+/// ordered in parts, so they should already be roughly in order.
 pub fn short_path(start: Option<&PlungePlace>, places: &[PlungePlace]) -> Vec<usize> {
     let mut order = Vec::with_capacity(places.len());
     let mut before = start.copied();
