@@ -85,3 +85,20 @@ impl LeadGrid {
         (self.first_deg + self.step_deg * j as f64 / fineness as f64).to_radians()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Figures of whole plans hardly notice another grid: the search finds axes of nearly the same cost in it.
+    #[test]
+    fn the_grid_of_lead_angles_is_that_of_its_page() {
+        let page = include_str!("../../../docs/algorithms/minimal.md");
+        let degrees = |j: usize| LeadGrid::USUAL.lead(j, 1).to_degrees().round();
+        let row = format!("| {}°, {}°, {LEAD_STEPS} steps |", degrees(0), degrees(1) - degrees(0));
+        let row = row.replace('-', "\u{2212}");
+        assert!(page.contains(&row), "docs/algorithms/minimal.md has no row {row}");
+        let middle = 5f64.to_radians();
+        assert!((LeadGrid::narrow(middle).lead(LEAD_STEPS / 2, 1) - middle).abs() < 1e-12);
+    }
+}
