@@ -90,7 +90,8 @@ impl LeadGrid {
 mod tests {
     use super::*;
 
-    /// Figures of whole plans hardly notice another grid: the search finds axes of nearly the same cost in it.
+    /// Figures of whole plans hardly notice another grid: the search finds axes of nearly the same cost in
+    /// it.
     #[test]
     fn the_grid_of_lead_angles_is_that_of_its_page() {
         let page = include_str!("../../../docs/algorithms/minimal.md");
