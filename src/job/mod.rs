@@ -2,6 +2,7 @@
 //! cancellation.
 
 pub mod assess;
+mod channels;
 mod edited;
 pub mod flank;
 mod goal;
@@ -31,7 +32,6 @@ use crate::error::UserError;
 use crate::io::tool_library::plunge_cutters;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, Workpiece};
-use crate::plunge::channels::plan_channels;
 use crate::plunge::sections::Resolved;
 use crate::plunge::{
     EditReport, PlanError, Planner, PlungePlan, RowDensity, SectionCache, cutting_order, sections,
@@ -41,7 +41,6 @@ use crate::stock::{
     FloorGrid, FloorSource, InaccessibleFloor, ResidualField, field_cutters, residual_field, statistics,
     stretches_of_setup,
 };
-use crate::toolpath::ClProgram;
 use crate::tradeoff::PlanClock;
 
 /// Cells of the residual field along s and λ with which results are reported; fine enough that one is well
@@ -117,21 +116,6 @@ pub struct PlanOutcome {
 }
 
 impl PlanOutcome {
-    /// The program of the first `channels` channels of `result`, one of the results of this outcome.
-    ///
-    /// # Errors
-    /// When `monitor` is cancelled.
-    pub fn program_for_channels(
-        &self,
-        result: &PolicyResult,
-        channels: usize,
-        monitor: &Monitor,
-    ) -> Result<ClProgram, Cancelled> {
-        let Workpiece { part, blank, .. } = &*self.workpiece;
-        let plan = plan_channels(&result.plan, part, blank, &self.setup, channels, monitor)?;
-        Ok(ClProgram::of_plan(&part.name, &plan))
-    }
-
     /// Time that semi-finishing takes for what `result`, one of the results of this outcome, leaves in a channel, s;
     /// `None` where the goal does not count it.
     pub fn finishing_time_s(&self, result: &PolicyResult) -> Option<f64> {
@@ -244,7 +228,7 @@ impl PlanCache {
     /// The outcome of `request`, which has no edits, if it is the last one.
     fn unedited(&self, request: &PlanRequest) -> Option<PlanOutcome> {
         let (known, outcome) = self.unedited.as_ref()?;
-        let is_same = known.setup.equals_except_flank(&request.setup)
+        let is_same = known.setup.plans_equal_channel(&request.setup)
             && (known.policy, known.field_cells) == (request.policy, request.field_cells)
             && known.compare == request.compare
             // Its file may have changed since.
