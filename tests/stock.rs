@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use vanecut::geometry::{Meridional, Point, Vector};
+use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
 use vanecut::io::part_file::read_part_bytes;
 use vanecut::job::{PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
@@ -118,6 +118,7 @@ fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
     let workpiece = Setup::default().allowances.workpiece_of(part);
     let Workpiece { part, channel, .. } = &workpiece;
     let excess = Excess::new(&workpiece);
+    let all = Excess::new(&workpiece).in_all_channels();
     for by in [2.0, 0.5, 0.0, -0.5] {
         // Above the middle of the hub floor, and beside the middle of every wall, away from its edges.
         let passage = &channel.beside_splitter[0];
@@ -128,6 +129,10 @@ fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
             "hub {by}: {}",
             excess.at(&(floor + up * by))
         );
+        for channel in 0..part.blade_count {
+            let turned = rotate_z(&(floor + up * by), part.pitch() * channel as f64);
+            assert!((all.at(&turned) - by).abs() < 1e-6, "hub {by}, channel {channel}: {}", all.at(&turned));
+        }
         for (k, side) in channel.sides.iter().enumerate() {
             let (p, by_u, by_v) = side.derivatives(0.5, 0.6);
             let other = channel.sides[k ^ 1].point(0.5, 0.6);

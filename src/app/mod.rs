@@ -343,6 +343,7 @@ impl eframe::App for App {
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
             ctx.request_repaint_after(Duration::from_secs_f64(wait));
         }
+        self.state.follow_channels();
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
         self.state.results.flank_is_running = self.work.is_calculating(Operation::Flank);

@@ -125,6 +125,12 @@ pub struct PlanArgs {
     /// Number of channels that the program cuts, or all
     #[arg(long, default_value = "1")]
     pub channels: String,
+    /// What several channels are cut by: tool_by_tool or channel_by_channel; absent: from the setup
+    #[arg(long, value_name = "ORDER")]
+    pub channel_order: Option<String>,
+    /// How channels follow each other: adjacent or opposite; absent: from the setup
+    #[arg(long, value_name = "SEQUENCE")]
+    pub channel_sequence: Option<String>,
     /// Also print N plans between the least stock and the least time (8 without a number)
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "8",
           value_parser = clap::value_parser!(u16).range(2..=100))]

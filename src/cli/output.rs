@@ -170,6 +170,7 @@ pub fn plan_object(
     map.insert("rapid_length".into(), number(s.rapid_length));
     map.insert("time_estimate".into(), number(s.time_estimate));
     map.insert("feed_time".into(), number(s.feed_time));
+    map.insert("tool_loads".into(), json!(s.tool_loads));
     map.append(&mut machine_time_key(s));
     map.insert("blocked".into(), json!(s.blocked));
     map.insert("held".into(), figures.if_planned(|plan| limited_object(&limited_counts(plan, None))));

@@ -18,7 +18,7 @@ use super::{Failure, open, output};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
-use crate::io::setup_file::parse_axis_policy;
+use crate::io::setup_file::{parse_axis_policy, parse_channel_order, parse_channel_sequence};
 use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::{Cancelled, Monitor};
@@ -28,7 +28,7 @@ use crate::plunge::RowDensity;
 use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::report::words;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, ChannelSetup};
 use crate::toolpath::min_rapid_length;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
@@ -41,7 +41,8 @@ use crate::job::FIELD_CELLS;
 /// unfinished, does not converge, or its program has faults.
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
-    let setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
+    let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
+    order_channels(&mut setup.setup.channels, args)?;
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
         Some(name) => parse_axis_policy(name).map_err(|error| Failure::from(error).at("--axis"))?,
@@ -132,6 +133,19 @@ pub fn plan_with_progress(
     })
 }
 
+/// Replaces the order of channels by what the arguments give.
+fn order_channels(channels: &mut ChannelSetup, args: &PlanArgs) -> Result<(), Failure> {
+    if let Some(name) = &args.channel_order {
+        let order = parse_channel_order(name);
+        channels.order = order.map_err(|error| Failure::from(error).at("--channel-order"))?;
+    }
+    if let Some(name) = &args.channel_sequence {
+        let sequence = parse_channel_sequence(name);
+        channels.sequence = sequence.map_err(|error| Failure::from(error).at("--channel-sequence"))?;
+    }
+    Ok(())
+}
+
 fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
     let all = part.blade_count;
     match word {
@@ -153,6 +167,9 @@ fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> M
     if let Some(wheel) = outcome.after.summary.wheel_time_s {
         map.insert("wheel_time".into(), output::number(wheel));
     }
+    let ChannelSetup { order, sequence } = outcome.setup.channels;
+    map.insert("channel_order".into(), json!(order.name()));
+    map.insert("channel_sequence".into(), json!(sequence.name()));
     if channels > 1 {
         let one = PlungeFigures::of_result(&outcome.after, grid);
         map.insert("one_channel".into(), Value::Object(output::plan_object(part, 1, &one, reasons)));
@@ -223,7 +240,8 @@ fn plan_text(
     );
     text += &outcome.policies().iter().map(|result| output::breach_text(&result.plan)).collect::<String>();
     if channels > 1 {
-        text += &format!("{} as written, {}:\n", plan.policy.name(), words::channels_text(channels));
+        let (policy, count) = (plan.policy.name(), words::channels_text(channels));
+        text += &format!("{policy} as written, {count}, {}:\n", outcome.setup.channels.words());
         text +=
             &output::table([(plan.policy.name(), written_figures(outcome, report, channels))].into_iter());
     } else {
@@ -256,6 +274,9 @@ fn plan_text(
         };
     }
     text += &words::clearances_text(&report.summary, channels);
+    if channels > 1 {
+        text += &format!("{}\n", words::tool_loads_text(report.summary.tool_loads));
+    }
     if let Some(least) = min_rapids {
         let rapids = report.summary.rapid_length;
         text += &format!(
@@ -266,7 +287,13 @@ fn plan_text(
     }
     text += &MachineFigures::text_of(on_machine, &outcome.setup);
     if let Some(wheel) = outcome.after.summary.wheel_time_s {
-        text += &format!("the wheel, {} channels, tool by tool: {:.1} min\n", part.blade_count, wheel / 60.0);
+        let order = outcome.setup.channels.words();
+        let what = match outcome.clock.timing() {
+            Some(_) => "",
+            None => " (tool changes and accelerations left out)",
+        };
+        text +=
+            &format!("the wheel, {} channels, {order}: {:.1} min{what}\n", part.blade_count, wheel / 60.0);
     }
     if let Some(finishing) = words::finishing_text(outcome, &outcome.after) {
         text += &format!("{finishing}\n");

@@ -50,7 +50,7 @@ pub fn picture(
         .map_err(Failure::of_work)?;
     let surface = StockSurface::of(&stock);
     let paint = |cut_by: u32| if cut_by == SpanEnd::BLANK { Paint::UNCUT } else { Paint::BY_VALUE };
-    let excess = Excess::new(&workpiece);
+    let excess = Excess::new(&workpiece).in_all_channels();
     let mesh =
         run_with_progress("drawing", |monitor| solid_mesh(&surface, spacing, Some(&excess), paint, monitor))
             .map_err(Failure::of_work)?;

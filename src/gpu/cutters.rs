@@ -100,6 +100,34 @@ pub struct DrawnCutter {
     pub assembly: Arc<[AssemblyPiece]>,
 }
 
+impl DrawnCutter {
+    /// The same turned about Z by an angle, given by its sine and cosine.
+    pub fn turned_z(&self, (sin, cos): (f32, f32)) -> Self {
+        let turn = |[x, y, z]: [f32; 3]| [x * cos - y * sin, x * sin + y * cos, z];
+        let instance =
+            CutterInstance { tip: turn(self.instance.tip), axis: turn(self.instance.axis), ..self.instance };
+        Self { instance, retract: turn(self.retract.to_array()).into(), ..self.clone() }
+    }
+}
+
+/// A channel in which the cutters of a plan are drawn once more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DrawnChannel {
+    /// Its turn about Z, rad.
+    pub turn_rad: f32,
+    /// Draws only positions before this one.
+    pub up_to: Option<usize>,
+    /// Whether the last of them, at full length, is the tool.
+    pub has_tool: bool,
+}
+
+impl DrawnChannel {
+    /// Which cutters it shows, where `choice` holds for channel 1. None is selected in it.
+    pub fn choice(&self, choice: &CutterChoice) -> CutterChoice {
+        CutterChoice { up_to: self.up_to, hides_last: !self.has_tool, selected: None, ..*choice }
+    }
+}
+
 /// A cylinder or cone of a shank or holder, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AssemblyPiece {
@@ -125,6 +153,8 @@ pub struct CutterChoice {
     pub filter: CutterFilter,
     /// Draws only positions before this one, the last of them at full length.
     pub up_to: Option<usize>,
+    /// Whether the last of them is drawn like the others: the tool is in another channel.
+    pub hides_last: bool,
     /// Selected position; always drawn at full length.
     pub selected: Option<usize>,
     /// Drawn length of the other sound cutters, in diameters; faulty ones are longer.
@@ -142,7 +172,7 @@ impl CutterChoice {
         }
         let is_last = match self.up_to {
             Some(at) if id >= at => return None,
-            Some(at) => id + 1 == at,
+            Some(at) => id + 1 == at && !self.hides_last,
             None => false,
         };
         let shown = match self.filter {
@@ -383,6 +413,21 @@ mod tests {
         let heights: Vec<Option<f32>> =
             (0..5).map(|id| choice.instance(&cutter(id, CutterState::Sound)).map(|i| i.height)).collect();
         assert_eq!(heights, [Some(5.0), Some(5.0), Some(60.0), None, None]);
+    }
+
+    #[test]
+    fn another_channel_shows_its_own_progress() {
+        let first = CutterChoice { up_to: Some(1), selected: Some(0), stub: 0.5, ..Default::default() };
+        let other = DrawnChannel { turn_rad: std::f32::consts::FRAC_PI_2, up_to: Some(2), has_tool: true };
+        let height =
+            |choice: &CutterChoice, id| choice.instance(&cutter(id, CutterState::Sound)).map(|i| i.height);
+        let shown = |channel: DrawnChannel| [0, 1, 2].map(|id| height(&channel.choice(&first), id));
+        assert_eq!(shown(other), [Some(5.0), Some(60.0), None], "none is selected, the last is the tool");
+        assert_eq!(shown(DrawnChannel { has_tool: false, ..other }), [Some(5.0), Some(5.0), None]);
+        let mut turned = cutter(0, CutterState::Sound);
+        turned.instance.tip = [2.0, 0.0, 1.0];
+        let turned = turned.turned_z(other.turn_rad.sin_cos());
+        assert!(Vec3::from_array(turned.instance.tip).distance(Vec3::new(0.0, 2.0, 1.0)) < 1e-6);
     }
 
     #[test]

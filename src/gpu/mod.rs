@@ -6,6 +6,7 @@ pub mod camera;
 pub mod cutter_caps;
 pub mod cutters;
 pub mod device;
+mod drawn_cutters;
 pub mod image;
 pub mod legend;
 pub mod mesh;

@@ -5,10 +5,9 @@ use bytemuck::Pod;
 use glam::{UVec2, Vec2, Vec3};
 
 use super::camera::Camera;
-use super::cutter_caps::{CutterCap, append_caps};
-use super::cutters::{self, CutterInstance, UnitCutter};
+use super::cutters::{self, CutterInstance, DrawnChannel, UnitCutter};
 use super::device::{Gpu, GpuError};
-use super::mesh::Segment;
+use super::drawn_cutters::DrawnCutters;
 use super::mesh_buffers::{MeshBuffers, index_buffer, vertex_buffer};
 use super::pick::{self, PickTarget};
 use super::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, Pipelines, SCENE_WGSL};
@@ -197,7 +196,7 @@ impl Renderer {
         let camera = &scene.enclosing(camera, options);
         let uniform = FrameUniform::new(scene.framing(), camera, options, size);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        self.stream_cutters(gpu, scene, camera, options);
+        self.stream_cutters(gpu, scene, &scene.channels, camera, options);
         let (Some(target), Some(pipelines)) = (&self.target, &self.pipelines[set]) else { return };
 
         let (view, resolved) = match &target.multisampled {
@@ -309,7 +308,7 @@ impl Renderer {
         let seen = FrameUniform::new(scene.framing(), camera, options, size.as_uvec2().max(UVec2::ONE));
         let seen = seen.cropped_about(pixel, size, pick::WINDOW as f32);
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&seen));
-        self.stream_cutters(gpu, scene, camera, options);
+        self.stream_cutters(gpu, scene, &[], camera, options);
         let Some(ids) = self.pipelines[0].as_ref().and_then(|p| p.ids.as_ref()) else {
             return Ok(None);
         };
@@ -350,41 +349,44 @@ impl Renderer {
         }
     }
 
-    /// Uploads the cutters to draw, sorted from far to near as alpha blending requires, and their lines.
-    fn stream_cutters(&mut self, gpu: &Gpu, scene: &Scene, camera: &Camera, options: &SceneOptions) {
+    /// Uploads the cutters to draw, those of `channels` too, sorted from far to near as alpha blending
+    /// requires, and their lines.
+    fn stream_cutters(
+        &mut self,
+        gpu: &Gpu,
+        scene: &Scene,
+        channels: &[DrawnChannel],
+        camera: &Camera,
+        options: &SceneOptions,
+    ) {
         let mut choice = options.cutter_choice();
+        let mut channels = channels.to_vec();
         if scene.preview.is_some() {
             // Selection and timeline refer to the previous plan.
             (choice.up_to, choice.selected) = (None, None);
+            channels.iter_mut().for_each(|channel| channel.up_to = None);
         }
         let cutters = scene.preview.as_deref().unwrap_or(&scene.cutters);
-        let back = camera.basis().2;
-        let mut lines: Vec<Segment> = Vec::new();
-        let mut caps: Vec<CutterCap> = Vec::new();
-        let mut shown: Vec<(f32, CutterInstance)> = Vec::new();
+        let mut drawn = DrawnCutters::default();
         let steps = if cutters.len() > 300 { 16 } else { 32 };
         for cutter in cutters {
-            let Some(instance) = choice.instance(cutter) else { continue };
-            let selected = choice.selected == Some(instance.id as usize);
-            let whole = instance.height >= cutter.instance.height;
             // In motion only the selected and the last cutter get rims.
-            if !options.draft || selected || whole {
-                cutters::append_rims(&instance, steps, whole, &mut lines);
-            }
-            if options.show_holders && whole {
-                cutters::append_holder(cutter, &mut lines);
-            }
-            if options.show_axes || selected {
-                lines.push(cutters::axis_line(cutter, selected));
-            }
-            if let Some(plane) = &options.section {
-                append_caps(cutter, &instance, options.show_holders && whole, plane, &mut caps);
-            }
-            shown.push((Vec3::from_array(instance.tip).dot(back), instance));
+            drawn.add(cutter, &choice, options, steps, !options.draft);
         }
+        for channel in &channels {
+            let (choice, turn) = (channel.choice(&choice), channel.turn_rad.sin_cos());
+            for cutter in cutters {
+                // Rims of all channels would be millions of lines: only the tool gets them.
+                drawn.add(&cutter.turned_z(turn), &choice, options, steps, false);
+            }
+        }
+        let DrawnCutters { mut lines, caps, instances } = drawn;
         if options.show_links {
             cutters::append_links(cutters, choice.up_to, &mut lines);
         }
+        let back = camera.basis().2;
+        let depth = |instance: CutterInstance| (Vec3::from_array(instance.tip).dot(back), instance);
+        let mut shown: Vec<(f32, CutterInstance)> = instances.into_iter().map(depth).collect();
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
         let instances: Vec<CutterInstance> = shown.into_iter().map(|s| s.1).collect();
         self.cutters.write(gpu, &instances);

@@ -32,7 +32,7 @@ impl PlanCache {
     /// The outcome of `request`, which has no edits, if it is the last one.
     pub(super) fn unedited(&self, request: &PlanRequest) -> Option<PlanOutcome> {
         let (known, outcome) = self.unedited.as_ref()?;
-        let is_same = known.setup.equals_except_flank(&request.setup)
+        let is_same = known.setup.plans_equal_channel(&request.setup)
             && (known.policy, known.field_cells) == (request.policy, request.field_cells)
             && known.compare == request.compare
             // Its file may have changed since.

@@ -38,6 +38,7 @@ pub(super) fn plan_with_edits(
     };
     let edited = |mut outcome: PlanOutcome| -> Result<PlanOutcome, JobError> {
         outcome.setup.flank = request.setup.flank.clone();
+        outcome.setup.channels = request.setup.channels;
         if !edits.is_empty() {
             outcome.setup.plunge.edits.clone_from(&edits);
             outcome.apply_edits(monitor)?;
@@ -50,8 +51,7 @@ pub(super) fn plan_with_edits(
     {
         outcome = edited(around)?;
     }
-    outcome.after.summary.wheel_time_s =
-        outcome.clock.wheel_time_s(&outcome.after.plan, &outcome.workpiece.part);
+    outcome.time_wheel();
     outcome.elapsed = started.elapsed().as_secs_f64();
     monitor.report(1.0);
     Ok(outcome)

@@ -3,6 +3,7 @@
 
 pub mod assess;
 mod cache;
+mod channels;
 mod edited;
 pub mod flank;
 mod goal;

@@ -3,13 +3,11 @@
 use std::sync::Arc;
 
 use crate::error::UserError;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::Cancelled;
 use crate::part::{Impeller, Workpiece};
-use crate::plunge::channels::plan_channels;
 use crate::plunge::{EditReport, PlanError, PlungePlan, RowDensity};
 use crate::setup::{AxisPolicy, Goal, PlungeEdit, Setup, SetupFault};
 use crate::stock::{FloorGrid, InaccessibleFloor, ResidualField, field_cutters, residual_field, statistics};
-use crate::toolpath::ClProgram;
 use crate::tradeoff::PlanClock;
 use crate::verify::Summary;
 
@@ -79,21 +77,6 @@ pub struct PlanOutcome {
 }
 
 impl PlanOutcome {
-    /// The program of the first `channels` channels of `result`, one of the results of this outcome.
-    ///
-    /// # Errors
-    /// When `monitor` is cancelled.
-    pub fn program_for_channels(
-        &self,
-        result: &PolicyResult,
-        channels: usize,
-        monitor: &Monitor,
-    ) -> Result<ClProgram, Cancelled> {
-        let Workpiece { part, blank, .. } = &*self.workpiece;
-        let plan = plan_channels(&result.plan, part, blank, &self.setup, channels, monitor)?;
-        Ok(ClProgram::of_plan(&part.name, &plan))
-    }
-
     /// Time that semi-finishing takes for what `result`, one of the results of this outcome, leaves in a
     /// channel, s; `None` where the goal does not count it.
     pub fn finishing_time_s(&self, result: &PolicyResult) -> Option<f64> {

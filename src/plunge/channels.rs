@@ -10,19 +10,21 @@ use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contacts};
 use crate::geometry::{Point, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
-use crate::setup::{SectionKind, Setup};
+use crate::setup::{ChannelOrder, ChannelSequence, ChannelSetup, SectionKind, Setup};
 
 /// Maximum number of lifts of the plunges; contact that remains is reported as interference.
 const MAX_ITERATIONS: usize = 8;
+/// Shortest way down in rapid that is worth a move of its own, mm.
+const MIN_DESCENT: f64 = 1.0;
 /// Distance within which two plunges above the shroud are the same, mm.
 const SAME_PLACE: f64 = 1e-3;
 
-/// Plan of the first `channels` channels of `part`, given the plan `one` of channel 1. Links and approaches
-/// keep the distances of `setup` from `blank`. Row numbers continue from channel to channel.
+/// Plan of the first `channels` channels of `part` in the sequence of `setup`, given the plan `one` of
+/// channel 1. Links and approaches keep the distances of `setup` from `blank`.
 ///
-/// The order is tool by tool, so that no tool is loaded twice, and channel by channel with each tool. A
-/// plunge whose core meets stock only because of that order is lifted clear; one that interferes in channel 1
-/// as well is left unchanged.
+/// The order is that of `setup`: tool by tool, so that no tool is loaded twice, and channel by channel with
+/// each tool; or channel by channel. A plunge whose core meets stock only because of that order is lifted
+/// clear; one that interferes in channel 1 as well is left unchanged.
 ///
 /// # Errors
 /// When `monitor` is cancelled.
@@ -34,60 +36,155 @@ pub fn plan_channels(
     channels: usize,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
-    let mut plan = repeat_for_channels(one, part, channels);
+    let plunges = order_plunges(one, part, setup.channels, channels);
+    let mut plan = repeat_plunges(one, part, &plunges, channels);
     if channels <= 1 {
         return Ok(plan);
     }
     let (contacts, columns) = free_cores(&mut plan, blank, monitor)?;
-    let retracts = plan.positions.iter().map(|p| p.evaluation.retract).collect();
+    let retracts: Vec<Point> = plan.positions.iter().map(|p| p.evaluation.retract).collect();
     // Those of channel 1 are on the safe side: where plunges of other channels come earlier, a plunge engages
     // less stock and its lead-out has more space.
     let motions: Vec<(Engagement, PlungeMotion)> =
         plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
-    let measured = MeasuredPlunges { contacts, motions, retracts };
-    evaluated(plan, measured, &columns, (part, blank), setup, monitor)
+    let measured = MeasuredPlunges { contacts, motions, retracts: retracts.clone() };
+    let mut plan = evaluated(plan, measured, &columns, (part, blank), setup, monitor)?;
+    if setup.channels.sequence != ChannelSequence::Adjacent {
+        descend_after_links(&mut plan, &plunges, &retracts);
+    }
+    Ok(plan)
 }
 
-/// The positions of channel 1, rotated into each channel: those of [`plan_channels`] before any is lifted, or
-/// a link raised.
-pub fn repeat_for_channels(one: &PlungePlan, part: &Impeller, channels: usize) -> PlungePlan {
-    let mut plan =
-        PlungePlan { positions: Vec::with_capacity(channels * one.positions.len()), ..one.clone() };
-    let tool = |p: &Position| &one.sections[p.section].tool;
-    let opens = |p: &Position| one.sections[p.section].kind == SectionKind::Opening;
-    // Above the shroud neighbouring channels share plunges.
-    let mut opened = HashSet::new();
-    for stretch in one.positions.chunk_by(|a, b| tool(a) == tool(b) && opens(a) == opens(b)) {
-        for channel in 0..channels {
-            let angle = part.pitch() * channel as f64;
-            let is_new = |p: &&Position| !opens(p) || opened.insert(place(&rotate_z(&p.tip, angle)));
-            plan.positions.extend(stretch.iter().filter(is_new).map(|p| Position {
-                tip: rotate_z(&p.tip, angle),
-                axis: rotate_vector_z(&p.axis, angle),
-                contact_point: rotate_z(&p.contact_point, angle),
-                row: p.row + channel * one.sections[p.section].rows,
-                evaluation: Evaluation {
-                    retract: rotate_z(&p.evaluation.retract, angle),
-                    engagement: Engagement {
-                        towards_stock: rotate_vector_z(&p.evaluation.engagement.towards_stock, angle),
-                        ..p.evaluation.engagement
-                    },
-                    motion: p.evaluation.motion.rotated_z(angle),
-                    ..p.evaluation
-                },
-                ..p.clone()
-            }));
+/// Lets the plunges at both ends of a link from channel to channel come down in rapid to their own retract
+/// point, one of `retracts`. Links across the wheel raise these ends by half its diameter and more: at the
+/// feed rate of a plunge that would take minutes each.
+fn descend_after_links(plan: &mut PlungePlan, plunges: &[ChannelPlunge], retracts: &[Point]) {
+    let crosses = |k: usize| plunges.get(k + 1).is_some_and(|next| next.channel != plunges[k].channel);
+    for (k, (position, own)) in plan.positions.iter_mut().zip(retracts).enumerate() {
+        if !crosses(k) && !k.checked_sub(1).is_some_and(crosses) {
+            continue;
+        }
+        let [height, raised] =
+            [own, &position.evaluation.retract].map(|point| (point - position.tip).dot(&position.axis));
+        let motion = &mut position.evaluation.motion;
+        if motion.approach.is_none() && raised - height > MIN_DESCENT {
+            motion.approach = Some(height);
         }
     }
+}
+
+/// A plunge of a program of several channels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChannelPlunge {
+    /// Its channel, in pitches ahead of channel 1.
+    pub channel: usize,
+    /// Place of the channel in the sequence of channels, from 0.
+    pub place: usize,
+    /// Its position in the plan of one channel.
+    pub position: usize,
+}
+
+/// The plunges of a program for the first `channels` channels of the sequence of `order`, in cutting order,
+/// given the plan `one` of channel 1. Within a channel they keep the order of that plan, so that each finds
+/// at least the stock gone that it finds gone in channel 1.
+pub fn order_plunges(
+    one: &PlungePlan,
+    part: &Impeller,
+    order: ChannelSetup,
+    channels: usize,
+) -> Vec<ChannelPlunge> {
+    let opens = |p: &Position| one.sections[p.section].kind == SectionKind::Opening;
+    // What is cut in one go in each channel, as lengths.
+    let stretches: Vec<usize> = match order.order {
+        ChannelOrder::ChannelByChannel => vec![one.positions.len()],
+        ChannelOrder::ToolByTool => {
+            let tool = |p: &Position| &one.sections[p.section].tool;
+            let chunks = one.positions.chunk_by(|a, b| tool(a) == tool(b) && opens(a) == opens(b));
+            chunks.map(<[Position]>::len).collect()
+        }
+    };
+    let sequence = order.sequence.channels(part.blade_count.max(channels));
+    // Above the shroud neighbouring channels share plunges.
+    let mut opened = HashSet::new();
+    let mut plunges = Vec::with_capacity(channels * one.positions.len());
+    let mut first = 0;
+    for length in stretches {
+        for (place, &channel) in sequence.iter().take(channels).enumerate() {
+            let angle = part.pitch() * channel as f64;
+            let is_new = |position: &usize| {
+                let p = &one.positions[*position];
+                !opens(p) || opened.insert(quantised(&rotate_z(&p.tip, angle)))
+            };
+            let stretch = (first..first + length).filter(is_new);
+            plunges.extend(stretch.map(|position| ChannelPlunge { channel, place, position }));
+        }
+        first += length;
+    }
+    plunges
+}
+
+/// The positions of channel 1, rotated into each of the first `channels` channels of the sequence of `order`:
+/// those of [`plan_channels`] before any is lifted, or a link raised. Row numbers continue from channel to
+/// channel in that sequence.
+pub fn repeat_for_channels(
+    one: &PlungePlan,
+    part: &Impeller,
+    order: ChannelSetup,
+    channels: usize,
+) -> PlungePlan {
+    repeat_plunges(one, part, &order_plunges(one, part, order, channels), channels)
+}
+
+/// The plunges of `channels` channels in their order.
+fn repeat_plunges(
+    one: &PlungePlan,
+    part: &Impeller,
+    plunges: &[ChannelPlunge],
+    channels: usize,
+) -> PlungePlan {
+    let position = |&ChannelPlunge { channel, place, position }: &ChannelPlunge| {
+        let (p, angle) = (&one.positions[position], part.pitch() * channel as f64);
+        Position {
+            tip: rotate_z(&p.tip, angle),
+            axis: rotate_vector_z(&p.axis, angle),
+            contact_point: rotate_z(&p.contact_point, angle),
+            row: p.row + place * one.sections[p.section].rows,
+            evaluation: Evaluation {
+                retract: rotate_z(&p.evaluation.retract, angle),
+                engagement: Engagement {
+                    towards_stock: rotate_vector_z(&p.evaluation.engagement.towards_stock, angle),
+                    ..p.evaluation.engagement
+                },
+                motion: p.evaluation.motion.rotated_z(angle),
+                ..p.evaluation
+            },
+            ..p.clone()
+        }
+    };
+    let mut plan = PlungePlan { positions: plunges.iter().map(position).collect(), ..one.clone() };
     for section in &mut plan.sections {
         section.rows *= channels;
     }
     plan
 }
 
+/// How often a tool is loaded in the program for `channels` channels, given the plan `one` of channel 1.
+pub fn count_tool_loads(one: &PlungePlan, order: ChannelOrder, channels: usize) -> usize {
+    let tool = |p: &Position| one.sections[p.section].tool.number;
+    let of_one = one.positions.chunk_by(|a, b| tool(a) == tool(b)).count();
+    match (order, one.positions.as_slice()) {
+        (ChannelOrder::ChannelByChannel, [first, .., last]) => {
+            // The first tool of a channel may be the last one of the channel before.
+            let kept = usize::from(tool(first) == tool(last));
+            of_one + channels.saturating_sub(1) * (of_one - kept)
+        }
+        _ => of_one,
+    }
+}
+
 /// Key by which equal points are found: coordinates in units of [`SAME_PLACE`], which is far below the
 /// distance of two plunges and far above rounding.
-fn place(point: &Point) -> [i64; 3] {
+fn quantised(point: &Point) -> [i64; 3] {
     [point.x, point.y, point.z].map(|x| (x / SAME_PLACE).round() as i64)
 }
 

@@ -9,6 +9,11 @@ pub fn channels_text(count: usize) -> String {
     if count == 1 { "one channel".to_owned() } else { format!("all {count} channels of the program") }
 }
 
+/// How often tools are loaded in a program.
+pub fn tool_loads_text(count: usize) -> String {
+    if count == 1 { "one tool is loaded once".to_owned() } else { format!("tools are loaded {count} times") }
+}
+
 /// Instead of the time of a plan that the machine of the setup cannot run.
 pub const NOT_ON_MACHINE: &str = "not on this machine";
 

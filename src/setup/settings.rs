@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::channel_settings::ChannelSetup;
 use super::cutting_data::CuttingData;
 use super::fault::{SetupFault, SetupPlace};
 use super::flank_settings::{FlankSetup, FlankStrategy};
@@ -123,12 +124,20 @@ pub struct Setup {
     pub plunge: PlungeSetup,
     /// `[flank]`.
     pub flank: FlankSetup,
+    /// `[channels]`.
+    pub channels: ChannelSetup,
     /// `[machine]`.
     pub machine: Machine,
 }
 
 impl Setup {
-    /// Whether the other setup leads to the same plunge plan: both differ at most in `[flank]`.
+    /// Whether the other setup leads to the same plunge plan of one channel: both differ at most in `[flank]`
+    /// and in the order of channels.
+    pub fn plans_equal_channel(&self, other: &Self) -> bool {
+        Self { channels: other.channels, ..self.clone() }.equals_except_flank(other)
+    }
+
+    /// Whether the other setup leads to the same plunge programs: both differ at most in `[flank]`.
     pub fn equals_except_flank(&self, other: &Self) -> bool {
         Self { flank: other.flank.clone(), ..self.clone() } == *other
     }
@@ -250,6 +259,7 @@ impl Default for Setup {
                 wall_feed_mm_per_min: None,
                 ramp_feed_mm_per_min: None,
             },
+            channels: ChannelSetup::default(),
             machine: Machine { file: None, max_axis_tilt_rad: std::f64::consts::PI },
         }
     }

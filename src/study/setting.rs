@@ -26,7 +26,7 @@ pub fn canonical_key(key: &str) -> Result<String, UserError> {
         let what = format!("{shown} is not the path of a key of a setup");
         return Err(UserError::new(ErrorCode::UnknownKey, what, help));
     }
-    if key.split('.').next() == Some("flank") {
+    if matches!(key.split('.').next(), Some("flank" | "channels")) {
         let what = format!("{shown} does not change a plunge plan");
         let help = "vary keys of stock, tool, plunge or machine";
         return Err(UserError::new(ErrorCode::UnknownKey, what, help));

@@ -202,6 +202,13 @@ impl ClProgram {
 }
 
 impl ClProgram {
+    /// How often a tool is loaded.
+    pub fn tool_loads(&self) -> usize {
+        let tools = self.moves.iter().filter_map(|step| step.tool);
+        let mut loaded = None;
+        tools.filter(|&tool| loaded.replace(tool) != Some(tool)).count()
+    }
+
     /// Indices of the moves with which plunges begin, in programs as the planner writes them: each of these
     /// is a rapid to a plunge, the first of a tool or after the rapid out of the plunge before. The rapid
     /// that may follow, down to where the feed begins, belongs to the same plunge.

@@ -16,6 +16,8 @@ pub struct Travel {
     pub time: f64,
     /// Of it, the time under feed, s.
     pub feed_time: f64,
+    /// How often a tool is loaded.
+    pub tool_loads: usize,
 }
 
 impl Travel {
@@ -32,7 +34,7 @@ impl Travel {
 
     /// Sums of all moves with a tool.
     pub fn of(program: &ClProgram) -> Self {
-        let mut travel = Self::default();
+        let mut travel = Self { tool_loads: program.tool_loads(), ..Self::default() };
         for of_move in program.moves.windows(2).filter_map(|pair| Self::of_move(program, pair)) {
             travel.rapid += of_move.rapid;
             travel.cut += of_move.cut;

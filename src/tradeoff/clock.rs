@@ -4,6 +4,7 @@ use crate::machine::{MachineClock, MachineTime, MachineTool, SectionTime};
 use crate::part::Impeller;
 use crate::plunge::channels::repeat_for_channels;
 use crate::plunge::{PlungePlan, Position};
+use crate::setup::ChannelSetup;
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
 /// Tells the time of plans of one part. The default knows no machine.
@@ -52,14 +53,17 @@ impl PlanClock {
         self.section_times(plan).map(|times| MachineTime::of_sections(&times))
     }
 
-    /// Time on the machine of the program for all channels of `part`, of which `plan` is the first, s; `None`
-    /// as for [`Self::section_times`]. Links and plunges that [`plan_channels`] raises count as they are in
-    /// `plan`.
+    /// Time of the program for all channels of `part` in this `order`, of which `plan` is the first, s: on
+    /// the machine, or `None` where it cannot run that; without a machine without accelerations and tool
+    /// changes. Links and plunges that [`plan_channels`] raises count as they are in `plan`.
     ///
     /// [`plan_channels`]: crate::plunge::channels::plan_channels
-    pub fn wheel_time_s(&self, plan: &PlungePlan, part: &Impeller) -> Option<f64> {
-        self.timing()?;
-        Some(self.machine_time(&repeat_for_channels(plan, part, part.blade_count))?.total_s)
+    pub fn wheel_time_s(&self, plan: &PlungePlan, part: &Impeller, order: ChannelSetup) -> Option<f64> {
+        let wheel = repeat_for_channels(plan, part, order, part.blade_count);
+        match self.timing() {
+            Some(_) => self.machine_time(&wheel).map(|time| time.total_s),
+            None => Some(Travel::of(&ClProgram::of_plan("", &wheel)).time),
+        }
     }
 
     /// Time of `plan`, s: on the machine, where one that it cannot run takes for ever; without a machine

@@ -46,12 +46,17 @@ pub struct Summary {
     pub time_estimate: f64,
     /// Of it, the time under feed, s.
     pub feed_time: f64,
+    /// How often a tool is loaded; 0 for sections.
+    pub tool_loads: usize,
     /// Time on the machine of the setup; `None` without one, where it cannot run the whole plan, and for
     /// sections and programs, of which only their plan's is known.
     pub machine_time: Option<MachineTime>,
-    /// Time on that machine of the program for all channels, s; `None` as for `machine_time`, and for plans
-    /// that were not asked for.
+    /// Time of the program for all channels, s: on that machine, or without one as `time_estimate`; `None`
+    /// where the machine cannot run it, and for plans that were not asked for.
     pub wheel_time_s: Option<f64>,
+    /// Tool changes of each channel after the first in the order of the setup, s on that machine: 0 tool by
+    /// tool.
+    pub further_tool_changes_s: f64,
     /// Whether the machine of the setup, which runs the plan that was asked for, cannot run this one.
     pub is_refused: bool,
     /// Positions blocked by the blades, including those that were left out; `None` for a program, which does
@@ -119,13 +124,14 @@ impl Summary {
         if self.is_refused { f64::NAN } else { self.time_estimate }
     }
 
-    /// The same of each further channel, for which no tool is changed, s.
+    /// The same of each further channel, s: with the tool changes that the order of the setup needs for it.
     pub fn time_of_further_channel_s(&self) -> f64 {
-        self.machine_time.map_or(self.estimate_s(), |time| time.total_s - time.tool_changes_s)
+        let cut = |time: MachineTime| time.total_s - time.tool_changes_s;
+        self.machine_time.map_or(self.estimate_s(), |time| cut(time) + self.further_tool_changes_s)
     }
 
-    /// The same for the first `count` of `channels` channels, cut tool by tool: each tool is changed once.
-    /// Where the time of all of them is not known, the links from channel to channel are left out.
+    /// The same for the first `count` of `channels` channels, in the order of the setup. Where the time of
+    /// all of them is not known, the links from channel to channel are left out.
     pub fn time_of_channels_s(&self, count: usize, channels: usize) -> f64 {
         let further = match self.wheel_time_s {
             // Exactly that time: one that is off by rounding may be written with another last digit.
@@ -192,8 +198,10 @@ impl Summary {
             rapid_length: travel.rapid,
             time_estimate: travel.time,
             feed_time: travel.feed_time,
+            tool_loads: travel.tool_loads,
             machine_time: None,
             wheel_time_s: None,
+            further_tool_changes_s: 0.0,
             is_refused: false,
             blocked: None,
         }

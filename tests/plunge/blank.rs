@@ -13,7 +13,10 @@ use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, BlankShape, Impeller};
 use vanecut::plunge::channels::plan_channels;
 use vanecut::plunge::{PlungePlan, Position};
-use vanecut::setup::{AxisPolicy, SectionKind, SectionSetup, Setup, Tool, ToolAssembly};
+use vanecut::setup::{
+    AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, SectionKind, SectionSetup, Setup, Tool,
+    ToolAssembly,
+};
 use vanecut::stock::solid::{Contact, SolidBlank, SolidProgram, SolidStock, StockSurface};
 use vanecut::toolpath::{ClProgram, Motion, Travel};
 use vanecut::verify::{FaultKind, verify};
@@ -179,6 +182,19 @@ fn a_cylinder_is_opened_down_to_the_shroud_and_the_channel_planned_as_without_it
     assert_eq!(all_below, PUMP.blade_count * below);
     assert!(all_above < PUMP.blade_count * above, "{all_above} of {above} for one channel");
     assert!(all.positions.iter().all(|position| !position.evaluation.contact.interferes()));
+    // So they do where one channel is finished before the next, in whatever sequence.
+    for sequence in ChannelSequence::ALL {
+        let mut setup = outcome.setup.clone();
+        setup.channels = ChannelSetup { order: ChannelOrder::ChannelByChannel, sequence };
+        let all = plan_channels(plan, &PUMP, &blank, &setup, PUMP.blade_count, &Monitor::default());
+        let all = all.expect("runs");
+        assert_eq!(kinds_of(&all), [all_above, all_below], "{sequence:?}");
+        let text = write_apt(&ClProgram::of_plan("a", &all));
+        let program = read_apt_bytes("plunge.apt", text.as_bytes()).expect("readable");
+        let verdict = verify(&workpiece, &setup, &program, &Monitor::default()).expect("it can be checked");
+        assert_eq!(verdict.faults, [], "{sequence:?}");
+        assert_eq!(verdict.channels, PUMP.blade_count, "{sequence:?}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod accessible;
 mod assess;
 mod blank;
 mod channel;
+mod channels;
 mod disc;
 mod drop_cutter;
 mod edits;

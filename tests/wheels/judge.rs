@@ -5,7 +5,8 @@ use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanOutcome, PlanRequest, PolicyResult, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
-use vanecut::setup::{AxisPolicy, FlankStrategy, Setup, Tool};
+use vanecut::plunge::channels::count_tool_loads;
+use vanecut::setup::{AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, FlankStrategy, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{report_plunges, verify_flank};
 
@@ -44,9 +45,49 @@ fn plunge_faults(part: &Impeller, twice: bool) -> Vec<String> {
     for result in outcome.policies() {
         judge(part, &outcome, result, &mut faults);
     }
+    faults.extend(channel_faults(outcome.clone()));
     let again = || run(&request(false), &Monitor::default()).map(|again| program_text(part, &again.after));
     if twice && again().ok() != Some(program_text(part, &outcome.after)) {
         faults.push("minimal: planned twice, the programs differ".to_owned());
+    }
+    faults
+}
+
+/// Checks the program of several channels of the requested plan: how many, and in what order, differs from
+/// wheel to wheel.
+fn channel_faults(mut outcome: PlanOutcome) -> Vec<String> {
+    let plan = &outcome.after.plan;
+    let (drawn, blades) = (plan.positions.len(), outcome.workpiece.part.blade_count);
+    let channels = blades.min(2 + drawn / 4 % 4);
+    outcome.setup.channels =
+        ChannelSetup { order: ChannelOrder::ALL[drawn % 2], sequence: ChannelSequence::ALL[drawn / 2 % 2] };
+    let order = outcome.setup.channels;
+    let loads = count_tool_loads(plan, order.order, channels);
+    let place = format!("{channels} channels, {}", order.words());
+    let program = outcome.program_for_channels(&outcome.after, channels, &Monitor::default());
+    let text = write_apt(&program.expect("not cancelled"));
+    let report =
+        read_apt_bytes("plunge.apt", text.as_bytes()).map_err(|e| e.to_string()).and_then(|program| {
+            let (workpiece, setup) = (&outcome.workpiece, &outcome.setup);
+            report_plunges(workpiece, setup, &program, CELLS, &Monitor::default()).map_err(|e| e.to_string())
+        });
+    let report = match report {
+        Ok(report) => report,
+        Err(error) => return vec![format!("{place}: {error}")],
+    };
+    let mut faults = Vec::new();
+    let (verdict, summary) = (&report.verdict, &report.summary);
+    if let Some(fault) = verdict.faults.first() {
+        faults.push(format!("{place}: {} faults, line {}: {fault}", verdict.faults.len(), fault.line));
+    }
+    for (what, found, wanted) in [
+        ("channels", verdict.channels, channels),
+        ("positions", summary.positions, channels * plan.positions.len()),
+        ("tool loads", summary.tool_loads, loads),
+    ] {
+        if found != wanted {
+            faults.push(format!("{place}: {found} {what}, {wanted} are planned"));
+        }
     }
     faults
 }

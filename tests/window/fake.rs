@@ -368,7 +368,9 @@ fn summary(plan: &PlungePlan, mean: f64) -> Summary {
         time_estimate: 1080.0,
         feed_time: 1056.0,
         machine_time: None,
+        tool_loads: 1,
         wheel_time_s: None,
+        further_tool_changes_s: 0.0,
         is_refused: false,
         blocked: Some(plan.positions.iter().filter(|p| p.blocked.is_some()).count()),
     }

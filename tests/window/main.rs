@@ -4,6 +4,7 @@
 
 mod agreement;
 mod borders;
+mod channels;
 mod compare;
 mod defects;
 mod device;

@@ -141,7 +141,10 @@ impl App {
                 self.run_command(ctx, C::ExportFlank);
             }
             C::ExportCl => self.ask_for_cl_file(ctx, 1),
-            C::ExportClSome => self.channels_dialog.open(self.channel_count()),
+            C::ExportClSome => {
+                let (shown, count) = (self.state.look.shown_channels, self.channel_count());
+                self.channels_dialog.open(if shown > 1 { shown } else { count }, count);
+            }
             C::ExportClAll => self.ask_for_cl_file(ctx, self.channel_count()),
             C::NextTool => self.state.jump_to_boundary(Boundary::Tool, true),
             C::PreviousTool => self.state.jump_to_boundary(Boundary::Tool, false),

@@ -97,8 +97,9 @@ impl App {
     /// Asks how many channels a program is for, while that is due.
     pub(in crate::app) fn ask_channels(&mut self, ui: &Ui) {
         let shown = self.state.last_whole_plan(self.state.look.side);
-        let plan = shown.map(|shown| &shown.planned.result(shown.policy).summary);
-        if let Some(channels) = self.channels_dialog.show(ui, plan) {
+        let plan = shown.map(|shown| shown.planned.result(shown.policy).summary.clone());
+        let order = &mut self.state.document.edited.setup.channels;
+        if let Some(channels) = self.channels_dialog.show(ui, plan.as_ref(), order) {
             self.ask_for_cl_file(ui.ctx(), channels);
         }
     }
@@ -159,13 +160,14 @@ impl App {
         };
         let Some(operation) = self.exported_operation() else { return };
         let channel_count = self.channel_count();
-        let channels = last.map_or(1, |last| last.channels).clamp(1, channel_count);
+        let channels =
+            last.map_or(self.state.look.shown_channels, |last| last.channels).clamp(1, channel_count);
         self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });
     }
 
     /// Draws the question where an NC program is to run, while that is due.
     pub(in crate::app) fn ask_nc_target(&mut self, ui: &Ui) {
-        match self.nc_dialog.show(ui) {
+        match self.nc_dialog.show(ui, &mut self.state.document.edited.setup.channels) {
             Some(NcAnswer::Save) => {
                 let Some(question) = self.nc_dialog.question() else { return };
                 let (operation, dialect) = (question.operation, question.target.dialect);

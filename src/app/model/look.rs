@@ -267,8 +267,13 @@ pub struct Look {
     pub solid_colours: SolidColours,
     /// Display of the flank plan.
     pub flank: FlankLook,
-    /// Timeline: number of positions cut; `None`: all.
+    /// Timeline: number of positions of channel 1 that are cut; `None`: all.
     pub cut_count: Option<usize>,
+    /// Number of channels whose plunges are shown, from the first of their sequence on. With more than one
+    /// the timeline runs through all of them.
+    pub shown_channels: usize,
+    /// Timeline of several channels: number of plunges cut; `None`: all.
+    pub channels_cut: Option<usize>,
     /// While the timeline plays: time of its last step, in seconds on the window's clock.
     pub playing: Option<f64>,
     /// Speed of playing; 1 is [`crate::app::model::state::PLAY_RATE`].
@@ -406,6 +411,8 @@ impl Default for Look {
             solid_colours: SolidColours::default(),
             flank: FlankLook::default(),
             cut_count: None,
+            shown_channels: 1,
+            channels_cut: None,
             playing: None,
             play_speed: 1.0,
             play_loop: false,

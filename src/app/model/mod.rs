@@ -31,6 +31,7 @@ pub mod release;
 pub mod results;
 pub mod role_choices;
 pub mod shop_library;
+pub mod shown_channels;
 pub mod solid;
 pub mod state;
 pub mod study_table;

@@ -9,8 +9,8 @@ use crate::setup::{AllowanceSetup, AxisPolicy, SectionSetup, Setup};
 use crate::stock::{
     FieldCutter, FieldProgram, FloorGrid, FloorLevel, FloorLevels, ResidualField, field_cutters,
 };
-use crate::toolpath::{ClProgram, Travel};
 
+use crate::app::model::shown_channels::clock_of;
 use crate::app::model::units::DisplayUnits;
 
 /// One of the two plans that are compared.
@@ -213,15 +213,6 @@ fn tools_in_words(setup: &Setup, units: DisplayUnits) -> String {
         Some(format!("{diameter} ({:.2} to {:.2}{rest})", section.from, section.to))
     };
     setup.plunge.sections.iter().filter_map(section).collect::<Vec<_>>().join(", ")
-}
-
-/// Time from the start to the end of each plunge of a plan, s.
-fn clock_of(plan: &PlungePlan) -> Vec<f64> {
-    let program = ClProgram::of_plan("", plan);
-    let moves = Travel::clock(&program);
-    // A plunge ends before the next one starts.
-    let ends = program.plunge_starts().into_iter().skip(1).chain([moves.len()]);
-    ends.filter_map(|end| moves.get(end.checked_sub(1)?).copied()).collect()
 }
 
 /// The plunges `cutters` of a plan over a floor: one of `known`, if it has the same.

@@ -42,6 +42,8 @@ pub struct SolidSource {
     pub planned: Arc<DisplayPlan>,
     /// Policy of the plunge plan.
     pub policy: AxisPolicy,
+    /// Number of channels that it mills.
+    pub channels: usize,
     /// The flank plan that follows it.
     pub flank: Option<Arc<FlankOutcome>>,
 }
@@ -53,7 +55,9 @@ impl PartialEq for SolidSource {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (a, b) => a.is_none() && b.is_none(),
         };
-        flank && self.policy == other.policy && Arc::ptr_eq(&self.planned, &other.planned)
+        flank
+            && (self.policy, self.channels) == (other.policy, other.channels)
+            && Arc::ptr_eq(&self.planned, &other.planned)
     }
 }
 

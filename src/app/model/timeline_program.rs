@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::checked::CheckedProgram;
 use super::planned::DisplayPlan;
 use crate::job::flank::FlankOutcome;
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
 use crate::setup::{AllowanceSetup, AxisPolicy};
 use crate::toolpath::ClProgram;
@@ -13,8 +14,8 @@ use crate::toolpath::ClProgram;
 /// What the timeline runs through.
 #[derive(Clone, Debug)]
 pub enum TimelineProgram {
-    /// The plunge plan of a policy, plunge by plunge.
-    Plunges(Arc<DisplayPlan>, AxisPolicy),
+    /// The plunge plan of a policy for that number of channels, plunge by plunge.
+    Plunges(Arc<DisplayPlan>, AxisPolicy, usize),
     /// A flank plan, move by move.
     Flank(Arc<FlankOutcome>),
     /// A checked program, move by move.
@@ -25,7 +26,9 @@ impl PartialEq for TimelineProgram {
     /// Plans and checked programs are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Plunges(a, policy), Self::Plunges(b, wanted)) => policy == wanted && Arc::ptr_eq(a, b),
+            (Self::Plunges(a, policy, channels), Self::Plunges(b, wanted, count)) => {
+                (policy, channels) == (wanted, count) && Arc::ptr_eq(a, b)
+            }
             (Self::Flank(a), Self::Flank(b)) => Arc::ptr_eq(a, b),
             (Self::Checked(a), Self::Checked(b)) => Arc::ptr_eq(a, b),
             _ => false,
@@ -38,10 +41,13 @@ impl TimelineProgram {
     /// step without a move.
     pub fn moves(&self) -> (Cow<'_, ClProgram>, Vec<Option<usize>>) {
         match self {
-            Self::Plunges(planned, policy) => {
-                let plan = planned.plan(*policy);
-                let program = ClProgram::of_plan(&planned.outcome.workpiece.part.name, plan);
-                let bottoms = program.bottoms_of(plan);
+            Self::Plunges(planned, policy, channels) => {
+                let (outcome, result) = (&planned.outcome, planned.result(*policy));
+                // Nothing cancels a program that is listed or shown on its machine.
+                let plan = outcome.plan_of_channels(result, *channels, &Monitor::default());
+                let plan = plan.unwrap_or_else(|Cancelled| result.plan.clone());
+                let program = ClProgram::of_plan(&outcome.workpiece.part.name, &plan);
+                let bottoms = program.bottoms_of(&plan);
                 (Cow::Owned(program), bottoms)
             }
             Self::Flank(outcome) => {
@@ -60,7 +66,9 @@ impl TimelineProgram {
     /// The part, and the allowances that say what its blank is.
     pub fn part(&self) -> (&Impeller, &AllowanceSetup) {
         match self {
-            Self::Plunges(planned, _) => (&planned.outcome.workpiece.part, &planned.outcome.setup.allowances),
+            Self::Plunges(planned, ..) => {
+                (&planned.outcome.workpiece.part, &planned.outcome.setup.allowances)
+            }
             Self::Flank(outcome) => (&outcome.workpiece.part, &outcome.setup.allowances),
             Self::Checked(checked) => (&checked.request.part, &checked.request.setup.allowances),
         }

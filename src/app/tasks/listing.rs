@@ -38,8 +38,9 @@ impl ListingWork {
 /// The program as it is written, read back for the lines of its moves; without lines where that fails.
 fn listing_of(listed: &TimelineProgram) -> Arc<ProgramListing> {
     let text = match listed {
-        TimelineProgram::Plunges(planned, policy) => {
-            cl_text(&PlungeSource { planned: Arc::clone(planned), policy: *policy, channels: 1 })
+        TimelineProgram::Plunges(planned, policy, channels) => {
+            let (planned, policy, channels) = (Arc::clone(planned), *policy, *channels);
+            cl_text(&PlungeSource { planned, policy, channels })
         }
         TimelineProgram::Flank(outcome) => flank_text(outcome),
         TimelineProgram::Checked(checked) => return Arc::clone(&checked.listing),

@@ -96,7 +96,7 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
     let start = first.and_then(at);
     let ends = if fault.is_none() { steps.iter().map(|end| at((*end)?)).collect() } else { Vec::new() };
     let demands = match &request.program {
-        TimelineProgram::Plunges(planned, policy) => {
+        TimelineProgram::Plunges(planned, policy, _) => {
             let plan = planned.plan(*policy);
             plan.positions.iter().map(|position| demand(&machine, &placed, plan, position)).collect()
         }

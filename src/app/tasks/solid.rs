@@ -7,7 +7,7 @@ use crate::gpu::mesh::{Mesh, Paint};
 use crate::io::gltf::GltfScene;
 use crate::io::stl::write_stl;
 use crate::job::worker::{Outcome, Worker};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::palette::{self, Rgb, category};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::{Condition, PlungePlan, Position};
@@ -52,13 +52,17 @@ impl SolidSource {
         &self.workpiece().part
     }
 
-    fn plan(&self) -> &PlungePlan {
-        self.planned.plan(self.policy)
+    /// The plunge plan of its channels.
+    fn plan(&self) -> PlungePlan {
+        let (outcome, result) = (&self.planned.outcome, self.planned.result(self.policy));
+        // A newer request waits until this one has begun.
+        let plan = outcome.plan_of_channels(result, self.channels, &Monitor::default());
+        plan.unwrap_or_else(|Cancelled| result.plan.clone())
     }
 
-    /// The moves of both plans, as the exported programs have them.
-    fn program(&self) -> ClProgram {
-        let mut program = ClProgram::of_plan(&self.part().name, self.plan());
+    /// The moves of `plan`, its plunge plan, and of the flank plan, as the exported programs have them.
+    fn program(&self, plan: &PlungePlan) -> ClProgram {
+        let mut program = ClProgram::of_plan(&self.part().name, plan);
         if let Some(flank) = &self.flank {
             let after = ClProgram::of_flank(&self.part().name, &flank.plan.tool, &flank.plan.moves);
             let first = program.tools.len();
@@ -71,14 +75,13 @@ impl SolidSource {
         program
     }
 
-    /// Number of moves of the program that are made.
-    fn moves_until(&self, moment: StockMoment, program: &ClProgram) -> usize {
+    /// Number of moves of the `program` of `plan` that are made.
+    fn moves_until(&self, moment: StockMoment, plan: &PlungePlan, program: &ClProgram) -> usize {
         let all = program.moves.len();
         match moment {
             StockMoment::End => all,
             StockMoment::Plunges(cut) => {
                 // A plunge without a tool has no moves.
-                let plan = self.plan();
                 let has_tool = |position: &&Position| plan.sections.get(position.section).is_some();
                 let plunges = plan.positions.iter().take(cut).filter(has_tool).count();
                 program.plunge_starts().get(plunges).copied().unwrap_or(all)
@@ -101,6 +104,7 @@ impl SolidSource {
 /// The players of one source, which keep what was simulated.
 struct Bench {
     source: SolidSource,
+    plan: PlungePlan,
     program: ClProgram,
     coarse: (StockPlayer, f64),
     fine: Option<(StockPlayer, f64)>,
@@ -108,9 +112,10 @@ struct Bench {
 
 impl Bench {
     fn new(source: &SolidSource) -> Result<Self, String> {
-        let program = source.program();
+        let plan = source.plan();
+        let program = source.program(&plan);
         let coarse = player(source, &program, COARSE)?;
-        Ok(Self { source: source.clone(), program, coarse, fine: None })
+        Ok(Self { source: source.clone(), plan, program, coarse, fine: None })
     }
 }
 
@@ -232,7 +237,7 @@ fn simulate(
         Some(known) => bench.insert(known),
         None => bench.insert(Bench::new(&request.source)?),
     };
-    let count = request.source.moves_until(request.moment, &bench.program);
+    let count = request.source.moves_until(request.moment, &bench.plan, &bench.program);
     let picture = |(player, spacing): &mut (StockPlayer, f64), is_coarse| {
         let (stock, contacts) = player.at(count, monitor).map_err(|error| match error {
             SolidError::Cancelled(_) => String::new(),
@@ -240,7 +245,8 @@ fn simulate(
         })?;
         let surface = StockSurface::of(stock);
         monitor.check().map_err(|_| String::new())?;
-        let (mesh, names) = painted(request, &bench.program, contacts, &surface, *spacing, monitor)?;
+        let (mesh, names) =
+            painted(request, (&bench.plan, &bench.program), contacts, &surface, *spacing, monitor)?;
         Ok::<_, String>(SolidPicture {
             request: request.clone(),
             mesh: Arc::new(mesh),
@@ -262,14 +268,17 @@ fn simulate(
 /// The triangles of a surface in the colours of a request, and the names of the colours.
 fn painted(
     request: &SolidRequest,
-    program: &ClProgram,
+    (plan, program): (&PlungePlan, &ClProgram),
     contacts: &[Contact],
     surface: &StockSurface,
     spacing: f64,
     monitor: &Monitor,
 ) -> Result<(Mesh, Vec<(Rgb, String)>), String> {
-    let painter = Painter::new(request, program, contacts);
-    let excess = (request.colours == SolidColours::Distance).then(|| Excess::new(request.source.workpiece()));
+    let painter = Painter::new(request, plan, program, contacts);
+    let excess = (request.colours == SolidColours::Distance).then(|| {
+        let excess = Excess::new(request.source.workpiece());
+        if request.source.channels > 1 { excess.in_all_channels() } else { excess }
+    });
     let paint = |cut_by: u32| painter.paint(cut_by);
     // Cancelled by a newer request.
     let mesh = solid_mesh(surface, spacing, excess.as_ref(), paint, monitor).map_err(|_| String::new())?;
@@ -285,8 +294,7 @@ struct Painter {
 }
 
 impl Painter {
-    fn new(request: &SolidRequest, program: &ClProgram, contacts: &[Contact]) -> Self {
-        let plan = request.source.plan();
+    fn new(request: &SolidRequest, plan: &PlungePlan, program: &ClProgram, contacts: &[Contact]) -> Self {
         let mut names: Vec<(Rgb, String)> = Vec::new();
         let mut note = |colour: Rgb, name: String| {
             if !names.iter().any(|(_, known)| *known == name) {
@@ -355,9 +363,10 @@ pub(in crate::app) fn solid_bytes(
     moment: StockMoment,
     is_scene: bool,
 ) -> Result<Vec<u8>, String> {
-    let program = source.program();
+    let plan = source.plan();
+    let program = source.program(&plan);
     let (mut player, _) = player(source, &program, EXPORTED)?;
-    let count = source.moves_until(moment, &program);
+    let count = source.moves_until(moment, &plan, &program);
     let (stock, _) = player.at(count, &Monitor::default()).map_err(|error| error.to_string())?;
     let surface = StockSurface::of(stock);
     let name = &source.part().name;

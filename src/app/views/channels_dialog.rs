@@ -1,11 +1,13 @@
 //! The question of how many channels a program is for.
 
-use egui::{Modal, RichText, Ui};
+use egui::{Grid, Modal, RichText, Ui};
 
+use super::channel_order;
 use super::count_field;
 use super::modal::is_dismissed;
 use crate::app::model::figures::format_duration;
 use crate::job::Summary;
+use crate::setup::ChannelSetup;
 
 /// The dialog.
 #[derive(Clone, Copy, Debug, Default)]
@@ -15,9 +17,9 @@ pub struct ChannelsDialog {
 }
 
 impl ChannelsDialog {
-    /// Opens it for a part of `count` channels.
-    pub fn open(&mut self, count: usize) {
-        self.asked = Some((count, count));
+    /// Opens it for a part of `count` channels, with `chosen` of them.
+    pub fn open(&mut self, chosen: usize, count: usize) {
+        self.asked = Some((chosen.clamp(1, count), count));
     }
 
     /// Whether it is open.
@@ -25,17 +27,20 @@ impl ChannelsDialog {
         self.asked.is_some()
     }
 
-    /// Draws it; returns the number of channels once. `plan`: the plan of one channel.
-    pub fn show(&mut self, ui: &Ui, plan: Option<&Summary>) -> Option<usize> {
+    /// Draws it; returns the number of channels once. `plan`: the plan of one channel; `order`: that of the
+    /// setup.
+    pub fn show(&mut self, ui: &Ui, plan: Option<&Summary>, order: &mut ChannelSetup) -> Option<usize> {
         let (chosen, count) = self.asked.as_mut()?;
         let (mut save, mut cancel) = (false, false);
         let modal = Modal::new(egui::Id::unique("channels")).show(ui.ctx(), |ui| {
-            ui.set_width(300.0);
+            ui.set_width(340.0);
             ui.label(RichText::new("Export CL of several channels").strong());
             ui.add_space(4.0);
-            ui.horizontal(|ui| {
+            Grid::new("channels fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
                 let label = ui.label("Channels");
                 count_field::channels(ui, chosen, *count, label.id);
+                ui.end_row();
+                channel_order::rows(ui, order);
             });
             if let Some(plan) = plan {
                 let whole = format_duration(plan.time_of_channels_s(*chosen, *count));

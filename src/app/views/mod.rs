@@ -3,6 +3,7 @@
 
 mod borders;
 pub mod changed;
+mod channel_order;
 pub mod channels_dialog;
 mod chart;
 pub mod command;

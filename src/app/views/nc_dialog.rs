@@ -2,6 +2,7 @@
 
 use egui::{ComboBox, Grid, Modal, RichText, Ui};
 
+use super::channel_order;
 use super::count_field;
 use super::modal::is_dismissed;
 use super::panels::fields;
@@ -12,6 +13,7 @@ use crate::io::InputError;
 use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
 use crate::machine::OutputKind;
+use crate::setup::ChannelSetup;
 
 /// What the dialog asks about.
 #[derive(Clone, Debug)]
@@ -75,15 +77,15 @@ impl NcDialog {
         self.question.as_ref()
     }
 
-    /// Draws it; returns an answer once.
-    pub fn show(&mut self, ui: &Ui) -> Option<NcAnswer> {
+    /// Draws it; returns an answer once. `order`: that of several channels in the setup.
+    pub fn show(&mut self, ui: &Ui, order: &mut ChannelSetup) -> Option<NcAnswer> {
         let question = self.question.as_mut().filter(|_| self.is_open)?;
         let (mut answer, mut close) = (None, false);
         let modal = Modal::new(egui::Id::unique("nc program")).show(ui.ctx(), |ui| {
             ui.set_width(340.0);
             ui.label(RichText::new("Export NC program").strong());
             ui.add_space(4.0);
-            answer = form(ui, question);
+            answer = form(ui, question, order);
             ui.add_space(4.0);
             ui.label(RichText::new(UNPROVEN).weak());
             ui.add_space(8.0);
@@ -101,7 +103,7 @@ impl NcDialog {
 }
 
 /// Draws the fields; returns what they cannot answer themselves.
-fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
+fn form(ui: &mut Ui, question: &mut NcQuestion, order: &mut ChannelSetup) -> Option<NcAnswer> {
     let mut changed: Option<Result<PostTarget, InputError>> = None;
     let mut opens_post = false;
     Grid::new("nc fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
@@ -118,6 +120,7 @@ fn form(ui: &mut Ui, question: &mut NcQuestion) -> Option<NcAnswer> {
             let label = ui.label("Channels").on_hover_text("How many are milled, from the first on");
             count_field::channels(ui, &mut question.channels, question.channel_count, label.id);
             ui.end_row();
+            channel_order::rows(ui, order);
         }
 
         let target = &mut question.target;

@@ -17,6 +17,7 @@ use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
+use crate::app::views::count_field;
 use crate::app::views::panels::setup::policy_label;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -136,13 +137,16 @@ const FLOORS: [(FloorColours, &str); 3] = [
     (FloorColours::Plain, "Plain"),
 ];
 
+const CHANNELS_TIP: &str = "Channels whose plunges are shown, from the first on in the channel sequence of the setup.\n\
+     With more than one the timeline runs through all of them, in the order of their program";
+
 /// Distance of the menu of layers from the upper edge of the view: below the switch in a narrow view, points.
 pub fn layers_top(rect: Rect) -> f32 {
     if rect.width() < 300.0 { 44.0 } else { 10.0 }
 }
 
-/// The menu of layers, in the upper right corner of the view.
-pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
+/// The menu of layers, in the upper right corner of the view. `channels`: number of those of the part.
+pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look, channels: usize) {
     let top = layers_top(rect);
     let at = Rect::from_min_max(
         rect.right_top() + egui::vec2(-68.0, top),
@@ -160,17 +164,20 @@ pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look) {
                 for colours in SolidColours::ALL {
                     ui.radio_value(&mut look.solid_colours, colours, colours.label());
                 }
-                return;
-            }
-            ui.label("Floor");
-            for (floor, name) in FLOORS {
-                ui.radio_value(&mut look.layers.floor, floor, name);
+            } else {
+                ui.label("Floor");
+                for (floor, name) in FLOORS {
+                    ui.radio_value(&mut look.layers.floor, floor, name);
+                }
+                ui.separator();
+                ui.label("Cutters by");
+                for colours in CutterColours::ALL {
+                    ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
+                }
             }
             ui.separator();
-            ui.label("Cutters by");
-            for colours in CutterColours::ALL {
-                ui.radio_value(&mut look.layers.cutter_colours, colours, colours.label());
-            }
+            let label = ui.label("Channels shown").on_hover_text(CHANNELS_TIP);
+            count_field::shown_channels(ui, &mut look.shown_channels, channels, label.id);
         });
     });
 }

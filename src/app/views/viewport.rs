@@ -7,7 +7,7 @@ use egui::{CursorIcon, Pos2, Rect, Response, Sense, Stroke, Ui};
 use glam::Vec3;
 
 use crate::gpu::camera::Camera;
-use crate::gpu::cutters::CutterFilter;
+use crate::gpu::cutters::{CutterFilter, DrawnChannel};
 use crate::gpu::scene::{FloorColours, SceneOptions};
 use crate::palette::ColourMap;
 
@@ -17,6 +17,7 @@ use crate::app::model::flank_passes::extent_of_pass;
 use crate::app::model::look::{Arrangement, Operation, SectionPlaneLook};
 use crate::app::model::planned::Side;
 use crate::app::model::preview::ShownCutters;
+use crate::app::model::shown_channels::ChannelProgress;
 use crate::app::model::solid::SolidColours;
 use crate::app::views::cube;
 use crate::app::views::legend::{self, Values};
@@ -183,6 +184,7 @@ impl App {
         let (flank, tool) = (self.flank_content(), self.shown_tool());
         let is_roughing = self.state.look.operation == Operation::Roughing;
         let borders = if is_roughing { self.border_segments(ui.visuals()) } else { Vec::new() };
+        let channels = self.drawn_channels(pane.side);
         let solid = self.solids[pane.side].shown().cloned();
         let preview = self.state.preview_on(pane.side).filter(|_| is_roughing);
         // The next stage replaces a preview soon, so draw it coarsely.
@@ -209,6 +211,7 @@ impl App {
             &self.state.plans_in_view(),
         );
         picture.load_preview(preview);
+        picture.load_channels(channels);
         picture.load_borders(borders);
         picture.load_solid(solid);
         picture.load_machine(machine);
@@ -223,6 +226,19 @@ impl App {
         if picture.is_draft() {
             ui.ctx().request_repaint_after(SMOOTH_AFTER);
         }
+    }
+
+    /// The shown channels beside the first: their plunges follow the timeline.
+    fn drawn_channels(&self, side: Side) -> Vec<DrawnChannel> {
+        let Some(shown) = self.state.shown_on(side) else { return Vec::new() };
+        let pitch = shown.planned.outcome.workpiece.part.pitch();
+        let drawn = |at: ChannelProgress| DrawnChannel {
+            turn_rad: (pitch * at.channel as f64) as f32,
+            up_to: self.state.look.channels_cut.map(|_| at.up_to),
+            has_tool: at.is_current,
+        };
+        let others = self.state.channel_progress().into_iter().filter(|at| at.channel != 0);
+        others.map(drawn).collect()
     }
 
     /// Plan content of a side's picture.
@@ -284,7 +300,8 @@ impl App {
             let corner = pane.visible.left_top() + egui::vec2(10.0, 44.0);
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
-        overlay::layers(ui, whole, &mut self.state.look);
+        let channels = self.channel_count();
+        overlay::layers(ui, whole, &mut self.state.look, channels);
         if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
             self.run_command(ui.ctx(), command);
         }
@@ -459,6 +476,8 @@ impl App {
             theme: self.screen.theme,
             cutter_stub: if shows_timeline_tool { FULL_LENGTH } else { SceneOptions::default().cutter_stub },
             up_to: look.cut_count.filter(|&cut| cut < count || cut == 0),
+            // The tool is in another channel.
+            hides_last: state.channel_progress().iter().any(|at| at.is_current && at.channel != 0),
             // Of the plunges, which the other operations do not show.
             selected: look.selected.filter(|_| roughing && side == look.side),
             pixel_scale: self.screen.scale,

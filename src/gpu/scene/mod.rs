@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::camera::Camera;
-use super::cutters::{CutterSet, DrawnCutter};
+use super::cutters::{CutterSet, DrawnChannel, DrawnCutter};
 use super::device::Gpu;
 use super::mesh::{Mesh, Segment};
 use super::mesh_buffers::{MeshBuffers, vertex_buffer};
@@ -60,6 +60,8 @@ pub struct Scene {
     /// The machine, and the distance of its farthest corner from the origin, mm.
     machine: Option<(MeshBuffers, f32)>,
     pub(super) cutters: Vec<DrawnCutter>,
+    /// Channels beside the first in which the cutters are drawn, too. They cannot be picked.
+    pub(super) channels: Vec<DrawnChannel>,
     /// Cutters of a plan preview. They are drawn instead of `cutters` and cannot be picked.
     pub(super) preview: Option<Arc<[DrawnCutter]>>,
     framing: ViewTargets,
@@ -81,6 +83,7 @@ impl Scene {
             solid: None,
             machine: None,
             cutters: Vec::new(),
+            channels: Vec::new(),
             preview: None,
             framing,
             part,
@@ -103,6 +106,11 @@ impl Scene {
         self.cutters = set.cutters;
         let frame = |section| section_frame(&self.cutters, section, &self.framing);
         self.framing.sections = (0..set.sections).map(frame).collect();
+    }
+
+    /// Draws the cutters in these channels, too.
+    pub fn set_channels(&mut self, channels: Vec<DrawnChannel>) {
+        self.channels = channels;
     }
 
     /// Colours the cutters of the plan, by position, instead of by their state; `None`: by their state.

@@ -62,6 +62,8 @@ pub struct SceneOptions {
     pub theme: Theme,
     /// Shows only positions before this one, the last of them at full length.
     pub up_to: Option<usize>,
+    /// Draws the last of them like the others: the tool is in another channel.
+    pub hides_last: bool,
     /// Selected position.
     pub selected: Option<usize>,
     /// Drawn length, in diameters, of sound cutters that are neither selected nor last; faulty ones are
@@ -119,6 +121,7 @@ impl Default for SceneOptions {
             map: ColourMap::Cividis,
             theme: Theme::Light,
             up_to: None,
+            hides_last: false,
             selected: None,
             cutter_stub: 0.15,
             pixel_scale: 1.0,
@@ -164,6 +167,7 @@ impl SceneOptions {
         CutterChoice {
             filter: self.show_cutters,
             up_to: self.up_to,
+            hides_last: self.hides_last,
             selected: self.selected,
             stub: self.cutter_stub,
         }

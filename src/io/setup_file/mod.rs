@@ -24,6 +24,8 @@
 //! to = 0.6
 //! [flank]                    # tool, layer_depth, scallop_height
 //! layer_depth = 3.0
+//! [channels]                 # order, sequence
+//! order = "channel_by_channel"
 //! [machine]                  # file, max_axis_tilt
 //! max_axis_tilt = 95.0
 //! ```
@@ -39,7 +41,10 @@ mod write;
 pub use keys::unit_of_key;
 pub use plunge::parse_axis_policy;
 pub(crate) use read::setup_of_table;
-pub use read::{line_of_place, parse_flank_strategy, read_setup, read_setup_bytes, read_setup_with_defaults};
+pub use read::{
+    line_of_place, parse_channel_order, parse_channel_sequence, parse_flank_strategy, read_setup,
+    read_setup_bytes, read_setup_with_defaults,
+};
 pub use tolerant::{SetupEntry, SetupEntryFault, TolerantSetup, read_setup_tolerantly};
 pub(super) use write::{beside, relative};
 pub use write::{locate_machine, write_setup, write_setup_beside};
@@ -51,7 +56,9 @@ const VERSION: u32 = 2;
 mod tests {
     use super::*;
     use crate::io::InputError;
-    use crate::setup::{AxisPolicy, CutDirection, SectionKind, Setup, Tool};
+    use crate::setup::{
+        AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup, CutDirection, SectionKind, Setup, Tool,
+    };
 
     const SAMPLE: &str = r#"part = "D 532"
 [stock]
@@ -83,6 +90,9 @@ to = 0.0
 rest = true
 [flank]
 tool = 4
+[channels]
+order = "channel_by_channel"
+sequence = "opposite"
 "#;
 
     fn read(text: &str) -> Result<Setup, InputError> {
@@ -120,6 +130,8 @@ tool = 4
         assert_eq!((setup.plunge.rest, setup.plunge.sections[0].kind), (false, SectionKind::Rows));
         assert_eq!(setup.plunge.sections[1].kind, SectionKind::Rest);
         assert_eq!((setup.flank.tool, setup.flank.layer_depth), (Some(4), 3.0));
+        let (order, sequence) = (ChannelOrder::ChannelByChannel, ChannelSequence::Opposite);
+        assert_eq!(setup.channels, ChannelSetup { order, sequence });
     }
 
     #[test]
@@ -158,6 +170,15 @@ tool = 4
                 24,
                 "former name",
             ),
+            (
+                "\"channel_by_channel\"",
+                "\"channelwise\"",
+                32,
+                "use \"tool_by_tool\" or \"channel_by_channel\"",
+            ),
+            ("\"opposite\"", "\"across\"", 33, "use \"adjacent\" or \"opposite\""),
+            ("sequence = ", "sequenc = ", 33, "`sequence`"),
+            ("sequence = \"opposite\"", "sequence = 2", 33, "not a text"),
             ("rest = false", "rest = 0", 18, "true or false"),
             ("outward\"", "outward\"\nrest = true", 19, "no section comes before it"),
             ("[[plunge.section]]", "[plunge.section]", 19, "TOML"),

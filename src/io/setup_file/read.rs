@@ -16,7 +16,10 @@ use crate::io::source::{name_of, quote_for_message, read_bytes};
 use crate::io::table::{NumberRange, TomlDocument, TomlTable, nearest_note};
 use crate::io::tool_file::{ALLOWANCE, LENGTH, MAX_NUMBER, RATE, name, read_tool_tables};
 use crate::part::{BlankFile, BlankShape, Meridional, MeridionalOutline};
-use crate::setup::{AllowanceSetup, FlankSetup, FlankStrategy, Machine, Setup, SetupPlace};
+use crate::setup::{
+    AllowanceSetup, ChannelOrder, ChannelSequence, ChannelSetup, FlankSetup, FlankStrategy, Machine, Setup,
+    SetupPlace,
+};
 
 /// Smallest tilt that a machine must reach for a plan, rad.
 const MIN_AXIS_TILT: f64 = 0.02;
@@ -66,7 +69,17 @@ pub fn read_setup_with_defaults(name: &str, bytes: &[u8], defaults: &Setup) -> R
 /// # Errors
 /// When a key is unknown, or a value is outside its range.
 pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<Setup, InputError> {
-    root.check_keys(&["version", "part", "stock", "clearance", "tool", "plunge", "flank", "machine"])?;
+    root.check_keys(&[
+        "version",
+        "part",
+        "stock",
+        "clearance",
+        "tool",
+        "plunge",
+        "flank",
+        "channels",
+        "machine",
+    ])?;
     if let Some(version) = root.whole("version", 1, u32::MAX)?
         && version.value > VERSION
     {
@@ -91,6 +104,9 @@ pub(crate) fn setup_of_table(root: &TomlTable<'_>, defaults: &Setup) -> Result<S
     }
     if let Some(table) = root.table("flank")? {
         flank(&table.with_renamed_keys(RENAMED_IN_FLANK), &mut setup.flank)?;
+    }
+    if let Some(table) = root.table("channels")? {
+        channels(&table, &mut setup.channels)?;
     }
     if let Some(table) = root.table("machine")? {
         machine(&table, &mut setup.machine)?;
@@ -229,6 +245,47 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
     flank.wall_feed_mm_per_min = table.number("wall_feed", RATE)?.map(|x| x.value);
     flank.ramp_feed_mm_per_min = table.number("ramp_feed", RATE)?.map(|x| x.value);
     Ok(())
+}
+
+fn channels(table: &TomlTable<'_>, channels: &mut ChannelSetup) -> Result<(), InputError> {
+    table.check_keys(&["order", "sequence"])?;
+    if let Some(order) = table.string("order")? {
+        channels.order = parse_channel_order(order.value).map_err(|error| table.locate(order.at, error))?;
+    }
+    if let Some(sequence) = table.string("sequence")? {
+        channels.sequence =
+            parse_channel_sequence(sequence.value).map_err(|error| table.locate(sequence.at, error))?;
+    }
+    Ok(())
+}
+
+/// The order of the channels with this name, from a file or the command line.
+///
+/// # Errors
+/// When no order has this name: what is wrong, and what to do.
+pub fn parse_channel_order(name: &str) -> Result<ChannelOrder, UserError> {
+    ChannelOrder::ALL.into_iter().find(|order| order.name() == name).ok_or_else(|| {
+        let what = "an order of channels";
+        unknown_name(name, what, &ChannelOrder::ALL.map(ChannelOrder::name))
+    })
+}
+
+/// The sequence of channels with this name, from a file or the command line.
+///
+/// # Errors
+/// When no sequence has this name: what is wrong, and what to do.
+pub fn parse_channel_sequence(name: &str) -> Result<ChannelSequence, UserError> {
+    ChannelSequence::ALL.into_iter().find(|sequence| sequence.name() == name).ok_or_else(|| {
+        let what = "a sequence of channels";
+        unknown_name(name, what, &ChannelSequence::ALL.map(ChannelSequence::name))
+    })
+}
+
+/// The error of a `name` that is not `what`: one of `known`.
+fn unknown_name(name: &str, what: &str, known: &[&str]) -> UserError {
+    let choices: Vec<String> = known.iter().map(|known| format!("\"{known}\"")).collect();
+    let message = format!("{} is not {what}", quote_for_message(name));
+    UserError::new(ErrorCode::UnknownName, message, format!("use {}", choices.join(" or ")))
 }
 
 /// The flank milling strategy with this name.

@@ -12,7 +12,7 @@ use crate::io::machine_file::{is_built_in, read_machine};
 use crate::io::table::{degrees_text, quoted};
 use crate::io::tool_file::write_tools;
 use crate::part::{BlankFile, BlankShape};
-use crate::setup::{ClearanceSetup, CutDirection, Goal, SectionKind, SemiFinishing, Setup};
+use crate::setup::{ChannelSetup, ClearanceSetup, CutDirection, Goal, SectionKind, SemiFinishing, Setup};
 
 /// Writes a setup file. It reads back equal: angles that were read from degrees exactly, other angles to the
 /// last bit of an f64. A blank from a file is written with its outline, so that the text does not depend on
@@ -175,6 +175,10 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
         if let Some(feed) = feed {
             writeln!(out, "{key} = {feed:?}")?;
         }
+    }
+    if setup.channels != ChannelSetup::default() {
+        let ChannelSetup { order, sequence } = setup.channels;
+        writeln!(out, "\n[channels]\norder = \"{}\"\nsequence = \"{}\"", order.name(), sequence.name())?;
     }
     if setup.machine != Setup::default().machine {
         writeln!(out, "\n[machine]")?;

@@ -8,12 +8,13 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::html::escaped;
-use super::words::{channels_text, clearances_text, finishing_text, minutes, minutes_text};
+use super::words::{channels_text, clearances_text, finishing_text, minutes, minutes_text, tool_loads_text};
 use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::machine::{MachineTool, SectionTime};
 use crate::part::Workpiece;
 use crate::plunge::DropReason;
+use crate::plunge::channels::count_tool_loads;
 use crate::setup::{SectionKind, Setup, Tool};
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
@@ -201,9 +202,13 @@ fn program_text(input: &SheetInput) -> String {
         0 => "no fault".to_owned(),
         count => format!("{count} faults"),
     };
+    let order = match input.channels {
+        1 => String::new(),
+        _ => format!(", {}; {}", input.outcome.setup.channels.words(), tool_loads_text(summary.tool_loads)),
+    };
     let files = program_files(input.files, input.shown.plan.policy.name());
     format!(
-        "<h2>Program</h2>\n<p>{files}, for {}; checked as written: {faults}.</p>\n<p>{}</p>\n",
+        "<h2>Program</h2>\n<p>{files}, for {}{order}; checked as written: {faults}.</p>\n<p>{}</p>\n",
         channels_text(input.channels),
         escaped(clearances_text(summary, input.channels).trim_end()).replace('\n', "<br>"),
     )
@@ -251,12 +256,8 @@ fn sections_text(input: &SheetInput) -> String {
     let (outcome, shown) = (input.outcome, input.shown);
     let on_machine = outcome.clock.section_times(&shown.plan);
     let mut rows = String::new();
-    let mut tool_changes: usize = 0;
-    let mut last = None;
     for (index, section) in shown.plan.sections.iter().enumerate().filter(|(_, section)| section.is_cut()) {
         let summary = Summary::of_section(&shown.plan, &outcome.grid, &shown.field, index);
-        tool_changes += usize::from(last != Some(section.tool.number));
-        last = Some(section.tool.number);
         let kind = match section.kind {
             SectionKind::Rows => section.feed.words(),
             SectionKind::Rest => "rest milling",
@@ -281,6 +282,8 @@ fn sections_text(input: &SheetInput) -> String {
         );
     }
     let blades = outcome.workpiece.part.blade_count;
+    let order = outcome.setup.channels;
+    let tool_changes = count_tool_loads(&shown.plan, order.order, blades);
     let changes = if tool_changes == 1 { "one tool change" } else { &format!("{tool_changes} tool changes") };
     if shown.summary.is_refused {
         return sections_table(&rows, "The machine of the setup cannot run this plan.");
@@ -292,7 +295,8 @@ fn sections_text(input: &SheetInput) -> String {
         None => (wheel + TOOL_CHANGE_S / 60.0 * tool_changes as f64, "accelerations left out".to_owned()),
     };
     let mut below = format!(
-        "One channel {one:.1} min; the wheel, {blades} channels and {changes}, about {wheel:.0} min ({what})."
+        "One channel {one:.1} min; the wheel, {blades} channels and {changes}, {}, about {wheel:.0} min ({what}).",
+        order.words()
     );
     if let Some(finishing) = finishing_text(outcome, shown) {
         let _ = write!(below, " Afterwards {finishing}.");

@@ -1,5 +1,6 @@
 //! The window's state: the document, the results and the look, with the rules that connect them. No drawing.
 
+mod channels;
 mod program;
 mod solid;
 mod table;
@@ -24,6 +25,7 @@ use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::preview::PreviewCutters;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::results::Results;
+use crate::app::model::shown_channels::ShownChannels;
 use crate::plunge::inspect::CutPlane;
 pub use timeline::PLAY_RATE;
 
@@ -71,6 +73,9 @@ pub struct AppState {
     pub results: Results,
     /// How it is displayed.
     pub look: Look,
+    /// The channels of the shown plan that are shown, if there is more than one; see
+    /// [`Self::follow_channels`].
+    channels: Option<ShownChannels>,
     /// Whether all policies are planned, for comparison.
     pub compare: bool,
     /// Whether every edit is planned at once.
@@ -99,6 +104,7 @@ impl Default for AppState {
             document: Document::default(),
             results: Results::default(),
             look: Look::default(),
+            channels: None,
             compare: false,
             auto_update: true,
             problems: Vec::new(),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::AppState;
 use crate::app::model::planned::Side;
+use crate::app::model::shown_channels::ShownChannels;
 use crate::app::model::solid::{SolidRequest, SolidSource, StockMoment};
 use crate::job::flank::FlankOutcome;
 
@@ -21,6 +22,9 @@ impl AppState {
     pub fn stock_moment(&self, source: &SolidSource) -> StockMoment {
         match (&source.flank, self.look.flank.cut, self.look.cut_count) {
             (Some(_), Some(moves), _) => StockMoment::FlankMoves(moves),
+            (None, ..) if source.channels > 1 => {
+                self.look.channels_cut.map_or(StockMoment::End, StockMoment::Plunges)
+            }
             (None, _, Some(plunges)) => StockMoment::Plunges(plunges),
             _ => StockMoment::End,
         }
@@ -34,6 +38,7 @@ impl AppState {
             Arc::ptr_eq(&flank.workpiece.part, &shown.planned.outcome.workpiece.part)
         };
         let flank = self.shown_flank().map(|(outcome, _)| outcome).filter(same_part).cloned();
-        Some(SolidSource { planned: Arc::clone(shown.planned), policy: shown.policy, flank })
+        let channels = self.shown_channels().map_or(1, ShownChannels::count);
+        Some(SolidSource { planned: Arc::clone(shown.planned), policy: shown.policy, channels, flank })
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::AppState;
 use crate::app::model::boundary::Boundary;
 use crate::app::model::look::{Operation, REVEAL};
+use crate::app::model::shown_channels::ShownChannels;
 use crate::app::model::timeline_program::TimelineProgram;
 use crate::plunge::Position;
 
@@ -20,7 +21,8 @@ impl AppState {
         match self.look.operation {
             Operation::Roughing => {
                 let shown = self.shown()?;
-                Some(TimelineProgram::Plunges(Arc::clone(shown.planned), shown.policy))
+                let channels = self.shown_channels().map_or(1, ShownChannels::count);
+                Some(TimelineProgram::Plunges(Arc::clone(shown.planned), shown.policy, channels))
             }
             Operation::Flank => self.results.flank.clone().map(TimelineProgram::Flank),
             Operation::Program => self.results.checked.clone().map(TimelineProgram::Checked),
@@ -49,7 +51,10 @@ impl AppState {
     /// Number of steps of the timeline; 0 where the shown operation has none.
     pub fn timeline_len(&self) -> usize {
         match self.look.operation {
-            Operation::Roughing => self.position_count(),
+            Operation::Roughing => match self.shown_channels() {
+                Some(channels) => channels.plunges.len(),
+                None => self.position_count(),
+            },
             Operation::Flank => self.results.passes.clock.len(),
             Operation::Program => {
                 self.results.checked.as_ref().map_or(0, |checked| checked.program.moves.len())
@@ -60,6 +65,7 @@ impl AppState {
     /// Number of steps that are cut; `None`: all.
     pub fn timeline_cut(&self) -> Option<usize> {
         match self.look.operation {
+            Operation::Roughing if self.shown_channels().is_some() => self.look.channels_cut,
             Operation::Roughing => self.look.cut_count,
             Operation::Flank => self.look.flank.cut,
             Operation::Program => self.look.program_cut,
@@ -69,7 +75,7 @@ impl AppState {
     /// What is selected, as the number of steps up to its end.
     fn selected_end(&self) -> Option<usize> {
         match self.look.operation {
-            Operation::Roughing => self.look.selected.map(|k| k + 1),
+            Operation::Roughing => self.look.selected.map(|k| self.step_of_position(k)),
             Operation::Flank => self.results.passes.passes.get(self.look.flank.pass?).map(|pass| pass.end),
             Operation::Program => self.selected_finding()?.first_move.map(|k| k + 1),
         }
@@ -97,6 +103,9 @@ impl AppState {
         }
         match self.look.operation {
             Operation::Roughing => {
+                if let Some(channels) = self.shown_channels() {
+                    return channels.time_after(cut).zip(channels.time_after(count));
+                }
                 let shown = self.shown()?;
                 let at = |cut| shown.planned.time_after(shown.policy, cut);
                 at(cut).zip(at(count))
@@ -140,7 +149,15 @@ impl AppState {
             Boundary::Section => position.section as u32,
             Boundary::Tool => plan.sections.get(position.section).map_or(0, |s| s.tool.number),
         };
-        let keys: Vec<u32> = plan.positions.iter().map(key).collect();
+        let keys: Vec<(usize, u32)> = match self.shown_channels() {
+            Some(channels) => {
+                // A tool may go on in the next channel, a section does not.
+                let channel = |channel: usize| if of == Boundary::Section { channel } else { 0 };
+                let plunges = channels.plunges.iter();
+                plunges.map(|p| (channel(p.channel), key(&plan.positions[p.position]))).collect()
+            }
+            None => plan.positions.iter().map(|position| (0, key(position))).collect(),
+        };
         (0..keys.len()).filter(|&k| k == 0 || keys[k - 1] != keys[k]).collect()
     }
 
@@ -167,9 +184,16 @@ impl AppState {
         let cut = cut.map(|cut| cut.min(count));
         match self.look.operation {
             Operation::Roughing => {
-                self.look.cut_count = cut;
+                let last = cut.and_then(|cut| self.position_of_step(cut.checked_sub(1)?));
+                if let Some(channels) = self.shown_channels() {
+                    let of_first = cut.map(|cut| channels.cut_of_first(cut));
+                    (self.look.cut_count, self.look.channels_cut) = (of_first, cut);
+                } else {
+                    self.look.cut_count = cut;
+                }
                 if let Some(cut) = cut {
-                    self.look.selected = cut.checked_sub(1);
+                    // Positions are those of channel 1.
+                    self.look.selected = last.filter(|(_, channel)| *channel == 1).map(|(k, _)| k);
                     self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
                 }
             }

@@ -344,7 +344,9 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         fact("Tool tip X Y Z", point([position.tip.x, position.tip.y, position.tip.z]));
         let [i, j, l] = [position.axis.x, position.axis.y, position.axis.z];
         fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
-        if let Some((plan, at)) = state.on_machine().and_then(|plan| Some((plan, plan.at(Some(k + 1))?))) {
+        if let Some((plan, at)) =
+            state.on_machine().and_then(|plan| Some((plan, plan.at(Some(state.step_of_position(k)))?)))
+        {
             let [x, y, z, a, b] = plan.named(at);
             fact("Machine X Y Z", point([x, y, z].map(|(_, value, _)| value)));
             let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
@@ -356,7 +358,7 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             fact("Cut after", format_clock(time));
         }
         let listing = state.results.listing.as_ref();
-        if let Some(line) = listing.and_then(|listing| listing.line_after(Some(k + 1))) {
+        if let Some(line) = listing.and_then(|listing| listing.line_after(Some(state.step_of_position(k)))) {
             fact("Program line", line.to_string());
         }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
@@ -426,7 +428,7 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
         .shown()
         .is_some_and(|active| active.policy == shown.policy && Arc::ptr_eq(active.planned, shown.planned));
     if let Some(plan) = state.on_machine().filter(|_| is_active)
-        && let Some(at) = plan.at(Some(k + 1))
+        && let Some(at) = plan.at(Some(state.step_of_position(k)))
     {
         let axes = plan.named(at).map(|axis| axis_text(axis, state.look.units));
         ui.label(axes.join("  "));

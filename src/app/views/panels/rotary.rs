@@ -121,7 +121,11 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     }
     if let Some(k) = response.hover_pos().map(|at| scale.near(at)) {
         let values = curves.iter().map(|curve| format!("{} {:.3}°", curve.letter, curve.values[k]));
-        let step = if state.timeline_is_of_moves() { "Move" } else { "Position" };
+        let step = match state.shown_channels() {
+            Some(_) => "Plunge",
+            None if state.timeline_is_of_moves() => "Move",
+            None => "Position",
+        };
         let text = format!("{step} {}: {}", k + 1, values.collect::<Vec<_>>().join(", "));
         response.clone().on_hover_text_at_pointer(text);
     }
@@ -129,6 +133,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         state.look.playing = None;
         state.set_timeline(Some(k + 1));
     }
-    // Moves have no commands of their own.
-    if state.timeline_is_of_moves() { None } else { scale.picked(ui, &response, 0).menu }
+    // Moves have no commands of their own, nor have plunges of other channels.
+    if state.timeline_is_of_moves() || state.shown_channels().is_some() {
+        None
+    } else {
+        scale.picked(ui, &response, 0).menu
+    }
 }

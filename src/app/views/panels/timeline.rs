@@ -57,6 +57,9 @@ fn program_line(ui: &mut Ui, state: &AppState) {
     label.on_hover_ui(|ui| {
         ui.label(match state.look.operation {
             Operation::Program => "The checked program, at the position of the timeline",
+            _ if state.shown_channels().is_some() => {
+                "The exported APT program of the shown channels, at the position of the timeline"
+            }
             _ => "The exported APT program of one channel, at the position of the timeline",
         });
         for number in line.saturating_sub(LINES_AROUND).max(1)..=line + LINES_AROUND {
@@ -175,7 +178,11 @@ fn clock_tip(state: &AppState, whole: f64) -> String {
         }),
     };
     let wheel = format_duration(wheel.unwrap_or(whole));
-    format!("Time of one channel up to here, {from}\nWhole wheel: {wheel}")
+    let of = match state.shown_channels() {
+        Some(channels) => format!("{} channels, {},", channels.count(), channels.order().words()),
+        None => "one channel".to_owned(),
+    };
+    format!("Time of {of} up to here, {from}\nWhole wheel: {wheel}")
 }
 
 /// What is cut at the place of the timeline under the pointer.
@@ -205,7 +212,13 @@ fn tooltip(response: &egui::Response, state: &AppState) {
             }
             ui.label(format!("After {}", format_clock(checked.time_after(k + 1))));
         }
-        Operation::Roughing => cutter_tooltip(ui, state, state.look.side, k),
+        Operation::Roughing => {
+            let Some((position, channel)) = state.position_of_step(k) else { return };
+            if state.shown_channels().is_some() {
+                ui.label(RichText::new(format!("Channel {channel}")).strong());
+            }
+            cutter_tooltip(ui, state, state.look.side, position);
+        }
     });
 }
 
@@ -269,9 +282,11 @@ fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
             outcome.plan.faults.iter().for_each(|fault| mark(fault.index, Condition::Interfering));
         }
         (Operation::Roughing, Some(shown), _) => {
-            let positions = shown.plan().positions.iter().enumerate();
-            let faulty = positions.filter(|(_, position)| position.condition() != Condition::Sound);
-            faulty.for_each(|(k, position)| mark(k, position.condition()));
+            let positions = &shown.plan().positions;
+            let condition =
+                |k: usize| state.position_of_step(k).map(|(position, _)| positions[position].condition());
+            let faulty = (0..count).filter_map(|k| Some((k, condition(k)?)));
+            faulty.filter(|(_, of)| *of != Condition::Sound).for_each(|(k, of)| mark(k, of));
         }
         (Operation::Program, ..) => {
             let findings = state.results.checked.iter().flat_map(|checked| &checked.findings);

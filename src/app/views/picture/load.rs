@@ -14,6 +14,7 @@ use crate::app::tasks::solid::SolidPicture;
 use crate::drawing::cutters::cutter_set;
 use crate::drawing::flank::{self, FlankColours};
 use crate::drawing::floor::{contact_mesh, floor_meshes, value_mesh};
+use crate::gpu::cutters::DrawnChannel;
 use crate::gpu::mesh::{Mesh, Segment};
 use crate::io::flank_file::shown_walls;
 
@@ -165,6 +166,15 @@ impl SidePicture {
         if !same {
             self.scene.set_preview(preview.map(|preview| Arc::clone(&preview.cutters)));
             self.preview = preview.cloned();
+            self.generation += 1;
+        }
+    }
+
+    /// Draws the cutters in these channels, too; does nothing if they are drawn already.
+    pub fn load_channels(&mut self, channels: Vec<DrawnChannel>) {
+        if self.channels != channels {
+            self.scene.set_channels(channels.clone());
+            self.channels = channels;
             self.generation += 1;
         }
     }

@@ -21,6 +21,7 @@ use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::view3d::ViewHit;
 use crate::drawing::flank::FlankColours;
 use crate::gpu::camera::Camera;
+use crate::gpu::cutters::DrawnChannel;
 use crate::gpu::device::{Gpu, GpuError};
 use crate::gpu::mesh::Segment;
 use crate::gpu::renderer::{Picture as Pixels, Renderer, draft_size};
@@ -67,6 +68,7 @@ pub struct SidePicture {
     flank: Option<ShownFlank>,
     program: Option<Arc<CheckedProgram>>,
     borders: Vec<Segment>,
+    channels: Vec<DrawnChannel>,
     /// Colours of the cutters, and which are left out.
     coloured: Option<ColouredCutters>,
     /// The stock as a solid.
@@ -101,6 +103,7 @@ impl SidePicture {
             flank: None,
             program: None,
             borders: Vec::new(),
+            channels: Vec::new(),
             coloured: None,
             solid: None,
             machine: None,

@@ -1,0 +1,56 @@
+//! Several channels of the shown plan: which are shown, and how far each is cut.
+
+use super::AppState;
+use crate::app::model::look::Operation;
+use crate::app::model::shown_channels::{ChannelProgress, ShownChannels};
+
+impl AppState {
+    /// Keeps the shown channels those of the shown plan, and their timeline at that of channel 1, which
+    /// selections and edits move.
+    pub fn follow_channels(&mut self) {
+        let count = self.look.shown_channels;
+        let shown = self.shown().filter(|_| count > 1 && self.look.operation == Operation::Roughing);
+        let is_known = |known: &ShownChannels| {
+            shown.is_some_and(|shown| known.is_of(shown.planned, shown.policy, count))
+        };
+        if !self.channels.as_ref().is_some_and(is_known) {
+            self.channels = shown.and_then(|shown| ShownChannels::of(shown.planned, shown.policy, count));
+        }
+        let Some(channels) = &self.channels else {
+            self.look.channels_cut = None;
+            return;
+        };
+        let len = channels.plunges.len();
+        self.look.channels_cut = match (self.look.cut_count, self.look.channels_cut) {
+            (None, _) => None,
+            (Some(cut), Some(known)) if channels.cut_of_first(known) == cut => Some(known.min(len)),
+            (Some(cut), _) => cut.checked_sub(1).map_or(Some(0), |last| channels.step_of(last)),
+        };
+    }
+
+    /// The shown channels of the shown plan; `None` while that is one.
+    pub fn shown_channels(&self) -> Option<&ShownChannels> {
+        let shown = self.shown().filter(|_| self.look.operation == Operation::Roughing)?;
+        let count = self.look.shown_channels;
+        self.channels.as_ref().filter(|channels| channels.is_of(shown.planned, shown.policy, count))
+    }
+
+    /// How far each shown channel is cut; empty for one.
+    pub fn channel_progress(&self) -> Vec<ChannelProgress> {
+        self.shown_channels().map_or_else(Vec::new, |channels| channels.progress(self.look.channels_cut))
+    }
+
+    /// Number of steps of the timeline up to the end of position `position` of channel 1.
+    pub fn step_of_position(&self, position: usize) -> usize {
+        let channels = self.shown_channels();
+        channels.and_then(|channels| channels.step_of(position)).unwrap_or(position + 1)
+    }
+
+    /// The position whose plunge is step `step` of the timeline (from 0), with the number of its channel.
+    pub fn position_of_step(&self, step: usize) -> Option<(usize, usize)> {
+        match self.shown_channels() {
+            Some(channels) => channels.plunges.get(step).map(|plunge| (plunge.position, plunge.channel + 1)),
+            None => (step < self.position_count()).then_some((step, 1)),
+        }
+    }
+}

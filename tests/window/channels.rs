@@ -1,0 +1,224 @@
+//! Several channels: their order where they are exported, and how the views and the timeline show them.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use egui::accesskit::Role;
+use egui_kittest::kittest::Queryable;
+use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::planned::Side;
+use vanecut::io::apt::read_apt;
+use vanecut::monitor::Monitor;
+use vanecut::plunge::Position;
+use vanecut::setup::{ChannelOrder, ChannelSequence, ChannelSetup};
+use vanecut::toolpath::{Motion, Move};
+
+use crate::dialogs::{name_file, press_enter};
+use crate::fake;
+use crate::harness::{Window, pixels_in, settle, snapshot_ui, snapshot_view, with_sample, words};
+use crate::machine::with_machine;
+
+/// Opens the question how many channels a program is for.
+fn ask(window: &mut Window) {
+    window.state_mut().use_own_file_dialogs();
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label("Export CL of several channels…").click();
+    window.run_steps(3);
+}
+
+fn choose(window: &mut Window, list: &str, entry: &str) {
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, entry).click();
+    window.run_steps(3);
+    settle(window);
+}
+
+/// Shows so many channels, by the menu of layers.
+fn show_channels(window: &mut Window, count: f64) {
+    window.get_by_role_and_label(Role::Button, "Layers").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Channels shown").set_value_accesskit(count);
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(4);
+    settle(window);
+}
+
+fn positions(window: &Window) -> Vec<Position> {
+    window.state().state().shown().expect("planned").plan().positions.clone()
+}
+
+const OPPOSITE: ChannelSetup =
+    ChannelSetup { order: ChannelOrder::ChannelByChannel, sequence: ChannelSequence::Opposite };
+
+#[test]
+fn the_order_is_chosen_beside_the_number_of_channels_and_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, project) = (folder.path().join("three.apt"), folder.path().join("a.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    ask(&mut window);
+    snapshot_ui(&mut window, "channels_dialog");
+    window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(3.0);
+    choose(&mut window, "Channel order", "Channel by channel");
+    choose(&mut window, "Channel sequence", "Opposite");
+    assert_eq!(window.state().state().document.edited.setup.channels, OPPOSITE);
+    assert!(!window.state().state().out_of_date(), "the plan follows while the dialog is open");
+    window.get_by_label("Save as…").click();
+    window.run_steps(3);
+    settle(&mut window);
+    name_file(&mut window, &path);
+    press_enter(&mut window);
+    // Channels 1, 9 and 13 of 17, one after the other.
+    let program = read_apt(&path).expect("a CL file");
+    let count = positions(&window).len();
+    let pitch = window.state().state().document.part.as_ref().expect("open").impeller.pitch();
+    let is_cut = |step: &&Move| matches!(step.motion, Motion::Feed(_));
+    let bottoms: Vec<_> = program.moves.iter().filter(is_cut).map(|step| step.tip).collect();
+    assert_eq!(bottoms.len(), 3 * count);
+    let first = bottoms[0];
+    for (place, channel) in [(0, 0.0), (1, 8.0), (2, 12.0)] {
+        let turned = vanecut::geometry::rotate_z(&first, channel * pitch);
+        let off = (bottoms[place * count] - turned).norm();
+        assert!(off < 1e-4, "channel {channel}: {off} mm");
+    }
+    // The project has it, and it is undone like any edit.
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(&mut window);
+    let text = std::fs::read_to_string(&project).expect("written");
+    assert!(text.contains("channel_by_channel"), "{text}");
+    for _ in 0..2 {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+        window.run_steps(2);
+        settle(&mut window);
+    }
+    assert_eq!(window.state().state().document.edited.setup.channels, ChannelSetup::default());
+}
+
+#[test]
+fn all_channels_are_shown_and_the_timeline_runs_through_them() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 760.0));
+    window.run_steps(3);
+    settle(&mut window);
+    let count = positions(&window).len();
+    let (_, one) = window.state().state().clock().expect("a clock");
+    let rect = window.get_by_label("3D view").rect();
+    let plain = pixels_in(&mut window, rect);
+    show_channels(&mut window, 17.0);
+    assert_eq!(window.state().state().timeline_len(), 17 * count);
+    window.get_by_label(&format!("all {}", 17 * count));
+    let (now, whole) = window.state().state().clock().expect("a clock");
+    assert!(now == whole && whole > 17.0 * one, "{one} s for one channel, {whole} s for 17");
+    let all = pixels_in(&mut window, rect);
+    let changed = all.iter().zip(&plain).filter(|(a, b)| a != b).count();
+    assert!(changed * 20 > all.len(), "{changed} pixels of {} show other channels", all.len());
+    snapshot_view(&mut window, "channels_shown");
+
+    // Tool by tool: after the first tool of channel 1 comes that of channel 2.
+    let first_tool = positions(&window).iter().take_while(|p| p.section == 0).count();
+    window.state_mut().look_mut().playing = None;
+    set_timeline(&mut window, first_tool + 3);
+    let look = &window.state().state().look;
+    assert_eq!((look.cut_count, look.selected), (Some(first_tool), None), "the tool is in channel 2");
+    let progress: BTreeMap<usize, (usize, bool)> = window
+        .state()
+        .state()
+        .channel_progress()
+        .into_iter()
+        .map(|at| (at.channel, (at.up_to, at.is_current)))
+        .collect();
+    assert_eq!(progress[&0], (first_tool, false));
+    assert_eq!(progress[&1], (3, true));
+    assert!((2..17).all(|channel| progress[&channel] == (0, false)), "{progress:?}");
+    snapshot_view(&mut window, "channels_timeline");
+
+    // The line is that of the program of these channels.
+    let line = words(&window, "Line ").expect("listed");
+    let shown = window.state().state().shown().expect("planned");
+    let outcome = &shown.planned.outcome;
+    let plan = outcome.plan_of_channels(shown.planned.result(shown.policy), 17, &Monitor::default());
+    let tip = plan.expect("not cancelled").positions[first_tool + 2].tip;
+    assert!(line.contains(&format!("GOTO/{:.6},{:.6}", tip.x, tip.y)), "{line} is not at {tip}");
+
+    // A position that is selected is one of channel 1, and the timeline goes there.
+    window.state_mut().look_mut().select(Some(4));
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(window.state().state().timeline_cut(), Some(5));
+    show_channels(&mut window, 1.0);
+    let state = window.state().state();
+    assert_eq!((state.timeline_len(), state.timeline_cut()), (count, Some(5)));
+}
+
+/// Sets the timeline as its slider does.
+fn set_timeline(window: &mut Window, cut: usize) {
+    window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(cut as f64);
+    window.run_steps(3);
+    settle(window);
+}
+
+/// The solid is cut in all shown channels, as far as the timeline is.
+#[test]
+fn the_solid_is_cut_in_the_shown_channels() {
+    let mut window = with_sample(fake::engine().0);
+    window.key_press(egui::Key::S);
+    window.run_steps(3);
+    settle(&mut window);
+    show_channels(&mut window, 3.0);
+    let count = positions(&window).len();
+    let volumes = [0, count, 3 * count].map(|cut| {
+        set_timeline(&mut window, cut);
+        window.state().solid(Side::After).expect("a solid").volume
+    });
+    let removed = [1, 2].map(|k| volumes[0] - volumes[k]);
+    assert!(removed[0] > 0.0 && (removed[1] / removed[0] - 3.0).abs() < 0.05, "{removed:?} mm³");
+}
+
+/// The axes of the machine are those of the program of all shown channels.
+#[test]
+fn the_machine_runs_the_shown_channels() {
+    let mut window = with_machine("ac-trunnion");
+    let count = positions(&window).len();
+    show_channels(&mut window, 2.0);
+    let state = window.state().state();
+    let of_machine = &state.on_machine().expect("known").clock;
+    assert_eq!(of_machine.len(), 2 * count);
+    assert_eq!(state.clock().map(|(_, whole)| whole), of_machine.last().copied());
+    // The table turns the second channel to where it had the first.
+    let angle = |cut: usize| {
+        let machine = state.on_machine().expect("known");
+        machine.at(Some(cut)).expect("within its range").pose.angles[0]
+    };
+    let turn = (angle(count + 1) - angle(1)).rem_euclid(TAU);
+    let pitch = TAU / 17.0;
+    assert!((turn - pitch).abs().min((TAU - turn - pitch).abs()) < 1e-4, "{turn} rad");
+    assert_eq!(state.on_machine().expect("known").demands.len(), count, "the table has those of channel 1");
+}
+
+#[test]
+fn the_light_theme_shows_the_same_channels() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 760.0));
+    window.get_by_label("View").click();
+    window.run_steps(2);
+    window.get_by_label("Switch light and dark").click();
+    window.run_steps(4);
+    show_channels(&mut window, 5.0);
+    choose_opposite(&mut window);
+    snapshot_view(&mut window, "channels_light");
+}
+
+fn choose_opposite(window: &mut Window) {
+    ask(window);
+    choose(window, "Channel sequence", "Opposite");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    settle(window);
+    assert_eq!(window.state().state().document.edited.setup.channels.sequence, ChannelSequence::Opposite);
+}
