@@ -1,22 +1,21 @@
-//! Spatial index of plunges: a bounding-volume tree over grid cells of their tips and of a second point high
-//! up their axes, so that a query visits only the plunges near a given axis.
-
-use std::collections::HashMap;
+//! Index of plunges in cutting order: which of them come near a given axis.
+//!
+//! Plunges that follow each other are mostly neighbours, so blocks of successive ones have small bounds, and
+//! most blocks are ruled out by them. The others are tested plunge by plunge. Their numbers lie coordinate by
+//! coordinate, so that the processor tests several plunges at once: that is faster than a tree with small nodes.
 
 use crate::geometry::{CutterSolid, Point, Vector};
 
-/// Edge length of the cells of leaves, in cutter radii.
-const EDGE_RADII: f64 = 3.0;
-/// Factor by which the cells of the next level are wider.
-const LEVEL_FACTOR: i32 = 3;
-/// Height of the second point above the tip, in cutter radii.
+/// Plunges of a block.
+const BLOCK: usize = 32;
+/// Height of the second point of an axis above its tip, in cutter radii.
 const SECOND_RADII: f64 = 32.0;
-/// Minimum radius used for cell sizes, mm.
+/// Minimum radius used for that height, mm.
 const MIN_RADIUS: f64 = 1e-3;
-/// Number of levels of the tree.
-const LEVELS: usize = 5;
 /// Number of pieces of an axis over which distances to other axes are bounded.
 const AXIS_PIECES: usize = 4;
+/// 1 − cos² of the angle between two axes, below which they are parallel.
+const PARALLEL: f64 = 1e-12;
 
 /// A query: everything within `reach` mm of an axis, from its tip to `top` mm above.
 #[derive(Clone, Copy, Debug)]
@@ -33,22 +32,31 @@ impl AxisQuery {
         self.tip + self.axis * height
     }
 
+    /// Square of the distance, up to `top`, from the line through `tip` along `axis`, mm².
+    #[inline(always)]
+    fn squared_distance(&self, tip: [f64; 3], axis: [f64; 3]) -> f64 {
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let own = [self.axis.x, self.axis.y, self.axis.z];
+        let from_tip = [self.tip.x - tip[0], self.tip.y - tip[1], self.tip.z - tip[2]];
+        // At height h it is a h² + 2 b h + c.
+        let (along, up) = (dot(own, axis), dot(from_tip, axis));
+        let a = 1.0 - along * along;
+        let b = dot(from_tip, own) - up * along;
+        let c = dot(from_tip, from_tip) - up * up;
+        let lowest = (-b / a).min(self.top).max(0.0);
+        let h = if a > PARALLEL { lowest } else { 0.0 };
+        (a * h + 2.0 * b) * h + c
+    }
+
     /// Whether the axis, up to `top`, comes within `distance` mm of the line through `tip` along `axis`.
     pub fn meets(&self, tip: &Point, axis: &Vector, distance: f64) -> bool {
-        // The square of the distance at height h: a h² + 2 b h + c.
-        let from_tip = self.tip - tip;
-        let (along, up) = (self.axis.dot(axis), from_tip.dot(axis));
-        let a = 1.0 - along * along;
-        let b = from_tip.dot(&self.axis) - up * along;
-        let c = from_tip.norm_squared() - up * up;
-        let h = if a > 1e-12 { (-b / a).min(self.top).max(0.0) } else { 0.0 };
-        (a * h + 2.0 * b) * h + c < distance * distance
+        self.squared_distance([tip.x, tip.y, tip.z], [axis.x, axis.y, axis.z]) < distance * distance
     }
 }
 
-/// Bounds of all plunges of a node.
+/// Bounds of all plunges of a block.
 #[derive(Clone, Copy, Debug)]
-struct NodeBounds {
+struct BlockBounds {
     /// First tip and first axis.
     tip: Point,
     axis: Vector,
@@ -61,7 +69,7 @@ struct NodeBounds {
     radius: f64,
 }
 
-impl NodeBounds {
+impl BlockBounds {
     fn of(cutter: &CutterSolid) -> Self {
         let CutterSolid { tip, axis, radius, .. } = *cutter;
         let second = SECOND_RADII * radius.max(MIN_RADIUS);
@@ -82,7 +90,7 @@ impl NodeBounds {
         (1.0 - share).abs() * self.aside + share.abs() * self.aside_second
     }
 
-    /// Whether a plunge of the node may meet the query; conservative.
+    /// Whether a plunge of the block may meet the query; conservative.
     fn is_near(&self, around: &AxisQuery) -> bool {
         let reach = around.reach + self.radius;
         let (low, high) = (around.tip - self.tip, around.at(around.top) - self.tip);
@@ -107,101 +115,84 @@ impl NodeBounds {
     }
 }
 
+/// Successive plunges: coordinates of their tips and axes, and their radii, mm.
 #[derive(Clone, Debug)]
-struct IndexNode {
-    bounds: NodeBounds,
-    /// Index of the parent node in the next level.
-    parent: u32,
-    /// Ascending indices of plunges, or of nodes of the level below.
-    members: Vec<u32>,
+struct PlungeBlock {
+    bounds: BlockBounds,
+    tips: [[f64; BLOCK]; 3],
+    axes: [[f64; BLOCK]; 3],
+    radii: [f64; BLOCK],
 }
 
-/// Radius of the cutters of a node, and the cells of their tips and second points.
-type NodeKey = (u64, [[i32; 3]; 2]);
+impl PlungeBlock {
+    /// Without plunges; the first one will be `cutter`.
+    fn starting_with(cutter: &CutterSolid) -> Self {
+        let zeros = [[0.0; BLOCK]; 3];
+        Self { bounds: BlockBounds::of(cutter), tips: zeros, axes: zeros, radii: [0.0; BLOCK] }
+    }
 
-/// Spatial index of plunges.
+    fn set(&mut self, place: usize, cutter: &CutterSolid) {
+        self.bounds.add(cutter);
+        for k in 0..3 {
+            self.tips[k][place] = cutter.tip[k];
+            self.axes[k][place] = cutter.axis[k];
+        }
+        self.radii[place] = cutter.radius;
+    }
+
+    /// Of each of its places, by how much the squared distance from the query exceeds what meets it, mm².
+    fn gaps(&self, around: &AxisQuery) -> [f64; BLOCK] {
+        let Self { tips: [tx, ty, tz], axes: [ax, ay, az], radii, .. } = self;
+        let mut gaps = [0.0; BLOCK];
+        for i in 0..BLOCK {
+            let distance = around.reach + radii[i];
+            let squared = around.squared_distance([tx[i], ty[i], tz[i]], [ax[i], ay[i], az[i]]);
+            gaps[i] = squared - distance * distance;
+        }
+        gaps
+    }
+}
+
+/// Index of plunges in cutting order.
 #[derive(Clone, Debug, Default)]
 pub struct PlungeIndex {
-    /// Nodes by level, the leaves first.
-    places: [Vec<IndexNode>; LEVELS],
-    numbers: [HashMap<NodeKey, u32>; LEVELS],
-    /// Leaf of each plunge.
-    of_plunge: Vec<u32>,
+    blocks: Vec<PlungeBlock>,
+    count: usize,
 }
 
 impl PlungeIndex {
     /// Adds the next plunge.
     pub fn push(&mut self, cutter: &CutterSolid) {
-        let radius = cutter.radius.max(MIN_RADIUS);
-        let edge = EDGE_RADII * radius;
-        let cell = |p: Point| [p.x, p.y, p.z].map(|x| (x / edge).floor() as i32);
-        let second = cutter.tip + cutter.axis * (SECOND_RADII * radius);
-        let key = (cutter.radius.to_bits(), [cell(cutter.tip), cell(second)]);
-        let number = self.of_plunge.len() as u32;
-        let leaf = self.node_at(0, key, cutter);
-        let place = &mut self.places[0][leaf as usize];
-        if place.members.is_empty() {
-            place.bounds = NodeBounds::of(cutter);
+        let place = self.count % BLOCK;
+        if place == 0 {
+            self.blocks.push(PlungeBlock::starting_with(cutter));
         }
-        place.members.push(number);
-        self.of_plunge.push(leaf);
-        let mut at = leaf;
-        for places in &mut self.places {
-            let place = &mut places[at as usize];
-            place.bounds.add(cutter);
-            at = place.parent;
+        if let Some(block) = self.blocks.last_mut() {
+            block.set(place, cutter);
         }
-    }
-
-    /// Index of the node of `level` at `key`, created for `cutter` where there is none.
-    fn node_at(&mut self, level: usize, key: NodeKey, cutter: &CutterSolid) -> u32 {
-        if let Some(&number) = self.numbers[level].get(&key) {
-            return number;
-        }
-        let number = self.places[level].len() as u32;
-        let mut parent = 0;
-        if level + 1 < LEVELS {
-            let (radius, cells) = key;
-            let wider = cells.map(|cell| cell.map(|x| x.div_euclid(LEVEL_FACTOR)));
-            parent = self.node_at(level + 1, (radius, wider), cutter);
-            self.places[level + 1][parent as usize].members.push(number);
-        }
-        self.places[level].push(IndexNode { bounds: NodeBounds::of(cutter), parent, members: Vec::new() });
-        self.numbers[level].insert(key, number);
-        number
+        self.count += 1;
     }
 
     /// Removes all but the first `count` plunges. Bounds are not shrunk.
     pub fn truncate(&mut self, count: usize) {
-        for leaf in self.of_plunge.drain(count.min(self.of_plunge.len())..).rev() {
-            self.places[0][leaf as usize].members.pop();
-        }
+        self.count = self.count.min(count);
+        self.blocks.truncate(self.count.div_ceil(BLOCK));
     }
 
-    /// Indices below `count` of the plunges that may meet the query, in any order; may contain false
-    /// positives.
+    /// Ascending indices below `count` of the plunges whose columns meet the query: those with an axis less than their
+    /// radius and `reach` away.
     pub fn near(&self, around: &AxisQuery, count: usize) -> Vec<u32> {
+        let count = count.min(self.count);
         let mut found = Vec::new();
-        for place in &self.places[LEVELS - 1] {
-            self.gather(LEVELS - 1, place, around, count as u32, &mut found);
+        for (number, block) in self.blocks[..count.div_ceil(BLOCK)].iter().enumerate() {
+            if !block.bounds.is_near(around) {
+                continue;
+            }
+            let first = number * BLOCK;
+            let places = (count - first).min(BLOCK);
+            let gaps = block.gaps(around);
+            found.extend((0..places).filter(|&place| gaps[place] < 0.0).map(|place| (first + place) as u32));
         }
         found
-    }
-
-    fn gather(&self, level: usize, place: &IndexNode, around: &AxisQuery, count: u32, found: &mut Vec<u32>) {
-        if level == 0 && place.members.first().is_none_or(|&first| first >= count)
-            || !place.bounds.is_near(around)
-        {
-            return;
-        }
-        let members = place.members.iter();
-        match level.checked_sub(1) {
-            None => found.extend(members.take_while(|&&number| number < count)),
-            Some(below) => {
-                for &number in members {
-                    self.gather(below, &self.places[below][number as usize], around, count, found);
-                }
-            }
-        }
     }
 }
