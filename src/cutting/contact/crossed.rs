@@ -44,6 +44,15 @@ pub struct CrossedPlunge {
     c: [f64; 6],
 }
 
+/// A line of the core relative to an earlier plunge, see [`CrossedPlunge`].
+#[derive(Clone, Copy, Debug)]
+pub struct LineQuadratic {
+    b: f64,
+    c: f64,
+    /// Height of its start above the bottom of the earlier plunge, mm.
+    height: f64,
+}
+
 impl CrossedPlunge {
     pub(super) fn new(number: usize, cutter: &CutterSolid, frame: &CoreFrame) -> Self {
         let CoreFrame { tip, axis, across: [e1, e2] } = frame;
@@ -71,14 +80,14 @@ impl CrossedPlunge {
     /// Interval of the line that the plunge would remove with a sharp corner.
     #[inline]
     pub fn removed_by_sharp(&self, line: &CoreLine) -> Option<(f64, f64)> {
-        self.removed_by_sharp_below(f64::INFINITY, line)
+        self.interval(self.quadratic_below(f64::INFINITY, line)?)
     }
 
-    /// As [`Self::removed_by_sharp`], if the interval begins below `reach` and ends above the bottom of the
-    /// core. Most intervals that do not are rejected by the signs of the quadratic and its slope at these
-    /// heights.
-    #[inline]
-    pub fn removed_by_sharp_below(&self, reach: f64, line: &CoreLine) -> Option<(f64, f64)> {
+    /// What tells the interval of a line that the plunge would remove with a sharp corner, unless that certainly
+    /// begins above `reach` or ends below the bottom of the core: the signs of the quadratic and its slope at
+    /// these heights reject most intervals.
+    #[inline(always)]
+    pub fn quadratic_below(&self, reach: f64, line: &CoreLine) -> Option<LineQuadratic> {
         let CoreLine { x, y, .. } = *line;
         let height = self.height[0] + self.height[1] * x + self.height[2] * y;
         if self.along > 0.0 && height + self.along * reach <= 0.0 {
@@ -95,6 +104,12 @@ impl CrossedPlunge {
         if reach.is_finite() && self.a * reach + b <= 0.0 && (self.a * reach + 2.0 * b) * reach + c >= 0.0 {
             return None;
         }
+        Some(LineQuadratic { b, c, height })
+    }
+
+    /// The interval that a quadratic of [`Self::quadratic_below`] tells.
+    #[inline]
+    pub fn interval(&self, LineQuadratic { b, c, height }: LineQuadratic) -> Option<(f64, f64)> {
         column_interval([self.a, b, c], height, self.along)
     }
 

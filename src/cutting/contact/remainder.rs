@@ -1,6 +1,6 @@
 //! What earlier plunges leave of one line of a core, as disjoint intervals.
 
-use super::crossed::{CoreLine, CrossedPlunge};
+use super::crossed::{CoreLine, CrossedPlunge, LineQuadratic};
 
 /// Maximum number of disjoint uncut intervals of one line.
 const MAX_INTERVALS: usize = 12;
@@ -36,7 +36,17 @@ impl LineRemainder {
     /// Removes the interval that a plunge cut; whether it may have mattered.
     #[inline]
     pub fn remove(&mut self, crossed: &CrossedPlunge, line: &CoreLine) -> bool {
-        let Some((low, high)) = crossed.removed_by_sharp_below(self.reach(), line) else { return false };
+        // Most plunges are rejected here: inlined, that costs no call.
+        match crossed.quadratic_below(self.reach(), line) {
+            None => false,
+            Some(quadratic) => self.remove_crossed(crossed, line, quadratic),
+        }
+    }
+
+    /// The rest of [`Self::remove`].
+    #[inline(never)]
+    fn remove_crossed(&mut self, crossed: &CrossedPlunge, line: &CoreLine, quadratic: LineQuadratic) -> bool {
+        let Some((low, high)) = crossed.interval(quadratic) else { return false };
         // A rounded corner removes less than a sharp one, so the sharp interval is a quick reject.
         let is_open = self.open[..self.count].iter().any(|&(a, b)| low < b && high > a);
         if high <= 0.0 || low >= self.first && !is_open {
