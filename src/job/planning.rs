@@ -51,19 +51,28 @@ pub(super) fn plan(
 ) -> Result<PlanOutcome, JobError> {
     let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
     let resolved = resolve(&request.setup, &workpiece)?;
-    let outcome = plan_sections(request, &workpiece, resolved, &mut known.plans, monitor, listener)?;
     // What starves is a search of `minimal`; plans of other policies stay as they are.
-    if request.policy != AxisPolicy::Minimal {
+    let is_search = request.policy == AxisPolicy::Minimal;
+    let may_turn = is_search && starved::has_other_orders(&resolved);
+    let on_starving = if may_turn { OnStarving::End } else { OnStarving::GoOn };
+    let plan_in = |resolved: Resolved, on_starving, known: &mut PolicyCache, monitor: &Monitor, listener| {
+        plan_sections(request, &workpiece, (resolved, on_starving), known, monitor, listener)
+    };
+    let outcome = plan_in(resolved.clone(), on_starving, &mut known.plans, monitor, listener)?;
+    if !is_search {
         return Ok(outcome);
     }
     let Some(turned) = starved::reordered(&outcome, &mut known.reordered, monitor)? else {
-        return Ok(outcome);
+        let has_ended = outcome.after.plan.is_unfinished() && !monitor.is_stopped();
+        return match has_ended {
+            // No other order is better: the one that starves is planned to its end.
+            true => plan_in(resolved, OnStarving::GoOn, &mut known.plans, monitor, Listener::default()),
+            false => Ok(outcome),
+        };
     };
     // Its sections are known; a stop leaves the rest to be finished.
     let closing = &monitor.ignoring_stop().silent();
-    let turned =
-        plan_sections(request, &workpiece, turned, &mut known.reordered, closing, Listener::default());
-    match turned {
+    match plan_in(turned, OnStarving::GoOn, &mut known.reordered, closing, Listener::default()) {
         Err(JobError::Cancelled) => Err(JobError::Cancelled),
         turned => Ok(turned.unwrap_or(outcome)),
     }
@@ -84,11 +93,20 @@ pub(super) fn plan_in_stages(
     Ok(plan)
 }
 
+/// What `minimal` does after a section whose rows starve.
+#[derive(Clone, Copy, Debug)]
+enum OnStarving {
+    /// It plans the others.
+    GoOn,
+    /// It ends, see [`Planner::ending_where_starved`].
+    End,
+}
+
 /// Plans the sections of `resolved`.
 fn plan_sections(
     request: &PlanRequest,
     workpiece: &Arc<Workpiece>,
-    Resolved { setup, reasons }: Resolved,
+    (Resolved { setup, reasons }, on_starving): (Resolved, OnStarving),
     known: &mut PolicyCache,
     monitor: &Monitor,
     listener: Listener,
@@ -103,7 +121,10 @@ fn plan_sections(
         setup: setup.clone(),
         reasons: reasons.clone(),
     });
-    let planner = Planner::new(workpiece, &setup);
+    let planner = match on_starving {
+        OnStarving::GoOn => Planner::new(workpiece, &setup),
+        OnStarving::End => Planner::new(workpiece, &setup).ending_where_starved(),
+    };
     let clock = Arc::new(PlanClock::new(clock_of(&setup, workpiece)?));
     // The conventional plan and the grid are needed for every result, so they are completed even after a
     // stop.

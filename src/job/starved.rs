@@ -13,9 +13,15 @@ const STARVED_UNCUT: f64 = 0.05;
 /// Share of that which another order has to leave at most.
 const MUCH_LESS: f64 = 0.8;
 
+/// Whether the sections of `resolved` can be cut in another order than theirs.
+pub(super) fn has_other_orders(resolved: &Resolved) -> bool {
+    [0.5, 1.0, 0.0].into_iter().any(|s| cutting_order::from_both_ends(resolved, s).is_some())
+}
+
 /// The sections of `outcome` in another cutting order, where its plan of `minimal` starves and that leaves
 /// much less uncut: from both ends of the channel up to where they leave least, or all from one end. The plan
-/// is kept in `known`.
+/// is kept in `known`. Where that of `outcome` ended because it starves, what it did not reach counts as cut
+/// by it.
 ///
 /// # Errors
 /// [`PlanError::Cancelled`] when `monitor` is cancelled.
@@ -25,19 +31,21 @@ pub(super) fn reordered(
     monitor: &Monitor,
 ) -> Result<Option<Resolved>, PlanError> {
     let minimal = outcome.policies().into_iter().find(|result| result.plan.policy == AxisPolicy::Minimal);
-    let Some(minimal) = minimal.filter(|minimal| !minimal.plan.is_unfinished()) else { return Ok(None) };
+    let Some(minimal) = minimal.filter(|_| !monitor.is_stopped()) else { return Ok(None) };
     let lacks_contact = minimal.plan.dropped.iter().any(|dropped| dropped.why == DropReason::Contact);
-    let uncut = minimal.summary.uncut_share;
+    let uncut = uncut_where_planned(outcome, minimal);
     if !lacks_contact || uncut <= STARVED_UNCUT {
         return Ok(None);
     }
     let resolved = Resolved { setup: outcome.setup.clone(), reasons: outcome.reasons.clone() };
     for s in meeting_s(outcome, minimal).into_iter().chain([1.0, 0.0]) {
         let Some(turned) = cutting_order::from_both_ends(&resolved, s) else { continue };
-        let planner = Planner::new(&outcome.workpiece, &turned.setup);
+        let planner = Planner::new(&outcome.workpiece, &turned.setup).ending_where_starved();
         let known = known.policies.entry(AxisPolicy::Minimal).or_default();
         let plan = match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
             Ok(plan) if !plan.is_unfinished() => plan,
+            // It starves as well.
+            Ok(_) if !monitor.is_stopped() => continue,
             Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => return Err(cancelled.into()),
             _ => return Ok(None),
         };
@@ -48,6 +56,23 @@ pub(super) fn reordered(
         }
     }
     Ok(None)
+}
+
+/// Share of the floor that `result` leaves uncut; of one that ended because it starves, in the sections that
+/// it planned.
+fn uncut_where_planned(outcome: &PlanOutcome, result: &PolicyResult) -> f64 {
+    if !result.plan.is_unfinished() {
+        return result.summary.uncut_share;
+    }
+    let grid = &outcome.grid;
+    let is_planned = |row: &usize| {
+        let s = grid.s_of_row(*row);
+        let mut sections = result.plan.sections.iter().filter(|section| !section.is_unfinished());
+        sections.any(|section| section.kind == SectionKind::Rows && (section.to..=section.from).contains(&s))
+    };
+    let left = uncut_areas(grid, &result.field);
+    let uncut: f64 = (0..grid.rows).filter(is_planned).map(|row| left[row]).sum();
+    uncut / f64::from(statistics(grid, &result.field.heights, |_| true).area).max(f64::MIN_POSITIVE)
 }
 
 /// The s at which rows from the outlet and rows from the inlet should meet; `None` where that promises

@@ -28,6 +28,8 @@ pub(super) struct PlanContext<'a> {
     pub opening: Columns,
     /// The locked plunges of each section, around which the others are planned; empty without any.
     pub locked: Vec<Vec<LockedPlunge>>,
+    /// Whether `minimal` begins no other section after one that starves.
+    pub ends_where_starved: bool,
     /// Layout of each section; empty for sections that do not cut rows.
     layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
 }
@@ -40,7 +42,15 @@ impl<'a> PlanContext<'a> {
             SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
         let layouts = setup.plunge.sections.par_iter().map(layout).collect();
-        Self { workpiece, setup, density, opening: Columns::default(), locked: Vec::new(), layouts }
+        Self {
+            workpiece,
+            setup,
+            density,
+            opening: Columns::default(),
+            locked: Vec::new(),
+            ends_where_starved: false,
+            layouts,
+        }
     }
 
     /// Section `index` of the setup.

@@ -16,6 +16,8 @@ use crate::setup::{CutDirection, SectionSetup, Tool};
 
 /// Maximum number of lifts of one plunge; contact that remains is reported as interference.
 const MAX_LIFTS: usize = 8;
+/// Share of the places of a section that contact leaves without a plunge where its rows starve.
+const STARVED_SHARE: f64 = 2.0 / 3.0;
 /// Gap left between a lifted core and the stock below it, mm.
 pub(super) const LIFT_MARGIN: f64 = 1e-3;
 
@@ -185,6 +187,19 @@ impl SectionCut {
         let added: Vec<CutRow> = self.rows.drain(first..).collect();
         self.rows.extend(added.into_iter().map(CutRow::without_dropped).filter(|row| row.len() > 0));
         self.rows[first..].iter().map(CutRow::len).sum()
+    }
+
+    /// Whether contact left most places of its rows without a plunge: behind them no core is free either, and
+    /// a smaller cutter finds as few.
+    pub fn is_starved(&self) -> bool {
+        let contact = |row: &CutRow| {
+            let missing = row.row.missing.iter().filter(|(_, cause)| cause.why == DropReason::Contact);
+            missing.count()
+                + row.placed.iter().filter(|placed| matches!(placed, Err(DropReason::Contact))).count()
+        };
+        let placed: usize = self.rows.iter().map(CutRow::len).sum();
+        let starved: usize = self.rows.iter().map(contact).sum();
+        !self.columns.is_empty() && starved as f64 > STARVED_SHARE * (starved + placed) as f64
     }
 
     /// Whether planning was stopped before the section was finished.

@@ -40,6 +40,7 @@ fn place_plunges_in_pool(
     let mut cuts: Vec<Arc<SectionCut>> = Vec::new();
     known.invalidate(context.setup)?;
     let sections = &context.setup.plunge.sections;
+    let gives_up = context.ends_where_starved && policy == AxisPolicy::Minimal;
     for (index, section) in sections.iter().enumerate() {
         context.report_section(index, 0.0, monitor);
         let tool = tool_of(context.setup, section.tool)?;
@@ -51,7 +52,8 @@ fn place_plunges_in_pool(
                 other => other,
             })
         };
-        let cut = match cuts.last().filter(|last| last.is_unfinished()) {
+        let ends = |last: &&Arc<SectionCut>| last.is_unfinished() || gives_up && last.is_starved();
+        let cut = match cuts.last().filter(ends) {
             Some(last) => Arc::new(SectionCut::not_started(section, last.columns.clone())),
             None => known.get_or_make(index, context.setup, make)?,
         };

@@ -46,6 +46,17 @@ impl<'a> Planner<'a> {
         self
     }
 
+    /// The same, but a plan of `minimal` ends after a section whose rows starve, see
+    /// [`SectionPlan::is_unfinished`] of the later ones: another cutting order may cut that section, and then
+    /// they are planned in vain.
+    ///
+    /// [`SectionPlan::is_unfinished`]: super::SectionPlan::is_unfinished
+    #[must_use]
+    pub fn ending_where_starved(mut self) -> Self {
+        self.context.ends_where_starved = true;
+        self
+    }
+
     /// Number of sections that are cut before the first one with a locked plunge.
     pub fn sections_before_locked(&self) -> usize {
         let locked = &self.context.locked;

@@ -345,3 +345,33 @@ fn only_stale_sections_are_planned_again_and_the_plan_is_the_same() {
     setup.plunge.sections.pop();
     assert_eq!(held(&setup).0, sections - 1, "a section less");
 }
+
+/// Rows that begin within stock find no free core. What is cut behind them is not planned in vain, and where
+/// it is wanted all the same, the plan is the one that was made at once.
+#[test]
+fn a_plan_may_end_where_its_rows_starve() {
+    let part = sample("impeller532");
+    let (mut setup, _) = planned(&part, &Setup::default(), AxisPolicy::Conventional);
+    let rows = |tool, from, to| {
+        let cut_direction = Some(CutDirection::OutletToInlet);
+        SectionSetup { tool, from, to, cut_direction, kind: SectionKind::Rows }
+    };
+    let tools = [0, 1, 2].map(|index| setup.tools[index].number);
+    setup.plunge.sections =
+        vec![rows(tools[0], 1.0, 0.85), rows(tools[1], 0.4, 0.26), rows(tools[2], 0.26, 0.0)];
+    let (workpiece, monitor) = (setup.allowances.workpiece_of(part.clone()), Monitor::default());
+    let planner = || Planner::new(&workpiece, &setup);
+    let mut known = SectionCache::default();
+    let ended = planner().ending_where_starved().plan_cached(AxisPolicy::Minimal, &mut known, &monitor);
+    let ended = ended.expect("a plan");
+    let unfinished: Vec<bool> = ended.sections.iter().map(|section| section.is_unfinished()).collect();
+    assert_eq!(unfinished, [false, false, true], "{:?}", ended.sections);
+    let count = |section| ended.positions.iter().filter(|p| p.section == section).count();
+    assert!(count(0) > 20 && count(1) < 10 && count(2) == 0, "{} and {} plunges", count(0), count(1));
+    let whole = planner().plan_cached(AxisPolicy::Minimal, &mut known, &monitor).expect("a plan");
+    assert!(!whole.is_unfinished());
+    assert_eq!(whole, planner().plan(AxisPolicy::Minimal, &monitor).expect("a plan"), "as from scratch");
+    // Only a search of `minimal` finds no place; other policies place every row.
+    let monotone = planner().ending_where_starved().plan(AxisPolicy::Monotone, &monitor).expect("a plan");
+    assert!(!monotone.is_unfinished());
+}

@@ -198,16 +198,16 @@ mod tests {
         columns.truncate(1000);
         columns.extend((0..500).map(|_| column(&mut seed)));
         (0..20).for_each(|_| columns.extend(row(50, &mut seed)));
-        let mut looked_at = 0;
+        let mut found = 0;
         for k in (0..columns.len()).step_by(37) {
             let column = &columns.as_slice()[k];
             let number = |near: &PlungeColumn| columns.as_slice().iter().position(|c| std::ptr::eq(c, near));
             let near: Vec<usize> = columns.before(k).near(column).filter_map(number).collect();
-            looked_at += near.len();
+            found += near.len();
             let met: Vec<usize> =
                 (0..k).filter(|&n| column.may_meet(&columns.as_slice()[n].cutter)).collect();
             assert_eq!(near, met, "those that plunge {k} meets, in cutting order");
         }
-        assert!(looked_at > 1000, "{looked_at} were found");
+        assert!(found > 300, "{found} were found");
     }
 }
