@@ -1,6 +1,6 @@
 //! Plans, programs and times of several channels.
 
-use super::{PlanOutcome, PolicyResult};
+use super::outcome::{PlanOutcome, PolicyResult};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::plunge::PlungePlan;
