@@ -20,9 +20,9 @@ use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, ReleaseAnswer};
+use crate::gpu::SceneOptions;
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
-use crate::gpu::{GpuError, SceneOptions};
 use crate::io::shop_tools::missing_in_fusion;
 
 /// Maximum number of remarks on a library that are repeated when it is written.
@@ -263,12 +263,7 @@ impl App {
                 }
                 self.write(WriteTask::Picture(path, picture.width, picture.height, picture.rgba));
             }
-            Err(error) => self.state.report_problem(device_problem(&error)),
+            Err(error) => self.state.report_problem(Problem::of_device(&error)),
         }
     }
-}
-
-/// Problem message for a failure of the device.
-pub(in crate::app) fn device_problem(error: &GpuError) -> Problem {
-    Problem::new(error.to_string(), "save the project and restart with VANECUT_GPU=software")
 }

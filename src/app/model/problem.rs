@@ -2,6 +2,7 @@
 
 use super::field_faults::{FaultyField, FieldFault};
 use crate::error::ErrorCode;
+use crate::gpu::GpuError;
 use crate::io::InputError;
 
 /// What a problem is about; decides what solves and replaces it.
@@ -54,6 +55,11 @@ impl Problem {
     /// A file that was not opened.
     pub fn of_opening(error: &InputError) -> Self {
         Self { topic: Topic::Opening, ..Self::from(error) }
+    }
+
+    /// The device that draws has failed.
+    pub fn of_device(error: &GpuError) -> Self {
+        Self::new(error.to_string(), "save the project and restart with VANECUT_GPU=software")
     }
 
     /// Files that were not opened.

@@ -12,11 +12,11 @@ use crate::gpu::scene::{FloorColours, SceneOptions};
 use crate::palette::ColourMap;
 
 use crate::app::App;
-use crate::app::control::export::device_problem;
 use crate::app::model::flank_passes::extent_of_pass;
 use crate::app::model::look::{Arrangement, Operation, SectionPlaneLook};
 use crate::app::model::planned::Side;
 use crate::app::model::preview::ShownCutters;
+use crate::app::model::problem::Problem;
 use crate::app::model::shown_channels::ChannelProgress;
 use crate::app::model::solid::SolidColours;
 use crate::app::views::cube;
@@ -174,7 +174,7 @@ impl App {
                 }
                 self.state.look.select(position);
             }
-            Err(error) => self.state.report_problem(device_problem(&error)),
+            Err(error) => self.state.report_problem(Problem::of_device(&error)),
         }
     }
 

@@ -21,7 +21,7 @@ const CROSSING_RADII: f64 = 0.2;
 
 /// Lower bound on the cost of a row in one direction, as a share of its lower bound in the other: the lead
 /// angles of the grid mirror each other, floor and walls are the same.
-const LEAST_COST_SHARE: f64 = 0.9;
+const MIN_COST_SHARE: f64 = 0.9;
 
 /// A section planned in one cutting direction.
 struct DirectedPlan {
@@ -60,7 +60,7 @@ impl DirectionLimit<'_> {
     /// Whether a section whose first `rows` rows cost `cost` mm cannot get cheaper than the limit.
     fn is_exceeded(&self, rows: usize, cost: f64) -> bool {
         let to_come: f64 = self.min_costs.iter().skip(rows).sum();
-        cost + LEAST_COST_SHARE * to_come >= self.cost
+        cost + MIN_COST_SHARE * to_come >= self.cost
     }
 }
 
