@@ -83,9 +83,9 @@ impl CrossedPlunge {
         self.interval(self.quadratic_below(f64::INFINITY, line)?)
     }
 
-    /// What tells the interval of a line that the plunge would remove with a sharp corner, unless that certainly
-    /// begins above `reach` or ends below the bottom of the core: the signs of the quadratic and its slope at
-    /// these heights reject most intervals.
+    /// What tells the interval of a line that the plunge would remove with a sharp corner, unless that
+    /// certainly begins above `reach` or ends below the bottom of the core: the signs of the quadratic and
+    /// its slope at these heights reject most intervals.
     #[inline(always)]
     pub fn quadratic_below(&self, reach: f64, line: &CoreLine) -> Option<LineQuadratic> {
         let CoreLine { x, y, .. } = *line;

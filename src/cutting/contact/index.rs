@@ -1,8 +1,9 @@
 //! Index of plunges in cutting order: which of them come near a given axis.
 //!
 //! Plunges that follow each other are mostly neighbours, so blocks of successive ones have small bounds, and
-//! most blocks are ruled out by them. The others are tested plunge by plunge. Their numbers lie coordinate by
-//! coordinate, so that the processor tests several plunges at once: that is faster than a tree with small nodes.
+//! many blocks are ruled out by them. The others are tested plunge by plunge. Their numbers lie coordinate by
+//! coordinate, so that the processor tests several plunges at once: that is faster than a tree with small
+//! nodes.
 
 use crate::geometry::{CutterSolid, Point, Vector};
 
@@ -179,8 +180,8 @@ impl PlungeIndex {
         self.blocks.truncate(self.count.div_ceil(BLOCK));
     }
 
-    /// Ascending indices below `count` of the plunges whose columns meet the query: those with an axis less than their
-    /// radius and `reach` away.
+    /// Ascending indices below `count` of the plunges whose columns meet the query: those with an axis less
+    /// than their radius and `reach` away.
     pub fn near(&self, around: &AxisQuery, count: usize) -> Vec<u32> {
         let count = count.min(self.count);
         let mut found = Vec::new();
