@@ -51,7 +51,7 @@ fn planned() -> PlanOutcome {
 fn contact_and_floor_agree_with_contact_and_heightfield() {
     let outcome = planned();
     let plan = &outcome.before.plan;
-    let blank = Blank::of(&outcome.workpiece.part, 0.0);
+    let blank = Blank::from_part(&outcome.workpiece.part, 0.0);
     let outline = SolidBlank::Turned(TurnedOutline::of_blank(&outcome.workpiece.part, &blank));
     let spacing = 0.8;
     let mut stock = SolidStock::new(&outline, spacing).expect("it fits");
@@ -72,7 +72,7 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
     assert!(worst <= 1.5 * spacing, "contact differs by {worst} mm");
 
     // Vertices on cut floor, against the height of stock at their feet on the hub.
-    let surface = StockSurface::of(&stock);
+    let surface = StockSurface::from_stock(&stock);
     let hub = outcome.workpiece.part.hub.curve();
     let mut heights = Vec::new();
     let (mut points, mut normals) = (Vec::new(), Vec::new());
@@ -80,7 +80,7 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
         if *by == SpanEnd::BLANK || n.norm_squared() < 0.5 {
             continue;
         }
-        let (t, height) = hub.project(Meridional::of(p));
+        let (t, height) = hub.project(Meridional::from_point(p));
         let angle = p.y.atan2(p.x);
         let normal = hub.at(t).normal.direction_at_angle(angle);
         if height > 0.0 && height < 8.0 && n.dot(&normal) > 0.5 {
@@ -146,7 +146,7 @@ fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
     for pair in channel.sides.chunks_exact(2) {
         for u in [0.2, 0.5, 0.8] {
             let tip = nalgebra::center(&pair[0].point(u, 1.0), &pair[1].point(u, 1.0));
-            let m = Meridional::of(&tip);
+            let m = Meridional::from_point(&tip);
             let at = part.shroud.curve().project(m).0;
             let foot = part.shroud.curve().point(at);
             let away = part.shroud.curve().at(at).normal;
@@ -175,11 +175,11 @@ fn excess_is_positive_above_tips_that_lie_below_the_shroud() {
     for pair in wheel.channel.sides.chunks_exact(2) {
         let tips = pair.iter().flat_map(|side| steps().map(|u| side.point(u, 1.0)));
         let highest =
-            tips.map(|tip| shroud.project(Meridional::of(&tip)).1).fold(f64::NEG_INFINITY, f64::max);
+            tips.map(|tip| shroud.project(Meridional::from_point(&tip)).1).fold(f64::NEG_INFINITY, f64::max);
         for u in steps() {
             let tip = nalgebra::center(&pair[0].point(u, 1.0), &pair[1].point(u, 1.0));
-            let at = shroud.at(shroud.project(Meridional::of(&tip)).0);
-            let foot = shroud.point(shroud.project(Meridional::of(&tip)).0);
+            let at = shroud.at(shroud.project(Meridional::from_point(&tip)).0);
+            let foot = shroud.point(shroud.project(Meridional::from_point(&tip)).0);
             let by = highest + 0.3;
             let above = Meridional { r: foot.r + at.normal.r * by, z: foot.z + at.normal.z * by };
             let found = excess.at(&above.at_angle(tip.y.atan2(tip.x)));
@@ -267,7 +267,7 @@ fn excess_around_blades_is_the_distance_to_them_as_they_are_drawn() {
                 let (u, v) = [(share(), 1.0), (1.0, share()), (0.0, share()), (share(), share())][k % 4];
                 let off = Vector::new(dice(), dice(), dice()) * 1.5;
                 let point = pair[k / 4 % 2].point(u, v) + off;
-                let above_hub = hub.project(Meridional::of(&point)).1;
+                let above_hub = hub.project(Meridional::from_point(&point)).1;
                 if above_hub < 0.5 {
                     continue;
                 }

@@ -356,7 +356,7 @@ impl eframe::App for App {
             let wanted = self.state.wanted_solid(side);
             if let Some(fault) = self.solids[side].follow(wanted) {
                 let help = "recalculate, or hide the layer";
-                self.state.report_problem(Problem::of(
+                self.state.report_problem(Problem::about(
                     Topic::Stock,
                     &format!("Stock as a solid: {fault}"),
                     help,

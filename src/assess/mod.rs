@@ -37,10 +37,10 @@ pub struct BladeMeasure {
 
 impl BladeMeasure {
     /// Measures a blade.
-    pub fn of(blade: &Blade) -> Self {
-        let envelope = |wall| WallEnvelope::of(blade, wall, ENVELOPE_CURVES);
+    pub fn from_blade(blade: &Blade) -> Self {
+        let envelope = |wall| WallEnvelope::from_blade(blade, wall, ENVELOPE_CURVES);
         let envelopes = [envelope(BladeWall::Suction), envelope(BladeWall::Pressure)];
-        Self { shape: BladeShape::of(blade), envelopes }
+        Self { shape: BladeShape::from_blade(blade), envelopes }
     }
 
     /// Twist, rad.
@@ -81,14 +81,18 @@ impl Assessment {
     ///     max_tilt_rad: setup.plunge.max_tilt_rad,
     ///     clearances: setup.clearances,
     /// };
-    /// let assessment = Assessment::of(&setup.allowances.workpiece_of(part), &[], &limits);
+    /// let assessment = Assessment::from_workpiece(&setup.allowances.workpiece_of(part), &[], &limits);
     /// assert!(assessment.largest_cutter() < assessment.width_range().1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn of(workpiece: &Workpiece, stretches: &[ReachSection<'_>], limits: &ReachLimits) -> Self {
+    pub fn from_workpiece(
+        workpiece: &Workpiece,
+        stretches: &[ReachSection<'_>],
+        limits: &ReachLimits,
+    ) -> Self {
         let Workpiece { part, channel, .. } = workpiece;
         let blades =
-            std::iter::once(&part.main).chain(part.splitters.first()).map(BladeMeasure::of).collect();
+            std::iter::once(&part.main).chain(part.splitters.first()).map(BladeMeasure::from_blade).collect();
         Self {
             blades,
             depths: passage::depths(part, channel),

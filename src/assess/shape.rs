@@ -65,7 +65,7 @@ const CURVES: usize = 40;
 
 impl BladeShape {
     /// Measures a blade.
-    pub fn of(blade: &Blade) -> Self {
+    pub fn from_blade(blade: &Blade) -> Self {
         let mut line = Vec::with_capacity(STEPS + 1);
         let twists = (0..=LINES).map(|k| measure_twist(blade, k as f64 / LINES as f64, &mut line)).collect();
         let curve_u = |i: usize| TRIM + (1.0 - 2.0 * TRIM) * i as f64 / CURVES as f64;
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn a_flat_radial_blade_has_the_twist_of_its_stagger_and_no_bend() {
         for stagger in [0.0, 25f64.to_radians(), 60f64.to_radians()] {
-            let shape = BladeShape::of(&blade(2, |u, v| {
+            let shape = BladeShape::from_blade(&blade(2, |u, v| {
                 Point::new(30.0 + 40.0 * v, 50.0 * u * stagger.sin(), -50.0 * u * stagger.cos())
             }));
             for t in &shape.twists {
@@ -222,7 +222,7 @@ mod tests {
             });
             (100.0 * sum.0, 100.0 * sum.1)
         };
-        let shape = BladeShape::of(&blade(2, |u, v| {
+        let shape = BladeShape::from_blade(&blade(2, |u, v| {
             let (y, z) = path(u);
             Point::new(40.0 + 20.0 * v, y, z)
         }));
@@ -238,14 +238,14 @@ mod tests {
     fn a_cylindrical_blade_does_not_turn_and_a_warped_one_does() {
         // An arc across the axis, its rulings along the axis; then turned by 30° from hub to tip.
         let arc = |u: f64| (60.0 * u.sin(), 60.0 * (1.0 - u.cos()));
-        let flat = BladeShape::of(&blade(3, |u, v| {
+        let flat = BladeShape::from_blade(&blade(3, |u, v| {
             let (x, y) = arc(u);
             Point::new(40.0 + x, y, 20.0 * v)
         }));
         assert!(flat.normal_turn_rad < 1e-6, "{}", flat.normal_turn_rad);
         assert!((flat.twists[0].angle_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-9, "across the axis");
         let warp = 30f64.to_radians();
-        let warped = BladeShape::of(&blade(9, |u, v| {
+        let warped = BladeShape::from_blade(&blade(9, |u, v| {
             let (sin, cos) = (warp * v).sin_cos();
             Point::new(100.0 * u * cos, 100.0 * u * sin, 400.0 * v)
         }));
@@ -260,7 +260,8 @@ mod tests {
     fn a_bow_is_its_offset_and_the_angle_of_its_chords() {
         // 1.5 mm at mid span of a blade 40 mm high, most at the trailing edge.
         let bow = |u: f64, v: f64| 1.5 * u * 4.0 * v * (1.0 - v);
-        let shape = BladeShape::of(&blade(5, |u, v| Point::new(30.0 + 40.0 * v, bow(u, v), 60.0 * u)));
+        let shape =
+            BladeShape::from_blade(&blade(5, |u, v| Point::new(30.0 + 40.0 * v, bow(u, v), 60.0 * u)));
         let expected = 1.5 * (1.0 - TRIM);
         assert!((shape.bow.offset - expected).abs() < 1e-9, "{:?}", shape.bow);
         assert!((shape.sharpest_bow.angle_rad - 2.0 * (expected / 20.0).atan()).abs() < 1e-9, "{shape:?}");

@@ -156,7 +156,7 @@ impl<'a> ReachObstacles<'a> {
         let (from, steps) = (2.0 * radius, 8);
         (0..=steps).all(|i| {
             let up = from + (tool.overhang - from).max(0.0) * f64::from(i) / f64::from(steps);
-            let (t, distance) = curve.project(Meridional::of(&(foot + axis * up)));
+            let (t, distance) = curve.project(Meridional::from_point(&(foot + axis * up)));
             // Beyond its ends the hub has an edge, not a surface.
             distance.abs() >= radius && (distance > 0.0 || t <= 0.0 || t >= curve.length())
         })
@@ -186,7 +186,7 @@ impl<'a> ReachObstacles<'a> {
         let around = 12;
         let rim = |k: i32, up: f64| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(around)).sin_cos();
-            Meridional::of(&(holder.tip + axis * up + (e1 * cos + e2 * sin) * radius))
+            Meridional::from_point(&(holder.tip + axis * up + (e1 * cos + e2 * sin) * radius))
         };
         let mut warm = None;
         let outside = |p: Meridional, warm: &mut Option<f64>| self.blank.clearance(p, warm) >= 0.0;

@@ -30,7 +30,7 @@ pub fn run(args: &AssessArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         check_directory(folder)?;
     }
-    let found = AssessedPart::of(part, &opened.setup);
+    let found = AssessedPart::from_part(part, &opened.setup);
     if let Some(fault) = found.no_reach.clone().filter(|_| args.setup.is_some()) {
         return Err(opened.failure(fault));
     }

@@ -91,7 +91,7 @@ fn measure(wheel: &PartDescription, setup: &Setup) -> Result<(usize, [f64; 4]), 
     let cutters = stretches_of(&plan.sections);
     let source = FloorSource::of_setup(&workpiece, setup, &cutters);
     let grid = FloorGrid::new(&source, FIELD_CELLS);
-    let summary = Summary::of(&plan, &grid, &residual_field(&grid, &field_cutters(&plan)));
+    let summary = Summary::from_plan(&plan, &grid, &residual_field(&grid, &field_cutters(&plan)));
     lap(1);
     let json = write_plan(wheel, setup, &plan, 1);
     let apt = write_apt(&ClProgram::of_plan(&workpiece.part.name, &plan));

@@ -35,7 +35,7 @@ pub fn run() -> Result<(), Failure> {
     let wheel = describe("impeller532.toml", include_bytes!("../../assets/parts/impeller532.toml"))?;
     let part = build(&wheel)?;
     let scale = DIAMETER / (2.0 * part.rim_radius());
-    let outline = TurnedOutline::of_blank(&part, &Blank::of(&part, 0.0)).scaled(scale);
+    let outline = TurnedOutline::of_blank(&part, &Blank::from_part(&part, 0.0)).scaled(scale);
     let blank = SolidBlank::Turned(outline);
     let whole = SolidStock::new(&blank, SPACING).map_err(Failure::of_work)?;
     print_row(
@@ -54,7 +54,7 @@ pub fn run() -> Result<(), Failure> {
         spindle: 1200.0,
         assembly: Default::default(),
     };
-    let tools = [SolidTool::of(&tool)];
+    let tools = [SolidTool::from_tool(&tool)];
     let mut last = None;
     for count in PLUNGES {
         let moves: Vec<SolidMove> = (0..count).map(|k| plunge(k, count, &part, scale)).collect();
@@ -105,7 +105,7 @@ fn print_memory(what: &str, stock: &SolidStock) -> Result<(), Failure> {
 
 fn print_surface(stock: &SolidStock) -> Result<(), Failure> {
     let mut triangles = 0;
-    let seconds = median(|| triangles = StockSurface::of(stock).triangles.len());
+    let seconds = median(|| triangles = StockSurface::from_stock(stock).triangles.len());
     print_row(&format!("  its surface: {triangles} triangles"), seconds)
 }
 
@@ -142,7 +142,7 @@ fn flank_program() -> Result<(SolidProgram, SolidBlank), Failure> {
     let mut program = SolidProgram::new(&program, &setup).map_err(|fault| Failure::of_work(fault.error))?;
     program.moves.truncate(FLANK_MOVES);
     program.count = program.moves.len();
-    Ok((program, SolidBlank::of(&part, &workpiece.blank)))
+    Ok((program, SolidBlank::from_part(&part, &workpiece.blank)))
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.

@@ -24,7 +24,7 @@ pub fn scaled_wheel(part: &Impeller, factor: f64) -> PartDescription {
         )
     };
     let moved = |p: &Point, (foot, theta): (Meridional, f64)| {
-        let (here, aside) = (Meridional::of(p), wrap_angle(p.y.atan2(p.x) - theta));
+        let (here, aside) = (Meridional::from_point(p), wrap_angle(p.y.atan2(p.x) - theta));
         let there = spread(here, foot);
         there.at_angle(theta + aside * here.r / there.r)
     };
@@ -56,7 +56,7 @@ pub fn scaled_wheel(part: &Impeller, factor: f64) -> PartDescription {
 fn camber_foot(blade: &Blade, u: f64) -> (Meridional, f64) {
     let [a, b] = [&blade.suction, &blade.pressure].map(|side| side.point(u, 0.0));
     let (low, high) = (a.y.atan2(a.x), b.y.atan2(b.x));
-    (Meridional::of(&a).lerp(Meridional::of(&b), 0.5), low + 0.5 * wrap_angle(high - low))
+    (Meridional::from_point(&a).lerp(Meridional::from_point(&b), 0.5), low + 0.5 * wrap_angle(high - low))
 }
 
 #[cfg(test)]
@@ -81,7 +81,7 @@ mod tests {
                 "{}",
                 grown.rim_radius()
             );
-            Channel::of(&grown);
+            Channel::from_part(&grown);
             for s in [0.1, 0.5, 0.9] {
                 let depth = |part: &Impeller| part.hub.point(s).distance(part.shroud.point(s));
                 assert!((depth(&grown) / depth(&part) - 1.0).abs() < 0.05, "{factor}: {}", depth(&grown));

@@ -25,14 +25,14 @@ pub(super) struct MachineFigures<'a> {
 impl<'a> MachineFigures<'a> {
     /// The figures by the rotary positions that the program names; where it leaves them to the control, by
     /// those that `post` would choose.
-    pub(super) fn of(
+    pub(super) fn of_program(
         on_machine: &'a NcMachine,
         program: &ClProgram,
         workpiece: &Workpiece,
         setup: &Setup,
     ) -> Self {
         let NcMachine { machine, placed, angles } = on_machine;
-        let blank = BlankSize::of(&workpiece.part, &setup.allowances);
+        let blank = BlankSize::from_part(&workpiece.part, &setup.allowances);
         let run = MachineRun::as_read(machine, placed, program, angles, blank, &Monitor::default()).ok();
         Self::of_motion(machine, program, run.map(|run| run.motion).as_ref())
     }

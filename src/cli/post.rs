@@ -155,8 +155,8 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
     Ok(PostSource {
         program,
         inlet_up,
-        blank: Some(BlankSize::of(&part, &setup.allowances)),
-        calls: ChannelCalls::of(channels, part.blade_count),
+        blank: Some(BlankSize::from_part(&part, &setup.allowances)),
+        calls: ChannelCalls::for_channels(channels, part.blade_count),
         sequence: setup.channels.sequence,
         name,
         has_lines: false,

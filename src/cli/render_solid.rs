@@ -43,12 +43,12 @@ pub fn picture(
     let range_mm = args.range.as_deref().map(parse_range).transpose()?.unwrap_or(fitted);
     let moves = SolidProgram::new(program, setup).map_err(|fault| Failure::from(fault.error))?;
     let workpiece = allowances.workpiece_of(part.clone());
-    let blank = SolidBlank::of(part, &workpiece.blank);
+    let blank = SolidBlank::from_part(part, &workpiece.blank);
     let spacing = blank.default_spacing();
     let mut stock = SolidStock::new(&blank, spacing).map_err(Failure::of_work)?;
     run_with_progress("cutting", |monitor| stock.make_moves(&moves.tools, moves.first(count), monitor))
         .map_err(Failure::of_work)?;
-    let surface = StockSurface::of(&stock);
+    let surface = StockSurface::from_stock(&stock);
     let paint = |cut_by: u32| if cut_by == SpanEnd::BLANK { Paint::UNCUT } else { Paint::BY_VALUE };
     let excess = Excess::new(&workpiece).in_all_channels();
     let mesh =

@@ -67,7 +67,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         stock.make_moves(&simulated.tools, simulated.first(made), monitor)
     })
     .map_err(failed)?;
-    let surface = StockSurface::of(&stock);
+    let surface = StockSurface::from_stock(&stock);
     let (whole, volume) = (blank.volume(), surface.volume());
     let bytes = match format {
         StockFormat::Stl => write_stl(&surface.points, &surface.triangles, &part.name),
@@ -162,7 +162,7 @@ fn blank_of(given: Option<&Path>, part: &Impeller, setup: &Setup) -> Result<Soli
         );
     }
     // A blank that does not enclose the part is of use here: that of a later operation.
-    Ok(SolidBlank::of(part, &allowances.blank_of(part)))
+    Ok(SolidBlank::from_part(part, &allowances.blank_of(part)))
 }
 
 /// Collisions with the lines of the program.

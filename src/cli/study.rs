@@ -58,7 +58,7 @@ fn run_study(path: &Path, args: &StudyArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         check_directory(folder)?;
     }
-    let list = RunList::of(StudyFile::read(path)?)?;
+    let list = RunList::from_file(StudyFile::read(path)?)?;
     if args.list {
         return print_stdout(&list_text(&list, shard, args.output.as_deref()));
     }

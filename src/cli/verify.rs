@@ -55,7 +55,7 @@ pub fn run(args: &VerifyArgs) -> Result<(), Failure> {
         (plunge_object(part, &report), plunge_text(&report), report.verdict.faults, report.notes)
     };
     if let Some(on_machine) = &on_machine {
-        let figures = MachineFigures::of(on_machine, &program, &workpiece, setup);
+        let figures = MachineFigures::of_program(on_machine, &program, &workpiece, setup);
         map.extend(figures.keys());
         text += &figures.text();
     }

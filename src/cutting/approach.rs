@@ -39,7 +39,7 @@ impl ApproachRule<'_> {
             let widest = segment.radii[0].max(segment.radii[1]);
             // A segment no wider than the cutter moves where that does.
             if widest > radius && height.at_least <= enough {
-                let aside = widest + self.clearances.of(segment.part) + self.aside;
+                let aside = widest + self.clearances.of_part(segment.part) + self.aside;
                 let needed = stands(segment.from, aside, enough);
                 height.at_least = height.at_least.max(needed.at_least);
                 height.at_most = height.at_most.max(needed.at_most);

@@ -73,7 +73,7 @@ impl AssemblyClearance {
     }
 
     /// Clearance of one of them.
-    pub fn of(&self, part: AssemblyPart) -> PartClearance {
+    pub fn of_part(&self, part: AssemblyPart) -> PartClearance {
         match part {
             AssemblyPart::Shank => self.shank,
             AssemblyPart::Holder => self.holder,
@@ -125,7 +125,7 @@ impl<'a> AssemblySurroundings<'a> {
         cap: f64,
     ) -> PartClearance {
         let frustum = segment.placed(&pose.0, &pose.1);
-        let required = self.allowances.map(|allowance| allowance + self.clearances.of(segment.part));
+        let required = self.allowances.map(|allowance| allowance + self.clearances.of_part(segment.part));
         let cap = cap.max(required[0]).max(required[1]);
         let hub = hub_distance(self.finished, &frustum, cap);
         let blade = blade_distance(self.finished, &frustum, cap);
@@ -133,7 +133,7 @@ impl<'a> AssemblySurroundings<'a> {
         let widest = frustum.radii[0].max(frustum.radii[1]);
         // A shank no wider than its cutter moves where the cutter has cut.
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
-            let clearance = self.clearances.of(segment.part);
+            let clearance = self.clearances.of_part(segment.part);
             let short = clearance - blank_distance(&frustum, blank);
             if short > missing && !self.was_removed(&frustum, clearance, tool, pose, blank) {
                 missing = short;
@@ -165,7 +165,7 @@ impl<'a> AssemblySurroundings<'a> {
         tolerance: f64,
     ) -> bool {
         let frustum = segment.placed(&pose.0, &pose.1);
-        let clearance = self.clearances.of(segment.part);
+        let clearance = self.clearances.of_part(segment.part);
         let [hub, blade] = self.allowances.map(|allowance| allowance + clearance - tolerance);
         let widest = frustum.radii[0].max(frustum.radii[1]);
         // Within the column of the cutter, which keeps the allowances of blades up to any height.
@@ -175,7 +175,7 @@ impl<'a> AssemblySurroundings<'a> {
         }
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
             let wanted = clearance - tolerance;
-            let from_blank = |p: &Point| blank.nearest_top(Meridional::of(p), &mut None).0;
+            let from_blank = |p: &Point| blank.nearest_top(Meridional::from_point(p), &mut None).0;
             if !is_clear_along(&frustum, wanted, from_blank)
                 && blank_distance(&frustum, blank) < wanted
                 && !self.was_removed(&frustum, clearance, tool, pose, blank)
@@ -232,7 +232,7 @@ impl<'a> AssemblySurroundings<'a> {
         step: &AssemblyMove,
         slack: f64,
     ) -> (AssemblyClearance, f64) {
-        let parts = segments.iter().map(|segment| self.clearances.of(segment.part));
+        let parts = segments.iter().map(|segment| self.clearances.of_part(segment.part));
         let required = self.allowances[0].max(self.allowances[1]) + parts.fold(0.0, f64::max);
         let cap = required + step.way.clamp(MIN_LOOK_AHEAD, MAX_LOOK_AHEAD);
         let mut least = AssemblyClearance::FAR;
@@ -334,7 +334,7 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
     let curve = finished.hub.curve();
     // Signed distance of a point, and its foot on the hub; beyond its ends the hub has an edge, no surface.
     let distance = |p: &Point| {
-        let (t, d) = curve.project(Meridional::of(p));
+        let (t, d) = curve.project(Meridional::from_point(p));
         (if t <= 0.0 || t >= curve.length() { d.abs() } else { d }, curve.point(t))
     };
     let (centre, radius) = frustum.bounding_ball();

@@ -128,7 +128,7 @@ impl<'a> DepthSurface<'a> {
     /// Drop-cutter contact of a disc of `radius` mm whose centre moves on the line through `on_axis` along
     /// `axis` (unit) from above. `None` when the disc misses the surface.
     pub fn touch(&self, on_axis: &Point, axis: &Vector, radius: f64) -> Option<Touch> {
-        let (middle, _) = self.curve.project(Meridional::of(on_axis));
+        let (middle, _) = self.curve.project(Meridional::from_point(on_axis));
         self.touch_near(on_axis, axis, radius, middle)
     }
 
@@ -311,7 +311,7 @@ impl<'a> DepthSurface<'a> {
     fn rim_hit(&self, rim: &Rim, direction: (f64, f64), warm: RimHit, tolerance: f64) -> Option<RimHit> {
         let (origin, turning) = rim.circle.point_and_derivative(direction);
         self.ray(&origin, &turning, &rim.axis, warm, tolerance).or_else(|| {
-            let (arc, _) = self.curve.project(Meridional::of(&origin));
+            let (arc, _) = self.curve.project(Meridional::from_point(&origin));
             self.ray(&origin, &turning, &rim.axis, RimHit { arc, ..RimHit::default() }, tolerance)
         })
     }

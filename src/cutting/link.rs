@@ -70,7 +70,7 @@ impl LinkMove<'_> {
         let look = |share: f64, known: Option<&NearBottom>| {
             let (axis, turning) = turn.at(share);
             let cutter = self.tool.placed(from.0 + motion * share, axis);
-            let near = known.copied().unwrap_or_else(|| NearBottom::of(&cutter, self.blank));
+            let near = known.copied().unwrap_or_else(|| NearBottom::from_cutter(&cutter, self.blank));
             (near.clearance, near.clearance_rate(&cutter, &motion, &turning))
         };
         let at = |i: usize| match i {

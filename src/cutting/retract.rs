@@ -66,13 +66,13 @@ impl NearBottom {
     };
 
     /// Searches rim, a ring and centre of the bottom, independently of how the retract height was computed.
-    pub fn of(cutter: &CutterSolid, blank: &Blank) -> Self {
+    pub fn from_cutter(cutter: &CutterSolid, blank: &Blank) -> Self {
         let flat = cutter.radius - cutter.corner_radius;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
         let mut warm = None;
         let mut nearest = Self::NOWHERE;
         let mut distance = |point: Point| {
-            let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut warm);
+            let (clearance, foot) = blank.nearest_top(Meridional::from_point(&point), &mut warm);
             if clearance < nearest.clearance {
                 nearest = Self { clearance, point, foot };
             }
@@ -112,7 +112,7 @@ impl NearBottom {
             let d = foot - centre;
             let across = d - axis * d.dot(axis);
             let point = centre + across * (flat / across.norm().max(1e-12)).min(1.0);
-            let (clearance, foot) = blank.nearest_top(Meridional::of(&point), &mut None);
+            let (clearance, foot) = blank.nearest_top(Meridional::from_point(&point), &mut None);
             if clearance > self.clearance - 1e-6 {
                 break;
             }
@@ -132,13 +132,13 @@ impl NearBottom {
 
 /// Minimum distance of a cutter's bottom to the blank, mm. Negative when the bottom is in the blank.
 pub fn bottom_clearance(cutter: &CutterSolid, blank: &Blank) -> f64 {
-    NearBottom::of(cutter, blank).clearance
+    NearBottom::from_cutter(cutter, blank).clearance
 }
 
 /// Whether a cutter's bottom enters the blank: [`bottom_clearance`] is negative. Faster where it is far away.
 pub fn bottom_is_inside(cutter: &CutterSolid, blank: &Blank) -> bool {
     let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-    !blank.is_far(Meridional::of(&centre), cutter.radius) && bottom_clearance(cutter, blank) < 0.0
+    !blank.is_far(Meridional::from_point(&centre), cutter.radius) && bottom_clearance(cutter, blank) < 0.0
 }
 
 /// Maximum number of retract steps.

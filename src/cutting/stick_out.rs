@@ -57,8 +57,8 @@ impl AssemblySurroundings<'_> {
     fn depth_of_axis(&self, segment: &AssemblySegment, tool: &Tool, pose: (Point, Vector)) -> Option<f64> {
         let blank = self.blank.filter(|_| self.earlier.is_none())?;
         let widest = segment.radii[0].max(segment.radii[1]);
-        let low = Meridional::of(&(pose.0 + pose.1 * segment.from));
-        let missing = self.clearances.of(segment.part) - blank.nearest_top(low, &mut None).0;
+        let low = Meridional::from_point(&(pose.0 + pose.1 * segment.from));
+        let missing = self.clearances.of_part(segment.part) - blank.nearest_top(low, &mut None).0;
         (widest > tool.radius() && missing > STEP).then_some(missing)
     }
 
@@ -66,7 +66,7 @@ impl AssemblySurroundings<'_> {
     /// near to.
     fn shortfall(&self, segment: &AssemblySegment, tool: &Tool, pose: (Point, Vector)) -> Option<f64> {
         let frustum = segment.placed(&pose.0, &pose.1);
-        let clearance = self.clearances.of(segment.part);
+        let clearance = self.clearances.of_part(segment.part);
         let [hub, blade] = self.allowances.map(|allowance| allowance + clearance);
         let too_near = |missing: f64| Some(missing).filter(|missing| *missing > ASSEMBLY_TOLERANCE);
         let blank = || {

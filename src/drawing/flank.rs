@@ -145,7 +145,7 @@ fn layer_colour(table: &[[u8; 3]; TABLE_LEN], layer: usize, layers: usize) -> Rg
 /// largest absolute value.
 pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
     let turned = part.main.rotated(part.pitch());
-    let splitters = if walls.is_empty() { Vec::new() } else { Channel::of(part).splitters };
+    let splitters = if walls.is_empty() { Vec::new() } else { Channel::from_part(part).splitters };
     let sides = |shown: &ShownWall| match shown.wall {
         WallName::Low => Some([&part.main.suction, &part.main.pressure]),
         WallName::High => Some([&turned.pressure, &turned.suction]),

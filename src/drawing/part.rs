@@ -152,7 +152,7 @@ struct WallAngles {
 
 impl WallAngles {
     fn new(part: &Impeller) -> Self {
-        let passage = Channel::of(part).full;
+        let passage = Channel::from_part(part).full;
         let stations = even_steps(64);
         let mut angles: Vec<[f64; 2]> = Vec::with_capacity(stations.len());
         for &s in &stations {

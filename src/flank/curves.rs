@@ -286,7 +286,7 @@ impl LayoutInputs<'_> {
     fn borders(&self, layer: &LayerSurface, raised: f64) -> Option<LayerWalls> {
         let Workpiece { part, channel, .. } = self.workpiece;
         let sag = EXTENSION_SAG * stepover(self.tool, self.setup.flank.scallop_height, 0.0);
-        LayerWalls::of(part, channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised, sag)
+        LayerWalls::from_part(part, channel, layer, self.beyond() + 2.0 * self.tool.radius(), raised, sag)
     }
 
     fn beyond(&self) -> f64 {
@@ -336,7 +336,7 @@ impl LayoutInputs<'_> {
         let stepover = self.layer_stepover(&layer, &borders)?;
         let (clear, beyond) = (self.clear(), self.beyond());
         let chart = self.chart(&layer, &borders, stepover);
-        let nodes = FreeNodes::of(&chart);
+        let nodes = FreeNodes::from_chart(&chart);
         let mut by_strategy = [
             Vec::new(),
             strategies::isoparametric_by_region(&layer, &borders, clear, stepover, beyond),
@@ -381,7 +381,7 @@ impl LayoutInputs<'_> {
         let mut area = 0.0;
         figures[0] = if wanted {
             let chart = self.chart(&layer, &borders, stepover);
-            let nodes = FreeNodes::of(&chart);
+            let nodes = FreeNodes::from_chart(&chart);
             area = nodes.area;
             nodes.measure(&chart, &curves)
         } else {
@@ -409,7 +409,7 @@ struct FreeNodes {
 }
 
 impl FreeNodes {
-    fn of(chart: &LayerChart) -> Self {
+    fn from_chart(chart: &LayerChart) -> Self {
         let nodes = chart.free_nodes();
         let area = nodes.iter().map(|n| n.free_area).sum();
         Self { nodes, area }

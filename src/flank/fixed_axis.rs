@@ -154,7 +154,7 @@ impl<'a> FixedAxisSearch<'a> {
             blades: BladePoints::new(&channel.sides, reach.max(1e-3)),
             hub: DistanceTable::of_hub(part, margin),
             blank: DistanceTable::of_blank(part, blank, margin),
-            shape: ToolShape::of(tool, &limits.clearances),
+            shape: ToolShape::from_tool(tool, &limits.clearances),
             segments: tool.assembly.segments(tool.overhang),
         }
     }

@@ -167,7 +167,7 @@ impl LayerSurface {
     /// Projection of `point` onto the layer, with y next to `near`, and its height above the layer, mm.
     /// Beyond its ends the layer is extended straight. `guess` is an x near the result.
     pub fn project(&self, point: &Point, near: f64, guess: Option<f64>) -> (LayerPoint, f64) {
-        let m = Meridional::of(point);
+        let m = Meridional::from_point(point);
         let length = self.curve.length();
         let (x, d) = match guess {
             Some(x) => self.curve.project_near(m, x.clamp(0.0, length), 0.2 * length),

@@ -161,7 +161,7 @@ impl LayerWalls {
     /// above the layer: at the height of the centre of a ball end, whose distance from the wall is what
     /// counts. Between two rays an offset of an extension is at most about `sag` mm beside a straight line.
     /// `None` where a wall does not cross the layer.
-    pub fn of(
+    pub fn from_part(
         part: &Impeller,
         channel: &Channel,
         layer: &LayerSurface,

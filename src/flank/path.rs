@@ -407,7 +407,8 @@ impl ProgramWriter<'_> {
     fn missing_clearance(&self, k: usize) -> f64 {
         let PathMaker { tool, blank, .. } = *self.maker;
         let [from, to] = [k - 1, k].map(|k| (self.moves[k].tip, self.moves[k].axis));
-        let [start, end] = [from, to].map(|(tip, axis)| NearBottom::of(&tool.placed(tip, axis), blank));
+        let [start, end] =
+            [from, to].map(|(tip, axis)| NearBottom::from_cutter(&tool.placed(tip, axis), blank));
         let wanted = self.maker.safety_distance + RAPID_MARGIN;
         let between = LinkMove { tool, blank, from, to }.clearance([&start, &end], wanted);
         wanted - between.min(start.clearance).min(end.clearance)
@@ -443,7 +444,7 @@ pub struct Times {
 
 impl Times {
     /// Lengths and times of `moves` at their feed rates, without accelerations.
-    pub fn of(moves: &[FlankMove]) -> Self {
+    pub fn from_moves(moves: &[FlankMove]) -> Self {
         let mut times = Self::default();
         for pair in moves.windows(2) {
             let length = (pair[1].tip - pair[0].tip).norm();

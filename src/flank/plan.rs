@@ -223,7 +223,7 @@ pub fn plan(
     left_out.extend(more);
     left_out.sort_by_key(|left| left.layer);
     monitor.report(1.0);
-    let times = Times::of(&moves);
+    let times = Times::from_moves(&moves);
     drop(layers);
     drop(charts);
     Ok(FlankPlan {

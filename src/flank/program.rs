@@ -21,7 +21,7 @@ impl ClProgram {
         });
         Self {
             part: part.to_owned(),
-            tools: vec![ClTool::of(tool)],
+            tools: vec![ClTool::from_tool(tool)],
             moves: moves.collect(),
             ..Self::default()
         }
@@ -32,7 +32,7 @@ impl ClProgram {
     pub fn after_opening(mut self, opening: Option<&FlankOpening>) -> Self {
         let Some(FlankOpening { tool, plunges }) = opening else { return self };
         let number = Some(self.tools.len());
-        self.tools.push(ClTool::of(tool));
+        self.tools.push(ClTool::from_tool(tool));
         let plunge = |&(retract, tip, axis): &(Point, Point, Vector)| {
             let motions = [
                 (Motion::Rapid, retract),

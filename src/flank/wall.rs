@@ -235,7 +235,7 @@ impl<'a> WallFit<'a> {
         let station = |(k, line): (usize, &AxisLine)| {
             let axis = line.axis();
             let tip = self.layers[layer].tip(tool, &line.low, &axis);
-            let s = self.finished.hub.s_at(hub.project(Meridional::of(&line.low)).0);
+            let s = self.finished.hub.s_at(hub.project(Meridional::from_point(&line.low)).0);
             let blocked = tip.and_then(|tip| {
                 let cutter = tool.placed(tip, axis);
                 let near = obstacles(self.finished.blades(), None, &cutter, wanted);

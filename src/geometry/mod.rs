@@ -30,7 +30,7 @@ pub struct Meridional {
 
 impl Meridional {
     /// The point `point` rotated about the rotation axis into the meridional plane.
-    pub fn of(point: &Point) -> Self {
+    pub fn from_point(point: &Point) -> Self {
         Self { r: norm2(point.x, point.y), z: point.z }
     }
 
@@ -120,7 +120,7 @@ impl Circle {
 /// Derivative of the distance of `point` from the circle about the rotation axis through `foot`, as the
 /// point moves along `direction`; mm per unit of `direction`.
 pub fn distance_rate(point: &Point, direction: &Vector, foot: Meridional) -> f64 {
-    let from = Meridional::of(point);
+    let from = Meridional::from_point(point);
     let (dr, dz) = (from.r - foot.r, from.z - foot.z);
     let radial = (point.x * direction.x + point.y * direction.y) / from.r.max(1e-12);
     (dr * radial + dz * direction.z) / norm2(dr, dz).max(1e-12)

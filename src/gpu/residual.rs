@@ -313,7 +313,7 @@ impl ResidualKernel {
             let traces = vec![PositionTrace::default(); cutters.len()];
             return Ok(ResidualField { heights: grid.blank_heights.clone(), traces });
         }
-        let (bins, unit) = (TileBins::new(grid, cutters), VolumeUnit::of(grid));
+        let (bins, unit) = (TileBins::new(grid, cutters), VolumeUnit::from_grid(grid));
         let (readback, heights_bytes) = gpu.in_error_scope(|| -> Result<_, GpuError> {
             let floor = DeviceFloor::new(gpu, grid, Some(unit))?;
             let field = self.field(gpu, &floor, cutters, &bins)?;

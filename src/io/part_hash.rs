@@ -17,7 +17,7 @@ pub struct PartHash {
 
 impl PartHash {
     /// The hashes of `part`.
-    pub fn of(part: &PartDescription) -> Self {
+    pub fn from_part(part: &PartDescription) -> Self {
         let text = write_native(part);
         Self { fnv1a: fnv1a(FNV_START, text.bytes()), sha256: sha256_hex(text.as_bytes()) }
     }
@@ -32,10 +32,10 @@ mod tests {
         let read = |text: &str| crate::io::read_part_bytes("p.toml", text.as_bytes(), "toml").expect("reads");
         let text = include_str!("../../assets/parts/pump6.toml");
         let (a, b) = (read(text), read(&format!("# a remark\n{text}")));
-        assert_eq!(PartHash::of(&a), PartHash::of(&b), "remarks do not count");
+        assert_eq!(PartHash::from_part(&a), PartHash::from_part(&b), "remarks do not count");
         let mut other = a.clone();
         other.blade_count += 1;
-        let (a, other) = (PartHash::of(&a), PartHash::of(&other));
+        let (a, other) = (PartHash::from_part(&a), PartHash::from_part(&other));
         assert!(a.fnv1a != other.fnv1a && a.sha256 != other.sha256);
     }
 }

@@ -72,7 +72,7 @@ pub fn read_program_bytes(
     let post = read_post(target.control.unwrap_or(&machine.control))?;
     let library = [plunge_cutters(), flank_cutters()].concat();
     let tools: Vec<Tool> = setup.tools.iter().chain(&library).cloned().collect();
-    let placed = PlacedPart::of(&machine.part, part);
+    let placed = PlacedPart::from_placement(&machine.part, part);
     let context = ReadContext { machine: &machine, placed, tools: &tools };
     let reading = read_nc(name, bytes, post.dialect, &context)?;
     let overruns = reading.overruns.iter().map(overrun_fault).collect();

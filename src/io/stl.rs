@@ -149,7 +149,7 @@ pub fn read_part_bytes(
 ) -> Result<PartDescription, InputError> {
     let mesh = read_stl_bytes(name, bytes)?;
     let stem = stem_of(name);
-    let mut source = MeshSource::of(LengthUnit::Millimetre);
+    let mut source = MeshSource::from_unit(LengthUnit::Millimetre);
     if options.unit.is_none() {
         source.notes.push("STL has no unit: mm are assumed; give --unit if they are not".to_owned());
     }

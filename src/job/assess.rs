@@ -23,7 +23,7 @@ pub struct AssessedPart {
 
 impl AssessedPart {
     /// Measures `part`, and the reach of the tools of `setup`.
-    pub fn of(part: impl Into<Arc<Impeller>>, setup: &Setup) -> Self {
+    pub fn from_part(part: impl Into<Arc<Impeller>>, setup: &Setup) -> Self {
         let workpiece = setup.allowances.workpiece_of(part);
         let (setup, no_reach) = match resolve(setup, &workpiece) {
             Ok(resolved) => (resolved.setup, None),
@@ -36,7 +36,7 @@ impl AssessedPart {
             max_tilt_rad: setup.plunge.max_tilt_rad,
             clearances: setup.clearances,
         };
-        let assessment = Assessment::of(&workpiece, &sections_of(&setup), &limits);
+        let assessment = Assessment::from_workpiece(&workpiece, &sections_of(&setup), &limits);
         Self { workpiece, setup, assessment, no_reach }
     }
 

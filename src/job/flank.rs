@@ -104,7 +104,7 @@ impl FlankJob {
         let clock = clock_of(&request.setup, &workpiece)?;
         let chosen = choose_tool(&workpiece, &request.setup, flank_cutters())?;
         let machine = clock.as_ref().map(MachineClock::machine);
-        let opener = Opener::of(part, &request.setup, &chosen.tool, machine);
+        let opener = Opener::from_part(part, &request.setup, &chosen.tool, machine);
         let mut setup = request.setup.clone();
         let more =
             opener.iter().map(|opener| &opener.tool).filter(|tool| !request.setup.tools.contains(tool));
@@ -129,7 +129,7 @@ impl FlankJob {
         let written = ProgramInput { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
         let program = ClProgram::of_flank(&part.name, tool, moves).after_opening(plan.opening.as_ref());
         let machine_time = clock.as_ref().and_then(|clock| clock.time(&program));
-        let time_estimate = Travel::of(&program).time;
+        let time_estimate = Travel::from_program(&program).time;
         let verdict = match written.program().map(|p| verifier.verdict(&p, &monitor.silent())) {
             Some(Err(VerifyError::Cancelled(_))) => return Err(JobError::Cancelled),
             Some(verdict) => verdict.ok(),
@@ -190,7 +190,7 @@ struct Opener {
 
 impl Opener {
     /// The opener for passes with `tool`; `None` where the blank hardly stands above the shroud.
-    fn of(part: &Impeller, setup: &Setup, tool: &Tool, machine: Option<&MachineTool>) -> Option<Self> {
+    fn from_part(part: &Impeller, setup: &Setup, tool: &Tool, machine: Option<&MachineTool>) -> Option<Self> {
         // Of tools with a round bottom a plunge leaves much.
         let is_for_plunges = |tool: &&Tool| tool.is_flat() && !tool.is_tapered();
         let own: Vec<Tool> = setup.tools.iter().filter(is_for_plunges).cloned().collect();

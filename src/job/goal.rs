@@ -144,7 +144,7 @@ pub(super) fn meet_goal(
     let closing = &monitor.ignoring_stop();
     let grid = weighing_grid(input.grid);
     let whole = WholePlan::new(input, &grid);
-    let first = whole.thinning(whole.plan, ThinningLimits::of(goal), closing)?;
+    let first = whole.thinning(whole.plan, ThinningLimits::from_goal(goal), closing)?;
     let sparse = match first.is_least_stock_enough(goal) {
         true => None,
         false => whole.sparse_plan(known, monitor)?.map(Arc::new),

@@ -128,6 +128,6 @@ pub(super) fn measure_residual(plan: PlungePlan, grid: &FloorGrid, clock: &PlanC
     let field = residual_field(grid, &field_cutters(&plan));
     let machine_time = clock.machine_time(&plan);
     let is_refused = clock.timing().is_some() && machine_time.is_none();
-    let summary = Summary { machine_time, is_refused, ..Summary::of(&plan, grid, &field) };
+    let summary = Summary { machine_time, is_refused, ..Summary::from_plan(&plan, grid, &field) };
     PolicyResult { plan, field, summary }
 }

@@ -25,7 +25,7 @@ pub enum ChannelCalls {
 impl ChannelCalls {
     /// Those of a program for `channels` channels of a part with `channel_count`: one of several channels is
     /// called once, as it is not turned on from channel to channel.
-    pub fn of(channels: usize, channel_count: usize) -> Self {
+    pub fn for_channels(channels: usize, channel_count: usize) -> Self {
         Self::Channels(if channels > 1 { 1 } else { channel_count })
     }
 

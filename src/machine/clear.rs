@@ -29,7 +29,7 @@ pub struct BlankSize {
 
 impl BlankSize {
     /// That of the outline that the allowances give, else of the body between hub and shroud.
-    pub fn of(part: &Impeller, allowances: &AllowanceSetup) -> Self {
+    pub fn from_part(part: &Impeller, allowances: &AllowanceSetup) -> Self {
         if let Some(outline) = allowances.blank_of(part).outline() {
             let (radius, z) = outline.bounds();
             return Self { radius, z };

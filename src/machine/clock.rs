@@ -26,8 +26,8 @@ pub struct MachineClock {
 impl MachineClock {
     /// The clock of `workpiece` on `machine`.
     pub fn new(machine: MachineTool, workpiece: &Workpiece, allowances: &AllowanceSetup) -> Self {
-        let placed = PlacedPart::of(&machine.part, &workpiece.part);
-        let blank = BlankSize::of(&workpiece.part, allowances);
+        let placed = PlacedPart::from_placement(&machine.part, &workpiece.part);
+        let blank = BlankSize::from_part(&workpiece.part, allowances);
         Self { machine, placed, blank }
     }
 

@@ -21,7 +21,7 @@ impl PlacedPart {
     }
 
     /// `part` by its own inlet.
-    pub fn of(placement: &PartPlacement, part: &Impeller) -> Self {
+    pub fn from_placement(placement: &PartPlacement, part: &Impeller) -> Self {
         Self::new(placement, part.out_of_inlet().z > 0.0)
     }
 

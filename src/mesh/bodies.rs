@@ -27,7 +27,7 @@ struct MeasuredBody {
 }
 
 impl MeasuredBody {
-    fn of(body: Body) -> Self {
+    fn from_body(body: Body) -> Self {
         let s = &body.surface;
         let (mut across, mut area, mut volume) = (0.0, 0.0, 0.0);
         for t in 0..s.triangles.len() {
@@ -48,7 +48,7 @@ impl MeasuredBody {
 /// # Errors
 /// Returns the number of bodies of revolution if there are more than two.
 pub fn segment_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> Result<Option<Segments>, usize> {
-    let measured = bodies.into_iter().map(MeasuredBody::of);
+    let measured = bodies.into_iter().map(MeasuredBody::from_body);
     let (mut round, mut others): (Vec<MeasuredBody>, Vec<MeasuredBody>) = measured.partition(|m| m.turned);
     let most = |of: fn(&MeasuredBody) -> f64| others.iter().map(of).fold(0.0, f64::max);
     let (area, volume) = (most(|m| m.area), most(|m| if m.volume.is_finite() { m.volume } else { 0.0 }));
@@ -71,7 +71,7 @@ pub fn segment_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> Result<Opti
     }
     // The hub is nearest to the axis.
     let inner = |m: &MeasuredBody| {
-        m.body.surface.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min)
+        m.body.surface.points.iter().map(|p| Meridional::from_point(p).r).fold(f64::INFINITY, f64::min)
     };
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
     let mut round = round.into_iter().map(|m| m.body.surface);

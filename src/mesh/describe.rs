@@ -52,7 +52,7 @@ pub struct MeshSource {
 
 impl MeshSource {
     /// Meshes of which only the unit is known.
-    pub fn of(unit: LengthUnit) -> Self {
+    pub fn from_unit(unit: LengthUnit) -> Self {
         Self { unit, axis: None, notes: Vec::new(), normals: ExactNormals::default() }
     }
 }
@@ -67,7 +67,7 @@ pub fn describe(
     unit: LengthUnit,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
-    describe_source(name, meshes, MeshSource::of(unit), options)
+    describe_source(name, meshes, MeshSource::from_unit(unit), options)
 }
 
 /// Reconstructs the part, named `name`, from its meshes, with what their file says of them.
@@ -92,8 +92,8 @@ pub fn describe_source(
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
     bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
-    let hub = MeshSurface::of(&hub);
-    let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::of(&mesh) };
+    let hub = MeshSurface::from_mesh(&hub);
+    let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::from_mesh(&mesh) };
     // Only the bodies of CAD models decide roles by themselves. Nodes of other files get theirs by name, or
     // the user is asked.
     let is_cad = !normals.is_empty() || axis.is_some();
@@ -121,10 +121,10 @@ pub fn describe_source(
         _ => normals.transformed(|p| frame.apply(&scaled(p))),
     };
     let mut hub = about_z(hub);
-    let mut shroud = shroud.map(|mesh| about_z(MeshSurface::of(&mesh)));
+    let mut shroud = shroud.map(|mesh| about_z(MeshSurface::from_mesh(&mesh)));
     let mut blade_surfaces: Vec<(Role, MeshSurface)> =
-        blade_meshes.into_iter().map(|(role, mesh)| (role, about_z(MeshSurface::of(&mesh)))).collect();
-    let size = hub.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+        blade_meshes.into_iter().map(|(role, mesh)| (role, about_z(MeshSurface::from_mesh(&mesh)))).collect();
+    let size = hub.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
     if let Some(name) = one {
         let bodies =
             bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
@@ -140,17 +140,17 @@ pub fn describe_source(
     let tip_tolerance = tolerance.max(2.0 * size * TIP_TOLERANCE);
 
     let BladeRows { count, main, splitters, note } =
-        BladeRows::of(separate_blades(blade_surfaces), options.blades)?;
+        BladeRows::from_blades(separate_blades(blade_surfaces), options.blades)?;
     notes.extend(note);
     let mut main = fill_holes(main);
     let mut splitters: Vec<MeshSurface> = splitters.into_iter().map(fill_holes).collect();
     // Corners within hub or cover say nothing about the channel.
-    let outlines = [BodyOutline::of(&hub), shroud.as_ref().and_then(BodyOutline::of)];
+    let outlines = [BodyOutline::from_body(&hub), shroud.as_ref().and_then(BodyOutline::from_body)];
     let buried = |p: &Meridional| outlines.iter().flatten().any(|outline| outline.contains(*p));
-    let all: Vec<Meridional> = main.points.iter().map(Meridional::of).collect();
+    let all: Vec<Meridional> = main.points.iter().map(Meridional::from_point).collect();
     let free: Vec<Meridional> = all.iter().filter(|p| !buried(p)).copied().collect();
     let mut corners = if free.len() < 8 { all } else { free };
-    let course = Course::of(&corners);
+    let course = Course::from_blades(&corners);
     let hub_curve = fit_revolved(&hub, &course, &corners, "hub", tolerance)?;
     let fitted_shroud =
         shroud.map(|shroud| fit_revolved(&shroud, &course, &corners, "shroud", tolerance)).transpose()?;
@@ -163,7 +163,7 @@ pub fn describe_source(
         if depth > REACHES_IN * tolerance {
             main = trimmed(&main, &line, 0.0);
             splitters = splitters.iter().map(|s| trimmed(s, &line, 0.0)).collect();
-            corners = main.points.iter().map(Meridional::of).collect();
+            corners = main.points.iter().map(Meridional::from_point).collect();
             notes.push(format!("the blades reach {depth:.2} mm into the {name}; they are cut off at it"));
         }
     }
@@ -380,7 +380,7 @@ fn blade_description(sections: &[SpanSection], leading_first: bool) -> BladeDesc
     };
     let lines = |which: usize| {
         let side: Vec<&SideCurve> = sections.iter().map(|s| &s.sides[which]).collect();
-        Rulings::of(&side).filter(|r| r.max_distance_mm < STRAIGHT)
+        Rulings::from_sections(&side).filter(|r| r.max_distance_mm < STRAIGHT)
     };
     if let (Some(a), Some(b)) = (lines(suction), lines(pressure)) {
         let ends = |r: &Rulings, end: usize| (0..SECTION_POINTS).map(|k| r.ends(at(k))[end]).collect();

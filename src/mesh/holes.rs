@@ -52,7 +52,7 @@ fn undirected(a: u32, b: u32) -> (u32, u32) {
 }
 
 impl<'a> HoleBorders<'a> {
-    fn of(surface: &'a MeshSurface) -> Self {
+    fn from_surface(surface: &'a MeshSurface) -> Self {
         let edges = single_borders(surface);
         let mut at_border = vec![false; surface.points.len()];
         edges.keys().for_each(|&(a, b)| (at_border[a as usize], at_border[b as usize]) = (true, true));
@@ -152,7 +152,7 @@ fn single_borders(surface: &MeshSurface) -> BTreeMap<(u32, u32), usize> {
 pub fn fill_holes(surface: MeshSurface) -> MeshSurface {
     let far = |p: &Point| (p - surface.points[0]).norm();
     let extent = surface.points.iter().map(far).fold(0.0, f64::max);
-    let filling = HoleBorders::of(&surface).fill(ACROSS * extent);
+    let filling = HoleBorders::from_surface(&surface).fill(ACROSS * extent);
     if filling.is_empty() { surface } else { surface.with_triangles(filling) }
 }
 

@@ -16,7 +16,7 @@ pub struct MeridionalGrid<'a> {
 
 impl<'a> MeridionalGrid<'a> {
     /// Sorts the points into cells (counting sort).
-    pub fn of(points: &'a [Meridional]) -> Self {
+    pub fn from_points(points: &'a [Meridional]) -> Self {
         let (mut low, mut high) = (
             Meridional { r: f64::INFINITY, z: f64::INFINITY },
             Meridional { r: f64::NEG_INFINITY, z: f64::NEG_INFINITY },

@@ -25,7 +25,7 @@ pub struct ExactNormals {
 
 impl ExactNormals {
     /// From points and normals.
-    pub fn of(normals: impl Iterator<Item = (Point, Vector)>) -> Self {
+    pub fn from_normals(normals: impl Iterator<Item = (Point, Vector)>) -> Self {
         let mut at: HashMap<[u64; 3], Vec<Vector>> = HashMap::new();
         for (p, n) in normals {
             at.entry(key(&p)).or_default().push(n);
@@ -46,7 +46,7 @@ impl ExactNormals {
             let p = Point::from(k.map(f64::from_bits));
             normals.into_iter().map(move |n| (p, n))
         });
-        Self::of(all.map(|(p, n)| (to(&p), to(&Point::from(n)) - origin)))
+        Self::from_normals(all.map(|(p, n)| (to(&p), to(&Point::from(n)) - origin)))
     }
 
     /// The normal at `p` that is nearest to `estimated`, if any is near it.

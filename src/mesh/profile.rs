@@ -59,7 +59,7 @@ pub struct Course {
 
 impl Course {
     /// The course of a wheel from the corners of its blades.
-    pub fn of(blades: &[Meridional]) -> Self {
+    pub fn from_blades(blades: &[Meridional]) -> Self {
         let mut by_radius: Vec<Meridional> = blades.to_vec();
         by_radius.sort_by(|a, b| a.r.total_cmp(&b.r));
         let few = (by_radius.len() / 10).max(1).min(by_radius.len());
@@ -237,7 +237,7 @@ impl FittedProfile {
     pub fn area_share_on_curve(&self, surface: &MeshSurface, triangles: &[usize], tolerance: f64) -> f64 {
         let curve = MeridionalCurve::through(&self.points);
         let on = |i: u32| {
-            let corner = Meridional::of(&surface.points[i as usize]);
+            let corner = Meridional::from_point(&surface.points[i as usize]);
             curve.project(corner).1.abs() < tolerance
         };
         let (mut on_curve, mut all) = (0.0, 0.0);
@@ -279,7 +279,7 @@ pub fn find_flow_side(
         turned[a] && turned[b] && surface.normals[a].dot(&surface.normals[b]).abs() > SHARP
     };
     let (group, count) = surface.groups(smooth);
-    let corners: Vec<Meridional> = surface.points.iter().map(Meridional::of).collect();
+    let corners: Vec<Meridional> = surface.points.iter().map(Meridional::from_point).collect();
     // (corner, group) pairs, sorted; a corner at an edge belongs to several groups.
     let mut groups_of: Vec<(u32, u32)> = Vec::with_capacity(3 * group.len());
     for (t, g) in group.iter().enumerate().filter(|(t, _)| turned[*t]) {
@@ -288,7 +288,7 @@ pub fn find_flow_side(
     groups_of.sort_unstable();
     groups_of.dedup();
     let mut votes = vec![0_usize; count];
-    let near = MeridionalGrid::of(&corners);
+    let near = MeridionalGrid::from_points(&corners);
     let stride = blades.len().div_ceil(VOTERS).max(1);
     for p in blades.iter().step_by(stride) {
         if let Some(corner) = near.nearest(*p) {
@@ -347,7 +347,7 @@ mod tests {
                 rows.into_iter().take(count).skip(usize::from(count > 1)).map(move |h| hub(a, h))
             })
             .collect();
-        let course = Course::of(&points);
+        let course = Course::from_blades(&points);
         let above = Meridional { r: 30.0, z: 30.0 };
         let off = |profile: &FittedProfile| {
             let curve = MeridionalCurve::through(&profile.points);

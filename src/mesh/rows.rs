@@ -66,7 +66,7 @@ impl SingleBlade {
         let (mut sum, mut low, mut high) =
             (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
         for p in &surface.points {
-            let m = Meridional::of(p);
+            let m = Meridional::from_point(p);
             sum += p.coords / m.r.max(1e-9);
             low = (low.0.min(m.r), low.1.min(m.z));
             high = (high.0.max(m.r), high.1.max(m.z));
@@ -145,7 +145,7 @@ impl BladeRows {
     /// # Errors
     /// Fails when there is no main blade and, unless `count` is given, when there is only one or they are not
     /// evenly spaced.
-    pub fn of(blades: Vec<SingleBlade>, count: Option<usize>) -> Result<Self, PartError> {
+    pub fn from_blades(blades: Vec<SingleBlade>, count: Option<usize>) -> Result<Self, PartError> {
         let named = blades.iter().any(|b| b.role == Role::Splitter);
         let longest = blades.iter().map(|b| b.length).fold(0.0, f64::max);
         let is_splitter = |b: &SingleBlade| match named {

@@ -54,7 +54,7 @@ fn shift(values: &[f64]) -> Cubic<1> {
 impl Rulings {
     /// Fits the rulings of a side to its sections, hub → tip, by damped Gauss–Newton iterations. `None` with
     /// fewer than three sections.
-    pub fn of(sections: &[&SideCurve]) -> Option<Self> {
+    pub fn from_sections(sections: &[&SideCurve]) -> Option<Self> {
         let curves: Vec<Cubic<3>> = sections.iter().map(|s| sampled(s)).collect();
         let (lowest, highest) = (curves.first()?, curves.last()?);
         let between = &curves[1..curves.len() - 1];

@@ -47,7 +47,7 @@ impl ChannelCoordinates {
 
     /// The same channel over the extent of `blade`, with hub and shroud that go on past the rim.
     pub fn going_on(&self, blade: &MeshSurface) -> Self {
-        let corners: Vec<Meridional> = blade.points.iter().map(Meridional::of).collect();
+        let corners: Vec<Meridional> = blade.points.iter().map(Meridional::from_point).collect();
         Self::over(&self.hub, &self.shroud, &corners, (true, self.past_tips))
     }
 
@@ -94,7 +94,7 @@ impl ChannelCoordinates {
     /// Relative position (along from inlet 0 to outlet 1, height from hub 0 to shroud 1) of a point of the
     /// part's frame.
     pub fn coordinates_of(&self, p: &Point) -> (f64, f64) {
-        let p = Meridional::of(p);
+        let p = Meridional::from_point(p);
         let [(t, d), (u, e)] = self.placed(p);
         let height = if (d + e).abs() > 1e-12 { d / (d + e) } else { 0.5 };
         let share = |t: f64, ends: (f64, f64)| (t - ends.0) / (ends.1 - ends.0);
@@ -121,11 +121,11 @@ pub struct SlicePoint {
 /// Classifies triangles: 0 side, 1 cap at the hub, 2 at the shroud, 3 at the rim. Angles do not suffice,
 /// because caps may meet the sides at flat angles.
 fn classify_caps(surface: &MeshSurface, places: &[(f64, f64)]) -> Vec<u8> {
-    let widest = surface.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let widest = surface.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
     let cap = |t: usize| {
         let corners = surface.triangles[t].map(|i| i as usize);
         let centre = surface.centre(t);
-        let r = Meridional::of(&centre).r;
+        let r = Meridional::from_point(&centre).r;
         let outwards = (surface.normals[t].x * centre.x + surface.normals[t].y * centre.y) / r.max(1e-9);
         if corners.iter().all(|&i| places[i].1 < AT_END) {
             1

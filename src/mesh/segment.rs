@@ -41,9 +41,9 @@ pub struct Segments {
 /// Whether a piece has points all around the axis at more than a `share` of its largest radius, as a wheel of
 /// one piece has near its rim and a blade has not.
 fn goes_around(piece: &MeshSurface, share: f64) -> bool {
-    let widest = piece.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let widest = piece.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
     let mut met = [false; SECTORS];
-    for p in piece.points.iter().filter(|p| Meridional::of(p).r > share * widest) {
+    for p in piece.points.iter().filter(|p| Meridional::from_point(p).r > share * widest) {
         let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
         met[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
     }
@@ -73,7 +73,8 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
         return Err(round.len());
     }
     // The hub is nearest to the axis.
-    let inner = |s: &MeshSurface| s.points.iter().map(|p| Meridional::of(p).r).fold(f64::INFINITY, f64::min);
+    let inner =
+        |s: &MeshSurface| s.points.iter().map(|p| Meridional::from_point(p).r).fold(f64::INFINITY, f64::min);
     round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
     let mut round = round.into_iter();
     let Some(hub) = round.next() else { return Ok(None) };
@@ -105,7 +106,7 @@ fn curve_of(
         .collect();
     let within = |(from, to): (f64, f64)| -> (Vec<Meridional>, Vec<usize>) {
         let inside = |p: &Meridional| (from..=to).contains(&course.coordinates_of(*p).0);
-        let corner = |i: u32| inside(&Meridional::of(&wheel.points[i as usize]));
+        let corner = |i: u32| inside(&Meridional::from_point(&wheel.points[i as usize]));
         (
             points.iter().filter(|p| inside(p)).copied().collect(),
             own.iter().copied().filter(|t| wheel.triangles[*t].iter().all(|i| corner(*i))).collect(),
@@ -196,9 +197,9 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         return Err(unclear("no surface of revolution about the axis touches blades"));
     }
 
-    let size = wheel.points.iter().map(|p| Meridional::of(p).r).fold(0.0, f64::max);
+    let size = wheel.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
     let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
-    let corners: Vec<Meridional> = wheel.points.iter().map(Meridional::of).collect();
+    let corners: Vec<Meridional> = wheel.points.iter().map(Meridional::from_point).collect();
     let corners_of = |keep: &dyn Fn(usize) -> bool| -> Vec<usize> {
         let mut used = vec![false; corners.len()];
         for t in (0..group.len()).filter(|&t| keep(t)) {
@@ -210,7 +211,7 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         corners_of(keep).into_iter().map(|i| corners[i]).collect()
     };
     let standing = of(&|t| !turned[t]);
-    let (course, middle) = (Course::of(&standing), mean_point(&standing));
+    let (course, middle) = (Course::from_blades(&standing), mean_point(&standing));
     let face = |number: usize| -> Option<RevolvedFace> {
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let points = of(&own);

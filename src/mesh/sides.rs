@@ -126,7 +126,7 @@ impl SideCurve {
 impl SpanSection {
     /// Joins the pieces of a slice, longest first, and splits them into sides. `None` where they do not form
     /// a blade section.
-    pub fn of(cuts: &[SlicePiece]) -> Option<Self> {
+    pub fn from_cuts(cuts: &[SlicePiece]) -> Option<Self> {
         let (line, gaps) = chain_pieces(cuts)?;
         let SplitSlice { mut first, mut second, round_tail } = split(&line)?;
         let mut sides = [SideCurve::new(&first)?, SideCurve::new(&second)?];

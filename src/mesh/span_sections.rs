@@ -53,7 +53,7 @@ pub fn span_sections(
     }
     notes.extend(own);
     if let Some(jump) = jump {
-        let at = Meridional::of(&jump.at);
+        let at = Meridional::from_point(&jump.at);
         let place = format!("at z = {:.1}, r = {:.1} mm", at.z, at.r);
         if jump.is_gap {
             return Err(PartError::new(
@@ -82,7 +82,7 @@ fn sections_in(
 ) -> Result<(Vec<SpanSection>, Option<EdgeJump>), PartError> {
     let cutter = BladeSlicer::new(surface, band, normals);
     if let Some(hole) = largest_hole(surface, cutter.places()).filter(|hole| hole.size > MIN_HOLE) {
-        let at = Meridional::of(&hole.middle);
+        let at = Meridional::from_point(&hole.middle);
         return Err(PartError::new(
             ErrorCode::MeshNotClosed,
             0,
@@ -104,7 +104,7 @@ fn sections_in(
         ));
     }
     let tip = high;
-    let (low, high) = between_fillets(low, high, |height| SpanSection::of(&cutter.slice_at(height)));
+    let (low, high) = between_fillets(low, high, |height| SpanSection::from_cuts(&cutter.slice_at(height)));
     if high - low < MIN_HEIGHT {
         return Err(PartError::new(
             ErrorCode::BladeSections,
@@ -121,7 +121,7 @@ fn sections_in(
     }
     let at = |k: usize| low + (high - low) * k as f64 / (SECTIONS - 1) as f64;
     let section = |height: f64| {
-        SpanSection::of(&cutter.slice_at(height)).ok_or_else(|| {
+        SpanSection::from_cuts(&cutter.slice_at(height)).ok_or_else(|| {
             PartError::new(
                 ErrorCode::MeshNotClosed,
                 0,

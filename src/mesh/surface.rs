@@ -27,11 +27,11 @@ pub struct MeshSurface {
 
 impl MeshSurface {
     /// The surface of a mesh.
-    pub fn of(mesh: &TriangleMesh) -> Self {
+    pub fn from_mesh(mesh: &TriangleMesh) -> Self {
         Self::of_faces(mesh, connected(&mesh.triangles, mesh.points.len()))
     }
 
-    /// As [`Self::of`], with given face numbers of the triangles.
+    /// As [`Self::from_mesh`], with given face numbers of the triangles.
     pub fn of_faces(mesh: &TriangleMesh, faces: Vec<u32>) -> Self {
         let (to, points) = weld::equal(&mesh.points);
         let renumbered = |triangles: &[[u32; 3]], to: &[u32]| {

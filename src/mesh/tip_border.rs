@@ -33,7 +33,7 @@ const FEWEST: usize = 8;
 /// The meridional curve through the tips of `blade` over the hub with the points `hub`; `None` where none can
 /// be fitted.
 pub fn fit_tip_border(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<FittedProfile> {
-    let outline = TipOutline::of(blade, hub, course)?;
+    let outline = TipOutline::from_blade(blade, hub, course)?;
     WIDER.into_iter().find_map(|wider| {
         let near = NEAR * wider * outline.height;
         // The tips have no sharp edges where they are rounded: then every corner is a candidate.
@@ -44,7 +44,7 @@ pub fn fit_tip_border(blade: &MeshSurface, hub: &[Meridional], course: &Course) 
 /// Where the tip of `blade` begins and ends by its border, as distances along the course, mm; `None` where
 /// the border does not tell.
 pub fn tip_extent(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<(f64, f64)> {
-    let TipOutline { from, step, tip, .. } = TipOutline::of(blade, hub, course)?;
+    let TipOutline { from, step, tip, .. } = TipOutline::from_blade(blade, hub, course)?;
     Some((from + step * tip.0 as f64, from + step * tip.1 as f64))
 }
 
@@ -63,10 +63,10 @@ struct TipOutline {
 }
 
 impl TipOutline {
-    fn of(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<Self> {
+    fn from_blade(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<Self> {
         let hub: Vec<(f64, f64)> = hub.iter().map(|p| course.coordinates_of(*p)).collect();
         let places: Vec<(f64, f64)> =
-            blade.points.iter().map(|p| course.coordinates_of(Meridional::of(p))).collect();
+            blade.points.iter().map(|p| course.coordinates_of(Meridional::from_point(p))).collect();
         let mean = |p: &[(f64, f64)]| p.iter().map(|p| p.1).sum::<f64>() / p.len().max(1) as f64;
         let sign = (mean(&places) - mean(&hub)).signum();
         let (low, high) =

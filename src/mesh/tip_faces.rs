@@ -38,7 +38,7 @@ struct FaceSums {
 /// The meridional curve through the tip faces of `blade` over the hub; `None` where the file does not tell
 /// them, or they do not make up the tip.
 pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<FittedProfile> {
-    let corners: Vec<Meridional> = blade.points.iter().map(Meridional::of).collect();
+    let corners: Vec<Meridional> = blade.points.iter().map(Meridional::from_point).collect();
     let curve = MeridionalCurve::through(hub).with_outer_side_towards(mean_point(&corners));
     let places: Vec<(f64, f64)> = corners.iter().map(|p| curve.project(*p)).collect();
     let height = places.iter().map(|p| p.1).fold(0.0, f64::max);

@@ -76,7 +76,7 @@ pub fn fit_tip_curve(
 
 /// Mean of the blades' corners in the meridional plane.
 pub fn mean_corner(blades: &[MeshSurface]) -> Meridional {
-    let all = blades.iter().flat_map(|b| b.points.iter().map(Meridional::of));
+    let all = blades.iter().flat_map(|b| b.points.iter().map(Meridional::from_point));
     let (sum, count) = all
         .fold((Meridional::default(), 0.0), |(s, n), p| (Meridional { r: s.r + p.r, z: s.z + p.z }, n + 1.0));
     Meridional { r: sum.r / f64::max(count, 1.0), z: sum.z / f64::max(count, 1.0) }
@@ -95,5 +95,5 @@ pub(super) fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> 
             }
         }
     }
-    blade.points.iter().zip(&at_edge).filter(|(_, e)| **e).map(|(p, _)| Meridional::of(p)).collect()
+    blade.points.iter().zip(&at_edge).filter(|(_, e)| **e).map(|(p, _)| Meridional::from_point(p)).collect()
 }

@@ -18,7 +18,7 @@ pub struct BodyOutline {
 
 impl BodyOutline {
     /// The outline of `body` about Z; `None` where it is not closed.
-    pub fn of(body: &MeshSurface) -> Option<Self> {
+    pub fn from_body(body: &MeshSurface) -> Option<Self> {
         if body.triangles.is_empty() || body.border_edges().next().is_some() {
             return None;
         }
@@ -61,13 +61,13 @@ fn outline(body: &MeshSurface, angle: f64) -> Vec<[Meridional; 2]> {
 
 /// The greatest depth of corners of `blade` behind a curve with its outer side towards the blade, mm.
 pub fn depth_behind(blade: &MeshSurface, curve: &MeridionalCurve) -> f64 {
-    blade.points.iter().map(|p| -curve.project(Meridional::of(p)).1).fold(0.0, f64::max)
+    blade.points.iter().map(|p| -curve.project(Meridional::from_point(p)).1).fold(0.0, f64::max)
 }
 
 /// The part of `blade` on the outer side of a meridional curve. Corners within `tolerance` mm of the curve
 /// are on it.
 pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> MeshSurface {
-    let height = |p: &Point| curve.project(Meridional::of(p)).1;
+    let height = |p: &Point| curve.project(Meridional::from_point(p)).1;
     let on_curve = |h: f64| if h.abs() < tolerance { 0.0 } else { h };
     let heights: Vec<f64> = blade.points.iter().map(|p| on_curve(height(p))).collect();
     let mut mesh = TriangleMesh { points: blade.points.clone(), triangles: Vec::new() };
@@ -135,19 +135,19 @@ mod tests {
                 Point::new(r * a.cos(), r * a.sin(), z)
             }));
         }
-        MeshSurface::of(&TriangleMesh { points, triangles: grid_triangles(5, 61, |_, _| true) })
+        MeshSurface::from_mesh(&TriangleMesh { points, triangles: grid_triangles(5, 61, |_, _| true) })
     }
 
     #[test]
     fn points_within_a_closed_body_are_found() {
-        let outline = BodyOutline::of(&ring()).expect("closed");
+        let outline = BodyOutline::from_body(&ring()).expect("closed");
         for (r, z, within) in
             [(3.0, 0.5, true), (1.0, 0.5, false), (3.0, 1.5, false), (5.5, 0.5, false), (2.1, 0.1, true)]
         {
             assert_eq!(outline.contains(Meridional { r, z }), within, "{r} {z}");
         }
         let open = ring().subset(|t| t > 0);
-        assert!(BodyOutline::of(&open).is_none(), "it is open");
+        assert!(BodyOutline::from_body(&open).is_none(), "it is open");
     }
 
     #[test]
@@ -158,7 +158,7 @@ mod tests {
         let mesh = TriangleMesh { points: points.collect(), triangles: grid_triangles(5, 3, |_, _| true) };
         let hub = [2.0, 6.0, 10.0].map(|r| Meridional { r, z: 0.0 });
         let hub = MeridionalCurve::through(&hub).with_outer_side_towards(Meridional { r: 6.0, z: 5.0 });
-        let plate = MeshSurface::of(&mesh);
+        let plate = MeshSurface::from_mesh(&mesh);
         assert!((depth_behind(&plate, &hub) - 1.1).abs() < 1e-9);
         let cut = trimmed(&plate, &hub, 0.0);
         let area: f64 = (0..cut.triangles.len()).map(|t| cut.area(t)).sum();

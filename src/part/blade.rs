@@ -30,7 +30,7 @@ impl Blade {
         const LOOKS: usize = 60;
         let look = |i: usize| NOSE_U * i as f64 / LOOKS as f64;
         let foremost = |side: &BladeSide| {
-            let place = |u: f64| curve.project(Meridional::of(&side.point(u, v))).0;
+            let place = |u: f64| curve.project(Meridional::from_point(&side.point(u, v))).0;
             let looks: [f64; LOOKS + 1] = std::array::from_fn(|i| place(look(i)));
             let first = (0..=LOOKS).min_by(|&a, &b| looks[a].total_cmp(&looks[b])).unwrap_or(0);
             let (low, high) = (look(first.saturating_sub(1)), look((first + 1).min(LOOKS)));
@@ -97,7 +97,7 @@ impl RawBlade {
     /// Arc lengths on `curve` of leading edge and rim, along the blade's edge at `v`.
     pub(super) fn ends_on(&self, curve: &MeridionalCurve, v: f64) -> (f64, f64) {
         let sides = [&self.blade.suction, &self.blade.pressure];
-        let ends = sides.map(|side| curve.project(Meridional::of(&side.point(1.0, v))).0);
+        let ends = sides.map(|side| curve.project(Meridional::from_point(&side.point(1.0, v))).0);
         (self.blade.leading_edge_on(curve, v), ends[0].max(ends[1]))
     }
 }
@@ -287,10 +287,11 @@ fn crossing(
 ) -> Option<f64> {
     let mut near = match *guess {
         Some(t) => t,
-        None => curve.project(Meridional::of(&side.point(u, around))).0,
+        None => curve.project(Meridional::from_point(&side.point(u, around))).0,
     };
     let mut height = |v: f64| {
-        let (t, d) = curve.project_near(Meridional::of(&side.point(u, v)), near, 0.1 * curve.length());
+        let (t, d) =
+            curve.project_near(Meridional::from_point(&side.point(u, v)), near, 0.1 * curve.length());
         near = t;
         d
     };

@@ -51,11 +51,11 @@ const WARM_SEARCH_SHARE: f64 = 0.2;
 impl Blank {
     /// The blank of `part` between the edges of its blades, extended by `inlet_extension` mm upstream of the
     /// leading edge.
-    pub fn of(part: &Impeller, inlet_extension: f64) -> Self {
+    pub fn from_part(part: &Impeller, inlet_extension: f64) -> Self {
         Self::shaped(part, inlet_extension, &BlankShape::Edges)
     }
 
-    /// The blank of `part` with a shape; see [`Self::of`].
+    /// The blank of `part` with a shape; see [`Self::from_part`].
     pub fn shaped(part: &Impeller, inlet_extension: f64, shape: &BlankShape) -> Self {
         let outline = shape.outline(part, inlet_extension).map(Arc::new);
         let piece = |path: &super::Flowpath| {
@@ -87,7 +87,7 @@ impl Blank {
         let (r_max, z_range) = (r_max + 0.1, (z_range.0 - 0.1, z_range.1 + 0.1));
         let coarse_shroud = CoarseHeights::new(&shroud, r_max, z_range);
         let single = (unique_foot_distance(&hub), unique_foot_distance(&shroud));
-        let nose = HubNose::of(part.hub.curve(), part.hub.arc_at(0.0) - inlet_extension);
+        let nose = HubNose::from_hub(part.hub.curve(), part.hub.arc_at(0.0) - inlet_extension);
         let file = match shape {
             BlankShape::File(file) => Some(Arc::clone(file)),
             _ => None,
@@ -264,7 +264,8 @@ impl Blank {
             return outline.highest_inside(origin, direction, low, high);
         }
         let stride = (MIN_STRIDE_SHARE * (high - low)).max(MIN_STRIDE);
-        let mut free_radius = |h: f64| self.free_radius(Meridional::of(&(origin + direction * h)), warm);
+        let mut free_radius =
+            |h: f64| self.free_radius(Meridional::from_point(&(origin + direction * h)), warm);
         let mut above = None;
         let mut h = high;
         while let Some(clear) = free_radius(h) {
@@ -278,7 +279,7 @@ impl Blank {
         // Signed distance from the bounds of the blank, smooth except where two of them meet; its root is the
         // border.
         let mut out = |h: f64| {
-            let point = Meridional::of(&(origin + direction * h));
+            let point = Meridional::from_point(&(origin + direction * h));
             self.above_shroud(point, warm).max(-self.ends_depth(point))
         };
         let (inside, outside) = ((h, out(h)), (outside, out(outside)));

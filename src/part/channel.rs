@@ -69,7 +69,7 @@ impl Wall {
         let (_, end) = side.u_range();
         let starts = (0..=32)
             .map(|i| {
-                let foot = Meridional::of(&side.point(end * f64::from(i) / 32.0, 0.0));
+                let foot = Meridional::from_point(&side.point(end * f64::from(i) / 32.0, 0.0));
                 part.hub.s_at(part.hub.curve().project(foot).0)
             })
             .collect();
@@ -89,7 +89,7 @@ impl Wall {
     /// gets further along it.
     fn limit(&self, part: &Impeller, eta: f64, outward: f64) -> (f64, bool) {
         let (begin, end) = self.side.u_range();
-        let middle = Meridional::of(&self.side.point(0.5 * (begin + end), eta));
+        let middle = Meridional::from_point(&self.side.point(0.5 * (begin + end), eta));
         let on = |path: &super::Flowpath| path.s_at(path.curve().project(middle).0);
         // Between the values at hub and shroud: anywhere on the flank will do.
         let from = (1.0 - eta) * on(&part.hub) + eta * on(&part.shroud);
@@ -366,18 +366,18 @@ impl Channel {
     /// ```
     /// # let part = vanecut::io::part_file::read_part("assets/parts/impeller532.toml".as_ref())?;
     /// # let part = vanecut::part::Impeller::build(&part)?;
-    /// let channel = vanecut::part::Channel::of(&part);
+    /// let channel = vanecut::part::Channel::from_part(&part);
     /// assert!(channel.splitter_s.is_none(), "all blades are main blades");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn of(part: &Impeller) -> Self {
+    pub fn from_part(part: &Impeller) -> Self {
         let other = part.main.rotated(part.pitch());
         let low = Wall::new(part, &part.main.suction);
         let high = Wall::new(part, &other.pressure);
         let full = Passage { walls: [low, high] };
         let mut passages = vec![full.clone()];
         let splitters = SplitterWalls::across(part, &full);
-        let division = Division::of(&splitters, &full.walls, &mut passages);
+        let division = Division::new(&splitters, &full.walls, &mut passages);
         let first = splitters.iter().find(|splitter| splitter.index == 0);
         let beside_splitter = first.map_or_else(Vec::new, |first| first.passages_beside(&full.walls).into());
         let splitter_s = first.map(|first| first.s);
@@ -473,15 +473,15 @@ impl SplitterWalls {
 
 impl Division {
     /// How `splitters`, in order, divide the passage between `walls`; adds the passages to `passages`.
-    fn of(splitters: &[SplitterWalls], walls: &[Wall; 2], passages: &mut Vec<Passage>) -> Option<Box<Self>> {
+    fn new(splitters: &[SplitterWalls], walls: &[Wall; 2], passages: &mut Vec<Passage>) -> Option<Box<Self>> {
         let begins = |at: &usize| splitters[*at].s[0];
         let longest = (0..splitters.len()).min_by(|a, b| begins(a).total_cmp(&begins(b)))?;
         let first = passages.len();
         let beside = splitters[longest].passages_beside(walls);
         passages.extend(beside.iter().cloned());
         let inner = [
-            Self::of(&splitters[..longest], &beside[0].walls, passages),
-            Self::of(&splitters[longest + 1..], &beside[1].walls, passages),
+            Self::new(&splitters[..longest], &beside[0].walls, passages),
+            Self::new(&splitters[longest + 1..], &beside[1].walls, passages),
         ];
         Some(Box::new(Self { s: splitters[longest].s, passages: [first, first + 1], inner }))
     }

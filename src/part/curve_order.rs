@@ -33,7 +33,8 @@ pub(super) fn runs_backwards(curve: &MeridionalCurve, blade: &BladeDescription) 
         return start.r - end.r > CLEAR_RISE * curve.length();
     };
     let ends = suction.iter().chain(pressure).filter_map(|section| {
-        let (first, last) = (Meridional::of(section.first()?), Meridional::of(section.last()?));
+        let (first, last) =
+            (Meridional::from_point(section.first()?), Meridional::from_point(section.last()?));
         let (inner, outer) = if first.r < last.r { (first, last) } else { (last, first) };
         (outer.r - inner.r > CLEAR_RISE * inner.distance(outer)).then(|| {
             let ((t, off), (u, beside)) = (curve.project(inner), curve.project(outer));

@@ -89,7 +89,7 @@ impl PartDescription {
         match &self.main {
             BladeDescription::Sections { suction, pressure, .. } => {
                 let points = suction.iter().chain(pressure).flatten();
-                largest(&mut points.map(|p| Meridional::of(p).r))
+                largest(&mut points.map(|p| Meridional::from_point(p).r))
             }
             BladeDescription::Camber { .. } => {
                 let points = |curve: &CurveDescription| match curve {

@@ -85,7 +85,7 @@ impl EndFace {
         let b = rate * level - m * m * (origin.x * axis.x + origin.y * axis.y);
         let c = level * level - m * m * (origin.x * origin.x + origin.y * origin.y);
         let on_face = |h: f64| {
-            let p = Meridional::of(&(origin + axis * h));
+            let p = Meridional::from_point(&(origin + axis * h));
             let (dr, dz) = (self.shroud.r - self.hub.r, self.shroud.z - self.hub.z);
             let share = ((p.r - self.hub.r) * dr + (p.z - self.hub.z) * dz) / (dr * dr + dz * dz);
             // The other nappe of the cone solves the equation too.
@@ -137,7 +137,7 @@ mod tests {
             // Brute force: signs of the distance from the line of the face, along lines of the rim.
             let (mut highest, mut at_radius) = (f64::NEG_INFINITY, 0.0);
             let distance = |p: Point| {
-                let (p, normal) = (Meridional::of(&p), face.normal());
+                let (p, normal) = (Meridional::from_point(&p), face.normal());
                 (p.r - face.hub.r) * normal.r + (p.z - face.hub.z) * normal.z
             };
             for i in 0..360 {
@@ -150,7 +150,7 @@ mod tests {
                     }
                     let (from, to) = (distance(at(low)), distance(at(high)));
                     let h = low + (high - low) * from / (from - to);
-                    let r = Meridional::of(&at(h)).r;
+                    let r = Meridional::from_point(&at(h)).r;
                     if (20.0..=50.0).contains(&r) {
                         if h > highest {
                             (highest, at_radius) = (h, r);

@@ -38,7 +38,7 @@ const SPAN_STEPS: usize = 64;
 
 impl WallEnvelope {
     /// Envelope of one wall of `blade` over `curves` + 1 curves, evenly spaced in u.
-    pub fn of(blade: &Blade, wall: BladeWall, curves: usize) -> Self {
+    pub fn from_blade(blade: &Blade, wall: BladeWall, curves: usize) -> Self {
         let (side, back) = match wall {
             BladeWall::Suction => (&blade.suction, &blade.pressure),
             BladeWall::Pressure => (&blade.pressure, &blade.suction),
@@ -115,7 +115,7 @@ mod tests {
     fn ruled_walls_have_no_gap() {
         let blade = bowed(2, |v| 3.0 * v);
         for wall in [BladeWall::Suction, BladeWall::Pressure] {
-            let gap = WallEnvelope::of(&blade, wall, 8).max_gap();
+            let gap = WallEnvelope::from_blade(&blade, wall, 8).max_gap();
             assert!(gap < 1e-12, "{wall:?}: {gap}");
         }
     }
@@ -125,7 +125,7 @@ mod tests {
         // Hollow on one side, bulging on the other: on both the gap is the bow.
         let blade = bowed(33, |v| 0.8 * (std::f64::consts::PI * v).sin());
         for (wall, away, face) in [(BladeWall::Suction, 1.0, 1.0), (BladeWall::Pressure, -1.0, -1.0)] {
-            let envelope = WallEnvelope::of(&blade, wall, 8);
+            let envelope = WallEnvelope::from_blade(&blade, wall, 8);
             assert!((envelope.max_gap() - 0.8).abs() < 1e-5, "{wall:?}: {}", envelope.max_gap());
             for [foot, tip] in &envelope.lines {
                 for v in [0.0, 0.2, 0.5, 0.9, 1.0] {

@@ -84,12 +84,12 @@ impl FinishedPart {
         let curve = self.hub.curve();
         let flat = cutter.radius - cutter.corner_radius;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-        let (start, _) = curve.project(Meridional::of(&centre));
+        let (start, _) = curve.project(Meridional::from_point(&centre));
         let reach = 3.0 * cutter.radius + 0.05 * curve.length();
         let mut warm = start;
         // Signed distance of a point, and its foot point on the hub.
         let mut distance = |p: &Point| {
-            let m = Meridional::of(p);
+            let m = Meridional::from_point(p);
             let (t, d) = curve.project_near(m, warm.clamp(start - reach, start + reach), reach);
             warm = t;
             // Beyond its ends the hub has an edge, not a surface.

@@ -179,10 +179,12 @@ impl Impeller {
 /// Angle of a splitter ahead of the main blade's suction side at the same radius and height, rad.
 fn splitter_angle(splitter: &Blade, main: &Blade) -> f64 {
     let p = splitter.suction.point(0.9, 0.5);
-    let wanted = Meridional::of(&p);
+    let wanted = Meridional::from_point(&p);
     let nearest = (0..=400)
         .map(|i| main.suction.point(f64::from(i) / 400.0, 0.5))
-        .min_by(|a, b| Meridional::of(a).distance(wanted).total_cmp(&Meridional::of(b).distance(wanted)))
+        .min_by(|a, b| {
+            Meridional::from_point(a).distance(wanted).total_cmp(&Meridional::from_point(b).distance(wanted))
+        })
         .unwrap_or(p);
     p.y.atan2(p.x) - nearest.y.atan2(nearest.x)
 }

@@ -228,7 +228,7 @@ impl MeridionalOutline {
 
     /// Highest h in [`low`, `high`] at which `origin + h · direction` (unit) is in the body.
     pub fn highest_inside(&self, origin: &Point, direction: &Vector, low: f64, high: f64) -> Option<f64> {
-        let at = |h: f64| Meridional::of(&(origin + direction * h));
+        let at = |h: f64| Meridional::from_point(&(origin + direction * h));
         if self.contains(at(high)) {
             return Some(high);
         }
@@ -342,7 +342,7 @@ impl MeridionalOutline {
     ) -> Option<f64> {
         let mut h = high;
         for _ in 0..TRACE_STEPS {
-            let gap = self.signed_distance(Meridional::of(&(origin + axis * h))).0 - offset;
+            let gap = self.signed_distance(Meridional::from_point(&(origin + axis * h))).0 - offset;
             if gap < TRACE_TOLERANCE {
                 return Some(h);
             }

@@ -20,7 +20,7 @@ pub(super) struct HubNose {
 
 impl HubNose {
     /// The nose under `hub` up to its arc length `end` (mm); `None` where the hub begins there.
-    pub(super) fn of(hub: &MeridionalCurve, end: f64) -> Option<Self> {
+    pub(super) fn from_hub(hub: &MeridionalCurve, end: f64) -> Option<Self> {
         if end < MIN_LENGTH {
             return None;
         }
@@ -72,7 +72,7 @@ mod tests {
         let points = [[10.0, 82.0], [22.0, 80.0], [28.0, 76.0], [30.0, 70.0], [31.0, 60.0]];
         let points: Vec<Meridional> = points.iter().map(|p| Meridional { r: p[0], z: p[1] }).collect();
         let hub = MeridionalCurve::through(&points);
-        HubNose::of(&hub, hub.project(points[3]).0).expect("a nose")
+        HubNose::from_hub(&hub, hub.project(points[3]).0).expect("a nose")
     }
 
     #[test]

@@ -76,7 +76,7 @@ pub(super) fn ordered_side<'a>(
 /// Whether a section begins clearly further from the axis than it ends.
 fn runs_inwards(section: &[Point]) -> bool {
     let (Some(first), Some(last)) = (section.first(), section.last()) else { return false };
-    Meridional::of(first).r - Meridional::of(last).r > CLEAR_FALL * (last - first).norm()
+    Meridional::from_point(first).r - Meridional::from_point(last).r > CLEAR_FALL * (last - first).norm()
 }
 
 /// Heights of a section between hub (0) and shroud (1), at equal shares of its length.
@@ -89,7 +89,8 @@ fn heights_of(section: &[Point], hub: &MeridionalCurve, shroud: &MeridionalCurve
     LOOKS.map(|share| {
         let at = lengths.partition_point(|l| *l < share * whole).min(section.len().saturating_sub(1));
         let Some(point) = section.get(at) else { return 0.0 };
-        let (above, below) = (hub.project(Meridional::of(point)).1, shroud.project(Meridional::of(point)).1);
+        let (above, below) =
+            (hub.project(Meridional::from_point(point)).1, shroud.project(Meridional::from_point(point)).1);
         // Both are measured in the direction from hub to shroud.
         let depth = above - below;
         if depth.abs() > 1e-9 { above / depth } else { 0.0 }

@@ -25,7 +25,7 @@ impl Workpiece {
     /// `part`, cut from `blank`.
     pub fn new(part: impl Into<Arc<Impeller>>, blank: Blank) -> Self {
         let part = part.into();
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let finished = FinishedPart::new(&part, &channel.sides);
         Self { part, channel, blank, finished }
     }

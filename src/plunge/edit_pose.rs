@@ -28,7 +28,7 @@ impl FloorFrame {
     /// At the foot of `point` on the hub. Where the walls do not reach, the channel runs along the meridian.
     fn at(context: &PlanContext, point: &Point) -> Self {
         let (part, passage) = (&context.workpiece.part, &context.workpiece.channel.full);
-        let (arc, _) = part.hub.curve().project(Meridional::of(point));
+        let (arc, _) = part.hub.curve().project(Meridional::from_point(point));
         let (s, theta) = (part.hub.s_at(arc), point.y.atan2(point.x));
         let foot = part.hub.at(s);
         let normal = foot.normal.direction_at_angle(theta);

@@ -390,9 +390,9 @@ fn sphere_trace(
     reach: f64,
 ) -> Option<f64> {
     let mut h = 0.5 * reach;
-    let (mut guess, _) = curve.project(Meridional::of(&(origin + axis * h)));
+    let (mut guess, _) = curve.project(Meridional::from_point(&(origin + axis * h)));
     for _ in 0..MAX_STEPS {
-        let (t, d) = curve.project_near(Meridional::of(&(origin + axis * h)), guess, 2.0 * reach);
+        let (t, d) = curve.project_near(Meridional::from_point(&(origin + axis * h)), guess, 2.0 * reach);
         guess = t;
         let above = d - offset;
         if above.abs() < NEAR {

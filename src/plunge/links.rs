@@ -119,10 +119,10 @@ impl<E> Links<'_, E> {
 
     /// The bottom of position `k` where the tool arrives, and where it leaves.
     fn bottoms_at(&self, k: usize) -> [NearBottom; 2] {
-        let arrives = NearBottom::of(&self.cutter(k, self.retracts[k]), self.blank);
+        let arrives = NearBottom::from_cutter(&self.cutter(k, self.retracts[k]), self.blank);
         let leaves = match self.lead_outs[k] == Vector::zeros() {
             true => arrives,
-            false => NearBottom::of(&self.cutter(k, self.exit(k)), self.blank),
+            false => NearBottom::from_cutter(&self.cutter(k, self.exit(k)), self.blank),
         };
         [arrives, leaves]
     }

@@ -43,7 +43,7 @@ pub struct OpeningRow {
 impl<'a> Opening<'a> {
     /// What stands above the shroud of `part` in `blank`.
     pub fn new(part: &'a Impeller, blank: &'a Blank, setup: &'a Setup) -> Self {
-        Self { part, setup, blank, below: Blank::of(part, setup.allowances.inlet_extension) }
+        Self { part, setup, blank, below: Blank::from_part(part, setup.allowances.inlet_extension) }
     }
 
     /// The rows of one pitch with `tool`.

@@ -75,7 +75,7 @@ pub(super) fn opening_columns(context: &PlanContext) -> Result<Columns, PlanErro
 
 /// The station of a plunge above the shroud.
 fn station_above(context: &PlanContext, tip: Point) -> Station {
-    let (place, theta) = (Meridional::of(&tip), tip.y.atan2(tip.x));
+    let (place, theta) = (Meridional::from_point(&tip), tip.y.atan2(tip.x));
     let [s_hub, s_shroud] = [&context.workpiece.part.hub, &context.workpiece.part.shroud]
         .map(|path| path.s_at(path.curve().project(place).0).clamp(0.0, 1.0));
     let axis: Vector = context.workpiece.part.out_of_inlet();

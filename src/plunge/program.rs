@@ -7,7 +7,7 @@ use crate::setup::Tool;
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool, Motion, Move};
 
 impl ClSection {
-    fn of(section: &SectionPlan) -> Self {
+    fn from_section(section: &SectionPlan) -> Self {
         Self {
             from: section.from,
             to: section.to,
@@ -25,8 +25,11 @@ impl ClProgram {
     /// section that the plan lacks are left out. The part name of an unfinished plan ends in `UNFINISHED`.
     pub fn of_plan(part: &str, plan: &PlungePlan) -> Self {
         let part = if plan.is_unfinished() { format!("{part} UNFINISHED") } else { part.to_owned() };
-        let mut program =
-            Self { part, sections: plan.sections.iter().map(ClSection::of).collect(), ..Self::default() };
+        let mut program = Self {
+            part,
+            sections: plan.sections.iter().map(ClSection::from_section).collect(),
+            ..Self::default()
+        };
         for position in &plan.positions {
             let Some(tool) = plan.sections.get(position.section).map(|section| &section.tool) else {
                 continue;
@@ -35,7 +38,7 @@ impl ClProgram {
             if program.rows.last().is_none_or(|last| (last.section, last.row) != (section, row)) {
                 program.rows.push(ClRow { first_move: program.moves.len(), section, row });
             }
-            let cutter = ClTool::of(tool);
+            let cutter = ClTool::from_tool(tool);
             let known = program.tools.iter().position(|t| *t == cutter);
             let index = known.unwrap_or_else(|| {
                 program.tools.push(cutter);

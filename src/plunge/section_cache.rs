@@ -25,7 +25,7 @@ struct SectionKey {
 
 impl SectionKey {
     /// Key of section `index`. Values that do not influence the position of the cutter are normalised.
-    fn of(setup: &Setup, index: usize) -> Result<Self, SetupFault> {
+    fn from_setup(setup: &Setup, index: usize) -> Result<Self, SetupFault> {
         let section = &setup.plunge.sections[index];
         let tool = tool_of(setup, section.tool)?;
         Ok(Self {
@@ -66,7 +66,7 @@ impl SectionCache {
     /// When the tool of a section is missing in the setup.
     pub fn valid_prefix(&self, setup: &Setup) -> Result<usize, SetupFault> {
         for (index, (before, _)) in self.sections.iter().enumerate() {
-            if index == setup.plunge.sections.len() || *before != SectionKey::of(setup, index)? {
+            if index == setup.plunge.sections.len() || *before != SectionKey::from_setup(setup, index)? {
                 return Ok(index);
             }
         }
@@ -94,7 +94,7 @@ impl SectionCache {
             return Ok(None);
         }
         for (index, (before, _)) in self.complete.iter().enumerate() {
-            let now = SectionKey::of(setup, index)?;
+            let now = SectionKey::from_setup(setup, index)?;
             if (&before.tool, before.section.kind) != (&now.tool, now.section.kind) {
                 return Ok(None);
             }
@@ -118,7 +118,7 @@ impl SectionCache {
         }
         let cut = Arc::new(make(self.sections.last().map(|(_, cut)| cut.as_ref()))?);
         if !cut.is_unfinished() {
-            self.sections.push((SectionKey::of(setup, index)?, Arc::clone(&cut)));
+            self.sections.push((SectionKey::from_setup(setup, index)?, Arc::clone(&cut)));
         }
         Ok(cut)
     }

@@ -45,7 +45,7 @@ pub fn resolve(
     let part = &workpiece.part;
     check_part(setup, part)?;
     check_hub_allowance(setup, part)?;
-    let mut survey = Survey::of(workpiece, MIN_SECTION_S);
+    let mut survey = Survey::from_workpiece(workpiece, MIN_SECTION_S);
     let given = !setup.tools.is_empty();
     let mut resolved = setup.clone();
     if !given {

@@ -75,7 +75,7 @@ pub struct Survey {
 impl Survey {
     /// Measures the channel of `workpiece`. Sections have to meet where a splitter begins, unless less than
     /// `shortest` (in s) would remain on one side of it.
-    pub fn of(workpiece: &Workpiece, shortest: f64) -> Self {
+    pub fn from_workpiece(workpiece: &Workpiece, shortest: f64) -> Self {
         let Workpiece { part, channel, .. } = workpiece;
         let mut s: Vec<f64> = (0..=STEPS).map(|i| i as f64 / STEPS as f64).collect();
         let mut joints = Vec::new();

@@ -120,7 +120,7 @@ pub struct ClearanceSetup {
 
 impl ClearanceSetup {
     /// The clearance of a part of the tool, mm.
-    pub fn of(&self, part: AssemblyPart) -> f64 {
+    pub fn of_part(&self, part: AssemblyPart) -> f64 {
         match part {
             AssemblyPart::Shank => self.shank,
             AssemblyPart::Holder => self.holder,

@@ -168,7 +168,7 @@ impl Setup {
         let diameter = 2.0 * part.rim_radius();
         let usual = (diameter / ALLOWANCES_PER_DIAMETER).min(USUAL_ALLOWANCE);
         let unit = round_down(usual.max(USUAL_ALLOWANCE * diameter / LARGE_DIAMETER));
-        let channel = Channel::of(part);
+        let channel = Channel::from_part(part);
         // Beside one splitter these are the same.
         let at_outlet = if channel.splitters.len() > 1 { channel.passages_at_outlet() } else { Vec::new() };
         let passages = [&channel.full].into_iter().chain(&channel.beside_splitter).chain(&at_outlet);

@@ -146,7 +146,7 @@ impl Tool {
             }
         };
         for segment in self.assembly.segments(self.overhang) {
-            let clearance = clearances.of(segment.part);
+            let clearance = clearances.of_part(segment.part);
             // Cones in slices, each as wide as its wider end.
             let slices = if segment.radii[0] < segment.radii[1] { CONE_SLICES } else { 1 };
             for k in 0..slices {

@@ -37,7 +37,7 @@ impl<'a> Excess<'a> {
     /// Distance of `point` to the nearest finished surface, mm: stock that stands there, negative where the
     /// finished part is cut into.
     pub fn at(&self, point: &Point) -> f64 {
-        let (t, above_hub) = self.part.hub.curve().project(Meridional::of(point));
+        let (t, above_hub) = self.part.hub.curve().project(Meridional::from_point(point));
         // The finished part is the union of hub and blades.
         let below = |nearest: f64, point: &Point| {
             self.blades.iter().fold(nearest, |nearest, blade| {

@@ -40,7 +40,7 @@ pub fn residual_field(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualFiel
     if heights.is_empty() {
         return ResidualField { heights, traces: vec![PositionTrace::default(); cutters.len()] };
     }
-    let unit = VolumeUnit::of(grid);
+    let unit = VolumeUnit::from_grid(grid);
     // One task per row of tiles, as a row is one contiguous piece of the heights.
     let seen: Vec<Vec<TraceSums>> = heights
         .par_chunks_mut(TILE * grid.columns)

@@ -20,7 +20,7 @@ pub struct FieldCutter {
 
 impl FieldCutter {
     /// The plunge of `tool` to `tip` along the unit `axis`.
-    pub fn of(tool: &Tool, tip: Point, axis: Vector) -> Self {
+    pub fn from_tool(tool: &Tool, tip: Point, axis: Vector) -> Self {
         let single = |v: [f64; 3]| v.map(|x| x as f32);
         Self {
             tip: single(tip.coords.into()),

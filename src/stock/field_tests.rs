@@ -53,7 +53,7 @@ pub(crate) fn any_cutter() -> impl Strategy<Value = FieldCutter> {
 fn untiled(grid: &FloorGrid, cutters: &[FieldCutter]) -> ResidualField {
     let mut heights = grid.blank_heights.clone();
     let mut traces = vec![TraceSums::default(); cutters.len()];
-    let unit = VolumeUnit::of(grid);
+    let unit = VolumeUnit::from_grid(grid);
     for (trace, cutter) in traces.iter_mut().zip(cutters) {
         let (squared, core) = (cutter.radius * cutter.radius, cutter.core_radius * cutter.core_radius);
         for (cell, height) in heights.iter_mut().enumerate() {

@@ -71,7 +71,7 @@ impl GridRow<'_> {
         let columns = self.points.len() as f64;
         let outline = {
             let (foot, normal) = (hub.point.at_angle(0.0), hub.normal.direction_at_angle(0.0));
-            first_exit(blank, |h| Meridional::of(&(foot + normal * h)), 2.0 * part.rim_radius())
+            first_exit(blank, |h| Meridional::from_point(&(foot + normal * h)), 2.0 * part.rim_radius())
         };
         let over = walls.blades_over(s);
         let covered = reach.inaccessible_ranges(s, &over);

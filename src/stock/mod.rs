@@ -40,7 +40,7 @@ pub use trace::PositionTrace;
 /// The plunges of a plan, in cutting order, as input of the kernels.
 pub fn field_cutters<E>(plan: &PlungePlan<E>) -> Vec<FieldCutter> {
     let tool = |p: &Position<E>| &plan.sections[p.section].tool;
-    plan.positions.iter().map(|p| FieldCutter::of(tool(p), p.tip, p.axis)).collect()
+    plan.positions.iter().map(|p| FieldCutter::from_tool(tool(p), p.tip, p.axis)).collect()
 }
 
 /// The ranges of s of the sections of a setup, with the cutter of each; all sections only if the setup is

@@ -73,7 +73,7 @@ const MAX_UNITS_OF_CELL: f64 = (1_u32 << 22) as f64;
 
 impl VolumeUnit {
     /// The smallest unit for the stock of `grid`.
-    pub(crate) fn of(grid: &FloorGrid) -> Self {
+    pub(crate) fn from_grid(grid: &FloorGrid) -> Self {
         // Row by row: sums in a fixed order give both kernels the same unit.
         let rows: Vec<[f64; 2]> =
             (0..grid.rows).into_par_iter().with_min_len(16).map(|row| stock_of_row(grid, row)).collect();
@@ -136,7 +136,7 @@ mod tests {
         for cells in [2, 24, 64, 512] {
             for (height, area) in [(1e-3, 1e-4), (20.0, 0.012), (60.0, 3.0), (500.0, 100.0)] {
                 let grid = grid(cells, height, area);
-                let of_cell = f64::from(height) * f64::from(VolumeUnit::of(&grid).per_height(area));
+                let of_cell = f64::from(height) * f64::from(VolumeUnit::from_grid(&grid).per_height(area));
                 let of_all = of_cell * (cells * cells / 2) as f64;
                 let filled = (of_cell / MAX_UNITS_OF_CELL).max(of_all / MAX_UNITS);
                 assert!((0.5..=1.0).contains(&filled), "{cells}², {height} × {area}: {filled}");

@@ -80,7 +80,7 @@ pub fn execute(list: &RunList, how: &Execution<'_>, monitor: &Monitor) -> Result
             "give one that can be written",
         )
     })?;
-    Manifest::of(list).write(how.folder)?;
+    Manifest::from_list(list).write(how.folder)?;
     let ours: Vec<usize> = (0..list.runs.len()).filter(|&place| how.shard.contains(place)).collect();
     let mut results: Vec<Option<RunResult>> = Vec::with_capacity(ours.len());
     for &place in &ours {

@@ -173,7 +173,7 @@ fn manifest_path(folder: &Path) -> PathBuf {
 
 impl Manifest {
     /// The manifest of a study.
-    pub fn of(list: &RunList) -> Self {
+    pub fn from_list(list: &RunList) -> Self {
         Self {
             vanecut_study: RESULT_VERSION,
             keys: list.keys().into_iter().map(str::to_owned).collect(),

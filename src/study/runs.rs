@@ -73,7 +73,7 @@ impl RunList {
     ///
     /// # Errors
     /// When a part cannot be read, a value can never be used, no run is left, or two runs are the same.
-    pub fn of(file: StudyFile) -> Result<Self, InputError> {
+    pub fn from_file(file: StudyFile) -> Result<Self, InputError> {
         let paths = &file.axes[file.part_axis()].values;
         let parts = paths.iter().map(|path| read(&file, path)).collect::<Result<Vec<_>, _>>()?;
         let choices = choices(&file);
@@ -215,7 +215,7 @@ fn read(file: &StudyFile, path: &Scalar) -> Result<StudyPart, InputError> {
     let description = read_part(&path)?;
     let part =
         Impeller::build(&description).map_err(|error| InputError::of_part(&source::name_of(&path), error))?;
-    let hash = PartHash::of(&description).sha256;
+    let hash = PartHash::from_part(&description).sha256;
     let defaults = Setup::for_part(&part);
     Ok(StudyPart { shown, part: Arc::new(part), hash, defaults })
 }

@@ -101,7 +101,7 @@ mod tests {
         while k < 5 {
             let program = plunges(&order.map(|index| places[index]));
             assert!((min_rapid_length(&program).expect("few cuts") - least).abs() < 1e-9, "of any order");
-            shortest = shortest.min(Travel::of(&program).rapid);
+            shortest = shortest.min(Travel::from_program(&program).rapid);
             while k < 5 && counts[k] >= k {
                 counts[k] = 0;
                 k += 1;
@@ -119,7 +119,7 @@ mod tests {
     fn plunges_in_a_line_need_the_way_along_it() {
         let line = plunges(&[[0.0, 0.0], [5.0, 0.0], [10.0, 0.0]]);
         assert_eq!(min_rapid_length(&line), Some(40.0), "three retracts and two links");
-        assert_eq!(min_rapid_length(&line), Some(Travel::of(&line).rapid));
+        assert_eq!(min_rapid_length(&line), Some(Travel::from_program(&line).rapid));
         assert_eq!(min_rapid_length(&ClProgram::default()), Some(0.0));
     }
 }

@@ -38,7 +38,7 @@ pub struct ClTool {
 
 impl ClTool {
     /// The tool as a program describes it.
-    pub fn of(tool: &Tool) -> Self {
+    pub fn from_tool(tool: &Tool) -> Self {
         Self {
             number: tool.number,
             diameter: tool.diameter,

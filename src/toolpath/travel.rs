@@ -33,7 +33,7 @@ impl Travel {
     }
 
     /// Sums of all moves with a tool.
-    pub fn of(program: &ClProgram) -> Self {
+    pub fn from_program(program: &ClProgram) -> Self {
         let mut travel = Self { tool_loads: program.tool_loads(), ..Self::default() };
         for of_move in program.moves.windows(2).filter_map(|pair| Self::of_move(program, pair)) {
             travel.rapid += of_move.rapid;

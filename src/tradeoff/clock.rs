@@ -62,7 +62,7 @@ impl PlanClock {
         let wheel = repeat_for_channels(plan, part, order, part.blade_count);
         match self.timing() {
             Some(_) => self.machine_time(&wheel).map(|time| time.total_s),
-            None => Some(Travel::of(&ClProgram::of_plan("", &wheel)).time),
+            None => Some(Travel::from_program(&ClProgram::of_plan("", &wheel)).time),
         }
     }
 
@@ -71,7 +71,7 @@ impl PlanClock {
     pub fn time_s(&self, plan: &PlungePlan) -> f64 {
         match self.timing() {
             Some(_) => self.machine_time(plan).map_or(f64::INFINITY, |time| time.total_s),
-            None => Travel::of(&ClProgram::of_plan("", plan)).time,
+            None => Travel::from_program(&ClProgram::of_plan("", plan)).time,
         }
     }
 

@@ -25,7 +25,7 @@ impl ThinningLimits {
     pub const LEAST_TIME: Self = Self { max_mean_rise: f64::INFINITY, max_uncut_share: CUTS_THE_FLOOR };
 
     /// Those of `goal`.
-    pub fn of(goal: Goal) -> Self {
+    pub fn from_goal(goal: Goal) -> Self {
         if goal == (Goal::Stock { max_time_min: None }) { Self::LEAST_STOCK } else { Self::LEAST_TIME }
     }
 

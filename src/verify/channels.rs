@@ -29,7 +29,7 @@ pub(super) fn channels_of(cuts: &[(Option<i64>, f64)]) -> Vec<i64> {
 /// Number of pitches by which a tip is ahead of channel 1; `None` beyond leading edge and rim, where there
 /// are no walls.
 pub(super) fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
-    let here = Meridional::of(tip);
+    let here = Meridional::from_point(tip);
     let (t, height) = part.hub.curve().project(here);
     let s = part.hub.s_at(t);
     if !(0.0..=1.0).contains(&s) {
@@ -51,7 +51,7 @@ pub(super) fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Opt
 /// As [`channel_at`]; beyond leading edge and rim the walls are continued along Z and r.
 pub(super) fn nearest_channel(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
     channel_at(part, channel, tip).or_else(|| {
-        let here = Meridional::of(tip);
+        let here = Meridional::from_point(tip);
         let s = part.hub.s_at(part.hub.curve().project(here).0).clamp(0.0, 1.0);
         let [low, high] = channel.full.wall_angles(part, s, 0.0)?;
         Some(channel_between(part, [low, high], tip))

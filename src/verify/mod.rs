@@ -205,7 +205,7 @@ pub fn verify(
 
 /// Whether the bottom of a cutter is in the blank: its centre, or a sample of its rim.
 fn bottom_in_blank(cutter: &CutterSolid, blank: &Blank) -> bool {
-    let within = |p: &Point| blank.depth(Meridional::of(p)) > 0.0;
+    let within = |p: &Point| blank.depth(Meridional::from_point(p)) > 0.0;
     let rim = Circle::new(&cutter.tip, &cutter.axis, cutter.radius);
     let on_rim = |i: u32| rim.point_and_derivative((std::f64::consts::FRAC_PI_6 * f64::from(i)).sin_cos()).0;
     within(&cutter.tip) || (0..12).any(|i| within(&on_rim(i)))
@@ -236,7 +236,7 @@ fn check_rapids(
     let mut least: Option<f64> = None;
     let mut faults = Vec::new();
     for rapid in &cut.rapids {
-        let near = |(tip, axis): (Point, Vector)| NearBottom::of(&cut.tool.placed(tip, axis), blank);
+        let near = |(tip, axis): (Point, Vector)| NearBottom::from_cutter(&cut.tool.placed(tip, axis), blank);
         let end = near(rapid.to);
         let mut clearance = end.clearance;
         let comes_down = setup.plunge.rapid_approach && rapid.is_approach();
@@ -295,7 +295,9 @@ fn sections_of(part: &Impeller, cuts: &[ProgramCut]) -> Vec<SectionPlan> {
             let ours: Vec<&ProgramCut> = cuts.iter().filter(|c| c.section == index).collect();
             let tool: Tool = ours.first()?.tool.clone();
             let s = |c: &&ProgramCut| {
-                part.hub.s_at(part.hub.curve().project(Meridional::of(&c.cutter.tip)).0).clamp(0.0, 1.0)
+                part.hub
+                    .s_at(part.hub.curve().project(Meridional::from_point(&c.cutter.tip)).0)
+                    .clamp(0.0, 1.0)
             };
             let (first, last) = (s(ours.first()?), s(ours.last()?));
             Some(SectionPlan {

@@ -53,8 +53,12 @@ pub fn report_plunges(
     let fields = fields_of(&workpiece.part, &verdict, &grid, &monitor.span(PLUNGES_DONE, 1.0))?;
     let heights: Vec<(&[f32], usize)> = fields.iter().map(|(h, n)| (h.as_slice(), *n)).collect();
     let floors = Floors { grid: &grid, heights: &heights };
-    let summary =
-        Summary::of_cuts(verdict.cuts.iter().map(CutFigures::of_cut), &floors, Travel::of(program), None);
+    let summary = Summary::of_cuts(
+        verdict.cuts.iter().map(CutFigures::of_cut),
+        &floors,
+        Travel::from_program(program),
+        None,
+    );
     let section = |(index, section): (usize, &SectionPlan)| {
         let ours = verdict.cuts.iter().filter(|cut| cut.section == index).map(CutFigures::of_cut);
         Summary::of_cuts(ours, &floors, Travel::default(), Some([section.from, section.to]))
@@ -93,7 +97,7 @@ fn fields_of(
     let field = |(index, times): (usize, usize)| {
         count.begin()?;
         let tool = |cut: &JudgedCut| &verdict.sections[cut.section].tool;
-        let cutters = around[index].iter().map(|cut| FieldCutter::of(tool(cut), cut.tip, cut.axis));
+        let cutters = around[index].iter().map(|cut| FieldCutter::from_tool(tool(cut), cut.tip, cut.axis));
         Ok((residual_field(grid, &cutters.collect::<Vec<_>>()).heights, times))
     };
     kinds.into_iter().map(field).collect()

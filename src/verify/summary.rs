@@ -143,8 +143,8 @@ impl Summary {
     }
 
     /// Figures of the whole plan.
-    pub fn of(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
-        let travel = Travel::of(&ClProgram::of_plan("", plan));
+    pub fn from_plan(plan: &PlungePlan, grid: &FloorGrid, field: &ResidualField) -> Self {
+        let travel = Travel::from_program(&ClProgram::of_plan("", plan));
         let floors = Floors { grid, heights: &[(&field.heights, 1)] };
         let cuts = plan.positions.iter().map(CutFigures::of_position);
         Self { blocked: Some(blocked(plan, |_| true)), ..Self::of_cuts(cuts, &floors, travel, None) }
@@ -157,7 +157,7 @@ impl Summary {
         let positions: Vec<Position> =
             plan.positions.iter().filter(|p| p.section == index).cloned().collect();
         let own = PlungePlan { positions, ..plan.clone() };
-        let travel = Travel::of(&ClProgram::of_plan("", &own));
+        let travel = Travel::from_program(&ClProgram::of_plan("", &own));
         let range = plan.sections.get(index).map(|section| [section.from, section.to]);
         let cuts = own.positions.iter().map(CutFigures::of_position);
         let blocked = Some(blocked(plan, |section| section == index));

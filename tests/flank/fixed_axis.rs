@@ -70,7 +70,7 @@ fn is_free(workpiece: &Workpiece, tool: &Tool, contact: &LayerContact, cutter: &
     let Workpiece { part, blank, finished, .. } = workpiece;
     let hub = part.hub.curve();
     let off_hub = |up: f64, radius: f64| {
-        let (t, d) = hub.project(Meridional::of(&(cutter.tip + cutter.axis * up)));
+        let (t, d) = hub.project(Meridional::from_point(&(cutter.tip + cutter.axis * up)));
         d.abs() >= radius && (d > 0.0 || t <= 0.0 || t >= hub.length())
     };
     let holder = CutterSolid {
@@ -80,10 +80,10 @@ fn is_free(workpiece: &Workpiece, tool: &Tool, contact: &LayerContact, cutter: &
         ..*cutter
     };
     // Samples the end face of the holder in rings against the stock of the current layer and below.
-    let top = hub.project(Meridional::of(&contact.point)).1 + LIMITS.stock_height;
+    let top = hub.project(Meridional::from_point(&contact.point)).1 + LIMITS.stock_height;
     let in_stock = |ring: usize, k: usize| {
         let circle = Circle::new(&holder.tip, &holder.axis, holder.radius * ring as f64 / 3.0);
-        let at = Meridional::of(
+        let at = Meridional::from_point(
             &circle.point_and_derivative((std::f64::consts::TAU * k as f64 / 36.0).sin_cos()).0,
         );
         blank.clearance(at, &mut None) < 0.0 && hub.project(at).1 < top

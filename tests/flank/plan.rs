@@ -89,9 +89,9 @@ fn shortest(layer: &LayerSurface, a: LayerPoint, b: LayerPoint) -> f64 {
 #[test]
 fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
     let part = sample("impeller9x9.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let layer = LayerSurface::at_height(&part, 6.0).expect("a layer");
-    let borders = LayerWalls::of(&part, &channel, &layer, 20.0, 0.0, 0.03).expect("walls");
+    let borders = LayerWalls::from_part(&part, &channel, &layer, 20.0, 0.0, 0.03).expect("walls");
     for (wall, length) in [(&borders.low, 5.5), (&borders.low, 21.0), (&borders.high, 12.0)] {
         let offset = wall.offset(&layer, length);
         let inside: Vec<LayerPoint> =
@@ -115,9 +115,9 @@ fn offsets_of_a_wall_keep_their_distance_over_the_layer() {
 #[test]
 fn a_chart_knows_distances_between_its_nodes() {
     let part = sample("impeller9x9.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let layer = LayerSurface::at_height(&part, 0.5).expect("a layer");
-    let borders = LayerWalls::of(&part, &channel, &layer, 20.0, 0.0, 0.03).expect("walls");
+    let borders = LayerWalls::from_part(&part, &channel, &layer, 20.0, 0.0, 0.03).expect("walls");
     let chart = LayerChart::new(&layer, &borders, 5.5, 3.0, 0.5, 5.0);
     let walls = [(WallName::Low, &borders.low), (WallName::High, &borders.high)];
     let mut looked = 0;
@@ -172,12 +172,13 @@ fn balanced_curves_leave_no_wide_gap_and_no_more_length_than_seams_ask_for() {
 #[test]
 fn every_place_between_balanced_curves_is_near_one() {
     let part = sample("impeller9x9.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let (curves, tool) = planned(&part, &Setup::default()).expect("a plan");
     let clear = tool.radius() + Setup::default().allowances.blade_allowance;
     for found in [&curves.layers[0], &curves.layers[4], &curves.layers[8]] {
         let layer = &found.layer;
-        let borders = LayerWalls::of(&part, &channel, layer, 20.0, tool.corner_radius, 0.03).expect("walls");
+        let borders =
+            LayerWalls::from_part(&part, &channel, layer, 20.0, tool.corner_radius, 0.03).expect("walls");
         let chart = LayerChart::new(layer, &borders, clear, found.stepover, 0.3, 0.0);
         // Points of the passes at most an eighth of a millimetre apart, and random points between the walls,
         // which are not nodes of the plan's chart.
@@ -217,7 +218,7 @@ fn every_place_between_balanced_curves_is_near_one() {
 #[test]
 fn curves_keep_clear_of_all_walls() {
     for part in parts() {
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let setup = Setup::default();
         for scheme in [FlankStrategy::Regions, FlankStrategy::Balanced] {
             let mut setup = setup.clone();
@@ -226,8 +227,8 @@ fn curves_keep_clear_of_all_walls() {
             let clear = tool.radius() + setup.allowances.blade_allowance;
             for found in curves.layers.iter().step_by(3) {
                 let layer = &found.layer;
-                let borders =
-                    LayerWalls::of(&part, &channel, layer, 20.0, tool.corner_radius, 0.03).expect("walls");
+                let borders = LayerWalls::from_part(&part, &channel, layer, 20.0, tool.corner_radius, 0.03)
+                    .expect("walls");
                 let chart = LayerChart::new(layer, &borders, clear, found.stepover, 0.4, 0.0);
                 for p in found.pass_curves.iter().flat_map(|c| &c.points) {
                     if (layer.from..=layer.to).contains(&p.x) {

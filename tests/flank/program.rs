@@ -97,7 +97,7 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     assert_eq!(again.moves.len(), program.moves.len());
     let moved = again.moves.iter().zip(&program.moves).map(|(a, b)| (a.tip - b.tip).norm());
     assert!(moved.fold(0.0, f64::max) < 1e-5);
-    let blank = SolidBlank::of(&outcome.workpiece.part, &outcome.workpiece.blank);
+    let blank = SolidBlank::from_part(&outcome.workpiece.part, &outcome.workpiece.blank);
     let mut stock = SolidStock::new(&blank, 0.6).expect("small");
     let moves = SolidProgram::new(&again, &outcome.setup).expect("with tools");
     let met = stock.make_moves(&moves.tools, &moves.moves, &Monitor::default()).expect("runs");

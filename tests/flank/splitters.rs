@@ -79,7 +79,7 @@ fn default_allowances_suit_the_passage_between_two_splitters() {
     let allowance = |part: &Impeller| Setup::for_part(part).allowances.blade_allowance;
     // The second splitter is close beside the first, which begins further upstream.
     let part = built(&[(0.5, 0.35), (0.44, 0.6)]);
-    let passages = Channel::of(&part).passages_at_outlet();
+    let passages = Channel::from_part(&part).passages_at_outlet();
     let narrowest = |passage| {
         let width = PassageWidth::new(&part, passage);
         (60..=100).map(|s| width.min_width(f64::from(s) / 100.0)).fold(f64::INFINITY, f64::min)
@@ -111,7 +111,8 @@ fn a_region_is_divided_where_a_splitter_begins_in_it() {
     for (splitters, expected) in [(&NESTED[..], nested), (&SIDE_BY_SIDE[..], side_by_side)] {
         let part = Impeller::build(&wheel(splitters)).expect("an impeller");
         let layer = LayerSurface::at_height(&part, 3.0).expect("a layer");
-        let borders = LayerWalls::of(&part, &Channel::of(&part), &layer, 20.0, 0.0, 0.03).expect("walls");
+        let borders =
+            LayerWalls::from_part(&part, &Channel::from_part(&part), &layer, 20.0, 0.0, 0.03).expect("walls");
         let stretches = borders.regions(layer.from, layer.to);
         assert_eq!(stretches.iter().map(|s| s.region).collect::<Vec<_>>(), expected);
         for stretch in &stretches {

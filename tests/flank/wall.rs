@@ -87,7 +87,7 @@ struct OnLayer<'a> {
 }
 
 impl<'a> OnLayer<'a> {
-    fn of(axes: &'a WallAxes, number: usize) -> Self {
+    fn from_axes(axes: &'a WallAxes, number: usize) -> Self {
         let stations = axes.stations(number);
         let tip = |s: &WallStation| Some((s.tip? - s.foot).dot(&s.axis));
         Self { stations, tips: stations.iter().map(tip).collect() }
@@ -129,7 +129,7 @@ const STRIDE: usize = 83;
 fn the_map_tells_what_a_dense_sweep_leaves() {
     for name in ["assets/parts/impeller9x9.toml", BOWED] {
         let part = part_at(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let cutter = tool(6.0, 3.0);
         let count = layers_of(&part, DEPTH).len();
         for ((passage, wall), axes) in
@@ -142,14 +142,14 @@ fn the_map_tells_what_a_dense_sweep_leaves() {
                 map.u.len(),
                 map.v.len()
             );
-            let on: Vec<OnLayer> = (0..count).map(|k| OnLayer::of(&axes, k)).collect();
+            let on: Vec<OnLayer> = (0..count).map(|k| OnLayer::from_axes(&axes, k)).collect();
             let (mut looked, mut met) = (0, 0);
             for k in (0..map.deviation.len()).step_by(STRIDE) {
                 let (u, v) = (map.u[k / map.v.len()], map.v[k % map.v.len()]);
                 let point = side.point(u, v);
                 // The deviation is 0 where only the corner of the cutter is; next to that it depends on the
                 // axis.
-                let (_, height) = part.hub.curve().project(Meridional::of(&point));
+                let (_, height) = part.hub.curve().project(Meridional::from_point(&point));
                 if map.deviation[k] == 0.0 || height < ALLOWANCE + 1.5 * cutter.corner_radius {
                     continue;
                 }
@@ -177,7 +177,7 @@ fn ruled_walls_are_met_within_five_micrometres() {
         [("assets/parts/impeller9x9.toml", [4.0, 10.0]), ("assets/parts/pump6.toml", [6.0, 12.0])]
     {
         let part = part_at(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         for diameter in diameters {
             for corner_radius in [0.5 * diameter, 1.0] {
                 let cutter = tool(diameter, corner_radius);
@@ -197,7 +197,7 @@ fn ruled_walls_are_met_within_five_micrometres() {
 #[test]
 fn neighbouring_axes_turn_by_little() {
     let part = part_at("assets/parts/pump6.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let cutter = tool(10.0, 5.0);
     let count = layers_of(&part, DEPTH).len();
     for axes in fitted(&part, &channel, &cutter, 0.0) {
@@ -220,7 +220,7 @@ fn neighbouring_axes_turn_by_little() {
 fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
     for name in [BOWED, "assets/parts/impeller9x9.toml"] {
         let part = part_at(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let finished = FinishedPart::new(&part, &channel.sides);
         let count = layers_of(&part, DEPTH).len();
         for diameter in [4.0, 8.0] {
@@ -230,7 +230,7 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
                 assert!(axes.max_overcut < 1e-6, "{name} {k}: {} mm over", axes.max_overcut);
                 let wall = [BladeWall::Suction, BladeWall::Pressure][usize::from(k == 1 || k == 2)];
                 let blade = if k < 2 { &part.main } else { &part.splitters[0] };
-                let gap = WallEnvelope::of(blade, wall, 40).max_gap();
+                let gap = WallEnvelope::from_blade(blade, wall, 40).max_gap();
                 assert!(
                     axes.max_undercut < 1.05 * gap + 0.02,
                     "{name} {k}: {} mm under, the envelope leaves {gap}",
@@ -238,7 +238,7 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
                 );
                 let mut looked_at = 0;
                 for number in 0..count {
-                    let on = OnLayer::of(axes, number);
+                    let on = OnLayer::from_axes(axes, number);
                     let is_free = |i: &usize| on.stations[*i..*i + 2].iter().all(|s| s.blocked.is_none());
                     for i in (0..on.stations.len() - 1).filter(is_free).step_by(7) {
                         for there in [0.0, 0.25, 0.5, 0.75].map(|share| on.between(i, share, &cutter)) {
@@ -262,7 +262,7 @@ fn without_tolerance_nothing_is_cut_too_deep_and_a_bow_is_what_remains() {
 #[test]
 fn what_stands_in_the_way_is_named() {
     let part = part_at("assets/parts/impeller532.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     // The narrowest width of the passage is 12.5 mm.
     let cutter = tool(16.0, 0.0);
@@ -289,7 +289,7 @@ fn what_stands_in_the_way_is_named() {
 #[test]
 fn cutters_of_all_shapes_come_to_rest_on_the_hub() {
     let part = part_at("assets/parts/impeller9x9.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     for corner_radius in [0.0, 1.0, 3.0] {
         let cutter = tool(6.0, corner_radius);
@@ -333,7 +333,7 @@ fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
         ("assets/parts/impeller532.toml", 6.0, 25.0),
     ] {
         let part = part_at(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let cutter = tool(diameter, 0.5 * diameter);
         let layers = layers_of(&part, depth);
         assert_eq!(layers.len() > 1, depth < 100.0, "{name}: {} layers", layers.len());
@@ -400,7 +400,7 @@ fn no_straight_edge_does_better_than_what_is_said_to_be_forced() {
 fn a_bowed_wall_is_followed_strip_by_strip() {
     // With axes near those of its whole walls a cutter left 1.6 mm on this wheel.
     let part = part_at("tests/data/wheels/hecc.toml");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     let cutter = tool(6.0, 3.0);
     let count = layers_of(&part, DEPTH).len();

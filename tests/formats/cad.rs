@@ -150,7 +150,8 @@ fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
         assert!((curve.point(1.0).r - 50.0).abs() < 5e-3, "{name}: to r = {}", curve.point(1.0).r);
     }
     for v in [0.0, 0.5, 1.0] {
-        let [leading, trailing] = [0.0, 1.0].map(|u| Meridional::of(&part.main.suction.point(u, v)).r);
+        let [leading, trailing] =
+            [0.0, 1.0].map(|u| Meridional::from_point(&part.main.suction.point(u, v)).r);
         assert!((leading - 40.0).abs() < 0.1 && (trailing - 50.0).abs() < 0.01, "{v}: {leading}, {trailing}");
     }
 }
@@ -174,7 +175,7 @@ fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
         let farthest = |y: f64, by_z: f64| points.iter().map(|p| off(p, y, by_z)).fold(0.0, f64::max);
         let nearer = farthest(-1.4, 0.9 / 27.6).min(farthest(1.2, -0.2 / 27.6));
         assert!(nearer < 0.01, "a side is {nearer} mm off its plane");
-        let rim = [0.0, 0.5, 1.0].map(|v| Meridional::of(&side.point(1.0, v)).r);
+        let rim = [0.0, 0.5, 1.0].map(|v| Meridional::from_point(&side.point(1.0, v)).r);
         assert!(rim.iter().all(|r| (r - 50.0).abs() < 0.01), "{rim:?}");
     }
 }

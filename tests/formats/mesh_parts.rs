@@ -204,7 +204,7 @@ fn a_wheel_in_one_mesh_is_taken_apart() {
         all
     });
     same(&part, &back(vec![named("Body".into(), 0, joined)], &turning(&part)), 0.02);
-    let one = Body::default().of(&part).whole();
+    let one = Body::default().built_on(&part).whole();
     same(&part, &back(vec![named("Solid1".into(), 0, one)], &turning(&part)), 0.02);
 }
 
@@ -212,7 +212,7 @@ fn a_wheel_in_one_mesh_is_taken_apart() {
 fn fillets_belong_to_neither_hub_nor_blade() {
     for (name, radius) in [("impeller532.toml", 5.0), ("pump6.toml", 3.0)] {
         let part = sample(name);
-        let body = Body { fillet: radius, ..Body::default() }.of(&part);
+        let body = Body { fillet: radius, ..Body::default() }.built_on(&part);
         println!("{name}, fillets of {radius} mm");
         same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.05);
         // Fillets as part of the blades or of the hub.
@@ -230,7 +230,7 @@ fn a_collar_with_a_rounded_edge_belongs_to_the_hub() {
     for (name, radius) in [("impeller532.toml", 1.0), ("impeller532.toml", 3.0)] {
         let part = sample(name);
         let shape = Body::default();
-        let mut body = shape.of(&part);
+        let mut body = shape.built_on(&part);
         body.add_collar(&part, &shape, radius);
         println!("{name}, edge of {radius} mm");
         same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.02);
@@ -241,7 +241,7 @@ fn a_collar_with_a_rounded_edge_belongs_to_the_hub() {
 fn a_covered_wheel_in_one_mesh_is_taken_apart() {
     for fillet in [0.0, 2.0] {
         let part = sample("impeller532.toml");
-        let body = Body { cover: true, fillet, ..Body::default() }.of(&part);
+        let body = Body { cover: true, fillet, ..Body::default() }.built_on(&part);
         same(&part, &back(vec![named("Solid1".into(), 0, body.whole())], &turning(&part)), 0.05);
     }
 }
@@ -249,7 +249,7 @@ fn a_covered_wheel_in_one_mesh_is_taken_apart() {
 #[test]
 fn a_body_whose_blades_hang_together_is_refused_with_what_to_separate() {
     let part = sample("impeller532.toml");
-    let mut body = Body::default().of(&part);
+    let mut body = Body::default().built_on(&part);
     body.join_blades(&part);
     let meshes = vec![named("Solid1".into(), 0, body.whole())];
     let error =

@@ -14,7 +14,7 @@ fn sample(name: &str) -> Impeller {
 }
 
 fn narrowest(part: &Impeller) -> f64 {
-    let channel = Channel::of(part);
+    let channel = Channel::from_part(part);
     let (a, b) = (&channel.sides[0], &channel.sides[3]);
     let probe = SideProbe::new(b, 0.0, 1.0);
     let mut least = f64::INFINITY;

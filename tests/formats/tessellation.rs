@@ -62,7 +62,7 @@ fn hub_and_blades_are_closed_and_face_outwards_at_any_fineness() {
 
 fn on_end(part: &Impeller, p: &Point) -> bool {
     let nose = vanecut::part::body::nose(&part.shroud);
-    [nose, 1.0].iter().any(|&s| part.shroud.point(s).distance(Meridional::of(p)) < 1e-6)
+    [nose, 1.0].iter().any(|&s| part.shroud.point(s).distance(Meridional::from_point(p)) < 1e-6)
 }
 
 #[test]
@@ -97,8 +97,9 @@ fn measure(
 ) {
     let probes = blade.map(|b| [&b.suction, &b.pressure].map(|side| SideProbe::new(side, 0.0, 1.0)));
     for face in &solid.faces {
-        let revolved =
-            |curve: &vanecut::geometry::MeridionalCurve, p: &Point| curve.project(Meridional::of(p)).1.abs();
+        let revolved = |curve: &vanecut::geometry::MeridionalCurve, p: &Point| {
+            curve.project(Meridional::from_point(p)).1.abs()
+        };
         let distance = |p: &Point| match face.kind {
             FaceKind::Hub | FaceKind::Foot => Some(revolved(part.hub.curve(), p)),
             FaceKind::Shroud | FaceKind::Tip => Some(revolved(part.shroud.curve(), p)),

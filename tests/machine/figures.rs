@@ -101,7 +101,7 @@ impl Planned {
     /// names, the machine takes as long for what is read as for what was written.
     pub fn posted(&self, machine: &MachineTool, control: &str, output: OutputKind) -> (NcProgram, ClProgram) {
         let post: Post = read_post(control).unwrap();
-        let placed = PlacedPart::of(&machine.part, &self.workpiece.part);
+        let placed = PlacedPart::from_placement(&machine.part, &self.workpiece.part);
         let options = MotionOptions::new(output, post.format.angle_decimals);
         let motion = machine_program(machine, &placed, &self.program, &options, &Monitor::default());
         let motion = motion.expect("it runs");

@@ -12,7 +12,7 @@ use super::programs::{MACHINES, largest_difference, machine, moved, placed, plun
 /// By what a changed program is seen to be another one; `None` where nothing tells.
 fn found_by(machine: &MachineTool, control: &str, text: &str, meant: &PlungeReport) -> Option<&'static str> {
     let planned = &*PLUNGED;
-    let placed = PlacedPart::of(&machine.part, &planned.workpiece.part);
+    let placed = PlacedPart::from_placement(&machine.part, &planned.workpiece.part);
     let context = ReadContext { machine, placed, tools: &planned.setup.tools };
     let dialect = read_post(control).unwrap().dialect;
     let Ok(reading) = read_nc("p.nc", text.as_bytes(), dialect, &context) else { return Some("reader") };

@@ -50,7 +50,7 @@ fn check(machine: &MachineTool) -> (usize, usize) {
         left_out += plan.dropped.iter().filter(|dropped| dropped.why == DropReason::Machine).count();
         limited += plan.positions.iter().filter(|p| p.limited_by == Some(LimitedBy::Machine)).count();
         let program = ClProgram::of_plan(&part.name, plan);
-        let placed = PlacedPart::of(&machine.part, &part);
+        let placed = PlacedPart::from_placement(&machine.part, &part);
         for output in OutputKind::ALL {
             let options = MotionOptions::new(output, post.format.angle_decimals);
             let motion = machine_program(machine, &placed, &program, &options, &Monitor::default());
@@ -91,7 +91,7 @@ fn posted_s(program: &ClProgram, part: &Impeller, setup: &Setup) -> f64 {
         post: read_post("heidenhain").unwrap(),
         output: OutputKind::TcpAngles,
         inlet_up: part.out_of_inlet().z > 0.0,
-        blank: Some(BlankSize::of(part, &setup.allowances)),
+        blank: Some(BlankSize::from_part(part, &setup.allowances)),
         calls: None,
     };
     post_program(program, &post, &Monitor::default()).expect("posted").time_s()

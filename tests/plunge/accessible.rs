@@ -58,7 +58,7 @@ impl CellSearch<'_> {
     fn isoparametric(&self, tip: &Point) -> Vector {
         let Workpiece { part, channel, .. } = self.workpiece;
         let (pitch, reach) = (part.pitch(), self.radius + stock().blade_allowance);
-        let s = part.hub.s_at(part.hub.curve().project(Meridional::of(tip)).0);
+        let s = part.hub.s_at(part.hub.curve().project(Meridional::from_point(tip)).0);
         let ends = |wall: usize| {
             let inward = reach * pitch.signum() * if wall == 0 { 1.0 } else { -1.0 };
             channel.full.walls[wall].ruling_offset(part, [s, s], inward).expect("a ruling")

@@ -30,7 +30,7 @@ fn compressor() -> Impeller {
 }
 
 fn assessed(part: &Impeller) -> Assessment {
-    Assessment::of(&Setup::default().allowances.workpiece_of(part.clone()), &[], &LIMITS)
+    Assessment::from_workpiece(&Setup::default().allowances.workpiece_of(part.clone()), &[], &LIMITS)
 }
 
 #[track_caller]
@@ -82,7 +82,7 @@ fn passages_of_a_real_compressor() {
         near(range(beside, 0).0, hub, 0.06, "width beside the splitter at the hub");
         near(range(beside, 2).0, tip, 0.08, "width beside the splitter at the tip");
     }
-    let [hub, shroud] = Channel::of(&part).splitter_s.expect("a splitter");
+    let [hub, shroud] = Channel::from_part(&part).splitter_s.expect("a splitter");
     near(hub, 0.320, 0.003, "splitter on the hub");
     near(shroud, 0.429, 0.003, "splitter on the shroud");
 }

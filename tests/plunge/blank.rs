@@ -74,7 +74,7 @@ fn a_plan_of_a_turned_blank_is_free_of_faults_and_of_the_cylinder() {
         let (u, v) = vanecut::geometry::frame_about(&step.axis);
         for (share, turn) in (0..=8).flat_map(|i| (0..48).map(move |k| (f64::from(i) / 8.0, f64::from(k)))) {
             let (sin, cos) = (turn * std::f64::consts::TAU / 48.0).sin_cos();
-            let p = Meridional::of(&(step.tip + (u * cos + v * sin) * (8.0 * share)));
+            let p = Meridional::from_point(&(step.tip + (u * cos + v * sin) * (8.0 * share)));
             let (beyond, above) = ((p.r - radius).max(0.0), (p.z - high).max(low - p.z).max(0.0));
             least = least.min(beyond.hypot(above));
         }
@@ -115,7 +115,7 @@ fn kinds_of(plan: &PlungePlan) -> [usize; 2] {
 
 /// What meets stock in a program, by the solid.
 fn collisions(program: &ClProgram, setup: &Setup) -> Vec<Contact> {
-    let blank = SolidBlank::of(&PUMP, &setup.allowances.blank_of(&PUMP));
+    let blank = SolidBlank::from_part(&PUMP, &setup.allowances.blank_of(&PUMP));
     let mut stock = SolidStock::new(&blank, 0.6).expect("small");
     let program = SolidProgram::new(program, setup).expect("with tools");
     stock.make_moves(&program.tools, &program.moves, &Monitor::default()).expect("runs")
@@ -126,7 +126,7 @@ fn collisions(program: &ClProgram, setup: &Setup) -> Vec<Contact> {
 fn assert_rapids_come_down_to_the_stock(plan: &PlungePlan, setup: &Setup, program: &ClProgram) {
     let mut slow = plan.clone();
     slow.positions.iter_mut().for_each(|position| position.evaluation.motion.approach = None);
-    let [before, after] = [&slow, plan].map(|plan| Travel::of(&ClProgram::of_plan("a", plan)).time);
+    let [before, after] = [&slow, plan].map(|plan| Travel::from_program(&ClProgram::of_plan("a", plan)).time);
     assert!(after < 0.8 * before, "{after} s, {before} s without approaches");
     let begins = |k: &usize| {
         let [step, before] = [&program.moves[*k], &program.moves[*k - 1]];
@@ -244,8 +244,8 @@ fn an_outline_like_the_cylinder_is_the_cylinder() {
     let folder = tempfile::tempdir().unwrap();
     let outline = format!("# by hand\n{}\n{}\n", corners.join("\n"), corners[0]);
     std::fs::write(folder.path().join("blank.txt"), outline).unwrap();
-    let solid = SolidStock::new(&SolidBlank::of(&PART, &turned), 3.0).expect("it fits");
-    let surface = StockSurface::of(&solid);
+    let solid = SolidStock::new(&SolidBlank::from_part(&PART, &turned), 3.0).expect("it fits");
+    let surface = StockSurface::from_stock(&solid);
     let stl = write_stl(&surface.points, &surface.triangles, "blank");
     std::fs::write(folder.path().join("blank.stl"), stl).unwrap();
     let path = folder.path().join("s.toml");
@@ -259,7 +259,7 @@ fn an_outline_like_the_cylinder_is_the_cylinder() {
             // The bore is filled in the envelope of neither; the solid has its edges within its spacing.
             assert!((a - b).abs() < tolerance, "{file}, {p:?}: {a} {b}");
         }
-        let volume = |blank: &Blank| SolidBlank::of(&PART, blank).volume();
+        let volume = |blank: &Blank| SolidBlank::from_part(&PART, blank).volume();
         let ratio = volume(&other) / volume(&turned);
         assert!((ratio - 1.0).abs() < 1e-2, "{file}: {ratio} of its volume");
         // Within a plan the outline is enough; beside another file the path is relative to that.

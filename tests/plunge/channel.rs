@@ -12,7 +12,7 @@ proptest! {
         s in 0.05..0.95f64, lambda in 0.02..0.98f64, eta in 0.02..0.98f64, which in 0usize..3,
     ) {
         let part = sample(SAMPLES[which]);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let at = |s, l, e| channel.full.point(&part, s, l, e).expect("inside");
         let here = at(s, lambda, eta);
         let h = 1e-5;
@@ -36,7 +36,7 @@ proptest! {
 fn borders_of_the_coordinates_are_the_walls_hub_and_shroud() {
     for name in SAMPLES {
         let part = sample(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let walls = [&channel.sides[0], &channel.sides[3]].map(|side| SideProbe::new(side, 0.0, 1.0));
         for i in 2..=18 {
             let s = f64::from(i) / 20.0;

@@ -13,7 +13,7 @@ fn min_distance(curve: &MeridionalCurve, centre: &Point, axis: &Vector, radius: 
     let (e1, e2) = frame_about(axis);
     let at = |rho: f64, phi: f64| {
         let p = centre + (e1 * phi.cos() + e2 * phi.sin()) * rho;
-        let (t, d) = curve.project(Meridional::of(&p));
+        let (t, d) = curve.project(Meridional::from_point(&p));
         // Beyond the ends there is no hub surface: the distance to its edge, which is not negative.
         if t <= 0.0 || t >= curve.length() { d.abs() } else { d }
     };

@@ -175,7 +175,7 @@ fn made_wheel(dice: &mut Dice, stacking: Stacking) -> Impeller {
     };
     // Angle of the first wall at hub and shroud, degrees.
     let wall = |part: &Impeller, s: f64| {
-        let wall = &Channel::of(part).full.walls[0];
+        let wall = &Channel::from_part(part).full.walls[0];
         [0.0, 1.0].map(|v| wall.at(part, s, v).expect("a wall").theta.to_degrees())
     };
     let mut main = Blade {

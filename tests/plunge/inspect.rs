@@ -34,7 +34,7 @@ fn lines_lie_where_they_say() {
         // At the rim, part of the view is beyond the hub.
         assert!(view.hub.len() > 60, "position {k}: the hub is under the cutter");
         for &place in &view.hub {
-            let (_, off) = part.hub.curve().project(Meridional::of(&space(place)));
+            let (_, off) = part.hub.curve().project(Meridional::from_point(&space(place)));
             assert!(off.abs() < 2e-3, "position {k}: {place:?} is {off} mm off the hub");
         }
         for (i, (before, after)) in view.before.iter().zip(&view.after).enumerate() {

@@ -19,7 +19,7 @@ fn next(state: &mut u64) -> f64 {
 
 #[test]
 fn chords_across_corners_of_the_blank_are_found() {
-    let blank = Blank::of(&WHOLE.workpiece.part, 0.0);
+    let blank = Blank::from_part(&WHOLE.workpiece.part, 0.0);
     let shroud = &blank.shroud;
     let corners = [shroud.point(0.0), shroud.point(shroud.length())];
     let inside = blank.hub.point(0.5 * blank.hub.length()).lerp(shroud.point(0.5 * shroud.length()), 0.5);
@@ -33,7 +33,7 @@ fn chords_across_corners_of_the_blank_are_found() {
         let Some(direction) = direction.try_normalize(0.1) else { continue };
         let origin = Point::new(near.r, 0.0, near.z) - direction * 15.0;
         let found = blank.highest_inside(&origin, &direction, 0.0, 30.0, &mut None);
-        let solid = |h: f64| blank.is_solid(Meridional::of(&(origin + direction * h)), &mut None);
+        let solid = |h: f64| blank.is_solid(Meridional::from_point(&(origin + direction * h)), &mut None);
         let samples: Vec<f64> = (0..=6000).map(|k| f64::from(k) * 0.005).filter(|&h| solid(h)).collect();
         let Some(&highest) = samples.last() else { continue };
         let unbroken = |(h, k): &(&f64, i32)| (highest - **h - 0.005 * f64::from(*k)).abs() < 1e-6;
@@ -56,7 +56,7 @@ fn chords_across_corners_of_the_blank_are_found() {
 /// above the floor.
 #[test]
 fn a_column_reaches_up_to_where_the_last_of_its_lines_leaves_the_blank() {
-    let blank = Blank::of(&WHOLE.workpiece.part, 0.0);
+    let blank = Blank::from_part(&WHOLE.workpiece.part, 0.0);
     let top = BlankTop::new(&blank);
     let (hub, shroud) = (blank.hub.point(0.0), blank.shroud.point(0.0));
     let mut state = 5;

@@ -23,7 +23,7 @@ impl Dice {
     }
 }
 
-fn of(points: &[[f64; 2]]) -> Result<MeridionalOutline, OutlineFault> {
+fn outline_from(points: &[[f64; 2]]) -> Result<MeridionalOutline, OutlineFault> {
     let points: Vec<Meridional> = points.iter().map(|p| Meridional { r: p[0], z: p[1] }).collect();
     MeridionalOutline::new(&points)
 }
@@ -38,10 +38,18 @@ fn samples() -> Vec<MeridionalOutline> {
         .chain([[8.0, 30.0], [8.0, -10.0], [50.0, -10.0], [50.0, 5.0]])
         .collect();
     [
-        of(&[[0.0, 30.0], [45.0, 30.0], [45.0, -5.0], [0.0, -5.0]]),
-        of(&[[20.0, 40.0], [20.0, 25.0], [32.0, 22.0], [50.0, 4.0], [50.0, -6.0]]),
-        of(&[[10.0, 0.0], [48.0, 0.0], [50.0, 20.0], [40.0, 35.0], [30.0, 12.0], [10.0, 30.0], [10.0, 0.0]]),
-        of(&arc),
+        outline_from(&[[0.0, 30.0], [45.0, 30.0], [45.0, -5.0], [0.0, -5.0]]),
+        outline_from(&[[20.0, 40.0], [20.0, 25.0], [32.0, 22.0], [50.0, 4.0], [50.0, -6.0]]),
+        outline_from(&[
+            [10.0, 0.0],
+            [48.0, 0.0],
+            [50.0, 20.0],
+            [40.0, 35.0],
+            [30.0, 12.0],
+            [10.0, 30.0],
+            [10.0, 0.0],
+        ]),
+        outline_from(&arc),
     ]
     .map(|outline| outline.expect("an outline"))
     .to_vec()
@@ -92,7 +100,7 @@ fn lines_enter_where_a_fine_scan_says() {
         for _ in 0..400 {
             let (origin, axis) = (dice.point(), dice.axis());
             let found = outline.highest_inside(&origin, &axis, -100.0, 100.0);
-            let is_in = |h: f64| outline.contains(Meridional::of(&(origin + axis * h)));
+            let is_in = |h: f64| outline.contains(Meridional::from_point(&(origin + axis * h)));
             let step = 0.01;
             let scanned = (0..20_000).map(|k| 100.0 - step * f64::from(k)).find(|h| is_in(*h));
             match (found, scanned) {
@@ -147,15 +155,15 @@ fn a_disc_touches_where_a_dense_disc_of_lines_does() {
 
 #[test]
 fn what_bounds_no_body_is_refused() {
-    assert_eq!(of(&[[5.0, 1.0]]), Err(OutlineFault::TooFew(1)));
-    assert_eq!(of(&[[5.0, 1.0], [5.0, 1.0]]), Err(OutlineFault::TooFew(1)));
-    assert_eq!(of(&[[5.0, 1.0], [f64::NAN, 1.0], [5.0, 3.0]]), Err(OutlineFault::NoPoint(2)));
-    assert_eq!(of(&[[5.0, 1.0], [-2.0, 1.0]]), Err(OutlineFault::NoPoint(2)));
-    assert_eq!(of(&[[5.0, 1.0], [9.0, 1.0]]), Err(OutlineFault::Flat));
-    let crossed = of(&[[1.0, 0.0], [5.0, 4.0], [5.0, 0.0], [1.0, 6.0], [1.0, 0.0]]);
+    assert_eq!(outline_from(&[[5.0, 1.0]]), Err(OutlineFault::TooFew(1)));
+    assert_eq!(outline_from(&[[5.0, 1.0], [5.0, 1.0]]), Err(OutlineFault::TooFew(1)));
+    assert_eq!(outline_from(&[[5.0, 1.0], [f64::NAN, 1.0], [5.0, 3.0]]), Err(OutlineFault::NoPoint(2)));
+    assert_eq!(outline_from(&[[5.0, 1.0], [-2.0, 1.0]]), Err(OutlineFault::NoPoint(2)));
+    assert_eq!(outline_from(&[[5.0, 1.0], [9.0, 1.0]]), Err(OutlineFault::Flat));
+    let crossed = outline_from(&[[1.0, 0.0], [5.0, 4.0], [5.0, 0.0], [1.0, 6.0], [1.0, 0.0]]);
     let Err(OutlineFault::Crossed { r, z }) = crossed else { panic!("{crossed:?}") };
     assert!((r - 3.4).abs() < 1e-9 && (z - 2.4).abs() < 1e-9, "r {r}, z {z}");
-    assert!(matches!(of(&vec![[1.0, 2.0]; 5000]), Err(OutlineFault::TooMany(5000))));
+    assert!(matches!(outline_from(&vec![[1.0, 2.0]; 5000]), Err(OutlineFault::TooMany(5000))));
 }
 
 /// A block of half-widths `x`, `y` between heights 0 and `z`.
@@ -206,7 +214,7 @@ fn the_envelope_encloses_every_point_of_a_tilted_block() {
         for i in 0..=20 {
             for j in 0..=20 - i {
                 let p = a + (b - a) * (f64::from(i) / 20.0) + (c - a) * (f64::from(j) / 20.0);
-                let out = outline.signed_distance(Meridional::of(&p)).0;
+                let out = outline.signed_distance(Meridional::from_point(&p)).0;
                 assert!(out < 5e-3, "{p} is {out} mm outside");
                 least = least.min(-out);
             }

@@ -87,7 +87,7 @@ fn contact_by_points(column: &PlungeColumn, earlier: &[PlungeColumn], blank: &Bl
             let mut h = 0.0025;
             while h < column.top.min(120.0) {
                 let p = foot + column.cutter.axis * h;
-                let stock = blank.depth(Meridional::of(&p)) > 0.0
+                let stock = blank.depth(Meridional::from_point(&p)) > 0.0
                     && !earlier.iter().any(|e| e.cutter.distance(&p) < 0.0);
                 if stock {
                     highest = highest.max(h);
@@ -102,7 +102,7 @@ fn contact_by_points(column: &PlungeColumn, earlier: &[PlungeColumn], blank: &Bl
 #[test]
 fn contact_agrees_with_many_points() {
     let part = sample("impeller532");
-    let blank = Blank::of(&part, 0.0);
+    let blank = Blank::from_part(&part, 0.0);
     let top = BlankTop::new(&blank);
     for policy in [AxisPolicy::Conventional, AxisPolicy::Monotone] {
         let (_, plan) = planned(&part, &Setup::default(), policy);

@@ -8,7 +8,7 @@ use super::samples::{SAMPLES, sample};
 #[test]
 fn nearest_is_never_beaten_by_a_dense_scan() {
     let part = sample("impeller532");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     for (k, side) in channel.sides.iter().enumerate() {
         let probe = SideProbe::new(side, 0.0, 1.0);
         for i in 0..20 {
@@ -42,7 +42,7 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
 fn a_cutoff_leaves_out_only_what_is_further() {
     for name in SAMPLES {
         let part = sample(name);
-        for (k, side) in Channel::of(&part).sides.iter().enumerate() {
+        for (k, side) in Channel::from_part(&part).sides.iter().enumerate() {
             let probe = SideProbe::new(side, 0.0, 1.0);
             // Thin cutters at right angles to the side: the nearest point is between the points of any grid.
             for i in 0..400 {
@@ -67,7 +67,7 @@ fn a_cutoff_leaves_out_only_what_is_further() {
 fn whether_a_cutter_is_near_is_found_as_it_is_measured() {
     for name in SAMPLES {
         let part = sample(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let mut counts = [0, 0];
         for side in &channel.sides {
             let probe = SideProbe::new(side, 0.0, 1.0);
@@ -124,7 +124,7 @@ fn refined(cutter: &CutterSolid, side: &BladeSide, (u, v): (f64, f64)) -> f64 {
 #[test]
 fn what_is_near_the_edge_of_the_bottom_is_met_to_a_tenth_of_a_micrometre() {
     let part = sample("impeller532");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let mut beside_the_edge = 0;
     for (k, side) in channel.sides.iter().enumerate() {
         let probe = SideProbe::new(side, 0.0, 1.0);

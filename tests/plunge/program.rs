@@ -309,7 +309,7 @@ fn distances_from_the_blank_are_those_of_brute_force() {
             "kj66" => Impeller::build(&read_part(&wheel).expect("readable")).expect("an impeller"),
             name => sample(name),
         };
-        let blank = Blank::of(&part, 0.0);
+        let blank = Blank::from_part(&part, 0.0);
         let brute = BruteBlank::new(&part, &blank);
         let (length, size) = (blank.shroud.length(), part.rim_radius());
         let middle = blank.shroud.point(0.5 * length);

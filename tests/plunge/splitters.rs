@@ -45,7 +45,7 @@ fn s_at(r: f64) -> f64 {
 #[test]
 fn each_splitter_divides_the_passage_that_it_stands_in() {
     let part = split_disc();
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let counts = [80.0, 100.0, 130.0].map(|r| channel.passages_at(s_at(r)).len());
     assert_eq!(counts, [1, 2, 3]);
     let noses = channel.noses();

@@ -16,7 +16,7 @@ fn by_points(bottom: &CutterSolid, plunges: &[CutterSolid], blank: &Blank) -> f6
         let is_stock = |h: f64| {
             let p = bottom.tip + u * x + v * y + bottom.axis * h;
             plunges.iter().all(|plunge| plunge.distance(&p) > 0.0)
-                && blank.is_solid(Meridional::of(&p), &mut None)
+                && blank.is_solid(Meridional::from_point(&p), &mut None)
         };
         let steps = (0..400).rev().map(|k| 0.25 * f64::from(k));
         let found = steps.take_while(|h| *h > highest).find(|h| is_stock(*h));

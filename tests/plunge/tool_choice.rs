@@ -44,7 +44,7 @@ fn tool(number: u32, diameter: f64) -> Tool {
 fn every_chosen_tool_fits_the_samples() {
     for name in SAMPLES {
         let part = sample(name);
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let resolved = chosen(&part, &Setup::default());
         let setup = &resolved.setup;
         assert!((1..=4).contains(&setup.tools.len()), "{name}: {:?}", diameters(&resolved));
@@ -143,7 +143,7 @@ fn a_cutter_that_fits_part_of_its_section_is_planned_there() {
     let mut setup = Setup { tools: vec![tool(1, 30.0)], ..Setup::default() };
     let section = SectionSetup { tool: 1, from: 1.0, to: 0.0, cut_direction: None, kind: SectionKind::Rows };
     setup.plunge.sections = vec![section];
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let width = PassageWidth::new(&part, &channel.full).min_width(0.0);
     assert!(width < 30.0 + 2.0 * setup.allowances.blade_allowance, "too narrow at the leading edge: {width}");
     let request = PlanRequest {
@@ -173,7 +173,7 @@ fn defaults_follow_the_size_of_the_wheel() {
         assert!(stock.safety_distance > before, "scale {scale}: {stock:?}");
         before = stock.safety_distance;
         assert!(stock.blade_allowance > 0.0 && stock.hub_allowance > 0.0, "scale {scale}: {stock:?}");
-        let channel = Channel::of(&part);
+        let channel = Channel::from_part(&part);
         let narrowest = PassageWidth::new(&part, &channel.full);
         let width = (0..=20).map(|i| narrowest.min_width(f64::from(i) / 20.0)).fold(f64::INFINITY, f64::min);
         assert!(stock.blade_allowance <= 0.11 * width, "scale {scale}: {stock:?} in {width} mm");
@@ -243,7 +243,7 @@ fn with_splitters_at(turn: f64) -> Impeller {
 #[test]
 fn a_splitter_close_to_a_blade_does_not_make_the_cutters_of_the_wide_passage_tiny() {
     let narrowest = |part: &Impeller| {
-        let passages = Channel::of(part).beside_splitter;
+        let passages = Channel::from_part(part).beside_splitter;
         passages.iter().map(|p| PassageWidth::new(part, p).min_width(0.9)).fold(f64::INFINITY, f64::min)
     };
     let names_narrow = |resolved: &Resolved| {

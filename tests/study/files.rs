@@ -11,7 +11,7 @@ fn parts() -> PathBuf {
 
 fn list(text: &str) -> Result<RunList, String> {
     let file = StudyFile::read_bytes("s.toml", text.as_bytes(), &parts()).map_err(|e| e.to_string())?;
-    RunList::of(file).map_err(|e| e.to_string())
+    RunList::from_file(file).map_err(|e| e.to_string())
 }
 
 const SAMPLE: &str = r#"parts = ["pump6.toml"]

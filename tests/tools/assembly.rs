@@ -29,7 +29,7 @@ fn a_holder_cone_beside_a_cylindrical_hub_in_closed_form() {
         &format!("[{}, [31, -12], [38, -26], [52, -36], [80, -40], [120, -41]]", along(30.0)),
         &format!("[{}, [61, -6], [66, -14], [76, -20], [95, -24], [120, -25]]", along(60.0)),
     );
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     for (off, lower, upper) in [(60.0, 10.0, 10.0), (60.0, 10.0, 24.0), (55.0, 20.0, 8.0)] {
         // Parallel axes: the widest circle is the nearest.
@@ -48,7 +48,7 @@ fn a_holder_cone_beside_a_cylindrical_hub_in_closed_form() {
 #[test]
 fn a_holder_cone_above_a_plane_hub_in_closed_form() {
     let part = wheel("[[20, 0], [60, 0], [100, 0], [140, 0]]", "[[20, 40], [60, 40], [100, 40], [140, 40]]");
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     for tilt_deg in [0.0f64, 10.0, 25.0, 60.0] {
         let (sin, cos) = tilt_deg.to_radians().sin_cos();
@@ -67,7 +67,7 @@ fn a_holder_cone_above_a_plane_hub_in_closed_form() {
 #[test]
 fn blades_are_measured_as_by_dense_samples() {
     let part = pump();
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     let mut near = 0;
     for k in 0..24 {
@@ -135,7 +135,7 @@ fn a_setup_carries_the_assembly() {
 #[test]
 fn the_stick_out_frees_the_holder_and_no_shorter_one_does() {
     let part = pump();
-    let channel = Channel::of(&part);
+    let channel = Channel::from_part(&part);
     let finished = FinishedPart::new(&part, &channel.sides);
     let text = "[[tool]]\ndiameter = 4\noverhang = 6\nholder = [[30, 40, 40]]\n";
     let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");

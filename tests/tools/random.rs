@@ -27,7 +27,7 @@ fn check_policies(name: &str, seed: u64) {
     let workpiece = setup.allowances.workpiece_of(part.clone());
     let chosen = resolve(&setup, &workpiece).expect("tools").setup;
     setup.tools = chosen.tools.iter().map(|tool| with_random_assembly(tool, &mut dice)).collect();
-    let points = WheelPoints::of(&workpiece);
+    let points = WheelPoints::from_workpiece(&workpiece);
     let request =
         PlanRequest { part: part.into(), setup, policy: AxisPolicy::Minimal, compare: true, field_cells: 64 };
     let outcome = run(&request, &Monitor::default()).expect("a plan");
@@ -57,7 +57,7 @@ fn every_flank_strategy_keeps_random_assemblies_clear() {
     let part = sample("pump6");
     let setup = Setup::for_part(&part);
     let workpiece = setup.allowances.workpiece_of(part.clone());
-    let points = WheelPoints::of(&workpiece);
+    let points = WheelPoints::from_workpiece(&workpiece);
     let ball = choose_tool(&workpiece, &setup, flank_cutters()).expect("a tool").tool;
     // The balanced one is tried on made wheels (tests/wheels).
     let strategies = FlankStrategy::ALL.into_iter().filter(|&strategy| strategy != FlankStrategy::Balanced);

@@ -220,7 +220,7 @@ pub fn assembly_faults(part: &Impeller, seed: u64, schemes: &[FlankStrategy]) ->
         field_cells: CELLS,
     };
     let workpiece = request.setup.allowances.workpiece_of(part.clone());
-    let points = WheelPoints::of(&workpiece);
+    let points = WheelPoints::from_workpiece(&workpiece);
     let chosen = match vanecut::job::resolve(&request.setup, &workpiece) {
         Ok(resolved) => resolved.setup,
         Err(fault) => return vec![format!("no tools: {fault}")],

@@ -80,7 +80,7 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         let wheel = make::wheel(1, index);
         let (name, part) = (&wheel.description.name, open(&wheel));
         let workpiece = Setup::for_part(&part).allowances.workpiece_of(part.clone());
-        let found = Assessment::of(&workpiece, &[], &limits);
+        let found = Assessment::from_workpiece(&workpiece, &[], &limits);
         let largest = found.largest_cutter();
         assert!(largest > 0.0 && largest.is_finite(), "{name}: largest cutter {largest}");
         for passage in &found.passages {
@@ -109,7 +109,7 @@ fn walls_bound_the_passage_from_the_leading_edge_to_the_rim() {
     for index in 0..20 {
         let wheel = make::wheel(53, index);
         let part = open(&wheel);
-        for (number, wall) in Channel::of(&part).full.walls.iter().enumerate() {
+        for (number, wall) in Channel::from_part(&part).full.walls.iter().enumerate() {
             for eta in [0.0, 0.3, 1.0] {
                 let theta = |s: f64| wall.at(&part, s, eta).map(|place| place.theta);
                 let mut before = theta(-0.1);

@@ -98,7 +98,7 @@ fn clusters(points: &[Point]) -> Vec<Cluster> {
 
 impl WheelPoints {
     /// Of the whole wheel of a workpiece.
-    pub fn of(workpiece: &Workpiece) -> Self {
+    pub fn from_workpiece(workpiece: &Workpiece) -> Self {
         let part = &workpiece.part;
         let spacing = 2.0 * part.rim_radius() / POINTS_PER_DIAMETER;
         let curve = part.hub.curve();
@@ -288,7 +288,7 @@ fn standing_point(
                 height > -STOCK_TOLERANCE && d.norm_squared() - height * height < radius * radius
             })
         };
-        (workpiece.blank.depth(Meridional::of(&p)) > STOCK_TOLERANCE && !removed()).then_some(p)
+        (workpiece.blank.depth(Meridional::from_point(&p)) > STOCK_TOLERANCE && !removed()).then_some(p)
     })
 }
 

@@ -41,7 +41,7 @@ fn the_machinability_is_shown_and_saved_as_the_command_line_has_it() {
     settle(&mut window);
     let state = window.state().state();
     let part = state.document.part.as_ref().expect("open").impeller.clone();
-    let measured = AssessedPart::of(part, &state.document.edited.setup);
+    let measured = AssessedPart::from_part(part, &state.document.edited.setup);
     window.get_by_label(&format!("{:.2} mm", measured.assessment.largest_cutter()));
     window.get_by_label("Twist of the camber lines");
     assert!(!measured.sections().is_empty());

@@ -80,7 +80,7 @@ fn posted(window: &Window, program: &ClProgram, machine: &str, control: &str, ou
         post: read_post(control).expect("a post"),
         output,
         inlet_up: part.out_of_inlet().z > 0.0,
-        blank: Some(BlankSize::of(part, &outcome.setup.allowances)),
+        blank: Some(BlankSize::from_part(part, &outcome.setup.allowances)),
         calls: None,
     };
     post_program(program, &request, &Monitor::default()).expect("runs").written.text

@@ -270,7 +270,7 @@ fn nc_program(window: &Window) -> String {
         output: machine.output,
         machine,
         inlet_up: part.out_of_inlet().z > 0.0,
-        blank: Some(BlankSize::of(part, &planned.outcome.setup.allowances)),
+        blank: Some(BlankSize::from_part(part, &planned.outcome.setup.allowances)),
         calls: None,
     };
     post_program(&program, &request, &Monitor::default()).expect("it runs").written.text

@@ -34,7 +34,7 @@ const RUNS: [StudyRun; 4] = [
 
 /// Hash of the sample part.
 fn hash_of_sample() -> String {
-    PartHash::of(&read_part(Path::new(SAMPLE)).expect("reads")).sha256
+    PartHash::from_part(&read_part(Path::new(SAMPLE)).expect("reads")).sha256
 }
 
 /// Writes the results of a study of the sample part; returns its folder.

@@ -217,7 +217,7 @@ impl App {
     /// Reports why a setup cannot be planned, at its field too.
     fn report_setup_fault(&mut self, topic: Topic, fault: &SetupFault) {
         let field = FaultyField::of_place(fault.place, &self.state.document.edited.setup);
-        let problem = Problem::of(topic, &fault.message, &fault.help);
+        let problem = Problem::about(topic, &fault.message, &fault.help);
         self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
     }
 
@@ -478,7 +478,7 @@ impl App {
 
 /// Problem message for a panic of a background task.
 fn panic_problem(topic: Topic, what: &str, message: &str) -> Problem {
-    Problem::of(
+    Problem::about(
         topic,
         &format!("{what} failed unexpectedly ({message})"),
         "change the setup, or report this with the part file",

@@ -78,7 +78,7 @@ impl App {
                 let problem = Problem::from(&error);
                 self.state.report_problem(Problem { topic: Topic::Program, ..problem });
             }
-            Outcome::Panicked(what) => self.state.report_problem(Problem::of(
+            Outcome::Panicked(what) => self.state.report_problem(Problem::about(
                 Topic::Program,
                 &format!("Check failed unexpectedly ({what})"),
                 "report this with part and program",

@@ -269,7 +269,7 @@ impl App {
             C::Stock => look.layers.stock ^= true,
             C::Machine => look.layers.machine ^= true,
             C::MouseVanecut | C::MouseNx | C::MouseSolidworks | C::MouseOnshape | C::MouseBlender => {
-                look.mouse = MousePreset::of(command).unwrap_or(look.mouse);
+                look.mouse = MousePreset::from_command(command).unwrap_or(look.mouse);
                 self.store_preferences();
             }
             C::UnitsMetric | C::UnitsInch => {

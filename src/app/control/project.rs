@@ -254,7 +254,7 @@ impl App {
         for SetupEntryFault { error: fault, entry } in faults.iter().take(MAX_REPORTED_FAULTS) {
             let help = format!("{}; until then the default is used", fault.help);
             let problem =
-                Problem::of(Topic::Project, &format!("{}: {}", fault.place(), fault.message), &help);
+                Problem::about(Topic::Project, &format!("{}: {}", fault.place(), fault.message), &help);
             let field = entry.as_ref().and_then(FaultyField::of_entry);
             self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
         }

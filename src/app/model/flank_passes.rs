@@ -41,9 +41,9 @@ pub struct FlankPasses {
 
 impl FlankPasses {
     /// The passes of `plan`. The plunges that open the stock come before them.
-    pub fn of(plan: &FlankPlan) -> Self {
+    pub fn from_plan(plan: &FlankPlan) -> Self {
         let opening = ClProgram::default().after_opening(plan.opening.as_ref());
-        Self::of_moves(&plan.moves, Travel::of(&opening).time)
+        Self::of_moves(&plan.moves, Travel::from_program(&opening).time)
     }
 
     /// The passes of `moves`, which begin `start` (s) after the program.

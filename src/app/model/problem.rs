@@ -68,7 +68,7 @@ impl Problem {
     }
 
     /// A problem of a calculation. Keys of setup files are replaced by the labels of their fields.
-    pub fn of(topic: Topic, what: &str, help: &str) -> Self {
+    pub fn about(topic: Topic, what: &str, help: &str) -> Self {
         Self { message: with_labels(what), help: with_labels(help), topic, code: None, field: None }
     }
 

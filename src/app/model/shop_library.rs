@@ -41,7 +41,7 @@ impl ToolForm {
     }
 
     /// The form of a tool.
-    pub fn of(tool: &Tool) -> Self {
+    pub fn from_tool(tool: &Tool) -> Self {
         match tool.corner_radius {
             corner if corner <= 0.0 => Self::Flat,
             corner if corner < tool.radius() - 1e-6 => Self::BullNose,
@@ -225,7 +225,7 @@ impl ShopLibrary {
                 let text = describe(tool, units).to_lowercase();
                 words.iter().all(|word| text.contains(word))
             };
-            (self.form == ToolForm::Any || self.form == ToolForm::of(tool))
+            (self.form == ToolForm::Any || self.form == ToolForm::from_tool(tool))
                 && (self.diameters[0]..=self.diameters[1]).contains(&tool.diameter)
                 && (words.is_empty() || has_words())
         };

@@ -36,7 +36,7 @@ pub struct ChannelProgress {
 
 impl ShownChannels {
     /// The first `count` channels of a plan in the order of its setup; `None` for one channel.
-    pub fn of(planned: &Arc<DisplayPlan>, policy: AxisPolicy, count: usize) -> Option<Self> {
+    pub fn from_planned(planned: &Arc<DisplayPlan>, policy: AxisPolicy, count: usize) -> Option<Self> {
         let part = &planned.outcome.workpiece.part;
         let count = count.min(part.blade_count);
         if count <= 1 {

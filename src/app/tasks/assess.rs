@@ -29,8 +29,9 @@ pub(in crate::app) struct AssessWork(Latest<AssessRequest, Arc<AssessedPart>>);
 impl AssessWork {
     /// Starts the thread.
     pub(in crate::app) fn new(repaint: &Repaint) -> Self {
-        let measure =
-            |request: &AssessRequest| Arc::new(AssessedPart::of(Arc::clone(&request.part), &request.setup));
+        let measure = |request: &AssessRequest| {
+            Arc::new(AssessedPart::from_part(Arc::clone(&request.part), &request.setup))
+        };
         Self(Latest::new("assess", repaint, measure))
     }
 

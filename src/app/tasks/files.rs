@@ -96,7 +96,7 @@ pub fn build_part(
     description: &PartDescription,
 ) -> Result<(Arc<Impeller>, PartHash), InputError> {
     let impeller = Impeller::build(description).map_err(|error| InputError::of_part(file, error))?;
-    Ok((Arc::new(impeller), PartHash::of(description)))
+    Ok((Arc::new(impeller), PartHash::from_part(description)))
 }
 
 /// Whether a file is a setup rather than a part: both may be TOML, but only a setup has one of these tables.

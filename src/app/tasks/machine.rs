@@ -59,8 +59,8 @@ impl MachineWork {
 fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
     let machine = read_machine(Path::new(&request.machine))?;
     let (part, allowances) = request.program.part();
-    let placed = PlacedPart::of(&machine.part, part);
-    let blank = BlankSize::of(part, allowances);
+    let placed = PlacedPart::from_placement(&machine.part, part);
+    let blank = BlankSize::from_part(part, allowances);
     let (program, steps) = request.program.moves();
     let monitor = Monitor::default();
     let run = match &request.program {
@@ -109,7 +109,7 @@ fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
 fn demand(machine: &MachineTool, placed: &PlacedPart, plan: &PlungePlan, position: &Position) -> AxisDemand {
     let axis = placed.vector_in_program(&position.axis);
     let tips = [position.tip, position.evaluation.retract].map(|tip| placed.point_in_program(&tip));
-    let tool = plan.sections.get(position.section).map(|section| ClTool::of(&section.tool));
+    let tool = plan.sections.get(position.section).map(|section| ClTool::from_tool(&section.tool));
     let length = gauge_length(machine, &tool.unwrap_or_default());
     AxisDemand { fault: machine.limit_fault(&axis, &tips, length), pole_rad: machine.pole_angle(&axis) }
 }

@@ -137,8 +137,8 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
         post,
         output: *output,
         inlet_up: part.out_of_inlet().z > 0.0,
-        blank: Some(BlankSize::of(part, &setup.allowances)),
-        calls: is_subprogram.then(|| ChannelCalls::of(channels, part.blade_count)),
+        blank: Some(BlankSize::from_part(part, &setup.allowances)),
+        calls: is_subprogram.then(|| ChannelCalls::for_channels(channels, part.blade_count)),
     };
     post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
         PostFault::Motion(motion) => fault(motion.line(), motion.explained()),

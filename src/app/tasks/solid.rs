@@ -95,7 +95,7 @@ impl SolidSource {
 
     /// The blank with rays at a spacing.
     fn blank(&self, rays: f64) -> Result<(SolidStock, f64), SolidError> {
-        let blank = SolidBlank::of(self.part(), &self.workpiece().blank);
+        let blank = SolidBlank::from_part(self.part(), &self.workpiece().blank);
         let spacing = blank.default_spacing() * 800.0 / rays;
         Ok((SolidStock::new(&blank, spacing)?, spacing))
     }
@@ -243,7 +243,7 @@ fn simulate(
             SolidError::Cancelled(_) => String::new(),
             other => other.to_string(),
         })?;
-        let surface = StockSurface::of(stock);
+        let surface = StockSurface::from_stock(stock);
         monitor.check().map_err(|_| String::new())?;
         let (mesh, names) =
             painted(request, (&bench.plan, &bench.program), contacts, &surface, *spacing, monitor)?;
@@ -368,7 +368,7 @@ pub(in crate::app) fn solid_bytes(
     let (mut player, _) = player(source, &program, EXPORTED)?;
     let count = source.moves_until(moment, &plan, &program);
     let (stock, _) = player.at(count, &Monitor::default()).map_err(|error| error.to_string())?;
-    let surface = StockSurface::of(stock);
+    let surface = StockSurface::from_stock(stock);
     let name = &source.part().name;
     Ok(if is_scene {
         GltfScene::of_stock(name, &surface, surface.volume()).glb()

@@ -23,7 +23,7 @@ struct TradeoffRequest {
 }
 
 impl TradeoffRequest {
-    fn of(planned: &Arc<DisplayPlan>) -> Self {
+    fn from_planned(planned: &Arc<DisplayPlan>) -> Self {
         let mut setup = planned.setup.clone();
         setup.plunge.goal = Goal::default();
         // The curve is without edits by hand, but around what is locked where the plan is.
@@ -76,7 +76,7 @@ impl TradeoffWork {
         }
         let planned = state.results.planned.as_ref().filter(|_| wanted);
         let planned = planned.filter(|p| p.setup.plunge.axis == AxisPolicy::Minimal && !p.is_unfinished());
-        let asked = planned.map(TradeoffRequest::of);
+        let asked = planned.map(TradeoffRequest::from_planned);
         if asked == self.asked {
             return;
         }

@@ -18,7 +18,7 @@ const DASHES: [Option<(f32, f32)>; 3] = [None, Some((7.0, 3.0)), Some((2.0, 3.0)
 
 /// Draws `chart` in the whole width, its legend below. x runs from 0 to 1, as in the document.
 pub fn show(ui: &mut Ui, chart: &LineChart) {
-    let in_units = shown_in(units::of(ui), chart);
+    let in_units = shown_in(units::display_units(ui), chart);
     let chart = in_units.as_ref().unwrap_or(chart);
     let (rect, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), HEIGHT), Sense::hover());
     let title = chart.title.clone();

@@ -51,7 +51,7 @@ pub fn solid_legend(ui: &mut Ui, rect: Rect, solid: Option<&SolidPicture>, above
             return;
         };
         let refined = if solid.is_coarse { ", refining…" } else { "" };
-        let units = units::of(ui);
+        let units = units::display_units(ui);
         let text = format!("Stock {}{refined}", units.volume(solid.volume));
         ui.label(RichText::new(text).size(12.0)).on_hover_text(format!(
             "Volume of the whole blank after the moves up to here; rays every {}",
@@ -166,7 +166,7 @@ fn shows_program(state: &AppState) -> bool {
 
 /// What the lines of a checked program mean: cuts by tool, rapids, faults.
 fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     egui::ScrollArea::horizontal().id_salt("program").show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             let mut entry = |colour: Rgb, name: String| {

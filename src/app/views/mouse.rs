@@ -75,7 +75,7 @@ impl MousePreset {
     }
 
     /// The preset that a command selects.
-    pub fn of(command: Command) -> Option<Self> {
+    pub fn from_command(command: Command) -> Option<Self> {
         Self::all().find(|&(_, of)| of == command).map(|(preset, _)| preset)
     }
 

@@ -328,7 +328,7 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
             if let (Some(p), Some(q)) = (place(a), place(b)) {
                 painter.line_segment([p, q], Stroke::new(2.0, colour));
             }
-            format_distance(a, b, units::of(ui))
+            format_distance(a, b, units::display_units(ui))
         }
         _ => "Click two points to measure (Esc ends)".to_owned(),
     };

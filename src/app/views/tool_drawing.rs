@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, tool: &Tool) {
         painter.rect_filled(Rect::from_two_pos(low, high), 0.0, Condition::Interfering.mark());
     }
     let dimensions = Dimensions { painter: &painter, ink, font: FontId::proportional(11.0) };
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let number = |value: f64| units.short(value, 2);
     // Stick-out on the right, flutes on the left, diameters below and above.
     let right = at(widest, 0.0).x + 8.0;

@@ -78,7 +78,7 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
 
 /// Fits the tool, and says at its fields in `form` what that changed.
 fn fit_and_say(ui: &Ui, form: Id, tool: &mut Tool) {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let values = |tool: &Tool| {
         let flutes = tool.assembly.flute_length;
         [
@@ -159,7 +159,7 @@ const PIECE: f64 = 0.0;
 /// A length of a piece: `name` is that of the piece, and what the length is.
 fn length_box(ui: &mut Ui, form: Id, (name, what): (&str, &str), value: &mut f64) -> Response {
     ui.spacing_mut().interact_size.x = 50.0;
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let show = |mm: f64| format!("{} {}", units.short(mm, 3), units.length_unit());
     let range = 0.1..=1000.0;
     let limits = TypedLimits {

@@ -14,6 +14,6 @@ pub fn set(ctx: &Context, units: DisplayUnits) {
 }
 
 /// The units in which `ui` shows lengths and feed rates.
-pub fn of(ui: &Ui) -> DisplayUnits {
+pub fn display_units(ui: &Ui) -> DisplayUnits {
     ui.data(|data| data.get_temp(key())).unwrap_or_default()
 }

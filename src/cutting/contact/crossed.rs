@@ -137,7 +137,7 @@ pub struct CoreFrame {
 impl CoreFrame {
     /// The frame of the core of `cutter`. It turns with the plunge about Z, so that all channels give the
     /// same result.
-    pub(super) fn of(cutter: &CutterSolid) -> Self {
+    pub(super) fn from_cutter(cutter: &CutterSolid) -> Self {
         let CutterSolid { tip, axis, .. } = *cutter;
         let outwards = Vector::new(tip.x, tip.y, 0.0).try_normalize(1e-9).unwrap_or_else(Vector::x);
         let helper = if axis.z.abs() < 0.9 { Vector::z() } else { outwards };

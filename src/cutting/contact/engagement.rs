@@ -33,7 +33,7 @@ pub fn engagement(whole: &PlungeColumn, earlier: Earlier, blank: &Blank) -> Enga
     if whole.top <= 0.0 {
         return Engagement::default();
     }
-    let mut near = Neighbours::of(whole, earlier.near(whole));
+    let mut near = Neighbours::around(whole, earlier.near(whole));
     let height = |level: usize| LOWEST + whole.top * level as f64 / HEIGHTS as f64;
     let mut engaged = [[false; LINES]; HEIGHTS];
     let mut away = [Vector::zeros(); LINES];
@@ -48,7 +48,7 @@ pub fn engagement(whole: &PlungeColumn, earlier: Earlier, blank: &Blank) -> Enga
         for (level, engaged) in engaged.iter_mut().enumerate() {
             let h = height(level);
             engaged[number] = open.iter().any(|&(from, to)| (from..to).contains(&h))
-                && blank.is_solid(Meridional::of(&line.at(h)), &mut warm);
+                && blank.is_solid(Meridional::from_point(&line.at(h)), &mut warm);
         }
     }
     let arc = |engaged: &[bool; LINES]| {

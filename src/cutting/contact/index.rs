@@ -71,7 +71,7 @@ struct BlockBounds {
 }
 
 impl BlockBounds {
-    fn of(cutter: &CutterSolid) -> Self {
+    fn from_cutter(cutter: &CutterSolid) -> Self {
         let CutterSolid { tip, axis, radius, .. } = *cutter;
         let second = SECOND_RADII * radius.max(MIN_RADIUS);
         Self { tip, axis, second, aside: 0.0, aside_second: 0.0, turned: 0.0, radius }
@@ -129,7 +129,7 @@ impl PlungeBlock {
     /// Without plunges; the first one will be `cutter`.
     fn starting_with(cutter: &CutterSolid) -> Self {
         let zeros = [[0.0; BLOCK]; 3];
-        Self { bounds: BlockBounds::of(cutter), tips: zeros, axes: zeros, radii: [0.0; BLOCK] }
+        Self { bounds: BlockBounds::from_cutter(cutter), tips: zeros, axes: zeros, radii: [0.0; BLOCK] }
     }
 
     fn set(&mut self, place: usize, cutter: &CutterSolid) {

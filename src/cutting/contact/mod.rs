@@ -61,7 +61,7 @@ const AREA_HEIGHT: f64 = 0.02;
 
 /// Contact of the core of `column` with the stock of `blank` that `earlier` plunges left.
 pub fn core_contact(column: &PlungeColumn, earlier: Earlier, blank: &Blank) -> CoreContact {
-    contact_among(column, &mut Neighbours::of(column, earlier.near(column)), blank, None)
+    contact_among(column, &mut Neighbours::around(column, earlier.near(column)), blank, None)
 }
 
 /// [`core_contact`] of each of `columns` after those before it.
@@ -87,7 +87,7 @@ pub fn core_contact_by<'c>(
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     blank: &Blank,
 ) -> (f64, Vec<bool>) {
-    let mut near = Neighbours::of(column, earlier);
+    let mut near = Neighbours::around(column, earlier);
     let mut removed = vec![false; near.count()];
     let depth = contact_among(column, &mut near, blank, Some(&mut removed)).depth;
     // The neighbours are latest first.
@@ -114,7 +114,7 @@ pub fn core_interferes<'c>(
     earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     blank: &Blank,
 ) -> bool {
-    let mut near = Neighbours::of(column, earlier);
+    let mut near = Neighbours::around(column, earlier);
     contact_up_to(column, StockLines::new(column, &mut near, blank), &FIRST_RINGS, PLANNED_CONTACT).depth
         > PLANNED_CONTACT
 }
@@ -320,7 +320,7 @@ impl<'a> StockLines<'a> {
     }
 
     fn is_stock(&mut self, point: &Point) -> bool {
-        self.blank.is_solid(Meridional::of(point), &mut self.warm)
+        self.blank.is_solid(Meridional::from_point(point), &mut self.warm)
     }
 
     /// (first entry into removed stock, highest stock) on the line, mm above the bottom; infinite and 0 where

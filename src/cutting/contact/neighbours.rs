@@ -19,7 +19,10 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// The neighbours of `column`: the `earlier` plunges that may meet it, in cutting order.
-    pub fn of<'c>(column: &PlungeColumn, earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>) -> Self {
+    pub fn around<'c>(
+        column: &PlungeColumn,
+        earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
+    ) -> Self {
         let mut near = Self::default();
         near.gather(column, earlier);
         near
@@ -30,13 +33,13 @@ impl Neighbours {
         self.frame
     }
 
-    /// As [`Self::of`], reusing the existing allocation.
+    /// As [`Self::around`], reusing the existing allocation.
     pub fn gather<'c>(
         &mut self,
         column: &PlungeColumn,
         earlier: impl DoubleEndedIterator<Item = &'c PlungeColumn>,
     ) {
-        self.frame = CoreFrame::of(&column.cutter);
+        self.frame = CoreFrame::from_cutter(&column.cutter);
         self.columns.clear();
         self.passed.clear();
         let crossed =

@@ -51,7 +51,7 @@ pub fn standing_height(
     let mut search = Search {
         column,
         blank,
-        exact: Neighbours::of(&column, near.iter()),
+        exact: Neighbours::around(&column, near.iter()),
         near,
         smaller: Vec::new(),
         warm: None,
@@ -141,7 +141,7 @@ impl Search<'_> {
             let axis = self.column.cutter.axis;
             let columns: Vec<PlungeColumn> =
                 self.near.iter().filter_map(|column| shrunk(column, reach, &axis)).collect();
-            self.smaller.push(Neighbours::of(&self.column, columns.iter()));
+            self.smaller.push(Neighbours::around(&self.column, columns.iter()));
         }
         let line = self.exact.frame().line_at(x, y);
         let mut left = LineRemainder::whole(self.column.top);
@@ -155,7 +155,7 @@ impl Search<'_> {
         for &(low, high) in left.open[..left.count].iter().rev() {
             let mut h = high;
             while h > low {
-                let free = self.blank.clearance(Meridional::of(&line.at(h)), &mut self.warm) - reach;
+                let free = self.blank.clearance(Meridional::from_point(&line.at(h)), &mut self.warm) - reach;
                 if free < MIN_STEP {
                     return h;
                 }

@@ -113,10 +113,10 @@ impl BladePoints {
                 points.extend((0..=count).map(|i| side.point(i as f64 / count as f64, v)));
             }
         }
-        Self::of(points, widest * widest / (8.0 * reach))
+        Self::from_points(points, widest * widest / (8.0 * reach))
     }
 
-    fn of(points: Vec<Point>, slack: f64) -> Self {
+    fn from_points(points: Vec<Point>, slack: f64) -> Self {
         let ball = |points: &[Point]| {
             let centre = points[points.len() / 2];
             (centre, points.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max))
@@ -173,11 +173,12 @@ impl BlockMaker {
     }
 
     fn into_tree(self) -> PointTree {
-        let blocks: Vec<PointBlock> = self.points.chunks(LANES).map(PointBlock::of).collect();
+        let blocks: Vec<PointBlock> = self.points.chunks(LANES).map(PointBlock::from_points).collect();
         let around: Vec<([f32; 3], f32)> = blocks.chunks(GROUP).map(ball_around).collect();
-        let balls = |group: &[PointBlock]| Balls::of(group.iter().map(|block| (block.centre, block.radius)));
+        let balls =
+            |group: &[PointBlock]| Balls::from_balls(group.iter().map(|block| (block.centre, block.radius)));
         let inner = blocks.chunks(GROUP).map(balls).collect();
-        let groups = around.chunks(LANES).map(|balls| Balls::of(balls.iter().copied())).collect();
+        let groups = around.chunks(LANES).map(|balls| Balls::from_balls(balls.iter().copied())).collect();
         PointTree { blocks, inner, groups }
     }
 }
@@ -194,7 +195,7 @@ fn ball_around(blocks: &[PointBlock]) -> ([f32; 3], f32) {
 
 impl Balls {
     /// At most [`LANES`] balls.
-    fn of(balls: impl Iterator<Item = ([f32; 3], f32)>) -> Self {
+    fn from_balls(balls: impl Iterator<Item = ([f32; 3], f32)>) -> Self {
         let mut all = Self { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES], radius: [0.0; LANES] };
         for (k, ([x, y, z], radius)) in balls.enumerate() {
             (all.x[k], all.y[k], all.z[k], all.radius[k]) = (x, y, z, radius);
@@ -260,7 +261,7 @@ impl PointTree {
 
 impl PointBlock {
     /// The block of at most [`LANES`] points.
-    fn of(points: &[[f32; 3]]) -> Self {
+    fn from_points(points: &[[f32; 3]]) -> Self {
         let centre = points[points.len() / 2];
         let mut block = Self { x: [0.0; LANES], y: [0.0; LANES], z: [FAR; LANES], centre, radius: 0.0 };
         for (k, &[x, y, z]) in points.iter().enumerate() {
@@ -273,7 +274,7 @@ impl PointBlock {
 }
 
 impl ToolShape {
-    pub(super) fn of(tool: &Tool, clearances: &ClearanceSetup) -> Self {
+    pub(super) fn from_tool(tool: &Tool, clearances: &ClearanceSetup) -> Self {
         let above_corner = |(from, radius)| (from - tool.corner_radius, radius);
         Self {
             radius: tool.radius(),
@@ -414,7 +415,7 @@ mod tests {
             let (x, y) = (30.0 * dice(&mut seed), 30.0 * dice(&mut seed));
             (0..61).map(move |i| Point::new(x + 0.1 * f64::from(k), y, f64::from(i) - 20.0))
         });
-        let blades = BladePoints::of(lines.collect(), 0.0);
+        let blades = BladePoints::from_points(lines.collect(), 0.0);
         let cone = Cone { axis: Vector::z(), angle: std::f64::consts::PI };
         let none = MinDistances { cutter: f64::NEG_INFINITY, holder: f64::NEG_INFINITY };
         let far = MinDistances { cutter: f64::INFINITY, holder: f64::INFINITY };

@@ -31,7 +31,7 @@ struct FanShares {
 }
 
 impl FanShares {
-    fn of(chart: &LayerChart, region: Region, first: WallName) -> Self {
+    fn from_chart(chart: &LayerChart, region: Region, first: WallName) -> Self {
         let begins = |wall| chart.borders.splitter(wall).map_or(f64::NEG_INFINITY, |s| s.nose.x);
         let Region { low, high } = region;
         let main = match () {
@@ -52,8 +52,10 @@ fn fans(chart: &LayerChart, beyond: f64, first: WallName) -> Vec<PassCurve> {
     let (clear, borders) = (chart.min_wall_distance, chart.borders);
     let at = |k: usize| clear + chart.stepover * k as f64;
     let stretches = borders.regions(chart.layer.from, chart.layer.to);
-    let shares: Vec<FanShares> =
-        stretches.iter().map(|RegionStretch { region, .. }| FanShares::of(chart, *region, first)).collect();
+    let shares: Vec<FanShares> = stretches
+        .iter()
+        .map(|RegionStretch { region, .. }| FanShares::from_chart(chart, *region, first))
+        .collect();
     let second = if first == WallName::Low { WallName::High } else { WallName::Low };
     let splitters = borders.splitters.iter().map(|splitter| splitter.name());
     let mut curves = Vec::new();

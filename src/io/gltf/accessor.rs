@@ -22,7 +22,7 @@ enum Component {
 }
 
 impl Component {
-    fn of(code: u32) -> Option<Self> {
+    fn from_code(code: u32) -> Option<Self> {
         Some(match code {
             5120 => Self::I8,
             5121 => Self::U8,
@@ -119,7 +119,7 @@ fn elements<const N: usize>(
         3 => "VEC3",
         _ => "VEC4",
     };
-    let component = Component::of(described.component_type).filter(|c| may(*c));
+    let component = Component::from_code(described.component_type).filter(|c| may(*c));
     let (Some(component), true) = (component, described.shape == shape) else {
         let text = format!(
             "{what} holds {} of type {}, which does not suit it",
@@ -145,7 +145,7 @@ fn elements<const N: usize>(
             component,
             normalized,
         };
-        let indices = Component::of(s.indices.component_type).filter(|c| is_index(*c));
+        let indices = Component::from_code(s.indices.component_type).filter(|c| is_index(*c));
         let values = run(s.values.buffer_view, s.values.byte_offset, component);
         (indices.map(|c| run(s.indices.buffer_view, s.indices.byte_offset, c)), values)
     });

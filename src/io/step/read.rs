@@ -64,7 +64,8 @@ pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<Par
         let e = advice::for_solids(e, notes.is_empty());
         InputError::of_part(name, PartError { message: format!("{}{cause}", e.message), ..e })
     };
-    let normals = ExactNormals::of(scene.bodies.iter().flat_map(|body| body.normals.iter().copied()));
+    let normals =
+        ExactNormals::from_normals(scene.bodies.iter().flat_map(|body| body.normals.iter().copied()));
     let source =
         MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: notes.clone(), normals };
     // The file gives its unit, and one that Vanecut wrote the sense of rotation.

@@ -116,7 +116,7 @@ pub(super) struct TurboGridFrame {
 }
 
 impl TurboGridFrame {
-    pub(super) fn of(inf: &Inf<'_>) -> Result<Self, InputError> {
+    pub(super) fn from_inf(inf: &Inf<'_>) -> Result<Self, InputError> {
         let (unit, line) = inf.need("geometry units", "Geometry Units: MM")?;
         let unit = match unit.to_ascii_uppercase().as_str() {
             "MM" => 1.0,

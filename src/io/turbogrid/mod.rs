@@ -34,7 +34,7 @@ pub(super) fn read(path: &Path) -> Result<PartDescription, InputError> {
     let bytes = read_bytes(path)?;
     let text = text_lossy(source, &bytes)?;
     let inf = Inf::parse(source, &text);
-    let frame = TurboGridFrame::of(&inf)?;
+    let frame = TurboGridFrame::from_inf(&inf)?;
     let (count, count_line) = inf.need("number of blade sets", "Number of Blade Sets: 12")?;
     let blade_count = source.blades(count_line, count)?;
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -165,7 +165,7 @@ struct Cap<'a> {
 
 impl<'a> Cap<'a> {
     fn new(path: &'a Flowpath, sides: [&BladeSide; 2], v: f64, us: &[f64]) -> Self {
-        let place = |p: Point| (path.curve().project(Meridional::of(&p)).0, p.y.atan2(p.x));
+        let place = |p: Point| (path.curve().project(Meridional::from_point(&p)).0, p.y.atan2(p.x));
         let rows = us
             .iter()
             .map(|&u| {
@@ -234,7 +234,10 @@ impl<'a> BladeMesher<'a> {
             .iter()
             .map(|&k| {
                 let p = self.solid.points[k as usize];
-                curve.at(curve.project(Meridional::of(&p)).0).normal.direction_at_angle(p.y.atan2(p.x))
+                curve
+                    .at(curve.project(Meridional::from_point(&p)).0)
+                    .normal
+                    .direction_at_angle(p.y.atan2(p.x))
             })
             .collect();
         let at = |i: usize, j: usize| places[i * (across + 1) + j];

@@ -56,7 +56,7 @@ pub(super) fn tessellate_shroud(part: &Impeller, chord_error: f64) -> Solid {
     let mut solid = turned.solid;
     let away = solid.faces.iter().flat_map(|f| &f.corners).map(|corner| {
         let p = solid.points[corner.point as usize];
-        let outer = curve.at(curve.project(Meridional::of(&p)).0).normal;
+        let outer = curve.at(curve.project(Meridional::from_point(&p)).0).normal;
         corner.normal.dot(&outer.direction_at_angle(p.y.atan2(p.x)))
     });
     if away.sum::<f64>() < 0.0 {

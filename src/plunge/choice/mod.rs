@@ -56,7 +56,7 @@ pub fn choose(
             cut_direction: None,
             kind: SectionKind::Rows,
         },
-        reason: reasons.of(index),
+        reason: reasons.tell_section(index),
     });
     sections.collect()
 }

@@ -23,7 +23,7 @@ pub struct Reasons<'a> {
 impl Reasons<'_> {
     /// Why section `index` has its tool, why it ends where it does, and how much time the best choice with
     /// another diameter there would take.
-    pub fn of(&self, index: usize) -> String {
+    pub fn tell_section(&self, index: usize) -> String {
         let stretch = self.found.stretches[index];
         let parts = [
             Some(self.size(stretch)),

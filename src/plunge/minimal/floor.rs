@@ -230,7 +230,7 @@ impl FloorHeightMap {
         point: &Point,
         reach: f64,
     ) -> impl Iterator<Item = (usize, usize, usize)> {
-        let s = part.hub.s_at(part.hub.curve().project(Meridional::of(point)).0);
+        let s = part.hub.s_at(part.hub.curve().project(Meridional::from_point(point)).0);
         let theta = point.y.atan2(point.x);
         let row = |s: f64| (s - self.s_from) / self.s_step;
         let (a, b) = (row(s + reach / self.length), row(s - reach / self.length));
@@ -312,7 +312,8 @@ fn top_of_stock(
     for _ in 0..MAX_TOP_STEPS {
         let point = foot + normal * height;
         let to_blade = finished.nearest_blade(&point).map_or(f64::INFINITY, |near| near.distance);
-        let free = (to_blade - blade_allowance).min(blank.depth_near(Meridional::of(&point), &mut warm));
+        let free =
+            (to_blade - blade_allowance).min(blank.depth_near(Meridional::from_point(&point), &mut warm));
         if free < tolerance {
             break;
         }

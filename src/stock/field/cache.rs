@@ -40,7 +40,7 @@ impl FieldCache {
     }
 
     fn with_parts(grid: FloorGrid, parts: usize) -> Self {
-        let (unit, bins) = (VolumeUnit::of(&grid), TileBins::new(&grid, &[]));
+        let (unit, bins) = (VolumeUnit::from_grid(&grid), TileBins::new(&grid, &[]));
         let tiles = vec![KeptTile::default(); bins.down * bins.across];
         Self { grid: Arc::new(grid), unit, cutters: Vec::new(), bins, tiles, parts }
     }
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn a_tile_goes_on_from_the_last_heights_before_a_change() {
         let grid = saddle(16, 16);
-        let load = || Tile::load(&grid, VolumeUnit::of(&grid), 0, 0, false);
+        let load = || Tile::load(&grid, VolumeUnit::from_grid(&grid), 0, 0, false);
         let cutter = |lift: f32| FieldCutter {
             tip: [180.0, 0.0, 45.0 - lift],
             radius: 5.0,

@@ -26,7 +26,7 @@ pub struct SolidSegment {
 }
 
 impl SolidSegment {
-    fn of(described: &AssemblySegment) -> Self {
+    fn from_segment(described: &AssemblySegment) -> Self {
         let part = match described.part {
             AssemblyPart::Shank => ToolPart::Shank,
             AssemblyPart::Holder => ToolPart::Holder,
@@ -58,11 +58,11 @@ pub struct SolidTool {
 impl SolidTool {
     /// The assembly of a tool as setups describe it. Without a shank it cuts over its overhang; without a
     /// holder a cylinder of [`Tool::holder_diameter`] begins there.
-    pub fn of(tool: &Tool) -> Self {
+    pub fn from_tool(tool: &Tool) -> Self {
         Self::assembled(tool, true)
     }
 
-    /// As [`Self::of`], but nothing above the overhang where the holder is not described.
+    /// As [`Self::from_tool`], but nothing above the overhang where the holder is not described.
     pub fn described(tool: &Tool) -> Self {
         Self::assembled(tool, false)
     }
@@ -71,7 +71,7 @@ impl SolidTool {
         let described = tool.assembly.segments(tool.overhang);
         let shank = described.iter().find(|segment| segment.part == AssemblyPart::Shank);
         let cutting_length = shank.map_or(tool.overhang, |shank| shank.from).max(tool.corner_radius);
-        let mut segments: Vec<SolidSegment> = described.iter().map(SolidSegment::of).collect();
+        let mut segments: Vec<SolidSegment> = described.iter().map(SolidSegment::from_segment).collect();
         if tool.assembly.holder.is_empty() && assumes_holder {
             let radius = 0.5 * tool.holder_diameter();
             let (part, from) = (ToolPart::Holder, tool.overhang);

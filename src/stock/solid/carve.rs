@@ -99,7 +99,7 @@ pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], re
                 }
                 let found = carver.found;
                 if changed {
-                    *tile = Arc::new(RayTile::of(rays));
+                    *tile = Arc::new(RayTile::from_rays(rays));
                 }
                 found
             },

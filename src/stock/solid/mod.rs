@@ -69,7 +69,7 @@ pub enum SolidBlank {
 
 impl SolidBlank {
     /// The blank of `part`: the mesh of its file where there is one, else the turned body.
-    pub fn of(part: &Impeller, blank: &Blank) -> Self {
+    pub fn from_part(part: &Impeller, blank: &Blank) -> Self {
         let mesh = blank.file().and_then(|file| file.mesh.as_ref());
         match mesh.map(MeshBlank::of_mesh) {
             Some(Ok(mesh)) => Self::Mesh(mesh),
@@ -116,7 +116,7 @@ impl SolidStock {
     /// # let part = vanecut::io::part_file::read_part("assets/parts/pump6.toml".as_ref())?;
     /// # let part = vanecut::part::Impeller::build(&part)?;
     /// let workpiece = Setup::for_part(&part).allowances.workpiece_of(part);
-    /// let blank = SolidBlank::of(&workpiece.part, &workpiece.blank);
+    /// let blank = SolidBlank::from_part(&workpiece.part, &workpiece.blank);
     /// let stock = SolidStock::new(&blank, 1.0)?;
     /// assert!((stock.volume() / blank.volume() - 1.0).abs() < 0.02);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -131,7 +131,7 @@ impl SolidStock {
             SolidBlank::Turned(outline) => outline.rays(&lattice),
             SolidBlank::Mesh(mesh) => mesh.rays(&lattice)?,
         };
-        let near = Arc::new(NearStock::of(&lattice, &fields));
+        let near = Arc::new(NearStock::from_lattice(&lattice, &fields));
         Ok(Self { lattice, fields, near })
     }
 

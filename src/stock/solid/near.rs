@@ -24,7 +24,7 @@ pub struct NearStock {
 
 impl NearStock {
     /// The cells that the spans on the rays of `fields` touch, and the distances to them.
-    pub fn of(lattice: &Lattice, fields: &[RayField; 3]) -> Self {
+    pub fn from_lattice(lattice: &Lattice, fields: &[RayField; 3]) -> Self {
         let (low, high) = lattice.bounds();
         let extent = high - low;
         let side = (extent.max() / CELLS).max(lattice.spacing);

@@ -115,7 +115,7 @@ mod tests {
         let corners = [(0.0, 0.0), (30.0, 0.0), (30.0, 10.0), (0.0, 10.0)];
         let outline = TurnedOutline::new(corners.map(|(r, z)| Meridional { r, z }).to_vec());
         let blank = SolidStock::new(&SolidBlank::Turned(outline), 0.5).expect("small");
-        (SolidProgram { tools: vec![SolidTool::of(&tool)], moves, count: count as usize }, blank)
+        (SolidProgram { tools: vec![SolidTool::from_tool(&tool)], moves, count: count as usize }, blank)
     }
 
     #[test]

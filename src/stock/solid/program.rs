@@ -61,7 +61,8 @@ impl SolidProgram {
             moves.push(SolidMove { number: number as u32, tool, rapid, from, to });
         }
         // As in `verify`: plunges are not checked against an assumed holder.
-        let assembled = if program.mills_along_curves() { SolidTool::of } else { SolidTool::described };
+        let assembled =
+            if program.mills_along_curves() { SolidTool::from_tool } else { SolidTool::described };
         Ok(Self { tools: tools.iter().map(assembled).collect(), moves, count: program.moves.len() })
     }
 

@@ -55,7 +55,7 @@ impl RayTile {
     }
 
     /// The tile with the spans of all rays.
-    pub fn of(rays: &[Vec<Span>]) -> Self {
+    pub fn from_rays(rays: &[Vec<Span>]) -> Self {
         let count: usize = rays.iter().map(Vec::len).sum();
         if count == 0 {
             return Self::default();
@@ -112,7 +112,7 @@ impl RayField {
                             fill(u, v, spans);
                         }
                     }
-                    Arc::new(RayTile::of(rays))
+                    Arc::new(RayTile::from_rays(rays))
                 },
             )
             .collect();

@@ -56,7 +56,7 @@ pub struct StockSurface {
 
 impl StockSurface {
     /// The surface of `stock`.
-    pub fn of(stock: &SolidStock) -> Self {
+    pub fn from_stock(stock: &SolidStock) -> Self {
         let planes = stock.lattice.counts[0] - 1;
         let slabs: Vec<Slab> = (0..planes.div_ceil(SLAB))
             .into_par_iter()

@@ -44,7 +44,7 @@ fn plunge(number: u32, to: ToolPose) -> SolidMove {
 }
 
 fn cut(blank: &SolidBlank, spacing: f64, tool: &Tool, moves: &[SolidMove]) -> (SolidStock, Vec<Contact>) {
-    cut_with(blank, spacing, &[SolidTool::of(tool)], moves)
+    cut_with(blank, spacing, &[SolidTool::from_tool(tool)], moves)
 }
 
 fn cut_with(
@@ -60,7 +60,7 @@ fn cut_with(
 
 /// What moves remove, by the surface of what they leave.
 fn removed(blank: &SolidBlank, spacing: f64, tool: &Tool, moves: &[SolidMove]) -> f64 {
-    blank.volume() - StockSurface::of(&cut(blank, spacing, tool, moves).0).volume()
+    blank.volume() - StockSurface::from_stock(&cut(blank, spacing, tool, moves).0).volume()
 }
 
 fn assert_near(what: &str, found: f64, exact: f64, share: f64) {
@@ -73,7 +73,7 @@ fn blanks_have_the_volume_of_their_outline() {
     assert_near("disc", outline.volume(), PI * 1600.0 * 30.0, 1e-9);
     let stock = SolidStock::new(&disc(), 0.25).expect("it fits");
     assert_near("disc, by rays", stock.volume(), outline.volume(), 5e-3);
-    assert_near("disc", StockSurface::of(&stock).volume(), outline.volume(), 2e-5);
+    assert_near("disc", StockSurface::from_stock(&stock).volume(), outline.volume(), 2e-5);
 }
 
 #[test]
@@ -203,7 +203,7 @@ fn runs_of_short_cuts_equal_the_cuts_one_by_one() {
         pose(tip, [tilt.sin() * turn.cos(), tilt.sin() * turn.sin(), tilt.cos()])
     };
     let moves: Vec<SolidMove> = (0..60).map(|k| feed(k, at(k), at(k + 1))).collect();
-    let bare = [SolidTool { segments: Vec::new(), ..SolidTool::of(&tool(8.0, 2.0)) }];
+    let bare = [SolidTool { segments: Vec::new(), ..SolidTool::from_tool(&tool(8.0, 2.0)) }];
     let mut whole = SolidStock::new(&disc(), spacing).expect("a stock");
     let mut single = whole.clone();
     whole.make_moves(&bare, &moves, &Monitor::default()).expect("made");
@@ -217,14 +217,14 @@ fn runs_of_short_cuts_equal_the_cuts_one_by_one() {
 
 #[test]
 fn assemblies_are_those_of_the_setup() {
-    let plain = SolidTool::of(&tool(10.0, 1.0));
+    let plain = SolidTool::from_tool(&tool(10.0, 1.0));
     assert_eq!(plain.segments.len(), 1);
     assert_eq!(plain.segments[0].part, ToolPart::Holder);
     let mut described = tool(10.0, 1.0);
     described.assembly.flute_length = Some(15.0);
     described.assembly.shank = vec![[8.0, 20.0]];
     described.assembly.holder = vec![[24.0, 30.0, 12.0], [50.0, 50.0, 20.0]];
-    let solid = SolidTool::of(&described);
+    let solid = SolidTool::from_tool(&described);
     assert_eq!(solid.cutting_length, 15.0);
     let parts: Vec<ToolPart> = solid.segments.iter().map(|segment| segment.part).collect();
     assert_eq!(parts, [ToolPart::Shank, ToolPart::Holder, ToolPart::Holder]);
@@ -262,14 +262,14 @@ fn the_order_of_plunges_and_the_number_of_threads_do_not_matter() {
     assert_eq!(ends_of(&first), ends_of(&alone));
     assert_eq!(first.volume().to_bits(), alone.volume().to_bits());
     assert_eq!(contacts, same);
-    let surfaces = [StockSurface::of(&first), single.install(|| StockSurface::of(&alone))];
+    let surfaces = [StockSurface::from_stock(&first), single.install(|| StockSurface::from_stock(&alone))];
     assert_eq!(surfaces[0].triangles, surfaces[1].triangles);
     assert_eq!(surfaces[0].points, surfaces[1].points);
 }
 
 #[test]
 fn a_program_goes_on_from_a_stock_kept_on_the_way() {
-    let tools = [SolidTool::of(&tool(10.0, 1.0))];
+    let tools = [SolidTool::from_tool(&tool(10.0, 1.0))];
     let monitor = Monitor::default();
     // The states on the way, and the stock at the end.
     let states = |moves: &[SolidMove]| {
@@ -318,8 +318,8 @@ fn a_core_is_found_as_deep_as_it_is_in_stock() {
     assert_eq!(contacts.len(), 1, "{contacts:?}");
     assert_eq!((contacts[0].number, contacts[0].part), (3, ToolPart::Core));
     assert!((contacts[0].depth - 18.0).abs() < 1e-6, "{contacts:?}");
-    let wide = SolidTool::of(&tool(30.0, 0.0));
-    let tools = [wide, SolidTool::of(&cutter)];
+    let wide = SolidTool::from_tool(&tool(30.0, 0.0));
+    let tools = [wide, SolidTool::from_tool(&cutter)];
     let second = SolidMove { tool: 1, ..plunge(4, first.to) };
     let (_, contacts) = cut_with(&disc(), spacing, &tools, &[first, second]);
     assert!(contacts.is_empty(), "{contacts:?}");
@@ -327,7 +327,7 @@ fn a_core_is_found_as_deep_as_it_is_in_stock() {
     let (_, contacts) = cut_with(&disc(), spacing, &tools, &[first, deeper]);
     assert!((contacts[0].depth - 3.0).abs() < 1e-6, "{contacts:?}");
     // Rounding leaves nothing between the corner and the flank of an inclined cutter.
-    let round = [SolidTool::of(&tool(30.0, 0.8)), SolidTool::of(&cutter)];
+    let round = [SolidTool::from_tool(&tool(30.0, 0.8)), SolidTool::from_tool(&cutter)];
     for i in 0..40 {
         let axis = [0.01 * f64::from(i), 0.3 - 0.013 * f64::from(i), 1.0];
         let first = plunge(3, pose([1.0, 2.0, 12.0], axis));
@@ -365,15 +365,17 @@ fn rapids_and_holders_in_stock_are_found() {
 fn shanks_and_tapers_are_cones() {
     // A cone of half angle 20° plunged to 10 mm below the top, with a tip of 1 mm radius.
     let taper = 20f64.to_radians();
-    let cutter = SolidTool { taper_rad: taper, cutting_length: 40.0, ..SolidTool::of(&tool(2.0, 0.0)) };
+    let cutter =
+        SolidTool { taper_rad: taper, cutting_length: 40.0, ..SolidTool::from_tool(&tool(2.0, 0.0)) };
     let top = 1.0 + 10.0 * taper.tan();
     let step = feed(0, pose([0.0, 0.0, 40.0], [0.0, 0.0, 1.0]), pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]));
     let bare = [SolidTool { segments: Vec::new(), ..cutter }];
-    let surface = StockSurface::of(&cut_with(&disc(), 0.2, &bare, &[step]).0);
+    let surface = StockSurface::from_stock(&cut_with(&disc(), 0.2, &bare, &[step]).0);
     assert_near("cone", disc().volume() - surface.volume(), PI / 3.0 * 10.0 * (1.0 + top + top * top), 2e-3);
     // A shank wider than its cutter rubs where the cutter left too little room.
     let segment = SolidSegment { part: ToolPart::Shank, from: 5.0, length: 50.0, lower: 6.0, upper: 8.0 };
-    let thin = SolidTool { cutting_length: 5.0, segments: vec![segment], ..SolidTool::of(&tool(8.0, 0.0)) };
+    let thin =
+        SolidTool { cutting_length: 5.0, segments: vec![segment], ..SolidTool::from_tool(&tool(8.0, 0.0)) };
     let (_, contacts) =
         cut_with(&disc(), 0.5, &[thin], &[plunge(0, pose([0.0, 0.0, 20.0], [0.0, 0.0, 1.0]))]);
     assert_eq!(contacts.iter().map(|c| c.part).collect::<Vec<_>>(), [ToolPart::Shank]);
@@ -392,7 +394,7 @@ fn a_closed_mesh_is_a_blank_and_an_open_one_is_not() {
     let blank = MeshBlank::new(&mesh).expect("it is closed");
     assert_near("cube", blank.volume(), 8000.0, 1e-12);
     let stock = SolidStock::new(&SolidBlank::Mesh(blank), 0.3).expect("it fits");
-    let surface = StockSurface::of(&stock);
+    let surface = StockSurface::from_stock(&stock);
     assert_near("cube", surface.volume(), 8000.0, 1e-5);
     assert_closed(&surface);
     mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
@@ -414,7 +416,7 @@ fn impossible_spacings_are_refused() {
     };
     assert!((0.01..0.1).contains(&least), "{least}");
     let coarse = SolidStock::new(&disc(), 1000.0).expect("coarse, but possible");
-    assert_closed(&StockSurface::of(&coarse));
+    assert_closed(&StockSurface::from_stock(&coarse));
 }
 
 #[test]
@@ -422,7 +424,7 @@ fn a_cancelled_run_ends() {
     let monitor = Monitor::default();
     monitor.cancel();
     let mut stock = SolidStock::new(&disc(), 1.0).expect("it fits");
-    let tools = [SolidTool::of(&tool(10.0, 0.0))];
+    let tools = [SolidTool::from_tool(&tool(10.0, 0.0))];
     let result = stock.make_moves(&tools, &many_plunges(3), &monitor);
     assert_eq!(result, Err(SolidError::Cancelled(crate::monitor::Cancelled)));
 }

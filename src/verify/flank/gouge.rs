@@ -52,7 +52,7 @@ impl StepSurroundings<'_> {
     fn hub(&self, cutter: &CutterSolid) -> f64 {
         let cap = self.hub_allowance + CLEARANCE_CAP;
         let centre = cutter.tip + cutter.axis * cutter.corner_radius;
-        let (_, distance) = self.finished.hub.curve().project(Meridional::of(&centre));
+        let (_, distance) = self.finished.hub.curve().project(Meridional::from_point(&centre));
         if distance.abs() > 2.5 * cutter.radius + cap {
             cap
         } else {
@@ -67,7 +67,7 @@ impl StepSurroundings<'_> {
             return false;
         }
         let holder = tool.holder(cutter.tip, cutter.axis);
-        let (_, distance) = self.finished.hub.curve().project(Meridional::of(&holder.tip));
+        let (_, distance) = self.finished.hub.curve().project(Meridional::from_point(&holder.tip));
         !self.finished.clears(&holder, self.blade_allowance - HOLDER_TOLERANCE)
             || (distance < holder.radius && self.finished.hub_clearance(&holder) < 0.0)
     }

@@ -87,12 +87,12 @@ impl StandingStock {
         moves: Vec<SolidMove>,
         monitor: &Monitor,
     ) -> Result<Vec<Contact>, SolidError> {
-        let solid = SolidBlank::of(part, blank);
+        let solid = SolidBlank::from_part(part, blank);
         let (low, high) = solid.bounds();
         let spacing = SPACING_SHARE * (high.x - low.x).max(high.y - low.y);
         let margin = self.holder_margin * spacing;
         let solid_tools: Vec<SolidTool> =
-            tools.iter().map(|tool| SolidTool::of(&with_thicker_holder(tool, margin))).collect();
+            tools.iter().map(|tool| SolidTool::from_tool(&with_thicker_holder(tool, margin))).collect();
         let alike = self.moves.iter().zip(&moves).take_while(|(known, new)| known == new).count();
         self.kept.retain(|kept| kept.made + MAX_RUN <= alike);
         self.moves = moves;

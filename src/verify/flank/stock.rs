@@ -79,7 +79,7 @@ impl FloorResult {
     ) -> Result<(Uncovered, ResidualStatistics), Cancelled> {
         Ok(match &self.left {
             Some(ResidualFloor { grid, heights, finest }) => {
-                let uncovered = Uncovered::of(workpiece, setup, finest, grid, heights, monitor)?;
+                let uncovered = Uncovered::from_workpiece(workpiece, setup, finest, grid, heights, monitor)?;
                 (uncovered, statistics(grid, heights, |_| true))
             }
             None => (Uncovered { gap: 1.0, ..Uncovered::default() }, ResidualStatistics::default()),

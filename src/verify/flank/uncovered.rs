@@ -46,7 +46,7 @@ impl Uncovered {
     ///
     /// # Errors
     /// When cancelled.
-    pub(super) fn of(
+    pub(super) fn from_workpiece(
         workpiece: &Workpiece,
         setup: &Setup,
         tool: &Tool,
@@ -140,7 +140,7 @@ impl CornerBall<'_> {
             }
             centre += along * (lacking / along.norm_squared());
             // Back onto the floor's offset.
-            let at = Meridional::of(&centre);
+            let at = Meridional::from_point(&centre);
             let (t, _) = hub.project(at);
             let place = hub.at(t);
             let angle = centre.y.atan2(centre.x);

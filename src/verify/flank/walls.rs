@@ -64,7 +64,7 @@ pub(super) fn wall_deviation(
                 flank.point(u, j as f64 / (LINES - 1) as f64)
             })
         })
-        .filter(|p| hub.project(Meridional::of(p)).1 > uncut)
+        .filter(|p| hub.project(Meridional::from_point(p)).1 > uncut)
         .collect();
     let left: Vec<f64> = samples
         .par_iter()

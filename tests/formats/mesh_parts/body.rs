@@ -60,7 +60,7 @@ impl Patches {
         let curve = part.hub.curve();
         let foot = |side: &BladeSide| {
             let p = side.point(0.0, 0.0);
-            (curve.project(Meridional::of(&p)).0, p.y.atan2(p.x))
+            (curve.project(Meridional::from_point(&p)).0, p.y.atan2(p.x))
         };
         let ((t, from), (_, to)) = (foot(&part.main.suction), foot(&part.main.pressure));
         let begin = curve.point(0.5 * t);
@@ -145,7 +145,7 @@ impl<'a> Foot<'a> {
     }
 
     fn place(&self, p: &Point) -> (f64, f64) {
-        (self.curve.project(Meridional::of(p)).0, p.y.atan2(p.x))
+        (self.curve.project(Meridional::from_point(p)).0, p.y.atan2(p.x))
     }
 
     /// Direction along hub or shroud away from the side; at the nose of a blade straight upstream.
@@ -190,7 +190,7 @@ impl<'a> Foot<'a> {
 
 impl Body {
     /// The patches of a part's main blades and channels.
-    pub fn of(&self, part: &Impeller) -> Patches {
+    pub fn built_on(&self, part: &Impeller) -> Patches {
         let Self { along, across, high, fillet, cover } = *self;
         let [mut hub, mut top, mut fillets, mut blades] = [(); 4].map(|()| TriangleMesh::default());
         let sides = [&part.main.suction, &part.main.pressure];

@@ -40,7 +40,7 @@ fn soups_of_triangles_with_rounded_corners_give_the_part_back() {
         same(&part, &back(changed(separate(&part), soup), &turning(&part)), 0.02);
     }
     let part = sample("impeller532.toml");
-    let whole = vec![named("Solid1".into(), 0, Body::default().of(&part).whole())];
+    let whole = vec![named("Solid1".into(), 0, Body::default().built_on(&part).whole())];
     same(&part, &back(changed(whole, soup), &turning(&part)), 0.02);
 }
 
@@ -81,7 +81,8 @@ fn holes_are_filled_or_refused_with_their_place() {
         }
     }
     let part = sample("impeller532.toml");
-    let whole = |step| vec![named("Solid1".into(), 0, holed(&Body::default().of(&part).whole(), step, 1))];
+    let whole =
+        |step| vec![named("Solid1".into(), 0, holed(&Body::default().built_on(&part).whole(), step, 1))];
     assert!(judged(&part, whole(400), "in one mesh"));
     // A hole in the middle of each blade.
     let window = |m: &TriangleMesh| {

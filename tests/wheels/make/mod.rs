@@ -44,11 +44,11 @@ const MAX_WRAP: f64 = 0.5 * TAU;
 /// are reduced until inclination and passage width are within what can be milled. `None` with fewer than four
 /// blades.
 fn sensible(mut spec: Spec, name: &str) -> Option<Wheel> {
-    let walls = Walls::of(&spec);
+    let walls = Walls::from_spec(&spec);
     let (mut twist, mut wrap) = (1.0, 1.0);
     for _ in 0..200 {
         let surface = CamberSurface { spec: &spec, walls: &walls, twist, wrap };
-        let measures = Measures::of(&surface);
+        let measures = Measures::from_surface(&surface);
         if measures.angle > MAX_ANGLE || measures.wrap > MAX_WRAP {
             wrap *= 0.96;
         } else if measures.lean > MAX_LEAN && twist > 0.05 {
@@ -90,7 +90,7 @@ struct Measures {
 }
 
 impl Measures {
-    fn of(surface: &CamberSurface<'_>) -> Self {
+    fn from_surface(surface: &CamberSurface<'_>) -> Self {
         let (spec, walls) = (surface.spec, surface.walls);
         let cambers = [0.0, 0.5, 1.0].map(|eta| (eta, surface.on(eta)));
         let mut measures =

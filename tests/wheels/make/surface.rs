@@ -47,7 +47,7 @@ pub struct Walls {
 }
 
 impl Walls {
-    pub fn of(spec: &Spec) -> Self {
+    pub fn from_spec(spec: &Spec) -> Self {
         let Spec { rim, eye, tip, depth, outlet, .. } = *spec;
         let place = |r: f64, z: f64| Meridional { r: r * rim, z: z * rim };
         if spec.kind.is_flat() {

@@ -14,7 +14,8 @@ impl AppState {
             shown.is_some_and(|shown| known.is_of(shown.planned, shown.policy, count))
         };
         if !self.channels.as_ref().is_some_and(is_known) {
-            self.channels = shown.and_then(|shown| ShownChannels::of(shown.planned, shown.policy, count));
+            self.channels =
+                shown.and_then(|shown| ShownChannels::from_planned(shown.planned, shown.policy, count));
         }
         let Some(channels) = &self.channels else {
             self.look.channels_cut = None;

@@ -188,7 +188,7 @@ impl AppState {
 
     /// Stores a flank plan and shows it.
     pub fn take_flank(&mut self, outcome: FlankOutcome) {
-        self.results.passes = Arc::new(FlankPasses::of(&outcome.plan));
+        self.results.passes = Arc::new(FlankPasses::from_plan(&outcome.plan));
         (self.look.flank.cut, self.look.flank.pass, self.look.playing) = (None, None, None);
         self.results.flank = Some(Arc::new(outcome));
         self.look.flank.shown = true;

@@ -12,7 +12,7 @@ pub struct FrontTabs(HashMap<TileId, TileId>);
 
 impl FrontTabs {
     /// The tabs in front in `tree`.
-    pub fn of(tree: &Tree<DockPanel>) -> Self {
+    pub fn from_tree(tree: &Tree<DockPanel>) -> Self {
         let fronts = tree.tiles.iter().filter_map(|(&id, tile)| match tile {
             Tile::Container(Container::Tabs(tabs)) => Some((id, tabs.active?)),
             _ => None,
@@ -46,7 +46,7 @@ impl FrontTabs {
             let is_hidden = !tree.tiles.is_visible_in_layout(*front);
             is_hidden && tree.tiles.get_container(*id).is_some_and(|container| container.has_child(*front))
         };
-        let mut fronts = Self::of(tree).0;
+        let mut fronts = Self::from_tree(tree).0;
         fronts.extend(self.0.iter().filter(|(id, front)| hidden(id, front)).map(|(id, front)| (*id, *front)));
         self.0 = fronts;
     }

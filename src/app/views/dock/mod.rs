@@ -54,16 +54,16 @@ pub struct Dock {
 
 impl Default for Dock {
     fn default() -> Self {
-        Self::of(&Layout::default())
+        Self::from_layout(&Layout::default())
     }
 }
 
 impl Dock {
     /// The panels arranged by `layout`.
-    pub fn of(layout: &Layout) -> Self {
+    pub fn from_layout(layout: &Layout) -> Self {
         let tree = stored::tree_of(&layout.docked);
         Self {
-            fronts: FrontTabs::of(&tree),
+            fronts: FrontTabs::from_tree(&tree),
             tree,
             kept: HashMap::new(),
             details_height: FIRST_DETAILS,
@@ -283,7 +283,7 @@ impl App {
 
     /// Arranges the panels by a stored layout.
     pub(in crate::app) fn take_layout(&mut self, layout: &Layout) {
-        self.dock = Dock::of(layout);
+        self.dock = Dock::from_layout(layout);
         self.state.look.panels = layout.panels();
     }
 }

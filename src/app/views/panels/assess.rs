@@ -64,7 +64,7 @@ fn shown_length(value: f64, units: DisplayUnits) -> String {
 fn figures(ui: &mut Ui, assessed: &AssessedPart) {
     let measured = &assessed.assessment;
     let (narrow, wide) = measured.width_range();
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let mm = |value: f64| shown_length(value, units);
     let is_known = narrow.is_finite() && wide.is_finite();
     let widths = if is_known { units.range(narrow, wide, 2) } else { mm(narrow) };
@@ -148,7 +148,7 @@ fn reach(ui: &mut Ui, assessed: &AssessedPart) {
         }
         ui.end_row();
         for section in assessed.sections() {
-            let tool = units::of(ui).diameter(section.tool.diameter);
+            let tool = units::display_units(ui).diameter(section.tool.diameter);
             ui.label(format!("{tool}, {:.2}–{:.2}", section.from, section.to));
             for class in classes {
                 ui.label(format!("{:.1}", 100.0 * map.share_between(section.from, section.to, class)));

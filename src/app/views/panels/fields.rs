@@ -115,7 +115,7 @@ pub fn number_box(
     automatic: Option<&str>,
 ) -> (Response, Typed) {
     let least = if automatic.is_some() { 0.0 } else { spec.min };
-    let (quantity, units) = (spec.quantity(), units::of(ui));
+    let (quantity, units) = (spec.quantity(), units::display_units(ui));
     let write = |value: f64| match automatic {
         Some(words) if value <= 0.0 => words.to_owned(),
         _ => show(value, spec, units),

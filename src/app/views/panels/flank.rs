@@ -178,7 +178,7 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
             }
         }
         FlankColours::Feed => {
-            let ((slow, fast), units) = (feed_range(&plan.moves), units::of(ui));
+            let ((slow, fast), units) = (feed_range(&plan.moves), units::display_units(ui));
             patch(ui, end(0), &units.feed(slow));
             patch(ui, end(TABLE_LEN - 1), &units.feed(fast));
             patch(ui, RAPID_COLOUR, "rapid");

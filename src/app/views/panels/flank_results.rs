@@ -108,7 +108,7 @@ fn faults(ui: &mut Ui, outcome: &FlankOutcome) {
 
 fn table(ui: &mut Ui, outcome: &FlankOutcome) {
     let (plan, curves) = (&outcome.plan, &outcome.plan.layout);
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let length_head = match units {
         DisplayUnits::Metric => "Length m",
         DisplayUnits::Inch => "Length in",

@@ -16,7 +16,7 @@ enum GoalKind {
 }
 
 impl GoalKind {
-    fn of(goal: Goal) -> Self {
+    fn from_goal(goal: Goal) -> Self {
         match goal {
             Goal::Stock { .. } => Self::Stock,
             Goal::Balance => Self::Balance,
@@ -87,7 +87,7 @@ enum FinishingKind {
 }
 
 impl FinishingKind {
-    fn of(finishing: SemiFinishing) -> Self {
+    fn from_finishing(finishing: SemiFinishing) -> Self {
         match finishing {
             SemiFinishing::Rate { .. } => Self::Rate,
             SemiFinishing::Passes { .. } => Self::Passes,
@@ -154,12 +154,11 @@ const FINISH_PASS_TIME: FieldSpec = FieldSpec {
 
 /// Rows of the time of semi-finishing; `known` are the values given before.
 fn finishing_rows(ui: &mut Ui, finishing: &mut SemiFinishing, known: &KnownGoals) {
-    let before = FinishingKind::of(*finishing);
+    let before = FinishingKind::from_finishing(*finishing);
     let mut kind = before;
-    fields::choice_row(ui, &mut kind, FinishingKind::of(FINISHING), &FINISHING_KIND);
+    fields::choice_row(ui, &mut kind, FinishingKind::from_finishing(FINISHING), &FINISHING_KIND);
     if kind != before {
-        let is_it =
-            |goal: &Goal| matches!(goal, Goal::Total { finishing } if FinishingKind::of(*finishing) == kind);
+        let is_it = |goal: &Goal| matches!(goal, Goal::Total { finishing } if FinishingKind::from_finishing(*finishing) == kind);
         *finishing = match (known.latest(is_it), kind) {
             (Some(Goal::Total { finishing }), _) => finishing,
             (_, FinishingKind::Rate) => FINISHING,
@@ -180,13 +179,13 @@ fn finishing_rows(ui: &mut Ui, finishing: &mut SemiFinishing, known: &KnownGoals
 /// Rows of the goal and its limit; `first` is the first tool of the plan, `known` what was given before.
 pub fn goal_rows(ui: &mut Ui, goal: &mut Goal, known: &mut KnownGoals, default: Goal, first: Option<&Tool>) {
     known.note(*goal);
-    let before = GoalKind::of(*goal);
+    let before = GoalKind::from_goal(*goal);
     let mut kind = before;
-    fields::choice_row(ui, &mut kind, GoalKind::of(default), &GOAL);
+    fields::choice_row(ui, &mut kind, GoalKind::from_goal(default), &GOAL);
     let share = MAX_STOCK_SHARE * first.map_or(20.0, |tool| tool.diameter);
     let default_stock = (100.0 * share).round() / 100.0;
     if kind != before {
-        let given = known.latest(|goal| GoalKind::of(*goal) == kind);
+        let given = known.latest(|goal| GoalKind::from_goal(*goal) == kind);
         *goal = given.unwrap_or(match kind {
             GoalKind::Stock => Goal::Stock { max_time_min: None },
             GoalKind::Balance => Goal::Balance,

@@ -206,7 +206,7 @@ const BOTH: f64 = 0.0;
 
 /// The fields of the least and the greatest diameter shown; returns their place.
 fn diameters(ui: &mut Ui, form: Id, [least, most]: &mut [f64; 2]) -> Rect {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let label = ui.label("Ø").on_hover_text(format!("{DIAMETERS}, {}", units.length_unit()));
     let [lowest, highest] = ALL_DIAMETERS;
     let show = |mm: f64| units.short(mm, 1);
@@ -229,7 +229,7 @@ fn diameters(ui: &mut Ui, form: Id, [least, most]: &mut [f64; 2]) -> Rect {
 }
 
 fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let count = library.shown(units).len();
     ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;

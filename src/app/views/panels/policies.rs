@@ -43,7 +43,7 @@ fn lines(ui: &mut Ui, policy: RichText, result: &PolicyResult, channels: usize) 
     });
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        let units = units::of(ui);
+        let units = units::display_units(ui);
         for (figure, tip) in [
             (
                 format!("{} {}", format_residual(summary, units), units.length_unit()),

@@ -385,7 +385,7 @@ fn remarks(ui: &mut Ui, position: &Position) {
         ui.label(format!("Limited by: {}", held.words()));
     }
     if position.lift > 0.02 {
-        ui.label(format!("Ends {} above full depth", units::of(ui).length(position.lift, 2)));
+        ui.label(format!("Ends {} above full depth", units::display_units(ui).length(position.lift, 2)));
     }
 }
 

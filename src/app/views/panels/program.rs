@@ -130,7 +130,7 @@ fn details(ui: &mut Ui, finding: &ProgramFinding) {
     }
     if let Some(place) = &finding.place {
         let (p, a) = (place.tip, place.axis);
-        let units = units::of(ui);
+        let units = units::display_units(ui);
         let tip = [p.x, p.y, p.z].map(|mm| units.number(mm, 3)).join(" ");
         ui.label(format!("Tip {tip} {}", units.length_unit()));
         ui.label(format!(

@@ -30,7 +30,7 @@ struct AxisCurve {
 }
 
 impl AxisCurve {
-    fn of(plan: &ProgramOnMachine, axis: usize, colour: Color32) -> Self {
+    fn from_plan(plan: &ProgramOnMachine, axis: usize, colour: Color32) -> Self {
         let value = |at: &Option<_>| {
             at.as_ref().map_or(f64::NAN, |at: &AxisPositions| at.pose.angles[axis].to_degrees())
         };
@@ -84,7 +84,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     let classes = if ui.visuals().dark_mode { [0, 1] } else { [3, 2] };
     let colours = classes.map(|k| theme::colour(category(k)));
     let axes = plan.rotary_by_letter();
-    let curves = [0, 1].map(|k| AxisCurve::of(plan, axes[k], colours[k]));
+    let curves = [0, 1].map(|k| AxisCurve::from_plan(plan, axes[k], colours[k]));
     let count = plan.ends.len();
     let inner = Rect::from_min_max(rect.min + egui::vec2(5.0, HEAD), rect.max - egui::vec2(5.0, 5.0));
     let scale = PositionScale { inner, count };

@@ -232,7 +232,7 @@ fn dimensions(
     view: &SectionView,
     position: &Position,
 ) {
-    let (ink, units) = (ui.visuals().strong_text_color(), units::of(ui));
+    let (ink, units) = (ui.visuals().strong_text_color(), units::display_units(ui));
     let short = |mm: f64| units.short(mm, 2);
     let (radius, core) = (view.tool.radius(), view.tool.core_radius());
     let high = frame.top();
@@ -342,7 +342,7 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
 
 /// The figures below the drawing.
 fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let mut facts = vec![
         format!("lead {:.2}°", position.alpha_rad.to_degrees()),
         format!("tilt in this cut {:.2}°", view.lead_rad.to_degrees()),

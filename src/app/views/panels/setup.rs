@@ -156,7 +156,7 @@ enum BlankChoice {
 }
 
 impl BlankChoice {
-    fn of(shape: &BlankShape) -> Self {
+    fn from_shape(shape: &BlankShape) -> Self {
         match shape {
             BlankShape::Edges => Self::Edges,
             BlankShape::Turned => Self::Turned,
@@ -191,8 +191,8 @@ const BLANK: ChoiceSpec<BlankChoice> = ChoiceSpec {
 
 /// Rows of the blank, and of its file if it has one; whether a file is to be asked for.
 fn blank_rows(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) -> bool {
-    let mut choice = BlankChoice::of(shape);
-    fields::choice_row(ui, &mut choice, BlankChoice::of(default), &BLANK);
+    let mut choice = BlankChoice::from_shape(shape);
+    fields::choice_row(ui, &mut choice, BlankChoice::from_shape(default), &BLANK);
     match (choice, &*shape) {
         (BlankChoice::Edges, _) => *shape = BlankShape::Edges,
         (BlankChoice::Turned, _) => *shape = BlankShape::Turned,

@@ -57,7 +57,7 @@ impl StudyPanel {
 }
 
 fn content(ui: &mut Ui, table: &mut StudyTable, figures: &mut StudyPlot) -> Option<usize> {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     head(ui, table);
     let height = (PLOT_SHARE * ui.available_height()).max(MIN_PLOT);
     table.selected = figures.show(ui, table, height, units).or(table.selected);

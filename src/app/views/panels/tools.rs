@@ -75,7 +75,7 @@ fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change
 }
 
 fn summary(ui: &mut Ui, setup: &Setup) {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for head in ["Tool", "Insert", "From s", "To s"] {
             ui.label(RichText::new(head).weak());
@@ -97,7 +97,8 @@ fn summary(ui: &mut Ui, setup: &Setup) {
 fn uses(ui: &mut Ui, planned: &DisplayPlan) {
     let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
     for (k, section) in plan.sections.iter().enumerate() {
-        let tool = format!("T{} {}", section.tool.number, units::of(ui).diameter(section.tool.diameter));
+        let tool =
+            format!("T{} {}", section.tool.number, units::display_units(ui).diameter(section.tool.diameter));
         // A tool may have several sections.
         let is_only = plan.sections.iter().filter(|of| of.tool.number == section.tool.number).count() == 1;
         let tool = if is_only { tool } else { format!("Section {}, {tool}", k + 1) };
@@ -124,7 +125,7 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
         (setup.tools.len() > MAX_LISTED).then(|| used_numbers(setup, chosen.unwrap_or(setup)));
     let is_listed = |tool: &Tool| used.as_ref().is_none_or(|used| used.contains(&tool.number));
     for (k, tool) in setup.tools.iter_mut().enumerate().filter(|(_, tool)| is_listed(tool)) {
-        let units = units::of(ui);
+        let units = units::display_units(ui);
         let insert = format!("{} {}", units.size(tool.insert_width), units.length_unit());
         let name = format!("T{}  {}, insert {insert}", tool.number, units.diameter(tool.diameter));
         let is_faulty = field_faults::is_any(ui, FieldScope::Tool(k));

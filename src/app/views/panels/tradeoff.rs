@@ -304,7 +304,7 @@ fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f64> {
             inner.bottom() - inner.height() * (stock / top) as f32,
         )
     };
-    let (painter, units) = (ui.painter_at(rect), units::of(ui));
+    let (painter, units) = (ui.painter_at(rect), units::display_units(ui));
     let font = FontId::proportional(theme::MIN_TEXT_SIZE);
     let (ink, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
     painter.rect_filled(inner, 2.0, ui.visuals().extreme_bg_color);

@@ -151,10 +151,10 @@ fn interferential(ui: &mut Ui, state: &AppState, before: &PolicyResult, after: &
         "Core meets stock: {} of {} plunges before (deepest {}), {} of {} after (deepest {})",
         before.interfering,
         before.positions,
-        units::of(ui).length(before.max_contact_depth, 2),
+        units::display_units(ui).length(before.max_contact_depth, 2),
         after.interfering,
         after.positions,
-        units::of(ui).length(after.max_contact_depth, 2),
+        units::display_units(ui).length(after.max_contact_depth, 2),
     );
     let breach = |k: Breach| plan.positions.iter().filter(|p| p.evaluation.breach == Some(k)).count();
     let breaches = Breach::ALL.map(|kind| (breach(kind), kind.words()));
@@ -171,7 +171,7 @@ fn interferential(ui: &mut Ui, state: &AppState, before: &PolicyResult, after: &
 /// `begin`: what stands before its words, or begins the next line.
 fn clearance(ui: &mut Ui, name: &str, value: f64, allowance: f64, begin: fn(&mut Ui, &[&str])) {
     let short = falls_short(value, allowance);
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     let allowance = format!("{} {}", units.short(allowance, 6), units.length_unit());
     let tip = format!("Least distance of a cutter to the finished surface; the allowance is {allowance}");
     let text = units.known_length(value, 2) + if short { " (too little)" } else { "" };

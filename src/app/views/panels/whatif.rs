@@ -104,7 +104,7 @@ fn cells(ui: &mut Ui, figures: Option<SetFigures>, channels: usize) {
         let text = match k {
             0 => RichText::new(f.positions.to_string()),
             1 => RichText::new(f.interferential.to_string()).color(of.text(ui.visuals())),
-            2 => RichText::new(units::of(ui).pair(f.residual_mean, f.residual_p95, 2)),
+            2 => RichText::new(units::display_units(ui).pair(f.residual_mean, f.residual_p95, 2)),
             // Older projects do not have it: links from channel to channel are then left out.
             _ => RichText::new(format_duration(f.wheel_time.unwrap_or(f.time * channels as f64))),
         };

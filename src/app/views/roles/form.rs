@@ -47,7 +47,7 @@ fn list<T: PartialEq + Copy>(
 /// The table of nodes. A click on a name highlights the node; with `Choices::alike` a role applies to all
 /// nodes of its shape.
 pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height: f32) {
-    let (scale, units) = (choices.unit.mm(), units::of(ui));
+    let (scale, units) = (choices.unit.mm(), units::display_units(ui));
     let size_title = match units {
         DisplayUnits::Metric => "Size, mm",
         DisplayUnits::Inch => "Size, in",
@@ -100,7 +100,7 @@ fn size(mm: f64, units: DisplayUnits) -> String {
 
 /// Settings of the file: unit, axis, number of blades, sense of rotation.
 pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
-    let units = units::of(ui);
+    let units = units::display_units(ui);
     Grid::new("mesh file").num_columns(2).show(ui, |ui| {
         ui.label("Unit");
         ui.horizontal(|ui| {

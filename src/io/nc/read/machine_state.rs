@@ -323,7 +323,7 @@ impl<'a> NcState<'a> {
             self.context.tools.iter().find(|tool| tool.number == number).map(|tool| ClTool {
                 feed_mm_per_min: None,
                 spindle_rpm: None,
-                ..ClTool::of(tool)
+                ..ClTool::from_tool(tool)
             })
         });
         let Some(tool) = tool else {

@@ -20,7 +20,7 @@ struct Net {
 impl Net {
     /// The side is a C2 cubic along the blade, and linear or a C1 cubic across it: its control curves across
     /// are those of Bézier pieces without the inner end points, which double knots imply.
-    fn of(side: &BladeSide) -> Self {
+    fn from_side(side: &BladeSide) -> Self {
         let along = side.u_knots().to_vec();
         let across = side.stations().to_vec();
         let ruled = side.is_ruled();
@@ -80,7 +80,7 @@ impl Net {
 /// A blade as a solid; `floors` are the instances of the surfaces of hub and shroud.
 pub fn blade_body(out: &mut Instances, part: &Impeller, blade: &Blade, floors: [u32; 2], name: &str) -> u32 {
     let sides = [&blade.suction, &blade.pressure];
-    let nets = sides.map(Net::of);
+    let nets = sides.map(Net::from_side);
     let at = |which: usize, u: f64, v: f64| sides[which].point(u, v);
     let apart = (0..=16).map(|k| f64::from(k) / 16.0).map(|v| (at(0, 1.0, v) - at(1, 1.0, v)).norm());
     let blunt = apart.fold(0.0, f64::max) > MEETING;
@@ -141,7 +141,7 @@ pub fn blade_body(out: &mut Instances, part: &Impeller, blade: &Blade, floors: [
     }
     let p = blade.suction.point(0.5, 0.5);
     let outwards = |path: &crate::part::Flowpath, away: f64| {
-        let here = path.curve().at(path.curve().project(Meridional::of(&p)).0);
+        let here = path.curve().at(path.curve().project(Meridional::from_point(&p)).0);
         // Normal of a surface of revolution: to the right of its curve.
         (here.tangent.z * here.normal.r - here.tangent.r * here.normal.z) * away > 0.0
     };

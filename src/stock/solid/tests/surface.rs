@@ -16,7 +16,7 @@ fn the_surface_is_closed_and_on_the_solid() {
     for (cutter, count) in [(tool(12.0, 2.0), 25), (tool(9.0, 0.0), 60), (tool(10.0, 5.0), 30)] {
         let moves = many_plunges(count);
         let (stock, _) = cut(&disc(), spacing, &cutter, &moves);
-        let surface = StockSurface::of(&stock);
+        let surface = StockSurface::from_stock(&stock);
         assert!(surface.triangles.len() > 10_000);
         assert_closed(&surface);
         assert_near("enclosed volume", surface.volume(), stock.volume(), 2e-2);
@@ -34,7 +34,7 @@ fn the_surface_is_closed_and_on_the_solid() {
 #[test]
 fn edges_of_the_surface_stay_sharp() {
     // Without sharp vertices the rim of the disc would be cut off by up to a third of the spacing.
-    let surface = StockSurface::of(&SolidStock::new(&disc(), 1.0).expect("it fits"));
+    let surface = StockSurface::from_stock(&SolidStock::new(&disc(), 1.0).expect("it fits"));
     let near_rim = |p: &&Point| (p.x.hypot(p.y) - 40.0).abs() < 0.02 && (p.z - 30.0).abs() < 0.02;
     let sharp = surface.points.iter().filter(near_rim).count();
     assert!(sharp > 200, "{sharp} vertices on the rim");
@@ -46,7 +46,7 @@ fn normals_on_smooth_parts_are_those_of_the_cutter() {
     let to = pose([3.0, -2.0, 10.0], [0.3, 0.1, 1.0]);
     let cutter = tool(14.0, 0.0);
     let (stock, _) = cut(&disc(), 0.8, &cutter, &[plunge(7, to)]);
-    let surface = StockSurface::of(&stock);
+    let surface = StockSurface::from_stock(&stock);
     let mut seen = 0;
     for ((p, n), by) in surface.points.iter().zip(&surface.normals).zip(&surface.cut_by) {
         let d = p - to.tip;

@@ -104,7 +104,7 @@ fn random_unions_have_the_volume_of_the_exact_solids() {
                 .collect();
             let moves: Vec<SolidMove> = swept.iter().zip(0..).map(|(s, k)| plunge(k, s.to)).collect();
             let cutter = tool(2.0 * radius, if is_ball { radius } else { 0.0 });
-            let left = StockSurface::of(&cut(&disc(), spacing, &cutter, &moves).0).volume();
+            let left = StockSurface::from_stock(&cut(&disc(), spacing, &cutter, &moves).0).volume();
             (seed, (left - (whole - exact(&swept))) / whole)
         })
         .collect();
