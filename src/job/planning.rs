@@ -58,18 +58,18 @@ pub(super) fn plan(
     let plan_in = |resolved: Resolved, on_starving, known: &mut PolicyCache, monitor: &Monitor, listener| {
         plan_sections(request, &workpiece, (resolved, on_starving), known, monitor, listener)
     };
-    let outcome = plan_in(resolved.clone(), on_starving, &mut known.plans, monitor, listener)?;
+    let mut outcome = plan_in(resolved.clone(), on_starving, &mut known.plans, monitor, listener)?;
     if !is_search {
         return Ok(outcome);
     }
-    let Some(turned) = starved::reordered(&outcome, &mut known.reordered, monitor)? else {
-        let has_ended = outcome.after.plan.is_unfinished() && !monitor.is_stopped();
-        return match has_ended {
-            // No other order is better: the one that starves is planned to its end.
-            true => plan_in(resolved, OnStarving::GoOn, &mut known.plans, monitor, Listener::default()),
-            false => Ok(outcome),
-        };
-    };
+    let mut turned = starved::reordered(&outcome, &mut known.reordered, monitor)?;
+    if turned.is_none() && outcome.after.plan.is_unfinished() && !monitor.is_stopped() {
+        // By what is planned so far no other order is better: the one that starves is planned to its end, and
+        // all of it is compared.
+        outcome = plan_in(resolved, OnStarving::GoOn, &mut known.plans, monitor, Listener::default())?;
+        turned = starved::reordered(&outcome, &mut known.reordered, monitor)?;
+    }
+    let Some(turned) = turned else { return Ok(outcome) };
     // Its sections are known; a stop leaves the rest to be finished.
     let closing = &monitor.ignoring_stop().silent();
     match plan_in(turned, OnStarving::GoOn, &mut known.reordered, closing, Listener::default()) {

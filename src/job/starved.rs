@@ -40,7 +40,10 @@ pub(super) fn reordered(
     let resolved = Resolved { setup: outcome.setup.clone(), reasons: outcome.reasons.clone() };
     for s in meeting_s(outcome, minimal).into_iter().chain([1.0, 0.0]) {
         let Some(turned) = cutting_order::from_both_ends(&resolved, s) else { continue };
-        let planner = Planner::new(&outcome.workpiece, &turned.setup).ending_where_starved();
+        let mut planner = Planner::new(&outcome.workpiece, &turned.setup);
+        if minimal.plan.is_unfinished() {
+            planner = planner.ending_where_starved();
+        }
         let known = known.policies.entry(AxisPolicy::Minimal).or_default();
         let plan = match planner.plan_cached(AxisPolicy::Minimal, known, &monitor.silent()) {
             Ok(plan) if !plan.is_unfinished() => plan,
@@ -67,8 +70,7 @@ fn uncut_where_planned(outcome: &PlanOutcome, result: &PolicyResult) -> f64 {
     let grid = &outcome.grid;
     let is_planned = |row: &usize| {
         let s = grid.s_of_row(*row);
-        let mut sections = result.plan.sections.iter().filter(|section| !section.is_unfinished());
-        sections.any(|section| section.kind == SectionKind::Rows && (section.to..=section.from).contains(&s))
+        result.plan.sections.iter().any(|section| !section.is_unfinished() && has_rows_at(section, s))
     };
     let left = uncut_areas(grid, &result.field);
     let uncut: f64 = (0..grid.rows).filter(is_planned).map(|row| left[row]).sum();
@@ -83,10 +85,7 @@ fn meeting_s(outcome: &PlanOutcome, minimal: &PolicyResult) -> Option<f64> {
     let (here, free) = (uncut_areas(grid, &minimal.field), uncut_areas(grid, &outcome.before.field));
     let left_by = |direction: CutDirection, row: usize| {
         let s = grid.s_of_row(row);
-        let has_rows = |section: &&SectionPlan| {
-            section.kind == SectionKind::Rows && (section.to..=section.from).contains(&s)
-        };
-        let mut sections = minimal.plan.sections.iter().filter(has_rows);
+        let mut sections = minimal.plan.sections.iter().filter(|section| has_rows_at(section, s));
         if sections.any(|section| section.feed == direction) { here[row] } else { free[row] }
     };
     let left: Vec<[f64; 2]> = (0..grid.rows)
@@ -94,6 +93,11 @@ fn meeting_s(outcome: &PlanOutcome, minimal: &PolicyResult) -> Option<f64> {
         .collect();
     let (rows, least) = best_meeting(&left);
     (least <= MUCH_LESS * here.iter().sum::<f64>()).then_some(rows as f64 / grid.rows as f64)
+}
+
+/// Whether `section` cuts rows at `s`.
+fn has_rows_at(section: &SectionPlan, s: f64) -> bool {
+    section.kind == SectionKind::Rows && (section.to..=section.from).contains(&s)
 }
 
 /// How many of the rows of a floor, those at its inlet, should be cut from the inlet, the others from the
