@@ -15,23 +15,20 @@ use vanecut::toolpath::{Motion, Move};
 
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
-use crate::harness::{Window, pixels_in, settle, snapshot_ui, snapshot_view, with_sample, words};
+use crate::harness::{
+    Window, choose_in_file_menu, choose_in_list, pixels_in, settle, snapshot_ui, snapshot_view, with_sample,
+    words,
+};
 use crate::machine::with_machine;
 
 /// Opens the question how many channels a program is for.
 fn ask(window: &mut Window) {
     window.state_mut().use_own_file_dialogs();
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    window.get_by_label("Export CL of several channels…").click();
-    window.run_steps(3);
+    choose_in_file_menu(window, "Export CL of several channels…");
 }
 
 fn choose(window: &mut Window, list: &str, entry: &str) {
-    window.get_by_role_and_label(Role::ComboBox, list).click();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::Button, entry).click();
-    window.run_steps(3);
+    choose_in_list(window, list, entry);
     settle(window);
 }
 

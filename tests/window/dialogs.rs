@@ -12,7 +12,7 @@ use vanecut::part::BlankShape;
 use vanecut::setup::Setup;
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, press, settle, with_sample};
+use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
 
 /// Types a name into the field of the dialog.
 pub fn name_file(window: &mut Window, name: &Path) {
@@ -44,10 +44,7 @@ fn a_program_can_be_for_some_of_the_channels() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
     window.state_mut().use_own_file_dialogs();
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    window.get_by_label("Export CL of several channels…").click();
-    window.run_steps(3);
+    choose_in_file_menu(&mut window, "Export CL of several channels…");
     window.get_by_label("of 17, from the first on");
     window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(3.0);
     window.run_steps(2);
@@ -127,10 +124,7 @@ fn a_click_beside_a_dialog_loses_nothing() {
         window.run_steps(3);
     }
     assert!(window.query_by_label("Export CL (APT)").is_none(), "Esc closes it");
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    window.get_by_label("Export CL of several channels…").click();
-    window.run_steps(3);
+    choose_in_file_menu(&mut window, "Export CL of several channels…");
     window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(3.0);
     window.run_steps(2);
     click_beside(&mut window);

@@ -153,6 +153,25 @@ pub fn press(window: &mut Window, at: egui::Pos2) {
     }
 }
 
+/// Clicks an item of the menu `File`, by a part of its label: that has its keys, too.
+pub fn choose_in_file_menu(window: &mut Window, item: &str) {
+    use egui_kittest::kittest::Queryable;
+    window.get_by_label("File").click();
+    window.run_steps(2);
+    window.get_by_label_contains(item).click();
+    window.run_steps(3);
+}
+
+/// Opens the list with this label and clicks one of its entries.
+pub fn choose_in_list(window: &mut Window, list: &str, entry: &str) {
+    use egui::accesskit::Role;
+    use egui_kittest::kittest::Queryable;
+    window.get_by_role_and_label(Role::ComboBox, list).click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, entry).click();
+    window.run_steps(3);
+}
+
 /// Clicks the enabled button with this label: the Cancel button of the status bar is disabled while nothing
 /// runs.
 pub fn click_enabled(window: &Window, label: &str) {

@@ -18,24 +18,15 @@ use vanecut::toolpath::ClProgram;
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::flank::with_plan;
-use crate::harness::{Window, click_enabled, press, settle, snapshot_ui, with_sample};
+use crate::harness::{
+    Window, choose_in_file_menu, choose_in_list, click_enabled, press, settle, snapshot_ui, with_sample,
+};
 use crate::machine::{open_narrow_machine, with_machine};
 
 /// Opens the question where the program is to run.
 fn ask(window: &mut Window) {
     window.state_mut().use_own_file_dialogs();
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    // The name of the item has its keys, too.
-    window.get_by_label_contains("Export NC program…").click();
-    window.run_steps(3);
-}
-
-fn choose(window: &mut Window, list: &str, entry: &str) {
-    window.get_by_role_and_label(Role::ComboBox, list).click();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::Button, entry).click();
-    window.run_steps(3);
+    choose_in_file_menu(window, "Export NC program…");
 }
 
 /// Saves under `path`, and confirms what speaks against the program.
@@ -54,10 +45,7 @@ fn save(window: &mut Window, path: &Path) {
 
 /// The setup sheet of the selected operation, written as `sheet.html` into `folder`.
 fn sheet(window: &mut Window, folder: &Path) -> String {
-    window.get_by_label("File").click();
-    window.run_steps(2);
-    window.get_by_label("Export setup sheet…").click();
-    window.run_steps(3);
+    choose_in_file_menu(window, "Export setup sheet…");
     settle(window);
     let path = folder.join("sheet.html");
     name_file(window, &path);
@@ -121,8 +109,8 @@ fn a_plan_is_exported_for_the_machine_of_the_setup() {
     ask(&mut window);
     window.get_by_label("Export NC program");
     snapshot_ui(&mut window, "nc_program");
-    choose(&mut window, "Control", "siemens");
-    choose(&mut window, "Output", "Rotary angles");
+    choose_in_list(&mut window, "Control", "siemens");
+    choose_in_list(&mut window, "Output", "Rotary angles");
     window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(2.0);
     window.run_steps(2);
     save(&mut window, &folder.path().join("wheel"));
@@ -221,7 +209,7 @@ fn the_flank_plan_is_exported_as_well() {
     let mut window = with_plan();
     ask(&mut window);
     assert!(window.query_by_role_and_label(Role::SpinButton, "Channels").is_none(), "flank is one channel");
-    choose(&mut window, "Operation", "Flank");
+    choose_in_list(&mut window, "Operation", "Flank");
     let path = folder.path().join("flank.h");
     save(&mut window, &path);
     let text = std::fs::read_to_string(&path).expect("written");
