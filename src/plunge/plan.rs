@@ -81,8 +81,8 @@ impl Pecking {
         (1..).map(move |k| from - depth * f64::from(k)).take_while(|height| *height > 1e-6)
     }
 
-    /// The interruptions that remain when the feed starts at `height` above the tip, mm; `None` when the
-    /// whole feed is no longer than the depth between two of them.
+    /// The interruptions that remain when the feed starts at `height` above the tip, mm; `None` if the feed
+    /// is at most one `depth` long.
     pub fn below(self, height: f64) -> Option<Self> {
         let from = self.from.min(height);
         (from > self.depth).then_some(Self { from, ..self })

@@ -53,8 +53,7 @@ fn without_turn(line: &str) -> String {
 
 /// Every ninth cut: the last turn before it is left out, and the retract after it. Of turns in several blocks
 /// that is the last; one of the others is made up for by the next block, and what comes of it is a link like
-/// others. That the tip is no longer held where it should be, or still is, `a_mode_left_out_is_always_caught`
-/// looks at.
+/// others. `a_mode_left_out_is_always_caught` tests whether the control holds the tip where it should.
 #[test]
 fn a_turn_or_a_retract_left_out_is_always_found() {
     for (name, control, output) in [

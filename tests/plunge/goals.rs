@@ -278,8 +278,8 @@ fn goals_keep_their_limits() {
     assert_eq!(balance.setup.plunge.goal, Goal::Balance);
 }
 
-/// The total is no longer than at any other point of the curve; the slower semi-finishing is, the more is
-/// plunged.
+/// No other point of the curve has a shorter total time. The slower semi-finishing is, the more plunges are
+/// kept.
 #[test]
 fn the_least_total_counts_what_semi_finishing_takes() {
     let mut times = Vec::new();

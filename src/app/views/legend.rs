@@ -352,7 +352,7 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     } else if (low, high) != before {
         state.look.range = Some((low, high));
     }
-    // There is no space below these fields for the reason.
+    // The reason does not fit below these fields.
     if let Some(reason) = refused {
         state.report_refusal(reason);
     }

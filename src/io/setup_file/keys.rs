@@ -65,8 +65,8 @@ pub(super) const RENAMED_IN_SECTION: RenamedKeys = &[("cutting_direction", "feed
 /// `[flank]`: keys that were renamed in version 2.
 pub(super) const RENAMED_IN_FLANK: RenamedKeys = &[("scallop_height", "allowed_error")];
 
-/// The unit of the value at a dotted path in a setup, such as `tool.1.diameter`; empty where it has none, or
-/// there is no such key. Former names have the unit of the present ones.
+/// The unit of the value at a dotted path in a setup, such as `tool.1.diameter`; empty for a value
+/// without a unit and for an unknown key. A renamed key has the same unit under both names.
 pub fn unit_of_key(path: &str) -> &'static str {
     let (table, _) = path.split_once('.').unwrap_or_default();
     let name = path.rsplit('.').next().unwrap_or_default();
