@@ -6,7 +6,9 @@ use serde_json::{Map, Value, json};
 
 use super::args::AssessArgs;
 use super::output::{head, number};
-use super::output_folder::{check_directory, create_directory};
+use super::output_folder::check_directory;
+#[cfg(feature = "gpu")]
+use super::output_folder::create_directory;
 use super::stdout::print_stdout;
 use super::{Failure, open};
 use crate::assess::passage::{PassageKind, PassageMeasure};
