@@ -112,6 +112,15 @@ impl MeridionalCurve {
         self
     }
 
+    /// The same curve with its outer side towards most of `points`, by the sum of their distances. Their mean
+    /// may be on the other side of a bent curve.
+    pub fn with_outer_side_towards_most(mut self, points: &[Meridional]) -> Self {
+        if points.iter().map(|p| self.project(*p).1).sum::<f64>() < 0.0 {
+            self.side = -self.side;
+        }
+        self
+    }
+
     /// Arc length from start to end, mm.
     pub fn length(&self) -> f64 {
         self.length

@@ -130,7 +130,7 @@ pub fn describe_source(
             bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
         let segments = match segment_bodies(bodies, &mut notes) {
             Ok(Some(segments)) => segments,
-            _ => segment_wheel(&hub, &name)?,
+            _ => segment_wheel(&hub, &normals, &name)?,
         };
         hub = segments.hub;
         shroud = shroud.or(segments.shroud);
@@ -150,15 +150,16 @@ pub fn describe_source(
     let all: Vec<Meridional> = main.points.iter().map(Meridional::from_point).collect();
     let free: Vec<Meridional> = all.iter().filter(|p| !buried(p)).copied().collect();
     let mut corners = if free.len() < 8 { all } else { free };
-    let course = Course::from_blades(&corners);
-    let hub_curve = fit_revolved(&hub, &course, &corners, "hub", tolerance)?;
-    let fitted_shroud =
-        shroud.map(|shroud| fit_revolved(&shroud, &course, &corners, "shroud", tolerance)).transpose()?;
+    let course = Course::from_blades(&corners, (0..hub.triangles.len()).map(|t| (&hub, t)));
+    let hub_curve = fit_revolved(&hub, &course, (&corners, &normals), "hub", tolerance)?;
+    let fitted_shroud = shroud
+        .map(|shroud| fit_revolved(&shroud, &course, (&corners, &normals), "shroud", tolerance))
+        .transpose()?;
     for (profile, outline, name) in
         [(Some(&hub_curve), &outlines[0], "hub"), (fitted_shroud.as_ref(), &outlines[1], "cover")]
     {
         let (Some(profile), Some(_)) = (profile, outline) else { continue };
-        let line = MeridionalCurve::through(&profile.points).with_outer_side_towards(mean_point(&corners));
+        let line = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&corners);
         let depth = depth_behind(&main, &line);
         if depth > REACHES_IN * tolerance {
             main = trimmed(&main, &line, 0.0);
@@ -316,12 +317,12 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
 fn fit_revolved(
     surface: &MeshSurface,
     course: &Course,
-    blades: &[Meridional],
+    (blades, exact): (&[Meridional], &ExactNormals),
     name: &str,
     tolerance: f64,
 ) -> Result<FittedProfile, PartError> {
-    let side = find_flow_side(surface, course, blades, name)?;
-    let fitted = course.fit_without_feet(&side.corners, mean_point(blades), tolerance);
+    let side = find_flow_side(surface, course, blades, exact, name)?;
+    let fitted = course.fit_without_feet(&side.points, mean_point(blades), tolerance);
     let profile = fitted.ok_or_else(|| {
         PartError::new(
             ErrorCode::MeshRoles,
@@ -331,7 +332,7 @@ fn fit_revolved(
         )
     })?;
     if profile.max_deviation_mm > tolerance
-        && let Some(bottom) = course.fit_bottom(&side.corners, mean_point(blades), tolerance)
+        && let Some(bottom) = course.fit_bottom(&side.points, mean_point(blades), tolerance)
         && bottom.area_share_on_curve(surface, &side.triangles, tolerance) > MOSTLY
     {
         return Ok(bottom);

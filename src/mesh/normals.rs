@@ -50,7 +50,7 @@ impl ExactNormals {
     }
 
     /// The normal at `p` that is nearest to `estimated`, if any is near it.
-    fn near(&self, p: &Point, estimated: &Vector) -> Option<Vector> {
+    pub fn near(&self, p: &Point, estimated: &Vector) -> Option<Vector> {
         let normals = self.at.get(&key(p))?;
         let best = normals.iter().max_by(|a, b| a.dot(estimated).abs().total_cmp(&b.dot(estimated).abs()))?;
         (best.dot(estimated).abs() > ALIKE).then(|| best * best.dot(estimated).signum())
@@ -119,9 +119,12 @@ impl CornerNormals {
         if exact.at.is_empty() {
             return;
         }
-        for (normals, t) in self.per_triangle.iter_mut().zip(&surface.triangles) {
+        for ((normals, t), flat) in self.per_triangle.iter_mut().zip(&surface.triangles).zip(&surface.normals)
+        {
             for (normal, corner) in normals.iter_mut().zip(t) {
-                if let Some(found) = exact.near(&surface.points[*corner as usize], normal) {
+                let p = &surface.points[*corner as usize];
+                // The triangle tells its face better than a fit through few corners, unless it is a splinter.
+                if let Some(found) = exact.near(p, flat).or_else(|| exact.near(p, normal)) {
                     *normal = found;
                 }
             }

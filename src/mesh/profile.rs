@@ -4,7 +4,9 @@
 use std::collections::VecDeque;
 
 use super::fit::SmoothFunction;
+use super::meridional_points::meridional_points;
 use super::nearest::MeridionalGrid;
+use super::normals::ExactNormals;
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
 use crate::error::ErrorCode;
@@ -26,13 +28,17 @@ const MAX_ITERATIONS: usize = 40;
 const MAX_FOOT_ROUNDS: usize = 12;
 const NEARBY: f64 = 0.01;
 const FOOT: f64 = 0.02;
+/// Axial way of blades, as a share of their radial one, below which they hardly come to the inlet, and the
+/// share of the radius of their outlet from which on a disc is looked at.
+const FLAT: f64 = 0.4;
+const OUTER_DISC: f64 = 0.8;
 /// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
 const MIN_CIRCUMFERENTIAL: f64 = 0.35;
 
 /// The flow side of a hub or shroud.
 pub struct FlowSide {
-    /// Its corners, mm.
-    pub corners: Vec<Meridional>,
+    /// Its corners, and points between those of long edges, mm.
+    pub points: Vec<Meridional>,
     /// Indices of its triangles.
     pub triangles: Vec<usize>,
 }
@@ -58,14 +64,39 @@ pub struct Course {
 }
 
 impl Course {
-    /// The course of a wheel from the corners of its blades.
-    pub fn from_blades(blades: &[Meridional]) -> Self {
+    /// The course of a wheel from the corners of its blades, and the triangles of its hub.
+    ///
+    /// Blades come closer to the axis on the side of the inlet. Where they hardly do, as plane blades on a
+    /// disc, the inlet is on the side of the disc on which they stand.
+    pub fn from_blades<'h>(
+        blades: &[Meridional],
+        hub: impl IntoIterator<Item = (&'h MeshSurface, usize)>,
+    ) -> Self {
         let mut by_radius: Vec<Meridional> = blades.to_vec();
         by_radius.sort_by(|a, b| a.r.total_cmp(&b.r));
         let few = (by_radius.len() / 10).max(1).min(by_radius.len());
         let mean =
             |points: &[Meridional]| points.iter().map(|p| p.z).sum::<f64>() / points.len().max(1) as f64;
-        let rise = mean(&by_radius[by_radius.len() - few..]) - mean(&by_radius[..few]);
+        let (inner, outer) = (&by_radius[..few], &by_radius[by_radius.len() - few..]);
+        let mut rise = mean(outer) - mean(inner);
+        let (innermost, disc) = (by_radius.first().map_or(0.0, |p| p.r), outer.first().map_or(0.0, |p| p.r));
+        if rise.abs() < FLAT * (disc - innermost) {
+            let (mut sum, mut area) = (0.0, 0.0);
+            for (surface, t) in hub {
+                for corner in surface.triangles[t] {
+                    let p = Meridional::from_point(&surface.points[corner as usize]);
+                    if p.r > OUTER_DISC * disc {
+                        (sum, area) = (sum + surface.area(t) * p.z, area + surface.area(t));
+                    }
+                }
+            }
+            if area > 0.0 {
+                let (low, high) = outer
+                    .iter()
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.z), b.max(p.z)));
+                rise = sum / area - 0.5 * (low + high);
+            }
+        }
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let along = Meridional { r: half, z: half.copysign(rise) };
         Self { along, across: Meridional { r: -along.z, z: along.r } }
@@ -260,6 +291,14 @@ pub fn meridional_normal(surface: &MeshSurface, t: usize) -> (Meridional, f64) {
     (Meridional { r: (n.x * c.x + n.y * c.y) / r, z: n.z }, across)
 }
 
+/// How far a point is over the plane of a triangle, in the meridional plane, mm: positive on the side of its
+/// normal.
+pub fn towards(surface: &MeshSurface, t: usize, p: Meridional) -> f64 {
+    let (n, _) = meridional_normal(surface, t);
+    let centre = Meridional::from_point(&surface.centre(t));
+    n.r * (p.r - centre.r) + n.z * (p.z - centre.z)
+}
+
 /// The flow side of a hub or shroud: the smooth pieces nearest to the blades, found by votes of blade
 /// corners.
 ///
@@ -269,6 +308,7 @@ pub fn find_flow_side(
     surface: &MeshSurface,
     course: &Course,
     blades: &[Meridional],
+    exact: &ExactNormals,
     name: &str,
 ) -> Result<FlowSide, PartError> {
     // Fillets and other triangles that are not of revolution are ignored.
@@ -280,37 +320,40 @@ pub fn find_flow_side(
     };
     let (group, count) = surface.groups(smooth);
     let corners: Vec<Meridional> = surface.points.iter().map(Meridional::from_point).collect();
-    // (corner, group) pairs, sorted; a corner at an edge belongs to several groups.
-    let mut groups_of: Vec<(u32, u32)> = Vec::with_capacity(3 * group.len());
+    // (corner, group, triangle), sorted; a corner at an edge belongs to several groups.
+    let mut groups_of: Vec<(u32, u32, usize)> = Vec::with_capacity(3 * group.len());
     for (t, g) in group.iter().enumerate().filter(|(t, _)| turned[*t]) {
-        groups_of.extend(surface.triangles[t].map(|i| (i, *g)));
+        groups_of.extend(surface.triangles[t].map(|i| (i, *g, t)));
     }
     groups_of.sort_unstable();
-    groups_of.dedup();
+    groups_of.dedup_by_key(|(corner, group, _)| (*corner, *group));
+    let (outward, middle) = (surface.outward(), mean_point(blades));
     let mut votes = vec![0_usize; count];
     let near = MeridionalGrid::from_points(&corners);
     let stride = blades.len().div_ceil(VOTERS).max(1);
     for p in blades.iter().step_by(stride) {
-        if let Some(corner) = near.nearest(*p) {
-            let from = groups_of.partition_point(|(c, _)| *c < corner);
-            for (_, g) in groups_of[from..].iter().take_while(|(c, _)| *c == corner) {
-                votes[*g as usize] += 1;
-            }
+        let Some(corner) = near.nearest(*p) else { continue };
+        let from = groups_of.partition_point(|(c, ..)| *c < corner);
+        let at = corners[corner as usize];
+        // At an edge the face that the blade stands on, not the rim that it ends at.
+        let facing = |t: usize| {
+            let (n, _) = meridional_normal(surface, t);
+            (n.r * (p.r - at.r) + n.z * (p.z - at.z)).abs()
+        };
+        let here = groups_of[from..].iter().take_while(|(c, ..)| *c == corner);
+        let here =
+            here.filter(|(.., t)| outward.is_none_or(|sign| sign * towards(surface, *t, middle) > 0.0));
+        if let Some((_, g, _)) = here.max_by(|a, b| facing(a.2).total_cmp(&facing(b.2))) {
+            votes[*g as usize] += 1;
         }
     }
     let most = votes.iter().copied().max().unwrap_or(0);
     let chosen: Vec<bool> = votes.iter().map(|v| *v > 0 && *v as f64 >= VOTES * most as f64).collect();
-    let mut triangles = Vec::new();
-    let mut used = vec![false; corners.len()];
-    for (t, g) in group.iter().enumerate() {
-        if *g != NONE && chosen[*g as usize] && turned[t] && follows(course, surface, t) {
-            surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);
-            triangles.push(t);
-        }
-    }
-    let found: Vec<Meridional> =
-        corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p).collect();
-    if found.len() < 8 {
+    let is_beside = |t: usize| group[t] != NONE && chosen[group[t] as usize] && turned[t];
+    let triangles: Vec<usize> =
+        (0..group.len()).filter(|&t| is_beside(t) && follows(course, surface, t)).collect();
+    let points = meridional_points(surface, &triangles, exact);
+    if points.len() < 8 {
         return Err(PartError::new(
             ErrorCode::NotRevolved,
             0,
@@ -318,7 +361,7 @@ pub fn find_flow_side(
             format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
         ));
     }
-    Ok(FlowSide { corners: found, triangles })
+    Ok(FlowSide { points, triangles })
 }
 
 /// Whether a triangle runs along the course, as opposed to a rim or a bore.
@@ -347,7 +390,7 @@ mod tests {
                 rows.into_iter().take(count).skip(usize::from(count > 1)).map(move |h| hub(a, h))
             })
             .collect();
-        let course = Course::from_blades(&points);
+        let course = Course::from_blades(&points, []);
         let above = Meridional { r: 30.0, z: 30.0 };
         let off = |profile: &FittedProfile| {
             let curve = MeridionalCurve::through(&profile.points);

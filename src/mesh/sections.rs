@@ -57,12 +57,8 @@ impl ChannelCoordinates {
         blade: &[Meridional],
         (past_rim, past_tips): (bool, bool),
     ) -> Self {
-        let middle =
-            blade.iter().fold(Meridional::default(), |s, p| Meridional { r: s.r + p.r, z: s.z + p.z });
-        let n = blade.len().max(1) as f64;
-        let middle = Meridional { r: middle.r / n, z: middle.z / n };
-        let (hub, shroud) =
-            (hub.clone().with_outer_side_towards(middle), shroud.clone().with_outer_side_towards(middle));
+        let facing = |curve: &MeridionalCurve| curve.clone().with_outer_side_towards_most(blade);
+        let (hub, shroud) = (facing(hub), facing(shroud));
         let (hub_ends, shroud_ends) = ((0.0, hub.length()), (0.0, shroud.length()));
         let whole = Self { hub, shroud, hub_ends, shroud_ends, past_rim, past_tips };
         let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 2];

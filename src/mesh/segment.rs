@@ -1,7 +1,9 @@
 //! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
 //! cover, the rest is blades.
 
-use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal};
+use super::meridional_points::meridional_points;
+use super::normals::ExactNormals;
+use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal, towards};
 use super::surface::MeshSurface;
 use super::trim::trimmed;
 use super::weld::NONE;
@@ -50,6 +52,16 @@ fn goes_around(piece: &MeshSurface, share: f64) -> bool {
     2 * met.iter().filter(|m| **m).count() > SECTORS
 }
 
+/// Whether a piece is one of revolution about Z.
+fn is_round(piece: &MeshSurface) -> bool {
+    let (mut across, mut area) = (0.0, 0.0);
+    for t in 0..piece.triangles.len() {
+        across += piece.area(t) * meridional_normal(piece, t).1.abs();
+        area += piece.area(t);
+    }
+    across < TURNED * area
+}
+
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
 /// there are no separate blades.
 ///
@@ -58,12 +70,7 @@ fn goes_around(piece: &MeshSurface, share: f64) -> bool {
 fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> {
     let (mut round, mut blades) = (Vec::new(), Vec::new());
     for surface in wheel.clone().into_pieces() {
-        let (mut across, mut area) = (0.0, 0.0);
-        for t in 0..surface.triangles.len() {
-            across += surface.area(t) * meridional_normal(&surface, t).1.abs();
-            area += surface.area(t);
-        }
-        if across < TURNED * area { round.push(surface) } else { blades.push(surface) }
+        if is_round(&surface) { round.push(surface) } else { blades.push(surface) }
     }
     // One piece beside the hub is a blade where it does not go around the axis, else a wheel of one piece.
     if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, OUTER)) {
@@ -157,7 +164,7 @@ struct RevolvedFace {
 /// # Errors
 /// Fails when no surface of revolution touches blades, when there are more than two disconnected bodies of
 /// revolution, or when the blades are connected with each other.
-pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartError> {
+pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> Result<Segments, PartError> {
     let unclear = |why: &str| {
         PartError::new(
             ErrorCode::MeshInOne,
@@ -188,17 +195,6 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
             }
         }
     }
-    let weight = |f: usize| areas[f] * borders[f];
-    let mut carrying: Vec<usize> = (0..count).filter(|&f| weight(f) > 0.0).collect();
-    carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
-    let heaviest = carrying.first().map_or(0.0, |&f| weight(f));
-    carrying.retain(|&f| weight(f) > COVER * heaviest);
-    if carrying.is_empty() {
-        return Err(unclear("no surface of revolution about the axis touches blades"));
-    }
-
-    let size = wheel.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
-    let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let corners: Vec<Meridional> = wheel.points.iter().map(Meridional::from_point).collect();
     let corners_of = |keep: &dyn Fn(usize) -> bool| -> Vec<usize> {
         let mut used = vec![false; corners.len()];
@@ -211,16 +207,35 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
         corners_of(keep).into_iter().map(|i| corners[i]).collect()
     };
     let standing = of(&|t| !turned[t]);
-    let (course, middle) = (Course::from_blades(&standing), mean_point(&standing));
+    let round = (0..group.len()).filter(|&t| turned[t]).map(|t| (wheel, t));
+    let (course, middle) = (Course::from_blades(&standing, round), mean_point(&standing));
+    // Rims and backs of a solid face away from its blades.
+    let mut facing = vec![0.0; count];
+    for t in (0..group.len()).filter(|&t| turned[t]) {
+        facing[group[t] as usize] += wheel.area(t) * towards(wheel, t, middle);
+    }
+    let outward = wheel.outward();
+    let weight = |f: usize| areas[f] * borders[f];
+    let may_carry = |f: usize| weight(f) > 0.0 && outward.is_none_or(|sign| sign * facing[f] > 0.0);
+    let mut carrying: Vec<usize> = (0..count).filter(|&f| may_carry(f)).collect();
+    carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
+    let heaviest = carrying.first().map_or(0.0, |&f| weight(f));
+    carrying.retain(|&f| weight(f) > COVER * heaviest);
+    if carrying.is_empty() {
+        return Err(unclear("no surface of revolution about the axis touches blades"));
+    }
+
+    let size = wheel.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
+    let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let face = |number: usize| -> Option<RevolvedFace> {
         let own = |t: usize| turned[t] && group[t] as usize == number;
-        let points = of(&own);
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
+        let points = meridional_points(wheel, &triangles, exact);
         let at_blade = |t: usize| wheel.neighbours[t].iter().any(|n| *n != NONE && !turned[*n as usize]);
         let feet = of(&|t| own(t) && at_blade(t));
         let profile = curve_of(&course, (&points, &triangles), &feet, middle, (wheel, tolerance))?;
         let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
-        let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards(middle);
+        let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&standing);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
         Some(RevolvedFace { number, curve, extent: (ends[0], ends[1]), heights, inner })
@@ -286,7 +301,7 @@ pub fn segment_wheel(wheel: &MeshSurface, name: &str) -> Result<Segments, PartEr
     let measured: Vec<(f64, MeshSurface)> = blades.into_iter().map(|b| (area(&b), b)).collect();
     let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
     let blades: Vec<MeshSurface> =
-        measured.into_iter().filter(|(a, _)| *a > SCRAP * largest).map(|(_, b)| b).collect();
+        measured.into_iter().filter(|(a, b)| *a > SCRAP * largest && !is_round(b)).map(|(_, b)| b).collect();
     // A single piece may be the only blade of the file, on one pitch of the hub or on all of it; connected
     // blades go around the axis.
     if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, 0.0)) {

@@ -100,6 +100,19 @@ impl MeshSurface {
         0.5 * (b - a).cross(&(c - a)).norm()
     }
 
+    /// +1 where the normals of a closed surface point out of what it encloses, −1 where they point into it;
+    /// `None` where it is open.
+    pub fn outward(&self) -> Option<f64> {
+        if self.triangles.is_empty() || self.border_edges().next().is_some() {
+            return None;
+        }
+        let volume = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| self.points[i as usize].coords);
+            a.dot(&b.cross(&c))
+        };
+        Some(self.triangles.iter().map(volume).sum::<f64>().signum())
+    }
+
     /// Numbers the groups of triangles that are connected across edges for which `joins` holds (flood fill);
     /// returns the group of each triangle and the number of groups.
     pub fn groups(&self, joins: impl Fn(usize, usize) -> bool) -> (Vec<u32>, usize) {

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use super::profile::{Course, FittedProfile, mean_point, meridional_normal};
+use super::profile::{Course, FittedProfile, meridional_normal};
 use super::surface::MeshSurface;
 use super::tip_border::tip_extent;
 use super::weld::NONE;
@@ -22,6 +22,10 @@ const MISSING: f64 = 0.05;
 /// Cosine between tip and hub below which a tip has turned into leading or trailing edge: the curve ends
 /// there.
 const TURNED_AWAY: f64 = 0.42;
+/// Part of the curve at either end, as a share of it, over which it turns so, and cosine of its turn over
+/// this part above which it goes on along the channel.
+const NEAR_END: f64 = 0.15;
+const GOES_ON: f64 = 0.85;
 /// Fewest corners that a curve is fitted through.
 const FEWEST: usize = 8;
 
@@ -39,7 +43,7 @@ struct FaceSums {
 /// them, or they do not make up the tip.
 pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<FittedProfile> {
     let corners: Vec<Meridional> = blade.points.iter().map(Meridional::from_point).collect();
-    let curve = MeridionalCurve::through(hub).with_outer_side_towards(mean_point(&corners));
+    let curve = MeridionalCurve::through(hub).with_outer_side_towards_most(&corners);
     let places: Vec<(f64, f64)> = corners.iter().map(|p| curve.project(*p)).collect();
     let height = places.iter().map(|p| p.1).fold(0.0, f64::max);
     let mut faces: BTreeMap<u32, FaceSums> = BTreeMap::new();
@@ -89,10 +93,14 @@ pub fn fit_tip_faces(blade: &MeshSurface, hub: &[Meridional], course: &Course) -
     }
     let mut fit = course.fit_curve(&tips)?;
     let fitted = MeridionalCurve::through(&fit.points);
+    let inner = NEAR_END * fitted.length();
     let runs_along = |p: &Meridional| {
-        let (tangent, along) =
-            (fitted.at(fitted.project(*p).0).tangent, curve.at(curve.project(*p).0).tangent);
+        let t = fitted.project(*p).0;
+        let (tangent, along) = (fitted.at(t).tangent, curve.at(curve.project(*p).0).tangent);
+        // Below a straight tip, too, the nearest place of the hub may be on a part that runs across.
+        let before = fitted.at(t.clamp(inner, fitted.length() - inner)).tangent;
         tangent.r * along.r + tangent.z * along.z > TURNED_AWAY
+            || tangent.r * before.r + tangent.z * before.z > GOES_ON
     };
     let first = fit.points.iter().position(runs_along)?;
     let last = fit.points.iter().rposition(runs_along)?;

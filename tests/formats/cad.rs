@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use nalgebra::Rotation3;
-use vanecut::geometry::{Meridional, Point, Vector, rotate_z};
+use vanecut::geometry::{Meridional, MeridionalCurve, Point, Vector, rotate_z};
 use vanecut::io::step::{read_bytes, read_scene_bytes, write_part};
 use vanecut::io::stl::{read_part_bytes, write_stl};
 use vanecut::io::{InputError, read_part};
@@ -17,6 +17,9 @@ const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 /// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
+/// A pump wheel whose hub is drawn in pieces, in one body and in several, made by the script beside them.
+const PUMP_WHEEL: &[u8] = include_bytes!("../data/step/pump_wheel.step");
+const PUMP_BODIES: &[u8] = include_bytes!("../data/step/pump_bodies.step");
 
 /// Points of the hub of the KJ66 (r, z), of Open CASCADE's surface.
 const KJ66_HUB: [(f64, f64); 11] = [
@@ -177,6 +180,50 @@ fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
         assert!(nearer < 0.01, "a side is {nearer} mm off its plane");
         let rim = [0.0, 0.5, 1.0].map(|v| Meridional::from_point(&side.point(1.0, v)).r);
         assert!(rim.iter().all(|r| (r - 50.0).abs() < 0.01), "{rim:?}");
+    }
+}
+
+/// The hub is drawn in pieces: cylinder, torus, disc. As bodies, it ends in a rim at which the blades end,
+/// too.
+#[test]
+fn a_hub_of_several_faces_is_one_curve() {
+    for (name, bytes) in [("pump_wheel.step", PUMP_WHEEL), ("pump_bodies.step", PUMP_BODIES)] {
+        let description = read_bytes(name, bytes, &MeshOptions::default());
+        assert_eq!(description.as_ref().map(|part| part.notes.clone()), Ok(Vec::new()), "{name}");
+        let part = built(&description);
+        assert_eq!((part.blade_count, part.splitters.len()), (5, 0), "{name}");
+        let off_hub = |p: Meridional| match (p.z > 40.0, p.r < 48.0) {
+            (true, _) => p.r - 18.0,
+            (_, true) => (p.r - 48.0).hypot(p.z - 40.0) - 30.0,
+            _ => p.z - 10.0,
+        };
+        // From the cone z = 62 − 0.4 r, at right angles to it.
+        let off_shroud = |p: Meridional| (p.z + 0.4 * p.r - 62.0) / 1.16_f64.sqrt();
+        let farthest = |curve: &MeridionalCurve, off: &dyn Fn(Meridional) -> f64| {
+            let points = (0..=400).map(|k| curve.point(curve.length() * f64::from(k) / 400.0));
+            points.map(|p| off(p).abs()).fold(0.0, f64::max)
+        };
+        assert!(farthest(part.hub.curve(), &off_hub) < 2e-3, "{name}");
+        assert!(farthest(part.shroud.curve(), &off_shroud) < 2e-3, "{name}");
+        // The sides are arcs of 55.5 and 60.5 mm about an axis 60 mm beside that of the wheel.
+        for side in [&part.main.suction, &part.main.pressure] {
+            let off = |p: &Point, radius: f64| {
+                let from_arc = |k: u32| {
+                    let p = rotate_z(p, part.pitch() * f64::from(k));
+                    ((p.x - 60.0).hypot(p.y) - radius).abs()
+                };
+                (0..5).map(from_arc).fold(f64::INFINITY, f64::min)
+            };
+            let points: Vec<Point> = (0..=20)
+                .flat_map(|i| (0..=20).map(move |j| (0.2 + 0.04 * f64::from(i), f64::from(j) / 20.0)))
+                .map(|(u, v)| side.point(u, v))
+                .collect();
+            let most = |radius: f64| points.iter().map(|p| off(p, radius)).fold(0.0, f64::max);
+            let nearer = most(55.5).min(most(60.5));
+            assert!(nearer < 5e-3, "{name}: a side is {nearer} mm off its arc");
+            let rim = [0.0, 0.5, 1.0].map(|v| Meridional::from_point(&side.point(1.0, v)).r);
+            assert!(rim.iter().all(|r| (r - 100.0).abs() < 0.01), "{name}: {rim:?}");
+        }
     }
 }
 

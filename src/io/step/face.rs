@@ -386,11 +386,8 @@ fn triangulate(
     if plane.num_inner_faces() == 0 {
         return Ok((Vec::new(), crossing));
     }
-    let free = matches!(surface, Surface::Nurbs(_) | Surface::Offset(..) | Surface::Extruded(..));
-    if free {
-        let on_border = rings.iter().flat_map(|ring| &ring.places);
-        normals.extend(on_border.map(|(q, number)| (*number, surface.normal(*q))));
-    }
+    let on_border = rings.iter().flat_map(|ring| &ring.places);
+    normals.extend(on_border.map(|(q, number)| (*number, surface.normal(*q))));
     let border = inside(&plane);
     let mut places: Vec<([f64; 2], Point2<f64>)> = Vec::new();
     if !matches!(surface, Surface::Plane(_)) {
@@ -452,9 +449,7 @@ fn triangulate(
         {
             let number = edges.add(surface.at(q));
             owner.push(number);
-            if free {
-                normals.push((number, surface.normal(q)));
-            }
+            normals.push((number, surface.normal(q)));
         }
     }
     let inside = inside(&plane);
