@@ -1,86 +1,306 @@
-//! Bodies of a wheel whose roles nobody named: bodies of revolution are hub and cover, the rest are blades,
-//! and slivers that modelling left over are dropped.
+//! Roles of the bodies of a CAD model. The blades tell the wheel: they are the largest row of bodies that are
+//! not of revolution, the hub is the body of revolution on which they stand, the cover the one over their tips.
+//! Other bodies, such as shaft, nut and housing, are left out with a line. Names go before shapes.
 
+use super::Role;
+use super::TriangleMesh;
+use super::meridional_area::{MeridionalArea, Neighbourhood};
 use super::profile::meridional_normal;
-use super::segment::Segments;
 use super::surface::MeshSurface;
-use crate::geometry::Meridional;
+use crate::geometry::{Meridional, Point, Vector, norm2};
 
 /// Largest mean circumferential component of the normals of a body of revolution.
 const TURNED: f64 = 0.1;
-/// Shares of the largest blade's area and volume below which a body is a sliver.
+/// Shares of a blade's area and volume below which a body is a sliver.
 const SLIVER: (f64, f64) = (0.12, 0.02);
+/// Bodies of one row have areas that differ by this share at most, and centres that are apart in the
+/// meridional plane by this share of their distance from the axis and of their size.
+const ALIKE: (f64, f64) = (0.1, 0.02);
+/// Share of the corners of a blade that lie where the largest blades are: splitters, and blades that differ.
+const AMONG_BLADES: f64 = 0.6;
+/// Share of the largest contact with blades from which on a body is part of hub or cover.
+const STANDS_ON: f64 = 0.25;
+/// Length beside the blades, as a share of that of the hub, from which on a body is a casing over them.
+const OVER_TIPS: f64 = 0.4;
+/// Share of the area of the largest body from which on a row of bodies are blades beside it: where that body
+/// goes round the axis, and where it does not.
+const BESIDE_ROUND: f64 = 0.05;
+const BESIDE_OTHER: f64 = 0.25;
+/// Sectors about the axis, and how many of them a body has corners in that goes round the axis.
+const SECTORS: (usize, usize) = (24, 22);
+/// Number of bodies that are named in a line: with their area, and without.
+const NAMED: (usize, usize) = (4, 8);
 
-/// A body with its name.
+/// A body of a CAD model.
+#[derive(Clone, Debug)]
 pub struct Body {
     /// Its name.
     pub name: String,
     /// Its surface, about Z.
     pub surface: MeshSurface,
+    /// Its role, where its name or the user says it.
+    pub role: Option<Role>,
+    /// Whether the user says it.
+    pub given: bool,
+}
+
+/// The bodies of a wheel.
+pub struct WheelBodies {
+    /// The hub.
+    pub hub: MeshSurface,
+    /// The cover, or a casing.
+    pub shroud: Option<MeshSurface>,
+    /// Blades with their roles.
+    pub blades: Vec<(Role, MeshSurface)>,
+}
+
+/// What the bodies of a model are.
+pub enum SortedBodies {
+    /// Hub and blades are bodies of their own.
+    Separate(WheelBodies),
+    /// One of several bodies is hub and blades; with a line about the others.
+    InOne(Body, String),
+    /// No roles were found.
+    Unknown,
 }
 
 struct MeasuredBody {
     body: Body,
     area: f64,
     volume: f64,
+    /// Centre of its area: distance from the axis and height.
+    centre: Meridional,
     turned: bool,
+    goes_round: bool,
 }
 
 impl MeasuredBody {
     fn from_body(body: Body) -> Self {
         let s = &body.surface;
-        let (mut across, mut area, mut volume) = (0.0, 0.0, 0.0);
+        let (mut across, mut area, mut volume, mut centre) = (0.0, 0.0, 0.0, Vector::zeros());
         for t in 0..s.triangles.len() {
             across += s.area(t) * meridional_normal(s, t).1.abs();
             area += s.area(t);
+            centre += s.centre(t).coords * s.area(t);
             let [a, b, c] = s.triangles[t].map(|i| s.points[i as usize].coords);
             volume += a.dot(&b.cross(&c)) / 6.0;
         }
         // An open surface has no volume.
         let volume = if s.border_edges().next().is_none() { volume.abs() } else { f64::INFINITY };
-        Self { area, volume, turned: across < TURNED * area, body }
+        let centre = Meridional::from_point(&Point::from(centre / f64::max(area, 1e-300)));
+        let mut sectors = [false; SECTORS.0];
+        for p in &s.points {
+            let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
+            sectors[((turn * SECTORS.0 as f64) as usize).min(SECTORS.0 - 1)] = true;
+        }
+        let goes_round = sectors.iter().filter(|met| **met).count() >= SECTORS.1;
+        Self { area, volume, centre, turned: across < TURNED * area, goes_round, body }
+    }
+
+    fn is_alike(&self, other: &Self) -> bool {
+        let apart = norm2(self.centre.r - other.centre.r, self.centre.z - other.centre.z);
+        (self.area - other.area).abs() <= ALIKE.0 * self.area
+            && apart <= ALIKE.1 * (self.centre.r + self.area.sqrt())
+    }
+
+    fn is_blade_by_name(&self) -> bool {
+        matches!(self.body.role, Some(Role::Blade | Role::Splitter))
+    }
+
+    fn is_sliver_beside(&self, blade: &Self) -> bool {
+        let solid = blade.volume.is_finite();
+        self.area < SLIVER.0 * blade.area || (solid && self.volume < SLIVER.1 * blade.volume)
+    }
+
+    fn inner_radius(&self) -> f64 {
+        let radii = self.body.surface.points.iter().map(|p| Meridional::from_point(p).r);
+        radii.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Sorts bodies into hub, cover and blades; lines about dropped ones are added to `notes`. `Ok(None)` where
-/// there is no body of revolution or there are fewer than two blades.
-///
-/// # Errors
-/// Returns the number of bodies of revolution if there are more than two.
-pub fn segment_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> Result<Option<Segments>, usize> {
-    let measured = bodies.into_iter().map(MeasuredBody::from_body);
-    let (mut round, mut others): (Vec<MeasuredBody>, Vec<MeasuredBody>) = measured.partition(|m| m.turned);
-    let most = |of: fn(&MeasuredBody) -> f64| others.iter().map(of).fold(0.0, f64::max);
-    let (area, volume) = (most(|m| m.area), most(|m| if m.volume.is_finite() { m.volume } else { 0.0 }));
-    let is_sliver = |m: &MeasuredBody| m.area < SLIVER.0 * area || m.volume < SLIVER.1 * volume;
-    let mut dropped: Vec<String> = Vec::new();
-    others.retain(|m| {
-        if is_sliver(m) {
-            dropped.push(format!("`{}` ({:.2} mm² of surface)", m.body.name, m.area));
-        }
-        !is_sliver(m)
-    });
-    if others.len() < 2 {
-        return Ok(None);
-    }
-    // Washers and other small parts of revolution are no hub.
-    let largest = round.iter().map(|m| m.area).fold(0.0, f64::max);
-    round.retain(|m| m.area >= SLIVER.0 * largest);
-    if round.len() > 2 {
-        return Err(round.len());
-    }
-    // The hub is nearest to the axis.
-    let inner = |m: &MeasuredBody| {
-        m.body.surface.points.iter().map(|p| Meridional::from_point(p).r).fold(f64::INFINITY, f64::min)
+/// The row of the largest blades: bodies alike about the axis. Those with the role of a blade go first.
+fn largest_row(bodies: &[MeasuredBody]) -> Vec<usize> {
+    let named = bodies.iter().any(|b| b.body.role == Some(Role::Blade));
+    let may_be = |b: &MeasuredBody| match named {
+        true => b.body.role == Some(Role::Blade),
+        false => b.is_blade_by_name() || (b.body.role.is_none() && !b.turned),
     };
-    round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
-    let mut round = round.into_iter().map(|m| m.body.surface);
-    let Some(hub) = round.next() else { return Ok(None) };
-    if !dropped.is_empty() {
-        let first = dropped.iter().take(4).cloned().collect::<Vec<_>>().join(", ");
-        let more = if dropped.len() > 4 { format!(" and {} more", dropped.len() - 4) } else { String::new() };
-        notes.push(format!("left out as too small for a blade: {first}{more}"));
+    let mut rows: Vec<Vec<usize>> = Vec::new();
+    for k in (0..bodies.len()).filter(|&k| may_be(&bodies[k])) {
+        match rows.iter_mut().find(|row| bodies[k].is_alike(&bodies[row[0]])) {
+            Some(row) => row.push(k),
+            None => rows.push(vec![k]),
+        }
     }
-    let blades = others.into_iter().map(|m| m.body.surface).collect();
-    Ok(Some(Segments { hub, shroud: round.next(), blades }))
+    let weight = |row: &[usize]| row.iter().map(|&k| bodies[k].area).sum::<f64>();
+    rows.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
+    let Some(first) = rows.first() else { return Vec::new() };
+    let is_row_beside = |row: &&Vec<usize>| {
+        // A single body round the axis is a volute, or a wheel in one body beside bolts; another one a bracket,
+        // or the only blade in the file.
+        let (least, share) = if bodies[first[0]].goes_round { (2, BESIDE_ROUND) } else { (3, BESIDE_OTHER) };
+        row.len() >= least && weight(row) > share * weight(first)
+    };
+    let beside = rows.iter().find(is_row_beside).filter(|_| first.len() == 1);
+    beside.unwrap_or(first).clone()
+}
+
+/// Names of bodies for a line, the first few of them.
+fn listed_names<'a>(names: impl Iterator<Item = &'a MeasuredBody>, measure: bool) -> String {
+    let names: Vec<String> = names
+        .map(|b| match measure {
+            true => format!("`{}` ({:.2} mm² of surface)", b.body.name, b.area),
+            false => format!("`{}`", b.body.name),
+        })
+        .collect();
+    let count = names.len().min(if measure { NAMED.0 } else { NAMED.1 });
+    let more = if names.len() > count { format!(" and {} more", names.len() - count) } else { String::new() };
+    format!("{}{more}", names[..count].join(", "))
+}
+
+/// Finds the roles of bodies; lines about those left out, and about names that cannot be meant, are added to
+/// `notes`.
+pub fn sort_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> SortedBodies {
+    let bodies: Vec<MeasuredBody> = bodies.into_iter().map(MeasuredBody::from_body).collect();
+    let row = largest_row(&bodies);
+    let Some(&first) = row.first() else { return SortedBodies::Unknown };
+    if row.len() == 1 && bodies[first].goes_round && !bodies[first].is_blade_by_name() {
+        let others = bodies.iter().enumerate().filter(|(k, _)| *k != first).map(|(_, b)| b);
+        let note = format!("left out beside `{}`: {}", bodies[first].body.name, listed_names(others, false));
+        let one = bodies.into_iter().nth(first);
+        return one.map_or(SortedBodies::Unknown, |one| SortedBodies::InOne(one.body, note));
+    }
+    let Some(area) = MeridionalArea::from_blade(&bodies[first].body.surface) else {
+        return SortedBodies::Unknown;
+    };
+    let median = {
+        let mut by_area = row.clone();
+        by_area.sort_by(|a, b| bodies[*a].area.total_cmp(&bodies[*b].area));
+        by_area[by_area.len() / 2]
+    };
+    let is_unnamed_part = |b: &MeasuredBody| b.body.role.is_none() && !b.turned;
+    let is_sliver = |b: &MeasuredBody| is_unnamed_part(b) && b.is_sliver_beside(&bodies[median]);
+    let is_blade = |(k, b): (usize, &MeasuredBody)| {
+        row.contains(&k)
+            || b.is_blade_by_name()
+            || (is_unnamed_part(b) && !is_sliver(b) && area.share_of(&b.body.surface) >= AMONG_BLADES)
+    };
+    let blades: Vec<bool> = bodies.iter().enumerate().map(is_blade).collect();
+    let Some((hub, cover)) = hub_and_cover(&bodies, &blades, &area, notes) else {
+        return SortedBodies::Unknown;
+    };
+
+    let slivers: Vec<&MeasuredBody> =
+        bodies.iter().zip(&blades).filter(|(b, blade)| !**blade && is_sliver(b)).map(|(b, _)| b).collect();
+    if !slivers.is_empty() {
+        notes.push(format!(
+            "left out as too small for a blade: {}",
+            listed_names(slivers.iter().copied(), true)
+        ));
+    }
+    let mut beside = (0..bodies.len())
+        .filter(|k| !blades[*k] && !hub.contains(k) && !cover.contains(k) && !is_sliver(&bodies[*k]))
+        .map(|k| &bodies[k])
+        .peekable();
+    if beside.peek().is_some() {
+        notes.push(format!(
+            "left out, as no blade stands on them and they are not between or over the blades: {}",
+            listed_names(beside, false)
+        ));
+    }
+    let joined = |of: &[usize]| joined(of.iter().map(|&k| &bodies[k].body.surface));
+    let (hub, shroud) = (joined(&hub), (!cover.is_empty()).then(|| joined(&cover)));
+    let role = |b: &Body| if b.role == Some(Role::Splitter) { Role::Splitter } else { Role::Blade };
+    let blades = bodies
+        .into_iter()
+        .zip(blades)
+        .filter(|(_, blade)| *blade)
+        .map(|(b, _)| (role(&b.body), b.body.surface))
+        .collect();
+    SortedBodies::Separate(WheelBodies { hub, shroud, blades })
+}
+
+/// The bodies of the hub, and those of the cover; `None` where no body of revolution is a hub.
+fn hub_and_cover(
+    bodies: &[MeasuredBody],
+    blades: &[bool],
+    area: &MeridionalArea,
+    notes: &mut Vec<String>,
+) -> Option<(Vec<usize>, Vec<usize>)> {
+    let may_be = |k: &usize| {
+        let b = &bodies[*k];
+        !blades[*k] && b.body.role.map_or(b.turned, |role| matches!(role, Role::Hub | Role::Shroud))
+    };
+    let round: Vec<usize> = (0..bodies.len()).filter(may_be).collect();
+    let surfaces: Vec<&MeshSurface> = round.iter().map(|&k| &bodies[k].body.surface).collect();
+    let beside: Vec<(usize, Neighbourhood)> =
+        round.iter().copied().zip(area.neighbourhoods(&surfaces)).collect();
+
+    // What names and the user say, as far as the blades allow it. The user is not doubted.
+    let said = |role: Role, is_met: &dyn Fn(&Neighbourhood) -> bool, notes: &mut Vec<String>| {
+        let named = || beside.iter().filter(|(k, _)| bodies[*k].body.role == Some(role));
+        let doubted = named().find(|(k, n)| !bodies[*k].body.given && !is_met(n));
+        let kept = named().filter(|(k, n)| bodies[*k].body.given || is_met(n)).map(|(k, _)| *k);
+        let kept: Vec<usize> = kept.collect();
+        if let Some((k, _)) = doubted.filter(|_| kept.is_empty()) {
+            let what = if role == Role::Hub { "no blade stands on it" } else { "it is not over the blades" };
+            notes.push(format!(
+                "`{}` is not the {} that its name says: {what}",
+                bodies[*k].body.name,
+                role.name()
+            ));
+        }
+        kept
+    };
+    let mut hub = said(Role::Hub, &|n| n.touching > 0, notes);
+    let mut cover = said(Role::Shroud, &|n| n.beside > 0, notes);
+
+    let most = beside.iter().map(|(_, n)| n.touching).max().unwrap_or(0);
+    let is_said = |k: usize| hub.contains(&k) || cover.contains(&k);
+    let stands = |n: &Neighbourhood| n.touching > 0 && n.touching as f64 >= STANDS_ON * most as f64;
+    let mut touched: Vec<&(usize, Neighbourhood)> =
+        beside.iter().filter(|(k, n)| stands(n) && !n.only_at_rim && !is_said(*k)).collect();
+    // The hub is nearest to the axis.
+    let inner = |k: usize| bodies[k].inner_radius();
+    touched.sort_by(|(a, _), (b, _)| inner(*a).total_cmp(&inner(*b)));
+    if hub.is_empty() {
+        match touched.first() {
+            Some((k, _)) => hub.push(*k),
+            // Blades over a gap: the bodies of revolution are hub and cover if there are no others.
+            None if most == 0 && beside.len() <= 2 => {
+                let mut all: Vec<usize> = beside.iter().map(|(k, _)| *k).filter(|k| !is_said(*k)).collect();
+                all.sort_by(|a, b| inner(*a).total_cmp(&inner(*b)));
+                let mut all = all.into_iter();
+                hub.push(all.next()?);
+                cover.extend(all.next());
+            }
+            None => return None,
+        }
+    }
+    let length = |n: &Neighbourhood, k: usize| if hub.contains(&k) { 0 } else { n.beside };
+    if cover.is_empty() {
+        let of_hub = beside.iter().filter(|(k, _)| hub.contains(k)).map(|(_, n)| n.touching).max();
+        let enough =
+            |n: &Neighbourhood| stands(n) || n.beside as f64 >= OVER_TIPS * of_hub.unwrap_or(0).max(1) as f64;
+        let over = beside.iter().filter(|(k, n)| !hub.contains(k) && !n.only_at_rim && enough(n));
+        // What blades touch goes before what is over a gap.
+        let over = over.max_by_key(|(k, n)| (stands(n), length(n, *k)));
+        cover.extend(over.map(|(k, _)| *k));
+    }
+    Some((hub, cover))
+}
+
+/// Several surfaces as one; their faces stay distinct.
+fn joined<'a>(surfaces: impl Iterator<Item = &'a MeshSurface>) -> MeshSurface {
+    let surfaces: Vec<&MeshSurface> = surfaces.collect();
+    if let [one] = surfaces[..] {
+        return one.clone();
+    }
+    let (mut mesh, mut faces) = (TriangleMesh::default(), Vec::new());
+    for surface in surfaces {
+        let first = faces.iter().max().map_or(0, |last: &u32| last + 1);
+        faces.extend(surface.faces.iter().map(|face| face + first));
+        mesh.append(&TriangleMesh { points: surface.points.clone(), triangles: surface.triangles.clone() });
+    }
+    MeshSurface::of_faces(&mesh, faces)
 }

@@ -2,16 +2,16 @@
 
 use super::TriangleMesh;
 use super::axis::{Axis, PartFromFile, find_axis, turned_axis};
-use super::bodies::{Body, segment_bodies};
+use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies};
 use super::holes::fill_holes;
 use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
 use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
-use super::roles::{NamedMesh, Role, assign_roles, listed};
+use super::roles::{NamedMesh, Role, given_roles, listed, roles_from_names};
 use super::rows::{BladeRows, separate_blades};
 use super::rulings::Rulings;
 use super::sections::ChannelCoordinates;
-use super::segment::segment_wheel;
+use super::segment::{Segments, segment_wheel};
 use super::sides::{SideCurve, SpanSection};
 use super::span_sections::span_sections;
 use super::surface::MeshSurface;
@@ -21,7 +21,7 @@ use super::tips::fit_tip_curve;
 use super::trim::{BodyOutline, depth_behind, trimmed};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
-use crate::part::{BladeDescription, CurveDescription, PartDescription, PartError, Rotation};
+use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription, PartError, Rotation};
 
 /// Number of points of a side of a section.
 const SECTION_POINTS: usize = 180;
@@ -81,9 +81,59 @@ pub fn describe_source(
     source: MeshSource,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
+    let given = given_roles(&meshes, &options.roles)?;
+    let named = roles_from_names(&meshes);
+    // Only the bodies of CAD models decide roles by themselves. Nodes of other files get theirs by name, or
+    // the user is asked.
+    let is_cad = !source.normals.is_empty() || source.axis.is_some();
+    if !is_cad || given.iter().zip(&named).all(|(given, named)| given.is_some() || named.is_none()) {
+        return describe_roles(name, meshes, &RoleSources { given, named }, source, options);
+    }
+    let roles = RoleSources { given, named };
+    let by_name = describe_roles(name, meshes.clone(), &roles, source.clone(), options);
+    // Some roles make a description, but no wheel.
+    let (error, by_name) = match by_name {
+        Ok(part) => match Impeller::build(&part) {
+            Ok(_) => return Ok(part),
+            Err(error) => (error, Some(part)),
+        },
+        Err(error) => (error, None),
+    };
+    // Names that make no wheel are worth less than none.
+    let roles = RoleSources { named: vec![None; meshes.len()], ..roles };
+    let by_shape = describe_roles(name, meshes, &roles, source, options).ok();
+    let by_shape = by_shape.filter(|part| Impeller::build(part).is_ok());
+    match (by_shape, by_name) {
+        (Some(mut part), _) => {
+            part.notes.push(format!(
+                "the roles that the names of the bodies say make no wheel ({}); their shapes decided",
+                error.message
+            ));
+            Ok(part)
+        }
+        (None, Some(part)) => Ok(part),
+        (None, None) => Err(error),
+    }
+}
+
+/// Where the roles of meshes come from, one by one.
+struct RoleSources {
+    /// What the user says.
+    given: Vec<Option<Role>>,
+    /// What names say.
+    named: Vec<Option<Role>>,
+}
+
+fn describe_roles(
+    name: &str,
+    meshes: Vec<NamedMesh>,
+    roles: &RoleSources,
+    source: MeshSource,
+    options: &MeshOptions,
+) -> Result<PartDescription, PartError> {
     let MeshSource { unit, axis, mut notes, normals } = source;
-    let roles = assign_roles(&meshes, &options.roles)?;
-    let sorted = sort_by_role(meshes, &roles)?;
+    let is_cad = !normals.is_empty() || axis.is_some();
+    let sorted = sort_by_role(meshes, roles, is_cad)?;
     let scale = options.unit.unwrap_or(unit).mm();
     let SortedMeshes { mut hub, mut shroud, blades: mut blade_meshes, one, mut bodies } = sorted;
     let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
@@ -91,12 +141,14 @@ pub fn describe_source(
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
-    bodies.iter_mut().flat_map(|(_, mesh)| &mut mesh.points).for_each(|p| *p *= scale);
+    bodies.iter_mut().flat_map(|body| &mut body.mesh.points).for_each(|p| *p *= scale);
     let hub = MeshSurface::from_mesh(&hub);
-    let body = |(name, mesh): (String, TriangleMesh)| Body { name, surface: MeshSurface::from_mesh(&mesh) };
-    // Only the bodies of CAD models decide roles by themselves. Nodes of other files get theirs by name, or
-    // the user is asked.
-    let is_cad = !normals.is_empty() || axis.is_some();
+    let body = |NamedBody { name, role, given, mesh }: NamedBody| Body {
+        name,
+        role,
+        given,
+        surface: MeshSurface::from_mesh(&mesh),
+    };
     let bodies: Vec<Body> =
         if is_cad && bodies.len() > 1 { bodies.into_iter().map(body).collect() } else { Vec::new() };
     let frame = match (options.axis, axis) {
@@ -124,17 +176,40 @@ pub fn describe_source(
     let mut shroud = shroud.map(|mesh| about_z(MeshSurface::from_mesh(&mesh)));
     let mut blade_surfaces: Vec<(Role, MeshSurface)> =
         blade_meshes.into_iter().map(|(role, mesh)| (role, about_z(MeshSurface::from_mesh(&mesh)))).collect();
-    let size = hub.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
-    if let Some(name) = one {
+    let radius = |s: &MeshSurface| s.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
+    let mut size = radius(&hub);
+    if let Some(OneMesh { name, missing }) = one {
         let bodies =
             bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
-        let segments = match segment_bodies(bodies, &mut notes) {
-            Ok(Some(segments)) => segments,
-            _ => segment_wheel(&hub, &normals, &name)?,
+        let whole = |hub: &MeshSurface, name: &str| match &missing {
+            Some(missing) => Err(missing.clone()),
+            None => segment_wheel(hub, &normals, name),
         };
-        hub = segments.hub;
-        shroud = shroud.or(segments.shroud);
-        blade_surfaces = segments.blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
+        let wheel = |Segments { hub, shroud, blades }: Segments| WheelBodies {
+            hub,
+            shroud,
+            blades: blades.into_iter().map(|blade| (Role::Blade, blade)).collect(),
+        };
+        let found = match sort_bodies(bodies, &mut notes) {
+            SortedBodies::Separate(found) => {
+                let parts = std::iter::once(&found.hub).chain(&found.shroud);
+                size =
+                    parts.chain(found.blades.iter().map(|(_, blade)| blade)).map(radius).fold(0.0, f64::max);
+                found
+            }
+            SortedBodies::InOne(body, note) => match segment_wheel(&body.surface, &normals, &body.name) {
+                Ok(segments) => {
+                    size = radius(&body.surface);
+                    notes.push(note);
+                    wheel(segments)
+                }
+                Err(alone) => whole(&hub, &name).map(wheel).map_err(|_| alone)?,
+            },
+            SortedBodies::Unknown => wheel(whole(&hub, &name)?),
+        };
+        hub = found.hub;
+        shroud = shroud.or(found.shroud);
+        blade_surfaces = found.blades;
     }
     let tolerance = TOLERANCE.0.max(2.0 * size * TOLERANCE.1);
     let tip_tolerance = tolerance.max(2.0 * size * TIP_TOLERANCE);
@@ -237,10 +312,27 @@ struct SortedMeshes {
     shroud: Option<TriangleMesh>,
     /// One mesh for each node and instance.
     blades: Vec<(Role, TriangleMesh)>,
-    /// Name of the mesh, stored as `hub`, that holds hub and blades and is still to be segmented.
-    one: Option<String>,
-    /// The bodies in `hub`, if they are to be segmented: one mesh for each node and instance, with its name.
-    bodies: Vec<(String, TriangleMesh)>,
+    /// The mesh, stored as `hub`, that holds hub and blades and is still to be segmented.
+    one: Option<OneMesh>,
+    /// The bodies in `hub`, if they are to be segmented: one for each node and instance.
+    bodies: Vec<NamedBody>,
+}
+
+/// Meshes of which not all roles are known.
+struct OneMesh {
+    /// Name of the first.
+    name: String,
+    /// The fault where they are to be bodies of which some have roles, and shapes do not tell the others.
+    missing: Option<PartError>,
+}
+
+/// A body with what is known of its role.
+struct NamedBody {
+    name: String,
+    role: Option<Role>,
+    /// Whether the user says it.
+    given: bool,
+    mesh: TriangleMesh,
 }
 
 /// The axis of the largest of several bodies that is one of revolution.
@@ -251,7 +343,11 @@ fn axis_of_bodies(bodies: &[Body]) -> Option<PartFromFile> {
     by_area.iter().take(4).find_map(|(_, body)| turned_axis(&body.surface))
 }
 
-fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<SortedMeshes, PartError> {
+fn sort_by_role(
+    meshes: Vec<NamedMesh>,
+    roles: &RoleSources,
+    is_cad: bool,
+) -> Result<SortedMeshes, PartError> {
     let names = listed(&meshes);
     let missing = |what: &str| {
         let help = format!("name it with --role NODE={what}; there are: {names}");
@@ -265,13 +361,16 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
             "export the impeller's surfaces as meshes",
         ));
     }
-    let has = |role: Role| roles.contains(&Some(role));
-    let one = !has(Role::Hub) && !has(Role::Blade) && roles.contains(&None);
-    if !one && !has(Role::Hub) {
-        return Err(missing("hub"));
-    }
-    if !one && !has(Role::Blade) {
-        return Err(missing("blade"));
+    let known: Vec<Option<Role>> =
+        roles.given.iter().zip(&roles.named).map(|(given, named)| given.or(*named)).collect();
+    let has = |role: Role| known.contains(&Some(role));
+    let fault = [Role::Hub, Role::Blade].into_iter().find(|role| !has(*role)).map(|r| missing(r.name()));
+    let unknown = known.contains(&None);
+    let none_known = !has(Role::Hub) && !has(Role::Blade) && unknown;
+    let by_shape = none_known || (is_cad && fault.is_some());
+    let fault = if none_known { None } else { fault };
+    if let (false, Some(fault)) = (by_shape, &fault) {
+        return Err(fault.clone());
     }
     let mut sorted = SortedMeshes {
         hub: TriangleMesh::default(),
@@ -282,33 +381,35 @@ fn sort_by_role(meshes: Vec<NamedMesh>, roles: &[Option<Role>]) -> Result<Sorted
     };
     let mut body_of: Vec<(usize, usize)> = Vec::new();
     let mut places: Vec<(usize, usize, Role)> = Vec::new();
-    for (mesh, role) in meshes.into_iter().zip(roles) {
+    for ((mesh, role), given) in meshes.into_iter().zip(known).zip(&roles.given) {
         match role {
+            Some(Role::Ignored) => {}
+            _ if by_shape && (is_cad || role.is_none()) => {
+                sorted.hub.append(&mesh.mesh);
+                let place = (mesh.node, mesh.instance);
+                match body_of.iter().position(|p| *p == place) {
+                    Some(at) => sorted.bodies[at].mesh.append(&mesh.mesh),
+                    None => {
+                        body_of.push(place);
+                        let (name, given) = (mesh.name.clone(), given.is_some());
+                        sorted.bodies.push(NamedBody { name, role, given, mesh: mesh.mesh });
+                    }
+                }
+                sorted.one.get_or_insert_with(|| OneMesh { name: mesh.name, missing: fault.clone() });
+            }
             Some(Role::Hub) => sorted.hub.append(&mesh.mesh),
             Some(Role::Shroud) => sorted.shroud.get_or_insert_default().append(&mesh.mesh),
             Some(role @ (Role::Blade | Role::Splitter)) => {
-                let place = (mesh.node, mesh.instance, *role);
+                let place = (mesh.node, mesh.instance, role);
                 match places.iter().position(|p| *p == place) {
                     Some(at) => sorted.blades[at].1.append(&mesh.mesh),
                     None => {
                         places.push(place);
-                        sorted.blades.push((*role, mesh.mesh));
+                        sorted.blades.push((role, mesh.mesh));
                     }
                 }
             }
-            None if one => {
-                sorted.hub.append(&mesh.mesh);
-                let place = (mesh.node, mesh.instance);
-                match body_of.iter().position(|p| *p == place) {
-                    Some(at) => sorted.bodies[at].1.append(&mesh.mesh),
-                    None => {
-                        body_of.push(place);
-                        sorted.bodies.push((mesh.name.clone(), mesh.mesh));
-                    }
-                }
-                sorted.one.get_or_insert(mesh.name);
-            }
-            Some(Role::Ignored) | None => {}
+            None => {}
         }
     }
     Ok(sorted)

@@ -7,6 +7,7 @@ mod edges;
 mod fillets;
 mod fit;
 mod holes;
+mod meridional_area;
 mod meridional_points;
 mod nearest;
 pub mod nodes;

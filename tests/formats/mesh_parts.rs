@@ -3,6 +3,7 @@
 mod body;
 mod faults;
 mod nodes;
+mod roles;
 
 use std::path::Path;
 
