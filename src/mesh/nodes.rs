@@ -75,13 +75,22 @@ impl MeshNode {
 
     /// The axis of the file about which it comes closest to a surface of revolution.
     pub fn revolution_axis(&self) -> Axis {
-        let least = Axis::ALL.into_iter().zip(self.circumferential).min_by(|a, b| a.1.total_cmp(&b.1));
-        least.map_or(Axis::Y, |(axis, _)| axis)
+        least_circumferential(self.circumferential)
     }
 
     fn is_turned(&self) -> bool {
         self.circumferential.iter().copied().fold(f64::INFINITY, f64::min) < TURNED * self.area
     }
+}
+
+fn least_circumferential(circumferential: [f64; 3]) -> Axis {
+    let least = Axis::ALL.into_iter().zip(circumferential).min_by(|a, b| a.1.total_cmp(&b.1));
+    least.map_or(Axis::Y, |(axis, _)| axis)
+}
+
+/// The axis of the file about which all of `nodes` together come closest to a surface of revolution.
+pub fn revolution_axis_of(nodes: &[MeshNode]) -> Axis {
+    least_circumferential(std::array::from_fn(|i| nodes.iter().map(|node| node.circumferential[i]).sum()))
 }
 
 /// The nodes of a file in the order of the file, without empty ones.

@@ -27,7 +27,7 @@ impl App {
         let open = self.state.document.part.is_some();
         match command {
             C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
-            C::AssignRoles => self.is_mesh(),
+            C::AssignRoles => self.has_mesh_options(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
             C::StudyResults => self.study.has_results(),
@@ -334,8 +334,8 @@ impl App {
         self.state.selected().map_or(0, |position| position.section)
     }
 
-    /// Whether the open part comes from a mesh file.
-    pub(in crate::app) fn is_mesh(&self) -> bool {
+    /// Whether the open part comes from CAD or a mesh.
+    fn has_mesh_options(&self) -> bool {
         self.state.document.part.as_ref().is_some_and(|part| part.source.mesh().is_some())
     }
 
