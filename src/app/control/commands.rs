@@ -290,7 +290,7 @@ impl App {
 
     /// Asks where to write the shown plunge plan as a CL file.
     pub(in crate::app) fn ask_for_cl_file(&mut self, ctx: &Context, channels: usize) {
-        let name = self.suggest_plunge_name(channels, "apt");
+        let name = self.suggest_plunge_name(channels, ".apt");
         self.dialogs.open_dialog(ctx, Purpose::ExportCl { channels }, name);
     }
 
@@ -308,7 +308,7 @@ impl App {
             n if n == all => "-all-channels".to_owned(),
             n => format!("-{n}-channels"),
         };
-        self.suggest_file_name(&format!("plunge{policy}{of_channels}.{ending}"))
+        self.suggest_file_name(&format!("plunge{policy}{of_channels}{ending}"))
     }
 
     /// Number of channels of the open part; 1 without one.

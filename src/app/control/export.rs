@@ -152,6 +152,7 @@ impl App {
             (Some(last), machine) if machine.is_none_or(|machine| machine == last.target.machine) => {
                 Ok(last.target.clone())
             }
+            (Some(last), Some(machine)) => last.target.with_machine(machine),
             (_, machine) => PostTarget::of_machine(machine.unwrap_or(DEFAULT_MACHINE)),
         };
         let target = match target {
@@ -173,25 +174,25 @@ impl App {
                 let (operation, dialect) = (question.operation, question.target.dialect);
                 let purpose = Purpose::ExportNc { operation, dialect };
                 let ending = purpose.filter().1.first().copied().unwrap_or_default();
+                // Main program and subprogram are two files.
+                let of_kind = if question.target.is_subprogram { "-subprogram" } else { "" };
+                let ending = format!("{of_kind}.{ending}");
                 let name = match operation {
-                    Operation::Flank => self.suggest_file_name(&format!("flank.{ending}")),
-                    _ => self.suggest_plunge_name(question.channels, ending),
+                    Operation::Flank => self.suggest_file_name(&format!("flank{ending}")),
+                    _ => self.suggest_plunge_name(question.channels, &ending),
                 };
                 self.dialogs.open_dialog(ui.ctx(), purpose, name);
             }
             Some(NcAnswer::OpenPost) => {
                 self.dialogs.open_dialog(ui.ctx(), Purpose::OpenPost, String::new());
             }
-            Some(NcAnswer::Unreadable(error)) => self.state.report_problem(Problem::from(&error)),
             None => {}
         }
     }
 
     /// Goes on with the question where an NC program is to run, with the post that was chosen for it.
     pub(in crate::app) fn take_post(&mut self, path: &Path) {
-        if let Err(error) = self.nc_dialog.take_post(&path.to_string_lossy()) {
-            self.state.report_problem(Problem::from(&error));
-        }
+        self.nc_dialog.take_post(&path.to_string_lossy());
     }
 
     /// Writes the plan of `operation` as NC code for the machine that was chosen for it.
