@@ -296,6 +296,9 @@ pub struct Look {
     /// Timeline of the checked program: number of moves made; `None`: all.
     pub program_cut: Option<usize>,
     /// Machine that checked NC code was posted for, by name.
+    /// Number of frames in which the list of faults scrolls to the selected one; see
+    /// [`Look::reveal_selection`].
+    pub reveal_finding: u8,
     pub check_machine: String,
     /// Its control, or the file of its post; `None`: that of the machine.
     pub check_control: Option<String>,
@@ -426,6 +429,7 @@ impl Default for Look {
             check_machine: DEFAULT_MACHINE.to_owned(),
             check_control: None,
             fly: false,
+            reveal_finding: 0,
             section: None,
             measure: None,
             panels: Panels::default(),
