@@ -250,7 +250,7 @@ impl App {
             C::CutRowEarlier => self.state.reorder_selected(true, CuttingPlace::Earlier),
             C::CutRowLater => self.state.reorder_selected(true, CuttingPlace::Later),
             C::ScrubHere => {
-                let cut = look.selected.map(|k| k + 1);
+                let cut = self.state.selected_end();
                 self.state.set_timeline(cut);
             }
             C::MeasureHere => {

@@ -417,9 +417,12 @@ impl App {
             return;
         }
         let Some(shown) = self.state.shown() else { return };
-        let Some(position) = self.state.selected() else { return };
+        let Some((position, (tip, axis))) = self.state.selected().zip(self.state.selected_in_channel())
+        else {
+            return;
+        };
         let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
-        let (tip, axis): (Vec3, Vec3) = (to(position.tip.coords.into()), to(position.axis.into()));
+        let (tip, axis): (Vec3, Vec3) = (to(tip.coords.into()), to(axis.into()));
         let center = tip + axis * radius as f32;
         self.view.fly_to(center, 5.0 * radius as f32, axis, time);
     }
@@ -479,7 +482,8 @@ impl App {
             // The tool is in another channel.
             hides_last: state.channel_progress().iter().any(|at| at.is_current && at.channel != 0),
             // Of the plunges, which the other operations do not show.
-            selected: look.selected.filter(|_| roughing && side == look.side),
+            // Those of other channels are drawn without a mark.
+            selected: look.selected.filter(|_| roughing && side == look.side && look.selected_channel == 0),
             pixel_scale: self.screen.scale,
             section: look.section.and_then(|section| section_plane(state, section)),
             ..SceneOptions::default()
