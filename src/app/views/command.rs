@@ -209,7 +209,9 @@ impl Command {
     /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field
     /// has the focus. Keys of commands that are not available now are not consumed.
     pub fn pressed(ctx: &Context, can: impl Fn(Self) -> bool) -> Vec<Self> {
-        let taken = ctx.text_edit_focused() || ctx.memory(|memory| memory.focused().is_some());
+        // An open list or menu takes the arrows before any of its entries has the focus.
+        let has_focus = ctx.memory(|memory| memory.focused().is_some());
+        let taken = ctx.text_edit_focused() || has_focus || egui::Popup::is_any_open(ctx);
         let typing = ctx.text_edit_focused();
         let mut order: Vec<(Self, KeyboardShortcut)> =
             Self::ALL.iter().filter_map(|&command| Some((command, command.shortcut()?))).collect();
