@@ -110,9 +110,8 @@ impl RolesDialog {
                     });
                     ui.vertical(|ui| {
                         form::nodes(ui, &asked.unassigned.nodes, &mut asked.choices, 270.0);
-                        ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes").on_hover_text(
-                            "A role applies to all nodes with the same number of triangles and the same area",
-                        );
+                        ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes")
+                            .on_hover_text("A role applies to all nodes with the same area, within 1 %");
                         ui.label(
                             RichText::new("Keys: up, down; H hub, S shroud, B blade, P splitter, I ignore")
                                 .weak(),
