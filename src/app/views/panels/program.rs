@@ -108,9 +108,12 @@ pub fn faults(ui: &mut Ui, state: &mut AppState) {
             let place =
                 if finding.fault.line > 0 { format!("Line {}: ", finding.fault.line) } else { String::new() };
             let text = format!("{place}{}", finding.fault.message);
-            let button = Button::selectable(selected == Some(k), text).wrap();
+            let button = Button::selectable(selected == Some(k), with_minus_signs(&text)).wrap();
             let left = egui::Layout::top_down_justified(egui::Align::LEFT);
             let response = ui.with_layout(left, |ui| ui.add(button)).inner;
+            response.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, selected == Some(k), &text)
+            });
             if selected == Some(k) && reveal {
                 response.scroll_to_me(None);
             }
@@ -138,14 +141,25 @@ fn details(ui: &mut Ui, finding: &ProgramFinding) {
         let units = units::display_units(ui);
         let tip = [p.x, p.y, p.z].map(|mm| units.number(mm, 3)).join(" ");
         let diameter = units.number(2.0 * place.radius, 2);
-        // Lines break after a hyphen, not after a minus.
-        let signed = |text: String| text.replace('-', "−");
-        ui.label(signed(format!("Tip {tip} {}", units.length_unit())));
-        ui.label(signed(format!("Axis {:.4} {:.4} {:.4}, tool Ø{diameter}", a.x, a.y, a.z)));
+        ui.label(with_minus_signs(&format!("Tip {tip} {}", units.length_unit())));
+        let axis = format!("Axis {:.4} {:.4} {:.4}, tool Ø{diameter}", a.x, a.y, a.z);
+        ui.label(with_minus_signs(&axis));
     }
     if !finding.fault.help.is_empty() {
         ui.add(Label::new(format!("Fix: {}", finding.fault.help)).wrap());
     }
+}
+
+/// `text` with minus signs before its numbers: lines break after a hyphen, which would stand alone then.
+fn with_minus_signs(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut chars = text.chars().peekable();
+    while let Some(c) = chars.next() {
+        let begins = shown.chars().last().is_none_or(|before| !before.is_alphanumeric());
+        let is_sign = c == '-' && begins && chars.peek().is_some_and(char::is_ascii_digit);
+        shown.push(if is_sign { '−' } else { c });
+    }
+    shown
 }
 
 /// A line of a program as it is written, in as many lines as it needs.
@@ -182,7 +196,13 @@ fn break_between_words(text: &str, columns: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::break_between_words;
+    use super::{break_between_words, with_minus_signs};
+
+    #[test]
+    fn only_signs_of_numbers_become_minus_signs() {
+        let text = "comes within -5.7 mm (-3) of a semi-finished 2-1 hub - no";
+        assert_eq!(with_minus_signs(text), "comes within −5.7 mm (−3) of a semi-finished 2-1 hub - no");
+    }
 
     #[test]
     fn no_number_is_parted_from_its_sign() {
