@@ -410,6 +410,7 @@ impl App {
             && new_part
         {
             let path = path.to_owned();
+            self.note_recent(&path);
             self.find_copy_of_part(&path);
         }
         if let Some(file) = changed_part {

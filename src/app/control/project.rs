@@ -241,7 +241,7 @@ impl App {
         self.session.claim = Some((path, lock));
     }
 
-    /// Moves a project to the front of the recent projects.
+    /// Moves a project, or a part that was opened by itself, to the front of the recent files.
     pub(in crate::app) fn note_recent(&mut self, path: &Path) {
         if let Some(home) = &self.session.home {
             self.state.recents = home.note_recent(path);

@@ -316,7 +316,7 @@ impl App {
             self.run_command(ui.ctx(), command);
         }
         let corner = whole.right_top() + egui::vec2(-42.0, 74.0 + overlay::layers_top(whole));
-        if whole.height() > 300.0
+        if whole.height() > cube::MIN_VIEW_HEIGHT
             && let Some(direction) = cube::show(ui, corner, &camera)
         {
             self.view.look_from(direction);
@@ -417,10 +417,8 @@ impl App {
             return;
         }
         let Some(shown) = self.state.shown() else { return };
-        let Some((position, (tip, axis))) = self.state.selected().zip(self.state.selected_in_channel())
-        else {
-            return;
-        };
+        let in_channel = self.state.selected().zip(self.state.selected_in_channel());
+        let Some((position, (tip, axis))) = in_channel else { return };
         let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
         let (tip, axis): (Vec3, Vec3) = (to(tip.coords.into()), to(axis.into()));
         let center = tip + axis * radius as f32;
@@ -482,7 +480,6 @@ impl App {
             // The tool is in another channel.
             hides_last: state.channel_progress().iter().any(|at| at.is_current && at.channel != 0),
             // Of the plunges, which the other operations do not show.
-            // Those of other channels are drawn without a mark.
             selected: look.selected.filter(|_| roughing && side == look.side && look.selected_channel == 0),
             pixel_scale: self.screen.scale,
             section: look.section.and_then(|section| section_plane(state, section)),
