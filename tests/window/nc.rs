@@ -244,6 +244,12 @@ fn another_machine_keeps_the_post_file_and_the_subprogram() {
     assert_eq!(is_subprogram(&window), Some(Toggled::False));
     window.get_by_label_contains("plain.toml does not say how a subprogram begins and ends");
     window.get_by_label_contains("plain.toml does not take Rotary angles: the output is All axes");
+    // A post that is gone leaves the place to the control of the machine.
+    std::fs::remove_file(&plain).unwrap();
+    choose_in_list(&mut window, "NC machine", "bc-trunnion");
+    window.get_by_label_contains("plain.toml: cannot be read");
+    let own = read_machine(Path::new("bc-trunnion")).unwrap().control;
+    assert_eq!(control(&window), Some(own));
 }
 
 #[test]

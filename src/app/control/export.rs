@@ -17,7 +17,7 @@ use crate::app::tasks::documents::SheetTask;
 use crate::app::tasks::files::{SceneTask, WriteTask};
 use crate::app::tasks::programs::{NcTask, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
-use crate::app::views::nc_dialog::{NcAnswer, NcQuestion};
+use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, ReleaseAnswer};
 use crate::gpu::SceneOptions;
@@ -146,24 +146,24 @@ impl App {
     /// last.
     pub(in crate::app) fn ask_for_nc_target(&mut self) {
         let operations = self.planned_operations();
-        let last = self.nc_dialog.question();
-        let machine = self.state.document.edited.setup.machine.file.as_deref();
-        let target = match (last, machine) {
-            (Some(last), machine) if machine.is_none_or(|machine| machine == last.target.machine) => {
-                Ok(last.target.clone())
-            }
-            (Some(last), Some(machine)) => last.target.with_machine(machine),
-            (_, machine) => PostTarget::of_machine(machine.unwrap_or(DEFAULT_MACHINE)),
-        };
-        let target = match target {
-            Ok(target) => target,
+        let last = self.nc_dialog.question().cloned();
+        let machine = self.state.document.edited.setup.machine.file.clone();
+        let of_setup = machine.as_deref().unwrap_or(DEFAULT_MACHINE);
+        let own = match PostTarget::of_machine(of_setup) {
+            Ok(own) => own,
             Err(error) => return self.state.report_problem(Problem::from(&error)),
         };
+        let target = last.as_ref().map_or(own, |last| last.target.clone());
+        let other = machine.filter(|machine| *machine != target.machine);
         let Some(operation) = self.exported_operation() else { return };
         let channel_count = self.channel_count();
-        let channels =
-            last.map_or(self.state.look.shown_channels, |last| last.channels).clamp(1, channel_count);
+        let channels = last.map_or(self.state.look.shown_channels, |last| last.channels);
+        let channels = channels.clamp(1, channel_count);
         self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });
+        // What was chosen for another machine stays.
+        if let Some(machine) = other {
+            self.nc_dialog.take(TargetChoice::Machine(machine));
+        }
     }
 
     /// Draws the question where an NC program is to run, while that is due.

@@ -12,7 +12,6 @@ use super::theme::{self, Condition};
 use crate::app::model::look::Operation;
 use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::{Problem, without_markdown};
-use crate::io::InputError;
 use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
 use crate::machine::{ChannelCalls, OutputKind};
@@ -61,6 +60,15 @@ pub struct NcDialog {
     remark: Option<ChoiceRemark>,
 }
 
+/// A choice in the dialog.
+#[derive(Clone, Debug)]
+pub enum TargetChoice {
+    /// The machine of this name or file.
+    Machine(String),
+    /// The control of this name, or the post of this file.
+    Control(String),
+}
+
 /// What the dialog says of the last choice of machine or control.
 #[derive(Clone, Debug)]
 enum ChoiceRemark {
@@ -81,20 +89,29 @@ impl NcDialog {
     /// Goes on with the last question, with the post of the file `post` unless that cannot be read.
     pub fn take_post(&mut self, post: &str) {
         self.is_open = self.question.is_some();
-        let Some(question) = &self.question else { return };
-        let chosen = question.target.with_control(post);
-        self.take(chosen);
+        self.take(TargetChoice::Control(post.to_owned()));
     }
 
-    /// Takes a machine or control that was chosen, and says what that changes beside.
-    fn take(&mut self, chosen: Result<PostTarget, InputError>) {
+    /// Takes a machine or control, and says what that changes beside. One that cannot be read is not taken;
+    /// where that is the post that was chosen for the machine before, the machine's own takes its place.
+    pub fn take(&mut self, choice: TargetChoice) {
         let Some(question) = &mut self.question else { return };
+        let (chosen, own) = match &choice {
+            TargetChoice::Machine(name) => {
+                (question.target.with_machine(name), PostTarget::of_machine(name).ok())
+            }
+            TargetChoice::Control(name) => (question.target.with_control(name), None),
+        };
+        let before = question.target.clone();
         self.remark = match chosen {
             Ok(target) => {
-                let before = std::mem::replace(&mut question.target, target);
+                question.target = target;
                 dropped(&before, &question.target).map(ChoiceRemark::Dropped)
             }
-            Err(error) => Some(ChoiceRemark::Unreadable(Problem::from(&error))),
+            Err(error) => {
+                question.target = own.unwrap_or(before);
+                Some(ChoiceRemark::Unreadable(Problem::from(&error)))
+            }
         };
     }
 
@@ -170,16 +187,13 @@ fn show_remark(ui: &mut Ui, remark: Option<&ChoiceRemark>) {
     }
 }
 
-/// A machine or control that was chosen, or why it cannot be read.
-type ChosenTarget = Result<PostTarget, InputError>;
-
 /// Draws the fields; returns an answer, and the machine or control that was chosen.
 fn form(
     ui: &mut Ui,
     question: &mut NcQuestion,
     order: &mut ChannelSetup,
-) -> (Option<NcAnswer>, Option<ChosenTarget>) {
-    let mut changed: Option<ChosenTarget> = None;
+) -> (Option<NcAnswer>, Option<TargetChoice>) {
+    let mut changed: Option<TargetChoice> = None;
     let mut opens_post = false;
     Grid::new("nc fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         let label = ui.label("Operation");
@@ -203,7 +217,7 @@ fn form(
         let names = built_in_names().map(str::to_owned);
         fields::name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
         if machine != target.machine {
-            changed = Some(target.with_machine(&machine));
+            changed = Some(TargetChoice::Machine(machine));
         }
         let mut control = target.control.clone();
         let names = built_in_posts().map(str::to_owned);
@@ -211,7 +225,7 @@ fn form(
             opens_post = ui.button("Post file…").on_hover_text(POST_TIP).clicked();
         });
         if control != target.control {
-            changed = Some(target.with_control(&control));
+            changed = Some(TargetChoice::Control(control));
         }
         let label = ui.label("Output").on_hover_text(OUTPUT_TIP);
         let list = ComboBox::from_id_salt("nc output").width(theme::FIELD_WIDTH);
