@@ -403,5 +403,7 @@ fn a_small_screen_with_large_text_keeps_cube_and_menus() {
     window.run_steps(4);
     window.get_by_label("File").click();
     window.run_steps(4);
+    let height = |label: &str| window.get_by_label_contains(label).rect().height();
+    assert_eq!(height("Export NC program…"), height("Export CL (APT)…"), "no item breaks for the bar");
     snapshot_view(&mut window, "low_file_menu");
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{MenuBar, ScrollArea, Ui};
+use egui::{MenuBar, ScrollArea, TextWrapMode, Ui};
 
 use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
@@ -124,6 +124,8 @@ fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
                 (scroll.active_handle_opacity, scroll.active_background_opacity);
             // Beside the keys of the items.
             scroll.floating_allocated_width = BESIDE_BAR + scroll.floating_width;
+            // The menu is as wide as its items: none breaks for the bar.
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             // A popup is as high as its content was in the frame before.
             ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
         }
