@@ -17,7 +17,7 @@ use crate::io::write_atomically;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
 use crate::machine::{BlankSize, ChannelCalls, MachineTool, MotionFault, OutputKind, SectionTime};
 use crate::monitor::Monitor;
-use crate::setup::{ChannelSequence, Setup, Tool};
+use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
 
 /// A program with what its source says of the part.
@@ -26,9 +26,8 @@ struct PostSource {
     /// Whether the inlet points to +Z in the part frame.
     inlet_up: bool,
     blank: Option<BlankSize>,
-    /// How often it is called as a subprogram, and in which sequence of channels.
+    /// How often it is called as a subprogram.
     calls: ChannelCalls,
-    sequence: ChannelSequence,
     /// File name for messages.
     name: String,
     /// Whether the lines of its moves are those of the file; in plans they are the numbers of the moves.
@@ -130,9 +129,8 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         }
         // Tools come from the inlet: their axes point to its side.
         let up: f64 = program.moves.iter().map(|m| m.axis.z).sum();
-        let (calls, sequence) = (ChannelCalls::Unknown, ChannelSequence::Adjacent);
-        let inlet_up = up >= 0.0;
-        return Ok(PostSource { program, inlet_up, blank: None, calls, sequence, name, has_lines: true });
+        let (inlet_up, calls) = (up >= 0.0, ChannelCalls::Unknown);
+        return Ok(PostSource { program, inlet_up, blank: None, calls, name, has_lines: true });
     }
     let (mut program, part, setup, channels) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
@@ -156,8 +154,7 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
         program,
         inlet_up,
         blank: Some(BlankSize::from_part(&part, &setup.allowances)),
-        calls: ChannelCalls::for_channels(channels, part.blade_count),
-        sequence: setup.channels.sequence,
+        calls: ChannelCalls::for_channels(channels, part.blade_count, setup.channels.sequence),
         name,
         has_lines: false,
     })
@@ -187,7 +184,7 @@ fn section_object(program: &ClProgram, time: &SectionTime) -> Value {
 }
 
 fn object(request: &PostRequest, source: &PostSource, posted: &PostedProgram) -> Map<String, Value> {
-    let PostSource { program, sequence, .. } = source;
+    let PostSource { program, .. } = source;
     let PostRequest { machine, post, output, .. } = request;
     let PostedProgram { motion, written, times } = posted;
     let mut map = Map::new();
@@ -210,19 +207,13 @@ fn object(request: &PostRequest, source: &PostSource, posted: &PostedProgram) ->
             "call_turn".into(),
             json!(calls.turn_rad().map(|turn| without_conversion_error(turn.to_degrees()))),
         );
-        map.insert("call_turns".into(), json!(calls.count().map(|count| call_turns_deg(*sequence, count))));
+        map.insert("call_turns".into(), json!(calls.offsets_deg()));
     }
     map
 }
 
-/// Turn of the work offset in each of `count` calls, degrees.
-fn call_turns_deg(sequence: ChannelSequence, count: usize) -> Vec<f64> {
-    let turn = |channel: usize| without_conversion_error(360.0 * channel as f64 / count as f64);
-    sequence.channels(count).into_iter().map(turn).collect()
-}
-
 fn text(args: &PostArgs, request: &PostRequest, source: &PostSource, posted: &PostedProgram) -> String {
-    let PostSource { program, sequence, .. } = source;
+    let PostSource { program, .. } = source;
     let PostRequest { machine, post, output, .. } = request;
     let PostedProgram { motion, written, times } = posted;
     let minutes = |s: f64| format!("{:.1}", s / 60.0);
@@ -255,19 +246,8 @@ fn text(args: &PostArgs, request: &PostRequest, source: &PostSource, posted: &Po
         motion.clear_links,
         motion.rewinds
     );
-    if let Some((count, turn)) = request.calls.and_then(|calls| calls.count().zip(calls.turn_rad())) {
-        text += &match count {
-            1 => "to be called once\n".to_owned(),
-            _ if *sequence != ChannelSequence::Adjacent => {
-                let turns = call_turns_deg(*sequence, count).into_iter().map(|turn| format!("{turn:.4}°"));
-                let turns = turns.collect::<Vec<_>>().join(", ");
-                format!("to be called {count} times, the offset turned to {turns}\n")
-            }
-            _ => format!(
-                "to be called {count} times, the offset turned on by {:.4}° each time\n",
-                turn.to_degrees()
-            ),
-        };
+    if let Some(words) = request.calls.and_then(ChannelCalls::words) {
+        text += &format!("{words}\n");
     }
     text += &format!(
         "largest error of the tip {:.4} mm, of the axis {:.4}°\n",

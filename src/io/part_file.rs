@@ -5,13 +5,17 @@ use std::path::Path;
 use super::source::{name_of, read_bytes};
 use super::{InputError, geomturbo, gltf, native, step, stl, turbogrid};
 use crate::error::ErrorCode;
-use crate::mesh::MeshOptions;
-use crate::mesh::options::is_plausible_size;
+use crate::mesh::options::{FileUnit, is_plausible_size};
+use crate::mesh::{LengthUnit, MeshOptions, NamedMesh};
 use crate::part::PartDescription;
 
 /// Extensions of part files, as dialogs list them.
 pub const EXTENSIONS: &[&str] =
     &["toml", "geomTurbo", "geomturbo", "inf", "step", "stp", "p21", "stl", "glb", "gltf"];
+
+/// Extensions of those that come from CAD or as meshes, in small letters: roles of their bodies, unit, axis,
+/// number of blades and sense of rotation are [`MeshOptions`].
+const MESH_EXTENSIONS: [&str; 6] = ["step", "stp", "p21", "stl", "glb", "gltf"];
 
 const CAN_OPEN: &str = "open a .toml, .geomTurbo, .inf (TurboGrid), .step, .stl, .glb or .gltf file";
 
@@ -38,7 +42,7 @@ pub fn read_part(path: &Path) -> Result<PartDescription, InputError> {
 /// As [`read_part`].
 pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescription, InputError> {
     let name = name_of(path);
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let extension = extension_of(path);
     match extension.as_str() {
         "inf" => turbogrid::read(path).map(questioned),
         "glb" | "gltf" => gltf::read(path, options),
@@ -55,11 +59,44 @@ pub fn read_part_with(path: &Path, options: &MeshOptions) -> Result<PartDescript
 /// # Errors
 /// When it has another one.
 pub fn check_part_format(path: &Path) -> Result<(), InputError> {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let extension = extension_of(path);
     match extension.as_str() {
         "inf" | "glb" | "gltf" | "step" | "stp" | "p21" | "stl" | "geomturbo" | "toml" => Ok(()),
         other => Err(unknown(&name_of(path), other)),
     }
+}
+
+fn extension_of(path: &Path) -> String {
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+/// Whether a part file comes from CAD or as a mesh, by its extension: such a part is read by [`MeshOptions`].
+pub fn takes_mesh_options(path: &Path) -> bool {
+    MESH_EXTENSIONS.contains(&extension_of(path).as_str())
+}
+
+/// The bodies of a part file from CAD or of meshes.
+#[derive(Clone, Debug)]
+pub struct FileBodies {
+    /// Their meshes, in the frame of the file, with those names and numbers by which options give them roles.
+    pub meshes: Vec<NamedMesh>,
+    /// Unit of their coordinates.
+    pub unit: FileUnit,
+}
+
+/// Reads the bodies of a part file from CAD or of meshes; those of CAD are coarser than a part has them.
+///
+/// # Errors
+/// When the file cannot be read, or [`takes_mesh_options`] does not hold for it.
+pub fn read_bodies(path: &Path) -> Result<FileBodies, InputError> {
+    let extension = extension_of(path);
+    let (meshes, unit) = match extension.as_str() {
+        "glb" | "gltf" => (gltf::read_meshes(path)?, FileUnit::Specified(LengthUnit::Metre)),
+        "step" | "stp" | "p21" => (step::read_meshes(path)?, FileUnit::Stated),
+        "stl" => (stl::read_meshes(path)?, FileUnit::Assumed(LengthUnit::Millimetre)),
+        other => return Err(unknown(&name_of(path), other)),
+    };
+    Ok(FileBodies { meshes, unit })
 }
 
 /// Reads a part from the bytes of a single file; `ext` is `toml`, `geomTurbo`, `step`, `stl`, `glb` or

@@ -71,7 +71,7 @@ pub struct Viewpoint {
 }
 
 /// What of the plan was selected and displayed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanSelection {
     /// Whether the conventional plan was shown.
@@ -80,9 +80,38 @@ pub struct PlanSelection {
     /// Position, counted from 0 in cutting order.
     #[serde(default)]
     pub position: Option<usize>,
-    /// Number of positions displayed as cut; `None`: all.
+    /// Number of positions of channel 1 displayed as cut; `None`: all.
     #[serde(default)]
     pub cut: Option<usize>,
+    /// Number of channels that were displayed.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub channels: usize,
+    /// Number of plunges of all these that were displayed as cut; `None`: all, or one channel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channels_cut: Option<usize>,
+    /// Channel of the position, in pitches ahead of channel 1.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub channel: usize,
+}
+
+impl Default for PlanSelection {
+    fn default() -> Self {
+        Self { before: false, position: None, cut: None, channels: 1, channels_cut: None, channel: 0 }
+    }
+}
+
+fn one() -> usize {
+    1
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_one(count: &usize) -> bool {
+    *count == 1
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks so")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Results of planning a setup, by which sets are compared. Lengths mm, time s, share 0…1.
@@ -316,7 +345,14 @@ mod tests {
                 distance: 400.0,
                 parallel: true,
             }),
-            chosen: PlanSelection { before: true, position: Some(16), cut: None },
+            chosen: PlanSelection {
+                before: true,
+                position: Some(16),
+                cut: Some(12),
+                channels: 3,
+                channels_cut: Some(29),
+                channel: 1,
+            },
             original: None,
             setup_faults: Vec::new(),
         }

@@ -138,6 +138,20 @@ pub fn read_part(path: &Path, options: &MeshOptions) -> Result<PartDescription, 
     read_part_bytes(&name_of(path), &read_bytes_up_to(path, MAX_STL_BYTES)?, options)
 }
 
+/// Reads the mesh of an `.stl` file, named as the file.
+///
+/// # Errors
+/// When the file cannot be read or is not STL.
+pub fn read_meshes(path: &Path) -> Result<Vec<NamedMesh>, InputError> {
+    let name = name_of(path);
+    let mesh = read_stl_bytes(&name, &read_bytes_up_to(path, MAX_STL_BYTES)?)?;
+    Ok(vec![named_mesh(stem_of(&name), mesh)])
+}
+
+fn named_mesh(name: String, mesh: TriangleMesh) -> NamedMesh {
+    NamedMesh { name, other_names: Vec::new(), node: 0, instance: 0, mesh }
+}
+
 /// As [`read_part`], from bytes; `name` is the file name used in messages.
 ///
 /// # Errors
@@ -153,8 +167,8 @@ pub fn read_part_bytes(
     if options.unit.is_none() {
         source.notes.push("STL has no unit: mm are assumed; give --unit if they are not".to_owned());
     }
-    let named = NamedMesh { name: stem.clone(), other_names: Vec::new(), node: 0, instance: 0, mesh };
-    describe_source(&stem, vec![named], source, options).map_err(|e| InputError::of_part(name, e))
+    describe_source(&stem, vec![named_mesh(stem.clone(), mesh)], source, options)
+        .map_err(|e| InputError::of_part(name, e))
 }
 
 /// Writes triangles over shared `points` as binary STL. `about` goes to its head, up to 75 characters.

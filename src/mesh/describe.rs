@@ -350,8 +350,8 @@ fn sort_by_role(
 ) -> Result<SortedMeshes, PartError> {
     let names = listed(&meshes);
     let missing = |what: &str| {
-        let help = format!("name it with --role NODE={what}; there are: {names}");
-        PartError::new(ErrorCode::MeshRoles, 0, format!("no mesh is called {what}"), help)
+        let help = format!("give one with --role NODE={what}; there are: {names}");
+        PartError::new(ErrorCode::MeshRoles, 0, format!("no mesh has the role {what}"), help)
     };
     if !meshes.iter().any(|m| !m.mesh.triangles.is_empty()) {
         return Err(PartError::new(

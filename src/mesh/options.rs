@@ -55,6 +55,27 @@ impl LengthUnit {
     }
 }
 
+/// What the format of a file says of the unit of its coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileUnit {
+    /// The file states it, and is read in mm.
+    Stated,
+    /// The specification of the format names this unit, which not all programs keep to.
+    Specified(LengthUnit),
+    /// The format has none; this one is assumed.
+    Assumed(LengthUnit),
+}
+
+impl FileUnit {
+    /// The unit in which coordinates are read where no other is given.
+    pub fn own(self) -> LengthUnit {
+        match self {
+            Self::Stated => LengthUnit::Millimetre,
+            Self::Specified(unit) | Self::Assumed(unit) => unit,
+        }
+    }
+}
+
 impl FromStr for LengthUnit {
     type Err = UserError;
 

@@ -8,6 +8,7 @@ use vanecut::io::nc::{read_post, read_post_bytes};
 use vanecut::job::post::{PostFault, PostRequest, PostedProgram, post_program};
 use vanecut::machine::{ChannelCalls, MachineTool, OutputKind};
 use vanecut::monitor::Monitor;
+use vanecut::setup::ChannelSequence;
 use vanecut::toolpath::Motion;
 
 use super::programs::{MACHINES, machine, plunges, read_back, tilted};
@@ -27,6 +28,11 @@ fn called(
         calls: Some(calls),
     };
     post_program(&plunges(), &request, &Monitor::default())
+}
+
+/// A call for each of `count` channels.
+fn each(count: usize) -> ChannelCalls {
+    ChannelCalls::for_channels(1, count, ChannelSequence::Adjacent)
 }
 
 fn refusal(result: Result<PostedProgram, PostFault>) -> String {
@@ -56,7 +62,7 @@ fn subprograms_return() {
         };
         let post = read_post(control).unwrap();
         let whole = posted(post.clone(), None);
-        let called = posted(post.into_subprogram().unwrap(), Some(ChannelCalls::Channels(6)));
+        let called = posted(post.into_subprogram().unwrap(), Some(each(6)));
         let cuts = |text: &str| {
             let moves = read_back(&machine, control, text).expect(control).program.moves;
             let cuts = moves.into_iter().filter(|m| m.motion != Motion::Rapid);
@@ -64,6 +70,9 @@ fn subprograms_return() {
         };
         assert_eq!(cuts(&called), cuts(&whole), "{control}");
         assert!(whole.contains("M30") && !called.contains("M30") && called.contains(ends), "{called}");
+        let comment = "TO BE CALLED 6 TIMES, THE WORK OFFSET TURNED ON BY 60 DEG";
+        assert!(called.contains(comment) && !whole.contains("TO BE CALLED"), "{control}: {called}");
+        assert!(called.contains("0, 60, 120, 180, 240, 300 DEG"), "{control}: {called}");
         let head: String = called.lines().take(6).collect();
         assert!(!head.contains("G54") && !head.contains("CYCL DEF 247"), "{head}");
     }
@@ -80,7 +89,7 @@ fn nothing_moves_in_the_turned_offset_before_the_tip_is_held() {
     for (control, on) in
         [("heidenhain", "M128"), ("siemens", "TRAORI"), ("fanuc", "G43.4"), ("linuxcnc", "M428")]
     {
-        let posted = called(&machine, control, OutputKind::TcpAngles, ChannelCalls::Channels(7)).unwrap();
+        let posted = called(&machine, control, OutputKind::TcpAngles, each(7)).unwrap();
         let text = posted.written.text;
         let lines: Vec<&str> = text.lines().collect();
         let places: Vec<usize> = (0..lines.len()).filter(|&k| lines[k].contains(on)).collect();
@@ -116,7 +125,7 @@ fn an_axis_with_limits_has_room_for_all_calls() {
     let limits = machine.rotary[0].limits.unwrap();
     for count in [1, 2, 7, 30] {
         for output in [OutputKind::TcpAngles, OutputKind::Joints] {
-            let calls = ChannelCalls::Channels(count);
+            let calls = each(count);
             let posted = called(&machine, "siemens", output, calls).unwrap();
             for call in 0..count {
                 let turn = TAU * call as f64 / count as f64;
@@ -135,7 +144,7 @@ fn an_axis_with_limits_has_room_for_all_calls() {
     }
     let mut narrow = machine.clone();
     narrow.rotary[0].limits = Some((-1.5, 3.0));
-    let message = refusal(called(&narrow, "siemens", OutputKind::TcpAngles, ChannelCalls::Channels(7)));
+    let message = refusal(called(&narrow, "siemens", OutputKind::TcpAngles, each(7)));
     assert!(message.starts_with("C turns the part"), "{message}");
     narrow.rotary[0].limits = Some((-4.0, 3.0));
     let message = refusal(called(&narrow, "siemens", OutputKind::TcpAngles, ChannelCalls::Unknown));
@@ -147,17 +156,13 @@ fn an_axis_with_limits_has_room_for_all_calls() {
 fn heads_are_refused_where_axes_are_named() {
     for name in MACHINES {
         let machine = machine(name);
-        let calls = ChannelCalls::Channels(5);
+        let calls = each(5);
         let angles = called(&machine, "fanuc", OutputKind::TcpAngles, calls);
         assert_eq!(angles.is_err(), name == "bc-head", "{name}");
         assert!(called(&machine, "fanuc", OutputKind::TcpVectors, calls).is_ok(), "{name}");
-        assert!(
-            called(&machine, "fanuc", OutputKind::TcpAngles, ChannelCalls::Channels(1)).is_ok(),
-            "{name}"
-        );
+        assert!(called(&machine, "fanuc", OutputKind::TcpAngles, each(1)).is_ok(), "{name}");
     }
-    let message =
-        refusal(called(&machine("bc-head"), "fanuc", OutputKind::Joints, ChannelCalls::Channels(5)));
+    let message = refusal(called(&machine("bc-head"), "fanuc", OutputKind::Joints, each(5)));
     assert!(message.contains("no table of BC head"), "{message}");
     // The first channel is reached, one of those turned on is not.
     let mut head = machine("bc-head");
@@ -174,8 +179,8 @@ fn heads_are_refused_where_axes_are_named() {
         }
         post_program(&program, &request, &Monitor::default())
     };
-    let alone = posted(Some(ChannelCalls::Channels(1)));
+    let alone = posted(Some(each(1)));
     assert!(alone.is_ok(), "{:?}", alone.err());
-    assert!(matches!(posted(Some(ChannelCalls::Channels(4))), Err(PostFault::Motion(_))));
+    assert!(matches!(posted(Some(each(4))), Err(PostFault::Motion(_))));
     assert!(matches!(posted(Some(ChannelCalls::Unknown)), Err(PostFault::Motion(_))));
 }

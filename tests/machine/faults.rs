@@ -72,14 +72,14 @@ fn programs_lack_nothing() {
     let mut program = plunges();
     let motion = moved(&ac, &program, &post, OutputKind::TcpAngles).unwrap();
     program.tools[0].number = 0;
-    let error = write_nc(&program, &ac, &motion, &post, OutputKind::TcpAngles).unwrap_err();
+    let error = write_nc(&program, &ac, &motion, &post, OutputKind::TcpAngles, &[]).unwrap_err();
     assert_eq!(error.code, ErrorCode::ProgramTool, "{error}");
     program.tools[0].number = 4;
     program.tools[1].spindle_rpm = None;
-    let error = write_nc(&program, &ac, &motion, &post, OutputKind::TcpAngles).unwrap_err();
+    let error = write_nc(&program, &ac, &motion, &post, OutputKind::TcpAngles, &[]).unwrap_err();
     assert_eq!(error.code, ErrorCode::ProgramTool, "{error}");
     let error =
-        write_nc(&plunges(), &ac, &motion, &read_post("haas").unwrap(), OutputKind::Plane).unwrap_err();
+        write_nc(&plunges(), &ac, &motion, &read_post("haas").unwrap(), OutputKind::Plane, &[]).unwrap_err();
     assert_eq!(error.code, ErrorCode::ControlOutput, "{error}");
 
     let mut program = plunges();
@@ -267,7 +267,7 @@ fn posts_of_a_shop() {
     let machine = machine("ac-trunnion");
     let program = plunges();
     let motion = moved(&machine, &program, &post, OutputKind::TcpAngles).unwrap();
-    let nc = write_nc(&program, &machine, &motion, &post, OutputKind::TcpAngles).unwrap();
+    let nc = write_nc(&program, &machine, &motion, &post, OutputKind::TcpAngles, &[]).unwrap();
     assert!(nc.text.ends_with("M5\nM9\nM30\n%\n") && nc.text.contains("\nG43.4 H4\n"), "{}", nc.text);
     assert!(read_back(&machine, "fanuc", &nc.text).is_ok());
     for (text, line, code) in [

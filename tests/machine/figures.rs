@@ -105,7 +105,7 @@ impl Planned {
         let options = MotionOptions::new(output, post.format.angle_decimals);
         let motion = machine_program(machine, &placed, &self.program, &options, &Monitor::default());
         let motion = motion.expect("it runs");
-        let nc = write_nc(&self.program, machine, &motion, &post, output).unwrap();
+        let nc = write_nc(&self.program, machine, &motion, &post, output, &[]).unwrap();
         let context = ReadContext { machine, placed, tools: &self.setup.tools };
         let reading = read_nc("p.nc", nc.text.as_bytes(), post.dialect, &context).unwrap();
         assert_eq!(reading.overruns, []);

@@ -117,7 +117,7 @@ pub fn moved(
 pub fn posted(machine: &MachineTool, program: &ClProgram, control: &str, output: OutputKind) -> NcProgram {
     let post = read_post(control).unwrap();
     let motion = moved(machine, program, &post, output).unwrap();
-    write_nc(program, machine, &motion, &post, output).unwrap()
+    write_nc(program, machine, &motion, &post, output, &[]).unwrap()
 }
 
 pub fn read_back(machine: &MachineTool, control: &str, text: &str) -> Result<NcReading, InputError> {

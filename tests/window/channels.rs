@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui::accesskit::{Role, Toggled};
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::io::apt::read_apt;
@@ -121,7 +121,13 @@ fn all_channels_are_shown_and_the_timeline_runs_through_them() {
     window.state_mut().look_mut().playing = None;
     set_timeline(&mut window, first_tool + 3);
     let look = &window.state().state().look;
-    assert_eq!((look.cut_count, look.selected), (Some(first_tool), None), "the tool is in channel 2");
+    assert_eq!(look.cut_count, Some(first_tool), "of channel 1");
+    // The table marks the same plunge, and the sectional view shows it.
+    assert_eq!((look.selected, look.selected_channel), (Some(2), 1), "the tool is in channel 2");
+    let row = window.get_by_role_and_label(Role::Row, "Position 3");
+    assert_eq!(row.accesskit_node().toggled(), Some(Toggled::True));
+    window.get_by_label_contains(&format!("Position 3 of {count}, channel 2: "));
+    window.get_by_label("Sectional view through position 3");
     let progress: BTreeMap<usize, (usize, bool)> = window
         .state()
         .state()
@@ -150,6 +156,34 @@ fn all_channels_are_shown_and_the_timeline_runs_through_them() {
     show_channels(&mut window, 1.0);
     let state = window.state().state();
     assert_eq!((state.timeline_len(), state.timeline_cut()), (count, Some(5)));
+}
+
+#[test]
+fn a_project_keeps_the_shown_channels_and_their_timeline() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let project = folder.path().join("a.vanecut");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine.clone());
+    show_channels(&mut window, 5.0);
+    let count = positions(&window).len();
+    let cut = count + 3;
+    set_timeline(&mut window, cut);
+    let look = |window: &Window| {
+        let look = &window.state().state().look;
+        (look.shown_channels, look.channels_cut, look.selected, look.selected_channel)
+    };
+    let before = look(&window);
+    assert_eq!((before.0, before.1), (5, Some(cut)));
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(&mut window);
+    let mut second = crate::harness::window(engine);
+    second.state_mut().open_path(project);
+    settle(&mut second);
+    assert_eq!(look(&second), before);
+    assert_eq!(second.state().state().timeline_cut(), Some(cut));
+    second.get_by_label(&format!("{cut} of {}", 5 * count));
+    assert!(!second.state().state().document.is_unsaved());
 }
 
 /// Sets the timeline as its slider does.

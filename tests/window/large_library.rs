@@ -55,3 +55,24 @@ fn a_library_of_many_tools_is_edited_and_taken_back() {
     settle(&mut window);
     window.get_by_label("20000 of 20000 tools");
 }
+
+#[test]
+fn a_tool_that_the_search_hides_is_neither_shown_nor_taken() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = with_library(folder.path(), 12);
+    window.get_by_label("T3 Ø6.03 L90 tool 3 of the maker").click();
+    window.run_steps(3);
+    window.get_by_label("Tool T3: tool 3 of the maker");
+    window.get_by_label("Take into setup");
+    window.get_by_role_and_label(egui::accesskit::Role::TextInput, "Search").focus();
+    window.run_steps(2);
+    window.event(egui::Event::Text("of the maker t3 ".to_owned()));
+    window.run_steps(3);
+    window.get_by_label("1 of 12 tools");
+    window.get_by_label("Tool T3: tool 3 of the maker");
+    window.event(egui::Event::Text("nothing".to_owned()));
+    window.run_steps(3);
+    window.get_by_label("0 of 12 tools");
+    assert!(window.query_by_label_contains("Tool T3").is_none(), "it is not among those shown");
+    assert!(window.query_by_label("Take into setup").is_none());
+}

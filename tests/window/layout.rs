@@ -9,7 +9,7 @@ use vanecut::app::model::part_source::PartSource;
 use vanecut::app::views::theme::{self, Condition};
 
 use crate::fake;
-use crate::harness::{Window, sample_in, scaled, settle, turn_wheel, window, with_sample};
+use crate::harness::{Window, sample_in, scaled, settle, snapshot_view, turn_wheel, window, with_sample};
 
 fn view(window: &Window) -> egui::Rect {
     window.get_by_label("3D view").rect()
@@ -379,4 +379,31 @@ fn every_item_of_a_menu_can_be_reached_in_a_low_window() {
         memory.area_rect(egui::Id::unique(("floating window", "Time against stock"))).expect("it is open")
     });
     assert!(panel.top() > verdict.bottom(), "{panel} hides the figures, which end at {verdict}");
+}
+
+/// A small screen at 150 %: the cube has room, the text size is in the menu, and the menu File says that it
+/// goes on below.
+#[test]
+fn a_small_screen_with_large_text_keeps_cube_and_menus() {
+    let (engine, _) = fake::engine();
+    let mut window = sample_in(scaled(engine, 1.5));
+    window.set_size(egui::vec2(1360.0 / 1.5, 870.0 / 1.5));
+    window.run_steps(4);
+    settle(&mut window);
+    assert!(window.query_all_by_label_contains("View from ").count() > 0, "the cube");
+    window.get_by_label("View").click();
+    window.run_steps(3);
+    window.get_by_label("Text size").click();
+    window.run_steps(3);
+    window.get_by_label_contains("Zoom In").click();
+    window.run_steps(3);
+    assert!(window.ctx.zoom_factor() > 1.0);
+    window.ctx.set_zoom_factor(1.0);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(4);
+    window.get_by_label("File").click();
+    window.run_steps(4);
+    let height = |label: &str| window.get_by_label_contains(label).rect().height();
+    assert_eq!(height("Export NC program…"), height("Export CL (APT)…"), "no item breaks for the bar");
+    snapshot_view(&mut window, "low_file_menu");
 }

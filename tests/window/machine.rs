@@ -315,3 +315,27 @@ fn the_axes_of_a_position_are_shown_under_the_pointer() {
     window.get_by_label_contains(" mm/min, ");
     window.get_by_label_contains("Cut after ");
 }
+
+/// The arrows go through a list that the mouse opened, and not through the table behind it.
+#[test]
+fn the_arrows_are_those_of_an_open_list() {
+    let mut window = with_machine("ac-trunnion");
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(3);
+    let selected = |window: &Window| window.state().state().look.selected;
+    assert_eq!(selected(&window), Some(0));
+    let list = window.get_by_role_and_label(Role::ComboBox, "Machine").rect().center();
+    press(&mut window, list);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "bc-trunnion");
+    for _ in 0..2 {
+        window.key_press(egui::Key::ArrowDown);
+        window.run_steps(2);
+        assert_eq!(selected(&window), Some(0), "the list has the keys");
+    }
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(3);
+    assert_eq!(selected(&window), Some(1));
+}

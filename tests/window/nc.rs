@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui::accesskit::{Role, Toggled};
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::io::flank_file::{read_flank_bytes, write_flank};
@@ -11,8 +11,9 @@ use vanecut::io::machine_file::read_machine;
 use vanecut::io::nc::read_post;
 use vanecut::io::part_file::read_part;
 use vanecut::job::post::{PostRequest, post_program};
-use vanecut::machine::{BlankSize, OutputKind};
+use vanecut::machine::{BlankSize, ChannelCalls, OutputKind};
 use vanecut::monitor::Monitor;
+use vanecut::setup::ChannelSequence;
 use vanecut::toolpath::ClProgram;
 
 use crate::dialogs::{name_file, press_enter};
@@ -176,6 +177,17 @@ fn a_program_that_the_machine_cannot_run_is_not_written() {
     assert!(window.query_by_label("Undo the edit").is_none(), "no edit is to blame");
 }
 
+/// Takes the words from a post file, in the open dialog.
+fn take_post(window: &mut Window, file: &Path) {
+    window.get_by_label("Post file…").click();
+    window.run_steps(3);
+    settle(window);
+    window.get_by_label("Open post");
+    name_file(window, file);
+    press_enter(window);
+    window.get_by_label("Save as…");
+}
+
 #[test]
 fn a_post_of_ones_own_gives_the_words() {
     let folder = tempfile::tempdir().unwrap();
@@ -187,20 +199,94 @@ fn a_post_of_ones_own_gives_the_words() {
     let bad = folder.path().join("bad.toml");
     std::fs::write(&bad, "extends = \"no-such-control\"\n").unwrap();
     ask(&mut window);
-    for file in [&bad, &post] {
-        window.get_by_label("Post file…").click();
-        window.run_steps(3);
-        settle(&mut window);
-        window.get_by_label("Open post");
-        name_file(&mut window, file);
-        press_enter(&mut window);
-        window.get_by_label("Save as…");
-    }
+    take_post(&mut window, &bad);
     window.get_by_label_contains("unknown control");
+    assert!(window.state().state().problems.is_empty(), "the dialog itself says what is wrong");
+    take_post(&mut window, &post);
+    assert!(window.query_by_label_contains("unknown control").is_none(), "this one is good");
     let path = folder.path().join("p.ngc");
     save(&mut window, &path);
     let text = std::fs::read_to_string(&path).expect("written");
     assert!(text.contains("(words of the shop)"), "{}", &text[..text.len().min(400)]);
+}
+
+#[test]
+fn another_machine_keeps_the_post_file_and_the_subprogram() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_machine("ac-trunnion");
+    let shop = "extends = \"fanuc\"\n[blocks]\nsub_start = [\"(of the shop)\"]\nsub_end = [\"M99\"]\n";
+    let post = folder.path().join("shop.toml");
+    std::fs::write(&post, shop).unwrap();
+    let plain = folder.path().join("plain.toml");
+    std::fs::write(&plain, "dialect = \"fanuc\"\n[on]\njoints = [\"G0 {angles}\"]\n").unwrap();
+    ask(&mut window);
+    take_post(&mut window, &post);
+    window.get_by_label("Subprogram").click();
+    window.run_steps(2);
+    let control = |window: &Window| window.get_by_role_and_label(Role::ComboBox, "Control").value();
+    let is_subprogram = |window: &Window| {
+        window.get_by_role_and_label(Role::CheckBox, "Subprogram").accesskit_node().toggled()
+    };
+    choose_in_list(&mut window, "NC machine", "bc-trunnion");
+    assert_eq!(control(&window).as_deref(), Some("shop.toml"));
+    assert_eq!(is_subprogram(&window), Some(Toggled::True));
+    // Neither is it lost between two questions.
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    crate::machine::choose(&mut window, "b-head-c-table");
+    ask(&mut window);
+    let machine = window.get_by_role_and_label(Role::ComboBox, "NC machine").value();
+    assert_eq!(machine.as_deref(), Some("b-head-c-table"), "that of the setup");
+    assert_eq!(control(&window).as_deref(), Some("shop.toml"));
+    assert_eq!(is_subprogram(&window), Some(Toggled::True));
+    // What a control does not take is said.
+    take_post(&mut window, &plain);
+    assert_eq!(is_subprogram(&window), Some(Toggled::False));
+    window.get_by_label_contains("plain.toml does not say how a subprogram begins and ends");
+    window.get_by_label_contains("plain.toml does not take Rotary angles: the output is All axes");
+    // A post that is gone leaves the place to the control of the machine.
+    std::fs::remove_file(&plain).unwrap();
+    choose_in_list(&mut window, "NC machine", "bc-trunnion");
+    window.get_by_label_contains("plain.toml: cannot be read");
+    let own = read_machine(Path::new("bc-trunnion")).unwrap().control;
+    assert_eq!(control(&window), Some(own));
+}
+
+#[test]
+fn a_subprogram_says_how_often_it_is_called_and_how_the_offset_turns() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_machine("ac-trunnion");
+    ask(&mut window);
+    choose_in_list(&mut window, "Channel sequence", "Opposite");
+    settle(&mut window);
+    assert!(window.query_by_label_contains("to be called").is_none(), "it is a main program");
+    window.get_by_label("Subprogram").click();
+    window.run_steps(2);
+    let count = window.state().state().document.part.as_ref().expect("open").impeller.blade_count;
+    let calls = ChannelCalls::for_channels(1, count, ChannelSequence::Opposite);
+    let words = calls.words().expect("known");
+    assert!(words.starts_with(&format!("to be called {count} times")), "{words}");
+    window.get_by_label(&format!("Subprogram {words}"));
+    let path = folder.path().join("sub.h");
+    save(&mut window, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    for comment in calls.comments() {
+        let comment = comment.to_uppercase();
+        assert!(text.lines().take(12).any(|line| line.ends_with(&comment)), "{comment}: {}", &text[..900]);
+    }
+    let notice = window.state().state().notice.as_ref().expect("a message").text.clone();
+    assert!(notice.ends_with(&words), "{notice}");
+    assert!(sheet(&mut window, folder.path()).contains(&words), "the sheet goes to the machine, too");
+
+    // A program of several channels is called once.
+    ask(&mut window);
+    window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(3.0);
+    window.run_steps(2);
+    window.get_by_label("Subprogram to be called once, for its 3 channels");
+    let path = folder.path().join("three.h");
+    save(&mut window, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    assert!(text.contains("TO BE CALLED ONCE, FOR ITS 3 CHANNELS"), "{}", &text[..900]);
 }
 
 #[test]

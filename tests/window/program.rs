@@ -1,5 +1,6 @@
 //! Checking of programs from anywhere.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -122,6 +123,75 @@ fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
     window.run_steps(3);
     assert!(window.state().state().results.checked.is_none());
     assert!(window.query_by_label(&operation).is_none());
+}
+
+/// The ground of the row of fault `k`, its most frequent colour, without the pointer on it.
+fn ground_of_row(window: &mut Window, k: usize) -> [u8; 4] {
+    window.hover_at(egui::pos2(2.0, 2.0));
+    window.run_steps(3);
+    let label = fault_label(window, k);
+    let rect = window.get_by_role_and_label(Role::Button, &label).rect();
+    let mut counts = HashMap::<[u8; 4], usize>::new();
+    for pixel in pixels_in(window, rect) {
+        *counts.entry(pixel).or_default() += 1;
+    }
+    counts.into_iter().max_by_key(|(_, count)| *count).expect("pixels").0
+}
+
+/// Label of the row of fault `k`.
+fn fault_label(window: &Window, k: usize) -> String {
+    let checked = window.state().state().results.checked.clone().expect("checked");
+    let fault = &checked.findings[k].fault;
+    format!("Line {}: {}", fault.line, fault.message)
+}
+
+#[test]
+fn the_selected_fault_is_marked_and_in_view_wherever_the_pointer_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 620.0));
+    // Every plunge goes too deep: more faults than the list shows at once.
+    let plan = window.state().state().shown().expect("planned").plan();
+    let mut text = "PARTNO/impeller532\nLOADTL/1\nCUTTER/30\nPPRINT/INSERT WIDTH 1 10\n".to_owned();
+    for position in plan.positions.iter().take(12) {
+        let (axis, up) = (position.axis, position.evaluation.retract);
+        for (words, p) in [("RAPID", up), ("FEDRAT/300,MMPM", position.tip - axis * 3.0), ("RAPID", up)] {
+            let [i, j, k] = [axis.x, axis.y, axis.z];
+            text += &format!("{words}\nGOTO/{:.6},{:.6},{:.6},{i:.6},{j:.6},{k:.6}\n", p.x, p.y, p.z);
+        }
+    }
+    let path = write(folder.path(), "deep.apt", &(text + "FINI\n"));
+    check(&mut window, &path);
+    let count = window.state().state().results.checked.as_ref().expect("checked").findings.len();
+    assert!(count >= 12, "{count}");
+    let label = fault_label(&window, 1);
+    window.get_by_role_and_label(Role::Button, &label).click();
+    window.run_steps(4);
+    settle(&mut window);
+    let (plain, marked) = (ground_of_row(&mut window, 0), ground_of_row(&mut window, 1));
+    assert_ne!(plain, marked);
+
+    // The keys mark it, too, and the list goes along, to its end and back.
+    for (keys, modifiers) in [(count - 2, egui::Modifiers::NONE), (count - 1, egui::Modifiers::SHIFT)] {
+        for _ in 0..keys {
+            window.key_press_modifiers(modifiers, egui::Key::N);
+            window.run_steps(2);
+        }
+        window.run_steps(6);
+        settle(&mut window);
+        let k = window.state().state().look.finding.expect("selected");
+        assert!(k == 0 || k == count - 1, "{k} of {count}");
+        assert_eq!(ground_of_row(&mut window, k), marked, "fault {k} of {count}");
+        let label = fault_label(&window, k);
+        let row = window.get_by_role_and_label(Role::Button, &label).rect();
+        let below = window.get_by_label_contains("Tip ").rect();
+        let above = window.get_by_label("Faults").rect();
+        assert!(
+            row.top() >= above.bottom() && row.bottom() <= below.top() + 1.0,
+            "{row:?} in {above:?} to {below:?}"
+        );
+    }
 }
 
 #[test]

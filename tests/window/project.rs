@@ -361,3 +361,26 @@ fn what_another_window_has_saved_is_not_replaced_unasked() {
     assert_eq!((step(&path), step(&other)), (Some(7.5), Some(8.0)));
     assert!(!first.state().state().document.is_unsaved());
 }
+
+#[test]
+fn a_part_that_was_opened_is_among_the_recent_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let part = folder.path().join("wheel.toml");
+    let text = include_bytes!("../../assets/parts/pump6.toml");
+    std::fs::write(&part, text).expect("writes");
+    let (engine, _) = fake::engine();
+    let mut first = window(engine.clone());
+    first.state_mut().set_home(folder.path().join("home"));
+    first.state_mut().open_path(part.clone());
+    settle(&mut first);
+    let part = std::path::absolute(part).expect("a path");
+    assert_eq!(first.state().state().recents, std::slice::from_ref(&part));
+    // The next window offers it.
+    let mut next = window(engine);
+    next.state_mut().set_home(folder.path().join("home"));
+    next.run_steps(2);
+    next.get_by_label("wheel.toml").click();
+    next.run_steps(2);
+    settle(&mut next);
+    assert!(next.state().state().document.part.is_some());
+}

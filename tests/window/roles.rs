@@ -3,12 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::{Value, json};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::part_source::PartSource;
+use vanecut::geometry::rotate_z;
 use vanecut::io::project_file::{PartLocation, read_project};
+use vanecut::io::stl::write_stl;
 use vanecut::io::{GltfScene, read_part_bytes};
+use vanecut::mesh::TriangleMesh;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
 use vanecut::part::Impeller;
 
@@ -185,4 +188,91 @@ fn roles_of_an_open_part_can_be_changed_and_its_setup_stays() {
     assert_eq!(said.roles, [("shroud".to_owned(), vanecut::mesh::Role::Ignored)], "only what differs");
     assert_eq!(part.impeller.rotation(), vanecut::part::Rotation::Clockwise);
     assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(6.0), "the setup stays");
+}
+
+/// Saves the project in `folder`, and opens it in another window.
+fn reopened(window: &mut Window, folder: &Path) -> Window {
+    let project = folder.join("p.vanecut");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::SaveProject, project.clone());
+    settle(window);
+    let mut second = crate::harness::window(fake::engine().0);
+    second.state_mut().open_path(project);
+    settle(&mut second);
+    second
+}
+
+#[test]
+fn what_an_stl_file_leaves_open_is_given_in_the_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = include_bytes!("../../assets/parts/pump6.toml");
+    let part = Impeller::build(&read_part_bytes("pump6.toml", text, "toml").expect("reads")).expect("a part");
+    let shape = Tessellation::new(&part, &Fineness { chord_error: 0.02, ..Fineness::default() });
+    let (mut wheel, blade) = (shape.hub.mesh(), shape.main.mesh());
+    for k in 0..part.blade_count {
+        let points = blade.points.iter().map(|p| rotate_z(p, part.pitch() * k as f64)).collect();
+        wheel.append(&TriangleMesh { points, triangles: blade.triangles.clone() });
+    }
+    let inches: Vec<_> = wheel.points.iter().map(|p| p / 25.4).collect();
+    let path = folder.path().join("wheel.stl");
+    std::fs::write(&path, write_stl(&inches, &wheel.triangles, "pump6")).expect("writes");
+    let mut window = window(fake::engine().0);
+    window.state_mut().open_path(path.clone());
+    settle(&mut window);
+    let diameter = |window: &Window| {
+        let part = window.state().state().document.part.clone().expect("a part");
+        2.0 * part.impeller.rim_radius()
+    };
+    let across = diameter(&window);
+    window.get_by_label_contains("mm are assumed; give the unit if they are not");
+    window.get_by_label_contains("give it in File, Assign surfaces…");
+
+    ask_for_roles(&mut window);
+    window.get_by_label("Assign surfaces, wheel.stl");
+    choose(&mut window, "Unit of the file", "in");
+    choose(&mut window, "Sense of rotation", "clockwise");
+    press(&mut window, "Open the part");
+    assert!(window.query_by_label("Assign surfaces, wheel.stl").is_none(), "it opened");
+    let inches = diameter(&window);
+    assert!((inches / across - 25.4).abs() < 0.01, "{across} mm, then {inches} mm");
+    assert!(window.query_by_label_contains("mm are assumed").is_none(), "nothing is assumed any more");
+    let mut second = reopened(&mut window, folder.path());
+    assert!((diameter(&second) - inches).abs() < 1e-9, "the project keeps the choices");
+    let part = second.state().state().document.part.clone().expect("a part");
+    assert_eq!(part.impeller.rotation(), vanecut::part::Rotation::Clockwise);
+    ask_for_roles(&mut second);
+    let unit = second.get_by_role_and_label(Role::ComboBox, "Unit of the file").value();
+    assert_eq!(unit.as_deref(), Some("in"));
+}
+
+#[test]
+fn what_a_step_file_leaves_open_is_given_in_the_window() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/step/plane_blades.step");
+    let mut window = window(fake::engine().0);
+    window.state_mut().open_path(PathBuf::from(file));
+    settle(&mut window);
+    let part = |window: &Window| window.state().state().document.part.clone().expect("a part").impeller;
+    let before = part(&window);
+    let other = before.rotation().reversed();
+
+    ask_for_roles(&mut window);
+    window.get_by_label("Assign surfaces, plane_blades.step");
+    // The unit is that of the file, and the bodies that were found by their shapes stay so.
+    assert!(window.query_by_role_and_label(Role::ComboBox, "Unit of the file").is_none());
+    window.get_by_label("as in the file");
+    let is_of_body = |label: Option<String>| label.is_some_and(|label| label.starts_with("Role of "));
+    let lists = window.query_all_by_role(Role::ComboBox);
+    let roles: Vec<_> =
+        lists.filter(|list| is_of_body(list.accesskit_node().label())).map(|list| list.value()).collect();
+    assert!(!roles.is_empty());
+    assert!(roles.iter().all(|role| role.as_deref() == Some("automatic")), "{roles:?}");
+    choose(&mut window, "Sense of rotation", &other.to_string());
+    press(&mut window, "Open the part");
+    let turned = part(&window);
+    assert_eq!((turned.rotation(), turned.blade_count), (other, before.blade_count));
+    let Some(PartSource::Mesh(_, said)) = source(&window) else { panic!("with choices") };
+    assert_eq!((said.roles.len(), said.unit), (0, None), "only what was chosen");
+    let second = reopened(&mut window, folder.path());
+    assert_eq!(part(&second).rotation(), other, "the project keeps the choice");
 }

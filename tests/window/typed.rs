@@ -5,7 +5,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::setup::Tool;
 
 use crate::fake;
-use crate::harness::{Window, click_enabled, press, settle, with_sample};
+use crate::harness::{Window, choose_in_file_menu, click_enabled, press, settle, with_sample};
 
 /// Types `text` into the field of this number among those of this name.
 fn type_into(window: &mut Window, (field, number): (&str, usize), text: &str) {
@@ -160,4 +160,21 @@ fn diameters_of_the_library_filter_are_refused_with_the_cure() {
     type_into(&mut window, ("Ø", 0), "2000");
     assert!(says(&window, "2000 is too much: at most 1000, the greatest that is shown"));
     assert_eq!(all, count(&window));
+}
+
+#[test]
+fn a_number_of_channels_is_a_whole_one() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    choose_in_file_menu(&mut window, "Export CL of several channels…");
+    let channels = |window: &Window| window.get_by_role_and_label(Role::SpinButton, "Channels").value();
+    let before = channels(&window);
+    for text in ["2.5", "abc"] {
+        type_into(&mut window, ("Channels", 0), text);
+        assert_eq!(channels(&window), before, "it keeps its value");
+        assert!(says(&window, &format!("“{text}” is not a whole number: 3 or 12/2 are")), "{text}");
+    }
+    type_into(&mut window, ("Channels", 0), "6/2");
+    assert_eq!(channels(&window).as_deref(), Some("3"));
+    assert!(!says(&window, "“abc”"));
 }

@@ -30,6 +30,9 @@ use crate::part::BlankShape;
 use crate::setup::SetupFault;
 use crate::study::StudyResults;
 
+/// Where options of a part's file are given that its notes ask for.
+const IN_ROLES_DIALOG: &str = "give it in File, Assign surfaces…";
+
 impl App {
     /// Opens a project, setup or part file in the background.
     pub fn open_path(&mut self, path: PathBuf) {
@@ -380,7 +383,9 @@ impl App {
             }
             let part = self.state.document.part.as_ref();
             for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
-                self.state.report_problem(Problem::new(hint_for_dialog(&note), ""));
+                let shown = hint_for_dialog(&note);
+                let help = if shown == note { "" } else { IN_ROLES_DIALOG };
+                self.state.report_problem(Problem::new(shown, help));
             }
             self.view.reset();
             self.hover = None;
@@ -405,6 +410,7 @@ impl App {
             && new_part
         {
             let path = path.to_owned();
+            self.note_recent(&path);
             self.find_copy_of_part(&path);
         }
         if let Some(file) = changed_part {

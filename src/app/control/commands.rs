@@ -27,7 +27,7 @@ impl App {
         let open = self.state.document.part.is_some();
         match command {
             C::NewProject | C::SaveProject | C::SaveProjectAs | C::KeepSet => open,
-            C::AssignRoles => self.is_mesh(),
+            C::AssignRoles => self.has_mesh_options(),
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
             C::StudyResults => self.study.has_results(),
@@ -250,7 +250,7 @@ impl App {
             C::CutRowEarlier => self.state.reorder_selected(true, CuttingPlace::Earlier),
             C::CutRowLater => self.state.reorder_selected(true, CuttingPlace::Later),
             C::ScrubHere => {
-                let cut = look.selected.map(|k| k + 1);
+                let cut = self.state.selected_end();
                 self.state.set_timeline(cut);
             }
             C::MeasureHere => {
@@ -290,7 +290,7 @@ impl App {
 
     /// Asks where to write the shown plunge plan as a CL file.
     pub(in crate::app) fn ask_for_cl_file(&mut self, ctx: &Context, channels: usize) {
-        let name = self.suggest_plunge_name(channels, "apt");
+        let name = self.suggest_plunge_name(channels, ".apt");
         self.dialogs.open_dialog(ctx, Purpose::ExportCl { channels }, name);
     }
 
@@ -308,7 +308,7 @@ impl App {
             n if n == all => "-all-channels".to_owned(),
             n => format!("-{n}-channels"),
         };
-        self.suggest_file_name(&format!("plunge{policy}{of_channels}.{ending}"))
+        self.suggest_file_name(&format!("plunge{policy}{of_channels}{ending}"))
     }
 
     /// Number of channels of the open part; 1 without one.
@@ -334,8 +334,8 @@ impl App {
         self.state.selected().map_or(0, |position| position.section)
     }
 
-    /// Whether the open part comes from a mesh file.
-    pub(in crate::app) fn is_mesh(&self) -> bool {
+    /// Whether the open part comes from CAD or a mesh.
+    fn has_mesh_options(&self) -> bool {
         self.state.document.part.as_ref().is_some_and(|part| part.source.mesh().is_some())
     }
 

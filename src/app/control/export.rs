@@ -17,7 +17,7 @@ use crate::app::tasks::documents::SheetTask;
 use crate::app::tasks::files::{SceneTask, WriteTask};
 use crate::app::tasks::programs::{NcTask, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
-use crate::app::views::nc_dialog::{NcAnswer, NcQuestion};
+use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, ReleaseAnswer};
 use crate::gpu::SceneOptions;
@@ -146,23 +146,24 @@ impl App {
     /// last.
     pub(in crate::app) fn ask_for_nc_target(&mut self) {
         let operations = self.planned_operations();
-        let last = self.nc_dialog.question();
-        let machine = self.state.document.edited.setup.machine.file.as_deref();
-        let target = match (last, machine) {
-            (Some(last), machine) if machine.is_none_or(|machine| machine == last.target.machine) => {
-                Ok(last.target.clone())
-            }
-            (_, machine) => PostTarget::of_machine(machine.unwrap_or(DEFAULT_MACHINE)),
-        };
-        let target = match target {
-            Ok(target) => target,
+        let last = self.nc_dialog.question().cloned();
+        let machine = self.state.document.edited.setup.machine.file.clone();
+        let of_setup = machine.as_deref().unwrap_or(DEFAULT_MACHINE);
+        let own = match PostTarget::of_machine(of_setup) {
+            Ok(own) => own,
             Err(error) => return self.state.report_problem(Problem::from(&error)),
         };
+        let target = last.as_ref().map_or(own, |last| last.target.clone());
+        let other = machine.filter(|machine| *machine != target.machine);
         let Some(operation) = self.exported_operation() else { return };
         let channel_count = self.channel_count();
-        let channels =
-            last.map_or(self.state.look.shown_channels, |last| last.channels).clamp(1, channel_count);
+        let channels = last.map_or(self.state.look.shown_channels, |last| last.channels);
+        let channels = channels.clamp(1, channel_count);
         self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });
+        // What was chosen for another machine stays.
+        if let Some(machine) = other {
+            self.nc_dialog.take(TargetChoice::Machine(machine));
+        }
     }
 
     /// Draws the question where an NC program is to run, while that is due.
@@ -173,25 +174,25 @@ impl App {
                 let (operation, dialect) = (question.operation, question.target.dialect);
                 let purpose = Purpose::ExportNc { operation, dialect };
                 let ending = purpose.filter().1.first().copied().unwrap_or_default();
+                // Main program and subprogram are two files.
+                let of_kind = if question.target.is_subprogram { "-subprogram" } else { "" };
+                let ending = format!("{of_kind}.{ending}");
                 let name = match operation {
-                    Operation::Flank => self.suggest_file_name(&format!("flank.{ending}")),
-                    _ => self.suggest_plunge_name(question.channels, ending),
+                    Operation::Flank => self.suggest_file_name(&format!("flank{ending}")),
+                    _ => self.suggest_plunge_name(question.channels, &ending),
                 };
                 self.dialogs.open_dialog(ui.ctx(), purpose, name);
             }
             Some(NcAnswer::OpenPost) => {
                 self.dialogs.open_dialog(ui.ctx(), Purpose::OpenPost, String::new());
             }
-            Some(NcAnswer::Unreadable(error)) => self.state.report_problem(Problem::from(&error)),
             None => {}
         }
     }
 
     /// Goes on with the question where an NC program is to run, with the post that was chosen for it.
     pub(in crate::app) fn take_post(&mut self, path: &Path) {
-        if let Err(error) = self.nc_dialog.take_post(&path.to_string_lossy()) {
-            self.state.report_problem(Problem::from(&error));
-        }
+        self.nc_dialog.take_post(&path.to_string_lossy());
     }
 
     /// Writes the plan of `operation` as NC code for the machine that was chosen for it.

@@ -241,7 +241,7 @@ impl App {
         self.session.claim = Some((path, lock));
     }
 
-    /// Moves a project to the front of the recent projects.
+    /// Moves a project, or a part that was opened by itself, to the front of the recent files.
     pub(in crate::app) fn note_recent(&mut self, path: &Path) {
         if let Some(home) = &self.session.home {
             self.state.recents = home.note_recent(path);
@@ -285,10 +285,13 @@ impl App {
             self.view.restore(camera);
         }
         // The next plan keeps the selection if it has that position.
-        let PlanSelection { before, position, cut } = project.chosen;
+        let PlanSelection { before, position, cut, channels, channels_cut, channel } = project.chosen;
+        let channel_count = self.channel_count();
         let look = &mut self.state.look;
         look.side = if before { Side::Before } else { Side::After };
-        (look.selected, look.cut_count) = (position, cut);
+        (look.selected, look.selected_channel, look.cut_count) = (position, channel, cut);
+        look.shown_channels = channels.clamp(1, channel_count);
+        look.channels_cut = channels_cut;
         look.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         let part = self.state.document.part.as_ref();
         if part.is_some_and(|part| part.hash.fnv1a != project.part_hash) {

@@ -254,6 +254,9 @@ pub struct Look {
     pub wipe: f32,
     /// Selected position of the active side, index in cutting order.
     pub selected: Option<usize>,
+    /// Channel of the selected position, in pitches ahead of channel 1: where the timeline runs through
+    /// several, that of the plunge cut last.
+    pub selected_channel: usize,
     /// Number of frames for which the table still scrolls to the selection, while the panel below takes its
     /// height.
     pub reveal_selection: u8,
@@ -293,6 +296,9 @@ pub struct Look {
     pub difference: bool,
     /// Selected fault of the checked program.
     pub finding: Option<usize>,
+    /// Number of frames in which the list of faults scrolls to the selected one; see
+    /// [`Look::reveal_selection`].
+    pub reveal_finding: u8,
     /// Timeline of the checked program: number of moves made; `None`: all.
     pub program_cut: Option<usize>,
     /// Machine that checked NC code was posted for, by name.
@@ -404,6 +410,7 @@ impl Default for Look {
             arrangement: Arrangement::One,
             wipe: 0.5,
             selected: None,
+            selected_channel: 0,
             reveal_selection: 0,
             filter: Filter::All,
             sort: Sort::default(),
@@ -422,6 +429,7 @@ impl Default for Look {
             range: None,
             difference: false,
             finding: None,
+            reveal_finding: 0,
             program_cut: None,
             check_machine: DEFAULT_MACHINE.to_owned(),
             check_control: None,
@@ -466,10 +474,10 @@ impl Look {
         self.fly = position.is_some();
     }
 
-    /// Selects a position and scrolls the table to it. A timeline that is not at the end moves along, so that
-    /// the selected position is the one cut last.
+    /// Selects a position of channel 1 and scrolls the table to it. A timeline that is not at the end moves
+    /// along, so that the selected position is the one cut last.
     pub fn select(&mut self, position: Option<usize>) {
-        self.selected = position;
+        (self.selected, self.selected_channel) = (position, 0);
         self.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         if let (Some(_), Some(k)) = (self.cut_count, position) {
             self.cut_count = Some(k + 1);

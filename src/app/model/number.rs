@@ -14,6 +14,8 @@ pub enum Quantity {
     SpindleSpeed,
     /// A number without unit.
     Plain,
+    /// A whole number.
+    Count,
 }
 
 impl Quantity {
@@ -37,13 +39,14 @@ impl Quantity {
                 &[("mm/min", 1.0), ("m/min", 1000.0), ("mm/s", 60.0), ("in/min", INCH_MM), ("ipm", INCH_MM)]
             }
             Self::SpindleSpeed => &[("rpm", 1.0), ("rev/min", 1.0), ("1/min", 1.0), ("/min", 1.0)],
-            Self::Plain => &[],
+            Self::Plain | Self::Count => &[],
         }
     }
 }
 
 /// Value of `text` in the unit of the field: a number or a calculation, and perhaps a unit of the `quantity`,
-/// which is converted. `None` where it is not a finite number, or its unit is not one of the quantity.
+/// which is converted. `None` where it is not a finite number, or not a whole one where the quantity is a
+/// count, or its unit is not one of the quantity.
 pub fn parse(text: &str, quantity: Quantity) -> Option<f64> {
     let text = text.trim();
     // The longest unit that fits: "mm" ends in "m", too.
@@ -59,7 +62,8 @@ pub fn parse(text: &str, quantity: Quantity) -> Option<f64> {
     let number = number.trim().replace(',', ".").replace('−', "-");
     let mut rest = number.as_bytes();
     let value = sum(&mut rest, 0)? * factor;
-    (rest.is_empty() && value.is_finite()).then_some(value)
+    let is_one = rest.is_empty() && value.is_finite();
+    (is_one && (quantity != Quantity::Count || value.fract() == 0.0)).then_some(value)
 }
 
 /// Maximum nesting depth; deeper input is rejected, so that it cannot exhaust the stack.
@@ -121,7 +125,7 @@ fn skip<'a, 'b>(rest: &'a mut &'b [u8]) -> &'a mut &'b [u8] {
 
 #[cfg(test)]
 mod tests {
-    use super::Quantity::{Angle, FeedRate, Length, Plain, SpindleSpeed};
+    use super::Quantity::{Angle, Count, FeedRate, Length, Plain, SpindleSpeed};
     use super::parse;
 
     #[test]
@@ -143,6 +147,7 @@ mod tests {
             ("300 mm/min", FeedRate, 300.0),
             ("10 ipm", FeedRate, 254.0),
             ("1200 rpm", SpindleSpeed, 1200.0),
+            ("6/2", Count, 3.0),
         ] {
             let parsed = parse(text, quantity).unwrap_or_else(|| panic!("{text} is a number"));
             assert!((parsed - value).abs() < 1e-12, "{text:?}: {parsed}");
@@ -167,6 +172,8 @@ mod tests {
             ("5 in", SpindleSpeed),
             ("0.5 mm", Plain),
             ("5 %", Length),
+            ("2.5", Count),
+            ("5/2", Count),
         ] {
             assert_eq!(parse(text, quantity), None, "{text:?}");
         }

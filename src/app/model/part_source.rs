@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::io::part_file::takes_mesh_options;
 use crate::mesh::MeshOptions;
 
 /// Source of a part.
@@ -9,7 +10,7 @@ use crate::mesh::MeshOptions;
 pub enum PartSource {
     /// A file.
     File(PathBuf),
-    /// A mesh file, with the options the user set for it.
+    /// A file from CAD or of meshes, with the options the user set for it.
     Mesh(PathBuf, MeshOptions),
     /// A built-in sample, by name.
     Sample(String),
@@ -25,13 +26,9 @@ impl PartSource {
         }
     }
 
-    /// The file with its mesh options, if it is a mesh file.
+    /// The file with its mesh options, if it comes from CAD or holds meshes.
     pub fn mesh(&self) -> Option<(&Path, MeshOptions)> {
-        let is_mesh = |path: &Path| {
-            let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-            matches!(extension.as_str(), "glb" | "gltf")
-        };
-        self.file().filter(|(path, _)| is_mesh(path))
+        self.file().filter(|(path, _)| takes_mesh_options(path))
     }
 
     /// The same at another place: a mesh file keeps its options.

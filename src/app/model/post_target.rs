@@ -46,6 +46,25 @@ impl PostTarget {
         Ok(target.with_known_output())
     }
 
+    /// The same on the machine of that name or file. What was chosen other than the machine before has it,
+    /// control and output, stays; the rest is that of the machine.
+    ///
+    /// # Errors
+    /// When the machine or the post cannot be read.
+    pub fn with_machine(&self, name: &str) -> Result<Self, InputError> {
+        let own = Self::of_machine(name)?;
+        // A machine whose file is gone says nothing: all counts as chosen.
+        let before = Self::of_machine(&self.machine).ok();
+        let keeps_control = before.as_ref().is_none_or(|before| before.control != self.control);
+        let keeps_output = before.as_ref().is_none_or(|before| before.output != self.output);
+        let mut target = if keeps_control { own.with_control(&self.control)? } else { own };
+        if keeps_output && target.outputs.contains(&self.output) {
+            target.output = self.output;
+        }
+        target.is_subprogram = self.is_subprogram && target.takes_subprograms;
+        Ok(target)
+    }
+
     /// The same machine with the control of that name, or with the post of that file.
     ///
     /// # Errors
@@ -85,6 +104,21 @@ mod tests {
             assert_eq!((other.control.as_str(), &other.machine), (name, &target.machine));
         }
         assert!(target.with_control("no-such-control").is_err());
+        assert!(target.with_machine("no-such-machine").is_err());
         assert!(PostTarget::of_machine("no-such-machine").is_err());
+    }
+
+    #[test]
+    fn another_machine_keeps_what_was_chosen() {
+        let own = PostTarget::of_machine("bc-head").expect("known");
+        let other = PostTarget::of_machine("bc-trunnion").expect("known");
+        assert_ne!(own.control, other.control, "each has a control of its own");
+        assert_eq!(own.with_machine("bc-trunnion").expect("known"), other, "nothing was chosen");
+        let chosen = own.with_control("siemens").expect("known");
+        let output = *chosen.outputs.iter().find(|&&output| output != own.output).expect("another");
+        let chosen = PostTarget { output, is_subprogram: true, ..chosen };
+        let moved = chosen.with_machine("bc-trunnion").expect("known");
+        assert_eq!((moved.machine.as_str(), moved.control.as_str()), ("bc-trunnion", "siemens"));
+        assert_eq!((moved.output, moved.is_subprogram), (output, true));
     }
 }

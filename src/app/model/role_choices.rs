@@ -1,13 +1,10 @@
 //! Choices of the roles dialog: initial guess, edits, and conversion to mesh options.
 
 use crate::mesh::axis::Axis;
-use crate::mesh::nodes::{MeshNode, guess_roles};
-use crate::mesh::options::likely_unit;
+use crate::mesh::nodes::{MeshNode, guess_roles, revolution_axis_of};
+use crate::mesh::options::{FileUnit, likely_unit};
 use crate::mesh::{LengthUnit, MeshOptions, Role};
 use crate::part::Rotation;
-
-/// Unit of glTF files by the specification.
-const OWN_UNIT: LengthUnit = LengthUnit::Metre;
 
 /// Choices of the roles dialog.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +13,8 @@ pub struct RoleChoices {
     pub roles: Vec<Option<Role>>,
     /// Unit of the file's numbers.
     pub unit: LengthUnit,
+    /// What the format says of it.
+    pub file_unit: FileUnit,
     /// Axis of rotation; `None`: found from the hub.
     pub axis: Option<Axis>,
     /// Number of main blades; `None`: as many as the file has.
@@ -31,9 +30,12 @@ pub struct RoleChoices {
 }
 
 impl RoleChoices {
-    /// Initial choices: from `said`, the options given before, else guessed from names and shapes.
-    pub fn new(nodes: &[MeshNode], said: &MeshOptions) -> Self {
-        let mut roles = guess_roles(nodes);
+    /// Initial choices: from `said`, the options given before, else from names and, with `is_guessed`, from
+    /// shapes. A part that opened needs no guess: what has no role is left to the reader, which knows more of
+    /// the shapes.
+    pub fn new(nodes: &[MeshNode], file_unit: FileUnit, said: &MeshOptions, is_guessed: bool) -> Self {
+        let by_name = || nodes.iter().map(|node| node.named_role).collect();
+        let mut roles = if is_guessed { guess_roles(nodes) } else { by_name() };
         for (node, role) in nodes.iter().zip(&mut roles) {
             let own = |key: &str| key == node.key || key.to_lowercase() == node.name.to_lowercase();
             if let Some((_, given)) = said.roles.iter().rev().find(|(key, _)| own(key)) {
@@ -42,7 +44,8 @@ impl RoleChoices {
         }
         let mut choices = Self {
             roles,
-            unit: OWN_UNIT,
+            unit: file_unit.own(),
+            file_unit,
             axis: said.axis,
             blades: said.blades,
             rotation: said.rotation,
@@ -50,9 +53,16 @@ impl RoleChoices {
             scroll_to_selected: false,
             apply_to_identical: true,
         };
-        let across = choices.wheel_width(nodes);
-        choices.unit = said.unit.or_else(|| likely_unit(across, OWN_UNIT)).unwrap_or(OWN_UNIT);
+        if file_unit != FileUnit::Stated {
+            let (across, own) = (choices.wheel_width(nodes), file_unit.own());
+            choices.unit = said.unit.or_else(|| likely_unit(across, own)).unwrap_or(own);
+        }
         choices
+    }
+
+    /// Whether the reader finds hub and blades by itself, as no node has the role of either.
+    pub fn are_roles_found(&self) -> bool {
+        !self.roles.iter().any(|role| matches!(role, Some(Role::Hub | Role::Blade)))
     }
 
     /// The choices as mesh options; roles that follow from names are left out.
@@ -64,7 +74,12 @@ impl RoleChoices {
         };
         MeshOptions {
             roles: nodes.iter().zip(&self.roles).filter_map(named).collect(),
-            unit: Some(self.unit).filter(|unit| *unit != OWN_UNIT),
+            unit: match self.file_unit {
+                FileUnit::Stated => None,
+                FileUnit::Specified(own) => Some(self.unit).filter(|unit| *unit != own),
+                // Nothing is assumed any more.
+                FileUnit::Assumed(_) => Some(self.unit),
+            },
             axis: self.axis,
             blades: self.blades,
             rotation: self.rotation,
@@ -96,10 +111,11 @@ impl RoleChoices {
     }
 
     /// The file's axis that is vertical in the picture: the given one, else the axis of revolution of the
-    /// hub.
+    /// hub or, without one, of all nodes.
     pub fn vertical_axis(&self, nodes: &[MeshNode]) -> Axis {
         let hub = || nodes.iter().zip(&self.roles).find(|(_, role)| **role == Some(Role::Hub));
-        self.axis.or_else(|| hub().map(|(node, _)| node.revolution_axis())).unwrap_or(Axis::Y)
+        let of_hub = || hub().map(|(node, _)| node.revolution_axis());
+        self.axis.or_else(of_hub).unwrap_or_else(|| revolution_axis_of(nodes))
     }
 }
 
@@ -109,6 +125,8 @@ pub fn hint_for_dialog(help: &str) -> String {
         ("--role NODE=", "the role "),
         ("NODE=", ""),
         ("--rotation-axis", "the axis of rotation"),
+        ("--rotation cw", "the sense of rotation clockwise"),
+        ("--rotation ccw", "the sense of rotation counter-clockwise"),
         ("--rotation", "the sense of rotation"),
         ("--blades N", "the number of main blades"),
         ("--unit", "the unit"),

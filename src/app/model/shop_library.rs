@@ -70,6 +70,8 @@ pub struct ShopLibrary {
     pub selected: Option<usize>,
     /// What was searched last, and what that left: libraries of makers have many thousand tools.
     found: Option<(SearchKey, Vec<usize>)>,
+    /// What was searched last, whatever has changed in the tools since.
+    searched: Option<SearchKey>,
     /// The library as it was opened or saved last.
     saved: LibraryState,
     history: History<LibraryState>,
@@ -100,8 +102,8 @@ impl ShopLibrary {
         let (saved, mut history) = (content.clone(), History::default());
         history.add(&content);
         let search = String::new();
-        let (diameters, selected, found) = (ALL_DIAMETERS, None, None);
-        Self { path, content, search, form, diameters, selected, found, saved, history }
+        let (diameters, selected, found, searched) = (ALL_DIAMETERS, None, None, None);
+        Self { path, content, search, form, diameters, selected, found, searched, saved, history }
     }
 
     /// The library, edited.
@@ -207,7 +209,8 @@ impl ShopLibrary {
         }
     }
 
-    /// Indices of the tools that search and filters leave.
+    /// Indices of the tools that search and filters leave. Another search deselects a tool that it does not
+    /// leave; one that is edited so that it no longer fits stays selected.
     pub fn shown(&mut self, units: DisplayUnits) -> &[usize] {
         let Self { form, diameters, .. } = *self;
         let key = SearchKey { search: self.search.clone(), form, diameters, units };
@@ -215,6 +218,10 @@ impl ShopLibrary {
             Some((known, found)) if known == key => found,
             _ => self.search(units),
         };
+        if self.searched.as_ref() != Some(&key) {
+            self.selected = self.selected.filter(|selected| found.binary_search(selected).is_ok());
+            self.searched = Some(key.clone());
+        }
         &self.found.insert((key, found)).1
     }
 
@@ -286,8 +293,15 @@ mod tests {
         let second = library.take_into(&mut setup).expect("a tool");
         assert_ne!(first, second);
         assert_eq!(setup.tools.len(), 2);
+        // Edited so that the search would not find it, it stays.
+        let selected = library.selected.expect("selected");
+        let tool = library.content().tools[selected].tool.clone();
+        library.replace(selected, Tool { diameter: 21.0, ..tool });
+        assert!(library.shown(DisplayUnits::Metric).is_empty());
+        assert_eq!(library.selected, Some(selected));
         library.search = "nothing like this".to_owned();
         assert!(library.shown(DisplayUnits::Metric).is_empty());
+        assert_eq!(library.selected, None, "what is not shown is neither taken nor deleted");
     }
 
     #[test]

@@ -65,9 +65,15 @@ impl ShownChannels {
         self.planned.outcome.setup.channels
     }
 
-    /// Number of plunges that are cut when position `position` of channel 1 is.
-    pub fn step_of(&self, position: usize) -> Option<usize> {
-        let is_it = |plunge: &ChannelPlunge| plunge.channel == 0 && plunge.position == position;
+    /// Whether the channel that is `channel` pitches ahead of channel 1 is shown.
+    pub fn has_channel(&self, channel: usize) -> bool {
+        self.sequence.contains(&channel)
+    }
+
+    /// Number of plunges that are cut when position `position` of the channel that is `channel` pitches ahead
+    /// of channel 1 is.
+    pub fn step_of(&self, position: usize, channel: usize) -> Option<usize> {
+        let is_it = |plunge: &ChannelPlunge| (plunge.channel, plunge.position) == (channel, position);
         self.plunges.iter().position(is_it).map(|index| index + 1)
     }
 

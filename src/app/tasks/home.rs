@@ -1,5 +1,5 @@
-//! The window's own files: recent projects, preferences, layout and recovery copies. Without a home folder
-//! none of them is stored.
+//! The window's own files: recent projects and parts, preferences, layout and recovery copies. Without a home
+//! folder none of them is stored.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,7 +31,7 @@ const LAYOUT: &str = "layout.json";
 const LIBRARY_ENDING: &str = "toml";
 /// What the first line of such a copy begins with, before the path of the library.
 const ORIGINAL: &str = "# of ";
-/// Maximum number of recent projects.
+/// Maximum number of recent files.
 const MAX_RECENTS: usize = 10;
 
 /// User preferences that do not depend on the open project.
@@ -213,14 +213,14 @@ impl Home {
         found.into_iter().map(|(_, path)| path).collect()
     }
 
-    /// Recent projects that still exist, latest first.
+    /// Recent projects and parts that still exist, latest first.
     pub fn recents(&self) -> Vec<PathBuf> {
         let text = text_of(&self.list());
         let paths: Vec<PathBuf> = serde_json::from_str(&text).unwrap_or_default();
         paths.into_iter().filter(|path| path.is_file()).take(MAX_RECENTS).collect()
     }
 
-    /// Moves a project to the front of the recent projects; returns the list.
+    /// Moves a project or part to the front of the recent files; returns the list.
     pub fn note_recent(&self, path: &Path) -> Vec<PathBuf> {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let mut recents = self.recents();

@@ -1,4 +1,4 @@
-//! The nodes of a mesh file, for the dialog that assigns roles to them.
+//! The nodes of a mesh file, or the bodies of one from CAD, for the dialog that assigns roles to them.
 
 use std::path::{Path, PathBuf};
 
@@ -9,8 +9,9 @@ use crate::app::model::problem::Problem;
 use crate::error::ErrorCode;
 use crate::gpu::mesh::Mesh;
 use crate::io::InputError;
-use crate::io::gltf::read_meshes;
+use crate::io::part_file::{FileBodies, read_bodies};
 use crate::mesh::nodes::{MeshNode, nodes};
+use crate::mesh::options::FileUnit;
 use crate::mesh::{MeshOptions, NamedMesh};
 
 /// Width to which the whole file is scaled, mm: depth range and colours of the picture suit parts of that
@@ -28,6 +29,8 @@ pub(in crate::app) struct UnassignedRoles {
     pub said: MeshOptions,
     /// Its nodes; at least one.
     pub nodes: Vec<MeshNode>,
+    /// Unit of their coordinates.
+    pub unit: FileUnit,
     /// Mesh of each node, in the file's axes, centred and scaled.
     pub meshes: Vec<Mesh>,
     /// Why the part did not open with these options.
@@ -46,7 +49,7 @@ impl UnassignedRoles {
         task: OpenTask,
         fault: Option<&InputError>,
     ) -> Result<Self, InputError> {
-        let meshes = read_meshes(path)?;
+        let FileBodies { meshes, unit } = read_bodies(path)?;
         let nodes = nodes(&meshes);
         if nodes.is_empty() {
             let file = path.display().to_string();
@@ -64,6 +67,7 @@ impl UnassignedRoles {
             said: said.clone(),
             meshes: drawn_meshes(&meshes, &nodes),
             nodes,
+            unit,
             // The dialog's title names the file.
             fault: fault.map(|fault| Problem::new(fault.message.clone(), fault.help.clone())),
         })

@@ -15,11 +15,14 @@ use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
-use crate::machine::{BlankSize, ChannelCalls};
+use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
 use crate::setup::AxisPolicy;
 use crate::toolpath::ClProgram;
+
+/// What to do instead of a subprogram, in the words of the dialog.
+const INSTEAD_OF_SUBPROGRAM: &str = "export all channels, without Subprogram";
 
 /// A plunge program to write.
 pub struct PlungeSource {
@@ -49,11 +52,27 @@ impl ProgramSource {
 }
 
 impl NcTask {
+    /// How often another program calls this one; `None`: not at all.
+    fn calls(&self) -> Option<ChannelCalls> {
+        let (channels, workpiece, setup) = match &self.source {
+            ProgramSource::Plunges(source) => {
+                let outcome = &source.planned.outcome;
+                (source.channels, &outcome.workpiece, &outcome.setup)
+            }
+            ProgramSource::Flank(outcome) => (1, &outcome.workpiece, &outcome.setup),
+        };
+        let count = workpiece.part.blade_count;
+        let is_subprogram = self.target.is_subprogram;
+        is_subprogram.then(|| ChannelCalls::for_channels(channels, count, setup.channels.sequence))
+    }
+
     /// The program as a file of this `name`.
     pub(super) fn file(&self, name: String) -> ProgramFile {
         let PostTarget { machine, control, .. } = &self.target;
         let [machine, control] = [machine, control].map(|name| short_name(name));
-        ProgramFile { name, about: format!("NC code for {machine}, control {control}") }
+        let calls = self.calls().and_then(ChannelCalls::words);
+        let calls = calls.map_or_else(String::new, |words| format!(", subprogram {words}"));
+        ProgramFile { name, about: format!("NC code for {machine}, control {control}{calls}") }
     }
 }
 
@@ -96,7 +115,9 @@ pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
 pub(super) fn nc_text(path: &Path, content: &NcTask) -> Result<(String, String), InputError> {
     let posted = post(path, content)?;
     let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
-    let about = format!(": {blocks} blocks for {}, {time}", short_name(&content.target.machine));
+    let calls = content.calls().and_then(ChannelCalls::words);
+    let calls = calls.map_or_else(String::new, |words| format!("; {words}"));
+    let about = format!(": {blocks} blocks for {}, {time}{calls}", short_name(&content.target.machine));
     Ok((posted.written.text, about))
 }
 
@@ -122,23 +143,21 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
         let place = if move_number > 0 { format!("move {move_number}: ") } else { String::new() };
         let (message, machine) = (error.message, short_name(machine));
         let message = format!("the NC program is not written: {machine}: {place}{message}");
-        InputError::new(error.code, &path.display().to_string(), 0, message, error.help)
+        // What the command line does with options.
+        let help = if error.help == INSTEAD_OF_CALLS { INSTEAD_OF_SUBPROGRAM.to_owned() } else { error.help };
+        InputError::new(error.code, &path.display().to_string(), 0, message, help)
     };
     let mut post = read_post(control)?;
     if *is_subprogram {
         post = post.into_subprogram().map_err(|error| fault(0, error))?;
     }
-    let channels = match &content.source {
-        ProgramSource::Plunges(source) => source.channels,
-        _ => 1,
-    };
     let request = PostRequest {
         machine: read_machine(Path::new(machine))?,
         post,
         output: *output,
         inlet_up: part.out_of_inlet().z > 0.0,
         blank: Some(BlankSize::from_part(part, &setup.allowances)),
-        calls: is_subprogram.then(|| ChannelCalls::for_channels(channels, part.blade_count)),
+        calls: content.calls(),
     };
     post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
         PostFault::Motion(motion) => fault(motion.line(), motion.explained()),

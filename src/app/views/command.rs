@@ -59,9 +59,9 @@ commands! {
     SaveProject "Save project" "Writes the project to its file" [CTRL, S];
     SaveProjectAs "Save project as…" "Writes the project to another file" [CTRL | SHIFT, S];
     OpenPart "Open part…"
-        "Opens an impeller: .toml, .geomTurbo, TurboGrid .inf, or a mesh (.glb, .gltf)" [CTRL, O];
+        "Opens an impeller: .toml, .geomTurbo, TurboGrid .inf, CAD (.step) or a mesh (.stl, .glb, .gltf)" [CTRL, O];
     AssignRoles "Assign surfaces…"
-        "Sets which node of the part's mesh file is hub, shroud, blade or splitter" [];
+        "Sets what a STEP, STL or glTF file leaves open: unit, axis, blades, rotation, roles of its bodies" [];
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     OpenBlank "Open blank…"
         "Takes the stock before the first cut from a file: a mesh (.stl) or an outline, lines r z (.txt)" [];
@@ -209,7 +209,9 @@ impl Command {
     /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field
     /// has the focus. Keys of commands that are not available now are not consumed.
     pub fn pressed(ctx: &Context, can: impl Fn(Self) -> bool) -> Vec<Self> {
-        let taken = ctx.text_edit_focused() || ctx.memory(|memory| memory.focused().is_some());
+        // An open list or menu takes the arrows before any of its entries has the focus.
+        let has_focus = ctx.memory(|memory| memory.focused().is_some());
+        let taken = ctx.text_edit_focused() || has_focus || egui::Popup::is_any_open(ctx);
         let typing = ctx.text_edit_focused();
         let mut order: Vec<(Self, KeyboardShortcut)> =
             Self::ALL.iter().filter_map(|&command| Some((command, command.shortcut()?))).collect();
@@ -253,7 +255,8 @@ impl Command {
         if let Some(keys) = self.shortcut() {
             button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
         }
-        let clicked = ui.add_enabled(enabled, button).on_hover_text(self.tip()).clicked();
+        let item = ui.add_enabled(enabled, button);
+        let clicked = item.on_hover_text(self.tip()).on_disabled_hover_text(self.tip()).clicked();
         if clicked {
             ui.close();
         }

@@ -27,7 +27,7 @@ fn count(ui: &mut Ui, chosen: &mut usize, all: usize, (name, label): (&str, egui
     let form = ui.scope_id();
     let why_most = if all == 1 { ", the only channel of the wheel" } else { ", the channels of the wheel" };
     let limits = TypedLimits {
-        quantity: Quantity::Plain,
+        quantity: Quantity::Count,
         units: DisplayUnits::Metric,
         range: 1.0..=all as f64,
         why_least: "",

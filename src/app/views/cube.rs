@@ -17,6 +17,8 @@ const FACES: [(Vec3, &str, &str); 6] = [
     (Vec3::Z, "Z", "View from +Z"),
     (Vec3::NEG_Z, "−Z", "View from −Z"),
 ];
+/// Height of the view from which the cube has room between its buttons, points.
+pub const MIN_VIEW_HEIGHT: f32 = 230.0;
 /// Half an edge, points.
 const HALF: f32 = 19.0;
 /// Cosine between face normal and view direction below which a face is neither drawn nor clickable.

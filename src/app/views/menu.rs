@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{MenuBar, ScrollArea, Ui};
+use egui::{MenuBar, ScrollArea, TextWrapMode, Ui};
 
 use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
@@ -104,6 +104,8 @@ const VIEWS: &[&[Command]] = &[
 const HELP: &[&[Command]] =
     &[&[Command::ShowTour, Command::ShowShortcuts, Command::ShowGlossary], &[Command::ShowAbout]];
 
+/// Room between the items of a menu and its scroll bar, points.
+const BESIDE_BAR: f32 = 4.0;
 /// Room below a menu, points.
 const BELOW_MENU: f32 = 4.0;
 /// Height of the window from which on every menu fits, points.
@@ -116,6 +118,14 @@ fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     ui.menu_button(name, |ui| match screen.height() < ALL_FIT {
         true => {
             let room = screen.bottom() - bar - BELOW_MENU - ui.spacing().menu_margin.sum().y;
+            // Without the pointer on it, too, the bar says that there is more.
+            let scroll = &mut ui.spacing_mut().scroll;
+            (scroll.dormant_handle_opacity, scroll.dormant_background_opacity) =
+                (scroll.active_handle_opacity, scroll.active_background_opacity);
+            // Beside the keys of the items.
+            scroll.floating_allocated_width = BESIDE_BAR + scroll.floating_width;
+            // The menu is as wide as its items: none breaks for the bar.
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             // A popup is as high as its content was in the frame before.
             ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
         }
@@ -130,7 +140,7 @@ impl App {
         MenuBar::new().ui(ui, |ui| {
             for (name, groups) in MENUS {
                 long_menu(ui, name, |ui| {
-                    // The recent projects stand below the commands that open others.
+                    // The recent files stand below the commands that open others.
                     let first = usize::from(name == "File" && !self.state.recents.is_empty());
                     chosen = self.menu_groups(ui, &groups[..first]).or(chosen);
                     if first > 0 {
@@ -149,6 +159,7 @@ impl App {
                     let command = overlay::mouse_choice(ui, self.state.look.mouse);
                     chosen = command.or(chosen);
                 });
+                ui.menu_button("Text size", egui::gui_zoom::zoom_menu_buttons);
                 ui.menu_button("Units", |ui| {
                     let command = overlay::unit_choice(ui, self.state.look.units);
                     chosen = command.or(chosen);
@@ -193,7 +204,7 @@ impl App {
         }
     }
 
-    /// The menu of the recent projects; returns the one that was chosen.
+    /// The menu of the recent projects and parts; returns the one that was chosen.
     fn recent_menu(&self, ui: &mut Ui) -> Option<PathBuf> {
         let menu = ui.menu_button("Open recent", |ui| {
             let mut chosen = None;

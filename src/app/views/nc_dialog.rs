@@ -1,19 +1,21 @@
 //! The question where an NC program is to run: operation, channels, machine, control, output.
 
-use egui::{ComboBox, Grid, Modal, RichText, Ui};
+use std::path::Path;
+
+use egui::{ComboBox, Grid, Label, Modal, RichText, Ui};
 
 use super::channel_order;
 use super::count_field;
 use super::modal::is_dismissed;
 use super::panels::fields;
-use super::theme;
+use super::theme::{self, Condition};
 use crate::app::model::look::Operation;
 use crate::app::model::post_target::PostTarget;
-use crate::io::InputError;
+use crate::app::model::problem::{Problem, without_markdown};
 use crate::io::machine_file::built_in_names;
 use crate::io::nc::built_in_posts;
-use crate::machine::OutputKind;
-use crate::setup::ChannelSetup;
+use crate::machine::{ChannelCalls, OutputKind};
+use crate::setup::{ChannelSequence, ChannelSetup};
 
 /// What the dialog asks about.
 #[derive(Clone, Debug)]
@@ -30,6 +32,15 @@ pub struct NcQuestion {
     pub target: PostTarget,
 }
 
+impl NcQuestion {
+    /// How often another program calls the program, with channels in this sequence; `None`: not at all.
+    fn calls(&self, sequence: ChannelSequence) -> Option<ChannelCalls> {
+        let channels = if self.operation == Operation::Roughing { self.channels } else { 1 };
+        let calls = || ChannelCalls::for_channels(channels, self.channel_count, sequence);
+        self.target.is_subprogram.then(calls)
+    }
+}
+
 /// Answer of the dialog.
 #[derive(Clone, Debug)]
 pub enum NcAnswer {
@@ -37,8 +48,6 @@ pub enum NcAnswer {
     Save,
     /// Ask for the file of a post.
     OpenPost,
-    /// A machine or control that cannot be read was chosen.
-    Unreadable(InputError),
 }
 
 /// The dialog.
@@ -47,6 +56,26 @@ pub struct NcDialog {
     /// The question, as it is answered so far; kept after the dialog was closed.
     question: Option<NcQuestion>,
     is_open: bool,
+    /// What speaks against the last choice of machine or control.
+    remark: Option<ChoiceRemark>,
+}
+
+/// A choice in the dialog.
+#[derive(Clone, Debug)]
+pub enum TargetChoice {
+    /// The machine of this name or file.
+    Machine(String),
+    /// The control of this name, or the post of this file.
+    Control(String),
+}
+
+/// What the dialog says of the last choice of machine or control.
+#[derive(Clone, Debug)]
+enum ChoiceRemark {
+    /// It was not taken, as its file cannot be read.
+    Unreadable(Problem),
+    /// It does not take something that was chosen before.
+    Dropped(String),
 }
 
 impl NcDialog {
@@ -54,17 +83,36 @@ impl NcDialog {
     pub fn open(&mut self, question: NcQuestion) {
         self.question = Some(question);
         self.is_open = true;
+        self.remark = None;
     }
 
-    /// Goes on with the last question, with the post of the file `post`.
-    ///
-    /// # Errors
-    /// When the post cannot be read; the dialog is open all the same.
-    pub fn take_post(&mut self, post: &str) -> Result<(), InputError> {
+    /// Goes on with the last question, with the post of the file `post` unless that cannot be read.
+    pub fn take_post(&mut self, post: &str) {
         self.is_open = self.question.is_some();
-        let Some(question) = &mut self.question else { return Ok(()) };
-        question.target = question.target.with_control(post)?;
-        Ok(())
+        self.take(TargetChoice::Control(post.to_owned()));
+    }
+
+    /// Takes a machine or control, and says what that changes beside. One that cannot be read is not taken;
+    /// where that is the post that was chosen for the machine before, the machine's own takes its place.
+    pub fn take(&mut self, choice: TargetChoice) {
+        let Some(question) = &mut self.question else { return };
+        let (chosen, own) = match &choice {
+            TargetChoice::Machine(name) => {
+                (question.target.with_machine(name), PostTarget::of_machine(name).ok())
+            }
+            TargetChoice::Control(name) => (question.target.with_control(name), None),
+        };
+        let before = question.target.clone();
+        self.remark = match chosen {
+            Ok(target) => {
+                question.target = target;
+                dropped(&before, &question.target).map(ChoiceRemark::Dropped)
+            }
+            Err(error) => {
+                question.target = own.unwrap_or(before);
+                Some(ChoiceRemark::Unreadable(Problem::from(&error)))
+            }
+        };
     }
 
     /// Whether it is open.
@@ -80,12 +128,14 @@ impl NcDialog {
     /// Draws it; returns an answer once. `order`: that of several channels in the setup.
     pub fn show(&mut self, ui: &Ui, order: &mut ChannelSetup) -> Option<NcAnswer> {
         let question = self.question.as_mut().filter(|_| self.is_open)?;
-        let (mut answer, mut close) = (None, false);
+        let remark = self.remark.as_ref();
+        let (mut answer, mut changed, mut close) = (None, None, false);
         let modal = Modal::new(egui::Id::unique("nc program")).show(ui.ctx(), |ui| {
             ui.set_width(340.0);
             ui.label(RichText::new("Export NC program").strong());
             ui.add_space(4.0);
-            answer = form(ui, question, order);
+            (answer, changed) = form(ui, question, order);
+            show_remark(ui, remark);
             ui.add_space(4.0);
             ui.label(RichText::new(UNPROVEN).weak());
             ui.add_space(8.0);
@@ -96,15 +146,54 @@ impl NcDialog {
                 close = ui.button("Cancel").clicked();
             });
         });
-        close |= matches!(answer, Some(NcAnswer::Save | NcAnswer::OpenPost));
+        if let Some(chosen) = changed {
+            self.take(chosen);
+        }
+        close |= answer.is_some();
         self.is_open &= !(close || is_dismissed(&modal));
         answer
     }
 }
 
-/// Draws the fields; returns what they cannot answer themselves.
-fn form(ui: &mut Ui, question: &mut NcQuestion, order: &mut ChannelSetup) -> Option<NcAnswer> {
-    let mut changed: Option<Result<PostTarget, InputError>> = None;
+/// What `next` has no more of what was chosen in `before`.
+fn dropped(before: &PostTarget, next: &PostTarget) -> Option<String> {
+    let control = Path::new(&next.control).file_name().unwrap_or_default().to_string_lossy();
+    let output = (!next.outputs.contains(&before.output)).then(|| {
+        let (from, to) = (words_of(before.output), words_of(next.output));
+        format!("{control} does not take {from}: the output is {to}")
+    });
+    let subprogram = (before.is_subprogram && !next.is_subprogram).then(|| {
+        format!("{control} does not say how a subprogram begins and ends: the program is a main program")
+    });
+    let lines: Vec<String> = output.into_iter().chain(subprogram).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
+}
+
+fn show_remark(ui: &mut Ui, remark: Option<&ChoiceRemark>) {
+    let coloured = |text: &str, of: Condition, ui: &Ui| RichText::new(text).color(of.text(ui.visuals()));
+    match remark {
+        Some(ChoiceRemark::Unreadable(problem)) => {
+            let text = coloured(&without_markdown(&problem.message), Condition::Interfering, ui);
+            ui.add(Label::new(text).wrap());
+            if !problem.help.is_empty() {
+                ui.add(Label::new(format!("Fix: {}", without_markdown(&problem.help))).wrap());
+            }
+        }
+        Some(ChoiceRemark::Dropped(text)) => {
+            let text = coloured(text, Condition::Blocked, ui);
+            ui.add(Label::new(text).wrap());
+        }
+        None => {}
+    }
+}
+
+/// Draws the fields; returns an answer, and the machine or control that was chosen.
+fn form(
+    ui: &mut Ui,
+    question: &mut NcQuestion,
+    order: &mut ChannelSetup,
+) -> (Option<NcAnswer>, Option<TargetChoice>) {
+    let mut changed: Option<TargetChoice> = None;
     let mut opens_post = false;
     Grid::new("nc fields").num_columns(2).spacing([10.0, 6.0]).show(ui, |ui| {
         let label = ui.label("Operation");
@@ -128,7 +217,7 @@ fn form(ui: &mut Ui, question: &mut NcQuestion, order: &mut ChannelSetup) -> Opt
         let names = built_in_names().map(str::to_owned);
         fields::name_row(ui, "NC machine", MACHINE_TIP, &mut machine, names, |_| {});
         if machine != target.machine {
-            changed = Some(PostTarget::of_machine(&machine));
+            changed = Some(TargetChoice::Machine(machine));
         }
         let mut control = target.control.clone();
         let names = built_in_posts().map(str::to_owned);
@@ -136,7 +225,7 @@ fn form(ui: &mut Ui, question: &mut NcQuestion, order: &mut ChannelSetup) -> Opt
             opens_post = ui.button("Post file…").on_hover_text(POST_TIP).clicked();
         });
         if control != target.control {
-            changed = Some(target.with_control(&control));
+            changed = Some(TargetChoice::Control(control));
         }
         let label = ui.label("Output").on_hover_text(OUTPUT_TIP);
         let list = ComboBox::from_id_salt("nc output").width(theme::FIELD_WIDTH);
@@ -153,12 +242,10 @@ fn form(ui: &mut Ui, question: &mut NcQuestion, order: &mut ChannelSetup) -> Opt
         ui.add_enabled(target.takes_subprograms, choice).on_hover_text(tip).on_disabled_hover_text(tip);
         ui.end_row();
     });
-    match changed {
-        Some(Ok(target)) => question.target = target,
-        Some(Err(error)) => return Some(NcAnswer::Unreadable(error)),
-        None => {}
+    if let Some(words) = question.calls(order.sequence).and_then(ChannelCalls::words) {
+        ui.add(Label::new(format!("Subprogram {words}")).wrap());
     }
-    opens_post.then_some(NcAnswer::OpenPost)
+    (opens_post.then_some(NcAnswer::OpenPost), changed)
 }
 
 const UNPROVEN: &str =
@@ -170,8 +257,9 @@ const POST_TIP: &str = "Takes the words from a post of your own: a copy of one o
 const OUTPUT_TIP: &str = "What the program gives: rotary angles or tool vectors with the tip held by the control,\n\
      a tilted plane for each direction (3+2), or the positions of all axes";
 
-const SUBPROGRAM_TIP: &str = "For a program that calls it, once a channel, with the work offset turned by the pitch: \
-     it keeps that offset, and returns at its end";
+const SUBPROGRAM_TIP: &str = "For a program that calls it: it keeps the work offset of that program, and returns at its end.\n\
+     One of a single channel is called once for each, the work offset turned from channel to channel;\n\
+     one of several channels is called once";
 const NO_SUBPROGRAM_TIP: &str =
     "The post does not say how a subprogram begins and ends: `sub_start`, `sub_end`";
 

@@ -56,7 +56,7 @@ impl ExportDialog {
             let mut size = settings.size.unwrap_or(screen);
             let (form, mut at) = (ui.scope_id(), egui::Rect::NOTHING);
             let limits = TypedLimits {
-                quantity: Quantity::Plain,
+                quantity: Quantity::Count,
                 units: DisplayUnits::Metric,
                 range: f64::from(MIN_SIDE)..=f64::from(MAX_SIDE),
                 why_least: "",

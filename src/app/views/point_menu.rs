@@ -106,7 +106,7 @@ impl App {
     /// Start of a measurement: the right-clicked point, else the tip of the selected position, mm.
     pub(in crate::app) fn measure_start(&self) -> Option<glam::Vec3> {
         let tip =
-            || self.state.selected().map(|p| glam::vec3(p.tip.x as f32, p.tip.y as f32, p.tip.z as f32));
+            || self.state.selected_in_channel().map(|(p, _)| glam::vec3(p.x as f32, p.y as f32, p.z as f32));
         self.context_hit.and_then(|(_, hit)| hit.point).or_else(tip)
     }
 }

@@ -316,7 +316,7 @@ impl App {
             self.run_command(ui.ctx(), command);
         }
         let corner = whole.right_top() + egui::vec2(-42.0, 74.0 + overlay::layers_top(whole));
-        if whole.height() > 300.0
+        if whole.height() > cube::MIN_VIEW_HEIGHT
             && let Some(direction) = cube::show(ui, corner, &camera)
         {
             self.view.look_from(direction);
@@ -417,9 +417,10 @@ impl App {
             return;
         }
         let Some(shown) = self.state.shown() else { return };
-        let Some(position) = self.state.selected() else { return };
+        let in_channel = self.state.selected().zip(self.state.selected_in_channel());
+        let Some((position, (tip, axis))) = in_channel else { return };
         let radius = shown.plan().sections.get(position.section).map_or(10.0, |s| s.tool.radius());
-        let (tip, axis): (Vec3, Vec3) = (to(position.tip.coords.into()), to(position.axis.into()));
+        let (tip, axis): (Vec3, Vec3) = (to(tip.coords.into()), to(axis.into()));
         let center = tip + axis * radius as f32;
         self.view.fly_to(center, 5.0 * radius as f32, axis, time);
     }
@@ -479,7 +480,7 @@ impl App {
             // The tool is in another channel.
             hides_last: state.channel_progress().iter().any(|at| at.is_current && at.channel != 0),
             // Of the plunges, which the other operations do not show.
-            selected: look.selected.filter(|_| roughing && side == look.side),
+            selected: look.selected.filter(|_| roughing && side == look.side && look.selected_channel == 0),
             pixel_scale: self.screen.scale,
             section: look.section.and_then(|section| section_plane(state, section)),
             ..SceneOptions::default()

@@ -33,7 +33,7 @@ pub struct NcProgram {
     pub rounding_error: f64,
 }
 
-/// Writes `motion` of `program` on `machine` by `post`.
+/// Writes `motion` of `program` on `machine` by `post`, with the comments `remarks` in its head.
 ///
 /// ```
 /// use vanecut::io::{apt::read_apt_bytes, machine_file::read_machine, nc::{read_post, write_nc}};
@@ -48,7 +48,7 @@ pub struct NcProgram {
 /// let placed = PlacedPart::new(&machine.part, true);
 /// let motion = machine_program(&machine, &placed, &program, &options, &Monitor::default());
 /// let motion = motion.map_err(|fault| fault.explained())?;
-/// let written = write_nc(&program, &machine, &motion, &post, machine.output)?;
+/// let written = write_nc(&program, &machine, &motion, &post, machine.output, &[])?;
 /// assert!(written.text.lines().count() > 3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -61,6 +61,7 @@ pub fn write_nc(
     motion: &MachineProgram,
     post: &Post,
     output: OutputKind,
+    remarks: &[String],
 ) -> Result<NcProgram, UserError> {
     check(program, motion, post, output)?;
     let mut writer = NcWriter {
@@ -78,6 +79,7 @@ pub fn write_nc(
         row: 0,
     };
     writer.group("start", None, None);
+    remarks.iter().for_each(|remark| writer.comment(remark));
     writer.sections();
     let mut before: Option<&MachineStep> = None;
     for step in &motion.steps {

@@ -30,5 +30,5 @@ mod tests;
 mod write;
 
 pub use body::{MeshedBody, SurfaceKind};
-pub use read::{StepScene, read, read_bytes, read_scene, read_scene_bytes};
+pub use read::{StepScene, read, read_bytes, read_meshes, read_scene, read_scene_bytes};
 pub use write::write_part;

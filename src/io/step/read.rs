@@ -23,6 +23,8 @@ use crate::part::{PartDescription, PartError, Rotation};
 /// Chord error of the triangles of a part, as a share of its largest extent, and its limits, mm.
 const CHORD: f64 = 1e-4;
 const CHORD_LIMITS: (f64, f64) = (5e-4, 0.02);
+/// Chord error of bodies that are only shown, as a multiple of that of a part.
+const SHOWN: f64 = 8.0;
 /// Chord error of the first, coarse mesh, which gives the extent, as a share of 1 m.
 const COARSE_MM: f64 = 1.0;
 /// Largest angle between neighbouring chords, rad.
@@ -82,11 +84,30 @@ pub fn read_scene(path: &Path, chord_mm: Option<f64>) -> Result<StepScene, Input
     read_scene_bytes(&name_of(path), &read_bytes_up_to(path, MAX_BYTES)?, chord_mm)
 }
 
+/// Reads the bodies of a file to be shown, and named: by coarser triangles than a part is read with.
+///
+/// # Errors
+/// When the file cannot be read or is not valid.
+pub fn read_meshes(path: &Path) -> Result<Vec<NamedMesh>, InputError> {
+    let (name, bytes) = (name_of(path), read_bytes_up_to(path, MAX_BYTES)?);
+    Ok(mesh_scene(&name, &bytes, |extent| SHOWN * chord_of_part(extent))?.into_meshes())
+}
+
+/// Chord error of the triangles of a part of this largest extent, mm.
+fn chord_of_part(extent: f64) -> f64 {
+    (CHORD * extent).clamp(CHORD_LIMITS.0, CHORD_LIMITS.1)
+}
+
 /// As [`read_scene`], from bytes; `name` is the file name used in messages.
 ///
 /// # Errors
 /// When the bytes are not a STEP file with solids or shells.
 pub fn read_scene_bytes(name: &str, bytes: &[u8], chord_mm: Option<f64>) -> Result<StepScene, InputError> {
+    mesh_scene(name, bytes, |extent| chord_mm.unwrap_or_else(|| chord_of_part(extent)))
+}
+
+/// The bodies of a file as triangles within the chord error, mm, that `chord_mm` gives for their extent.
+fn mesh_scene(name: &str, bytes: &[u8], chord_mm: impl FnOnce(f64) -> f64) -> Result<StepScene, InputError> {
     let model = Model { exchange: parse(name, bytes)? };
     let bodies = placed_bodies(&model).map_err(|fault| fault.in_file(name))?;
     if bodies.is_empty() {
@@ -103,8 +124,7 @@ pub fn read_scene_bytes(name: &str, bytes: &[u8], chord_mm: Option<f64>) -> Resu
             "export the wheel's solids or surfaces",
         ));
     }
-    let chord_mm =
-        chord_mm.unwrap_or_else(|| (CHORD * extent(&model, &bodies)).clamp(CHORD_LIMITS.0, CHORD_LIMITS.1));
+    let chord_mm = chord_mm(extent(&model, &bodies));
     let fineness = StepFineness { chord_mm, turn_rad: TURN };
     let budget = AtomicUsize::new(MAX_WORK);
     let meshed: Result<Vec<MeshedBody>, _> =

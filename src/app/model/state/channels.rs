@@ -3,6 +3,7 @@
 use super::AppState;
 use crate::app::model::look::Operation;
 use crate::app::model::shown_channels::{ChannelProgress, ShownChannels};
+use crate::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 
 impl AppState {
     /// Keeps the shown channels those of the shown plan, and their timeline at that of channel 1, which
@@ -17,15 +18,19 @@ impl AppState {
             self.channels =
                 shown.and_then(|shown| ShownChannels::from_planned(shown.planned, shown.policy, count));
         }
-        let Some(channels) = &self.channels else {
-            self.look.channels_cut = None;
-            return;
-        };
+        if count <= 1 {
+            (self.look.channels_cut, self.look.selected_channel) = (None, 0);
+        }
+        // Until there is a plan, the timeline stays where it was.
+        let Some(channels) = &self.channels else { return };
+        if !channels.has_channel(self.look.selected_channel) {
+            self.look.selected_channel = 0;
+        }
         let len = channels.plunges.len();
         self.look.channels_cut = match (self.look.cut_count, self.look.channels_cut) {
             (None, _) => None,
             (Some(cut), Some(known)) if channels.cut_of_first(known) == cut => Some(known.min(len)),
-            (Some(cut), _) => cut.checked_sub(1).map_or(Some(0), |last| channels.step_of(last)),
+            (Some(cut), _) => cut.checked_sub(1).map_or(Some(0), |last| channels.step_of(last, 0)),
         };
     }
 
@@ -41,10 +46,23 @@ impl AppState {
         self.shown_channels().map_or_else(Vec::new, |channels| channels.progress(self.look.channels_cut))
     }
 
-    /// Number of steps of the timeline up to the end of position `position` of channel 1.
-    pub fn step_of_position(&self, position: usize) -> usize {
+    /// Number of steps of the timeline up to the end of position `position` of the channel that is `channel`
+    /// pitches ahead of channel 1.
+    pub fn step_of_position(&self, position: usize, channel: usize) -> usize {
         let channels = self.shown_channels();
-        channels.and_then(|channels| channels.step_of(position)).unwrap_or(position + 1)
+        channels.and_then(|channels| channels.step_of(position, channel)).unwrap_or(position + 1)
+    }
+
+    /// Turn from channel 1 to that of the selected position, rad.
+    pub fn selected_turn_rad(&self) -> f64 {
+        let part = self.document.part.as_ref();
+        part.map_or(0.0, |part| part.impeller.pitch() * self.look.selected_channel as f64)
+    }
+
+    /// Tip and axis of the selected position in its channel.
+    pub fn selected_in_channel(&self) -> Option<(Point, Vector)> {
+        let (position, turn) = (self.selected()?, self.selected_turn_rad());
+        Some((rotate_z(&position.tip, turn), rotate_vector_z(&position.axis, turn)))
     }
 
     /// The position whose plunge is step `step` of the timeline (from 0), with the number of its channel.

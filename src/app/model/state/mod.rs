@@ -84,7 +84,7 @@ pub struct AppState {
     pub problems: Vec<Problem>,
     /// Recovery copies of sessions that ended without closing.
     pub recoverable: Vec<RecoveryCopy>,
-    /// Recently opened projects, latest first.
+    /// Recently opened projects and parts, latest first.
     pub recents: Vec<PathBuf>,
     /// Latest message.
     pub notice: Option<Notice>,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::AppState;
 use crate::app::model::checked::{CheckRequest, CheckedProgram, ProgramFinding};
-use crate::app::model::look::Operation;
+use crate::app::model::look::{Operation, REVEAL};
 use crate::app::model::problem::Topic;
 
 impl AppState {
@@ -55,6 +55,7 @@ impl AppState {
     pub fn select_finding(&mut self, index: Option<usize>) {
         self.look.finding = index;
         self.look.fly = index.is_some();
+        self.look.reveal_finding = if index.is_some() { REVEAL } else { 0 };
         if let Some(first) = self.selected_finding().and_then(|finding| finding.first_move) {
             self.look.program_cut = Some(first + 1);
         }

@@ -73,9 +73,11 @@ impl AppState {
     }
 
     /// What is selected, as the number of steps up to its end.
-    fn selected_end(&self) -> Option<usize> {
+    pub fn selected_end(&self) -> Option<usize> {
         match self.look.operation {
-            Operation::Roughing => self.look.selected.map(|k| self.step_of_position(k)),
+            Operation::Roughing => {
+                self.look.selected.map(|k| self.step_of_position(k, self.look.selected_channel))
+            }
             Operation::Flank => self.results.passes.passes.get(self.look.flank.pass?).map(|pass| pass.end),
             Operation::Program => self.selected_finding()?.first_move.map(|k| k + 1),
         }
@@ -192,8 +194,9 @@ impl AppState {
                     self.look.cut_count = cut;
                 }
                 if let Some(cut) = cut {
-                    // Positions are those of channel 1.
-                    self.look.selected = last.filter(|(_, channel)| *channel == 1).map(|(k, _)| k);
+                    // The plunges of all channels are the same, and so are their rows of the table.
+                    self.look.selected = last.map(|(k, _)| k);
+                    self.look.selected_channel = last.map_or(0, |(_, channel)| channel - 1);
                     self.look.reveal_selection = if cut > 0 { REVEAL } else { 0 };
                 }
             }

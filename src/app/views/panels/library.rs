@@ -285,6 +285,10 @@ fn selected(
     });
     let Some(index) = library.selected else { return };
     let Some(entry) = library.content().tools.get(index).cloned() else { return };
+    // Of a maker's tool the list has no room for the whole name.
+    let name = entry.tool.assembly.name.as_deref().map_or(String::new(), |name| format!(": {name}"));
+    let heading = RichText::new(format!("Tool T{}{name}", entry.tool.number)).strong();
+    ui.add(egui::Label::new(heading).truncate());
     let warn = Condition::Blocked.text(ui.visuals());
     for note in &entry.notes {
         ui.add(egui::Label::new(RichText::new(without_markdown(note)).color(warn)).wrap());

@@ -6,6 +6,7 @@ use egui::{Grid, RichText, Ui};
 
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::state::{AppState, RecoveryCopy};
+use crate::app::tasks::files::is_project;
 use crate::app::views::command::Command;
 
 /// Action that the panel requests.
@@ -66,7 +67,11 @@ fn blades(main: usize, splitters_per_pitch: usize) -> String {
 
 /// Name of a project among others: with as many of its folders as tell it from those of the same name.
 pub fn name_in_list(path: &Path, all: &[PathBuf]) -> String {
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    // A part often has the name of its project.
+    let stem = |path: &Path| {
+        let name = if is_project(path) { path.file_stem() } else { path.file_name() };
+        name.unwrap_or_default().to_string_lossy().into_owned()
+    };
     let folders = |path: &Path, count: usize| -> Vec<String> {
         let above = path.ancestors().skip(1).filter_map(Path::file_name).take(count);
         above.map(|name| name.to_string_lossy().into_owned()).collect()

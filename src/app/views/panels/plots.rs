@@ -164,6 +164,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let finite = || curve.values.iter().copied().filter(|v| v.is_finite());
     let (mut low, mut high) =
         (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+    let values_range = (low, high);
     if curve.from_zero {
         low = low.min(0.0);
     }
@@ -219,7 +220,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         Some(v) => format!("{v:.*}{}", digits(2), curve.unit),
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
-        None => Some(format!("{low:.0$} to {high:.0$}{1}", digits(1), curve.unit))
+        None => Some(range_text(values_range, (low, high), digits(1), curve.unit))
             .filter(|range| fits(curve.name, range))
             .unwrap_or_default(),
     };
@@ -238,4 +239,26 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         ));
     }
     scale.picked(ui, &response, curve.first)
+}
+
+/// Ends of the scale of a plot; where all values, from the least to the greatest, read the same, that one:
+/// the scale goes on beyond it.
+fn range_text(values: (f64, f64), scale: (f64, f64), decimals: usize, unit: &str) -> String {
+    let text = |value: f64| format!("{value:.decimals$}");
+    if text(values.0) == text(values.1) {
+        return format!("all {}{unit}", text(values.0));
+    }
+    format!("{} to {}{unit}", text(scale.0), text(scale.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::range_text;
+
+    #[test]
+    fn a_plot_of_equal_values_names_no_range() {
+        assert_eq!(range_text((0.0, 0.0), (0.0, 0.1), 1, " mm"), "all 0.0 mm");
+        assert_eq!(range_text((0.0, 0.26), (0.0, 0.26), 1, " mm"), "0.0 to 0.3 mm");
+        assert_eq!(range_text((0.2, 0.4), (0.0, 0.4), 1, " mm"), "0.0 to 0.4 mm");
+    }
 }

@@ -291,7 +291,11 @@ pub fn headline(ui: &mut Ui, state: &AppState, k: usize) {
     let of = position.condition();
     ui.horizontal(|ui| {
         mark(ui, of);
-        let text = format!("Position {} of {}: {}", k + 1, plan.positions.len(), of.label());
+        let channel = match state.look.selected_channel {
+            0 => String::new(),
+            ahead => format!(", channel {}", ahead + 1),
+        };
+        let text = format!("Position {} of {}{channel}: {}", k + 1, plan.positions.len(), of.label());
         ui.label(RichText::new(text).strong());
         match state.plunge_mark(k) {
             PlungeMark::Planned => {}
@@ -341,12 +345,12 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
             let numbers = numbers.map(|mm| units.number(mm, 3));
             format!("{} {}", numbers.join(" "), units.length_unit())
         };
-        fact("Tool tip X Y Z", point([position.tip.x, position.tip.y, position.tip.z]));
-        let [i, j, l] = [position.axis.x, position.axis.y, position.axis.z];
+        let (tip, axis) = state.selected_in_channel().unwrap_or((position.tip, position.axis));
+        fact("Tool tip X Y Z", point([tip.x, tip.y, tip.z]));
+        let [i, j, l] = [axis.x, axis.y, axis.z];
         fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
-        if let Some((plan, at)) =
-            state.on_machine().and_then(|plan| Some((plan, plan.at(Some(state.step_of_position(k)))?)))
-        {
+        let step = state.step_of_position(k, state.look.selected_channel);
+        if let Some((plan, at)) = state.on_machine().and_then(|plan| Some((plan, plan.at(Some(step))?))) {
             let [x, y, z, a, b] = plan.named(at);
             fact("Machine X Y Z", point([x, y, z].map(|(_, value, _)| value)));
             let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
@@ -354,11 +358,15 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         }
         let spindle = section.map_or(0.0, |section| section.tool.spindle);
         fact("Feed rate, speed", format!("{}, {spindle:.0} rev/min", units.feed(plan.feed_of(k))));
-        if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
+        let time = match state.shown_channels() {
+            Some(channels) => channels.time_after(step),
+            None => shown.planned.time_after(shown.policy, k + 1),
+        };
+        if let Some(time) = time {
             fact("Cut after", format_clock(time));
         }
         let listing = state.results.listing.as_ref();
-        if let Some(line) = listing.and_then(|listing| listing.line_after(Some(state.step_of_position(k)))) {
+        if let Some(line) = listing.and_then(|listing| listing.line_after(Some(step))) {
             fact("Program line", line.to_string());
         }
         fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
@@ -428,7 +436,7 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
         .shown()
         .is_some_and(|active| active.policy == shown.policy && Arc::ptr_eq(active.planned, shown.planned));
     if let Some(plan) = state.on_machine().filter(|_| is_active)
-        && let Some(at) = plan.at(Some(state.step_of_position(k)))
+        && let Some(at) = plan.at(Some(state.step_of_position(k, 0)))
     {
         let axes = plan.named(at).map(|axis| axis_text(axis, state.look.units));
         ui.label(axes.join("  "));

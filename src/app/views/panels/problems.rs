@@ -1,8 +1,8 @@
 //! Problem messages with location and remedy, shown over the 3D view until they are dismissed or solved.
 
-use egui::{Frame, Label, Rect, RichText, ScrollArea, Ui, UiBuilder};
+use egui::{Align, Frame, Label, Layout, Rect, RichText, ScrollArea, Ui, UiBuilder};
 
-use crate::app::model::problem::without_markdown;
+use crate::app::model::problem::{Problem, without_markdown};
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
@@ -15,6 +15,22 @@ const MAX_WIDTH: f32 = 560.0;
 const MAX_SHARE: f32 = 0.4;
 const MIN_HEIGHT: f32 = 70.0;
 
+/// State by which they are coloured.
+const MARK: Condition = Condition::Interfering;
+
+/// What is wrong, and what to do.
+fn texts(ui: &mut Ui, problem: &Problem) {
+    let text = RichText::new(without_markdown(&problem.message)).color(MARK.text(ui.visuals()));
+    let shown = ui.add(Label::new(text).wrap());
+    if let Some(code) = problem.code {
+        shown.on_hover_text(format!("{code}: {}", code.meaning()));
+    }
+    if !problem.help.is_empty() {
+        let text = RichText::new(format!("Fix: {}", without_markdown(&problem.help))).strong();
+        ui.add(Label::new(text).wrap());
+    }
+}
+
 /// Draws the problems over the view `whole`; returns how far down they reach, 0 without any.
 pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     if state.problems.is_empty() {
@@ -25,27 +41,16 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     let corner = egui::pos2(whole.center().x - 0.5 * width, whole.top() + TOP);
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
-    let mark = Condition::Interfering;
     let height = at.height().min((MAX_SHARE * whole.height() - TOP).max(MIN_HEIGHT));
     let shown = ui.scope_builder(UiBuilder::new().max_rect(at), |ui| {
         ScrollArea::vertical().id_salt("problems").max_height(height).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 3.0;
             for (k, problem) in state.problems.iter().enumerate().rev() {
-                let stroke = egui::Stroke::new(1.5, mark.mark());
+                let stroke = egui::Stroke::new(1.5, MARK.mark());
                 Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
                     ui.set_width(width - 16.0);
-                    let text =
-                        RichText::new(without_markdown(&problem.message)).color(mark.text(ui.visuals()));
-                    let shown = ui.add(Label::new(text).wrap());
-                    if let Some(code) = problem.code {
-                        shown.on_hover_text(format!("{code}: {}", code.meaning()));
-                    }
-                    if !problem.help.is_empty() {
-                        let text =
-                            RichText::new(format!("Fix: {}", without_markdown(&problem.help))).strong();
-                        ui.add(Label::new(text).wrap());
-                    }
-                    ui.horizontal(|ui| {
+                    // Beside the text, so that several messages leave room for the view.
+                    ui.with_layout(Layout::right_to_left(Align::TOP), |ui| {
                         let dismiss = ui.small_button("Dismiss");
                         let tip = Command::DismissProblems.tip_with_keys(ui.ctx());
                         if dismiss.on_hover_text(tip).clicked() {
@@ -55,6 +60,7 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
                         if can_undo && ui.small_button("Undo the edit").clicked() {
                             is_undone = true;
                         }
+                        ui.with_layout(Layout::top_down(Align::LEFT), |ui| texts(ui, problem));
                     });
                 });
             }

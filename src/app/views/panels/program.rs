@@ -97,16 +97,24 @@ pub fn faults(ui: &mut Ui, state: &mut AppState) {
     }
     ui.add(Label::new(&checked.summary).wrap());
     ui.separator();
+    let reveal = state.look.reveal_finding > 0;
+    state.look.reveal_finding = state.look.reveal_finding.saturating_sub(1);
     let mut clicked = None;
     ScrollArea::vertical().id_salt("faults").auto_shrink(false).show(ui, |ui| {
-        for (k, finding) in checked.findings.iter().enumerate().take(MAX_LISTED) {
+        // The selected one is there however many others come before it.
+        let beyond = selected.filter(|k| *k >= MAX_LISTED);
+        for k in (0..checked.findings.len().min(MAX_LISTED)).chain(beyond) {
+            let Some(finding) = checked.findings.get(k) else { continue };
             let place =
                 if finding.fault.line > 0 { format!("Line {}: ", finding.fault.line) } else { String::new() };
             let text = format!("{place}{}", finding.fault.message);
-            let button = Button::selectable(selected == Some(k), text).wrap().frame_when_inactive(false);
+            let button = Button::selectable(selected == Some(k), with_minus_signs(&text)).wrap();
             let left = egui::Layout::top_down_justified(egui::Align::LEFT);
             let response = ui.with_layout(left, |ui| ui.add(button)).inner;
-            if selected == Some(k) && state.look.fly {
+            response.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::Button, true, selected == Some(k), &text)
+            });
+            if selected == Some(k) && reveal {
                 response.scroll_to_me(None);
             }
             if response.clicked() {
@@ -126,22 +134,85 @@ pub fn faults(ui: &mut Ui, state: &mut AppState) {
 /// The selected fault: its line as it is written, the tool, and what to do.
 fn details(ui: &mut Ui, finding: &ProgramFinding) {
     if !finding.text.is_empty() {
-        ui.add(Label::new(RichText::new(&finding.text).monospace()).wrap());
+        statement(ui, &finding.text);
     }
     if let Some(place) = &finding.place {
         let (p, a) = (place.tip, place.axis);
         let units = units::display_units(ui);
         let tip = [p.x, p.y, p.z].map(|mm| units.number(mm, 3)).join(" ");
-        ui.label(format!("Tip {tip} {}", units.length_unit()));
-        ui.label(format!(
-            "Axis {:.4} {:.4} {:.4}, tool Ø{}",
-            a.x,
-            a.y,
-            a.z,
-            units.number(2.0 * place.radius, 2)
-        ));
+        let diameter = units.number(2.0 * place.radius, 2);
+        ui.label(with_minus_signs(&format!("Tip {tip} {}", units.length_unit())));
+        let axis = format!("Axis {:.4} {:.4} {:.4}, tool Ø{diameter}", a.x, a.y, a.z);
+        ui.label(with_minus_signs(&axis));
     }
     if !finding.fault.help.is_empty() {
         ui.add(Label::new(format!("Fix: {}", finding.fault.help)).wrap());
+    }
+}
+
+/// `text` with minus signs before its numbers: lines break after a hyphen, which would stand alone then.
+fn with_minus_signs(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut chars = text.chars().peekable();
+    while let Some(c) = chars.next() {
+        let begins = shown.chars().last().is_none_or(|before| !before.is_alphanumeric());
+        let is_sign = c == '-' && begins && chars.peek().is_some_and(char::is_ascii_digit);
+        shown.push(if is_sign { '−' } else { c });
+    }
+    shown
+}
+
+/// A line of a program as it is written, in as many lines as it needs.
+fn statement(ui: &mut Ui, text: &str) {
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let glyph = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
+    let columns = (ui.available_width() / glyph.max(1.0)) as usize;
+    let lines = break_between_words(text, columns);
+    let shown = ui.add(Label::new(RichText::new(lines).monospace()).extend());
+    shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
+}
+
+/// `text` in lines of at most `columns` characters that end after a comma, a slash or a space: no number is
+/// parted from its sign. Only a longer word is parted.
+fn break_between_words(text: &str, columns: usize) -> String {
+    let columns = columns.max(1);
+    let (mut lines, mut length) = (String::with_capacity(text.len() + 8), 0);
+    for word in text.split_inclusive([',', '/', ' ']) {
+        let count = word.chars().count();
+        if length > 0 && length + word.trim_end().chars().count() > columns {
+            lines.push('\n');
+            length = 0;
+        }
+        for (k, c) in word.chars().enumerate() {
+            if k > 0 && k % columns == 0 && count > columns {
+                lines.push('\n');
+            }
+            lines.push(c);
+        }
+        length = if count > columns { count % columns } else { length + count };
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{break_between_words, with_minus_signs};
+
+    #[test]
+    fn only_signs_of_numbers_become_minus_signs() {
+        let text = "comes within -5.7 mm (-3) of a semi-finished 2-1 hub - no";
+        assert_eq!(with_minus_signs(text), "comes within −5.7 mm (−3) of a semi-finished 2-1 hub - no");
+    }
+
+    #[test]
+    fn no_number_is_parted_from_its_sign() {
+        let text = "GOTO/12.345678,-3.593152,101.000000,0.000000,-0.707107,0.707107";
+        for columns in 12..80 {
+            let lines = break_between_words(text, columns);
+            assert_eq!(lines.replace('\n', ""), text, "{columns}");
+            assert!(lines.lines().all(|line| line.len() <= columns && !line.ends_with('-')), "{lines}");
+        }
+        assert_eq!(break_between_words("ABCDEFGH", 3), "ABC\nDEF\nGH", "a word too long for a line");
+        assert_eq!(break_between_words("L X1 Y-2", 5), "L X1 \nY-2");
     }
 }

@@ -10,8 +10,8 @@ use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::ticks::ticks;
 
-/// Room for the scales at the left and below, and above and at the right, points.
-const MARGIN: [Vec2; 2] = [Vec2::new(48.0, 32.0), Vec2::new(14.0, 10.0)];
+/// Room for the scales at the left and below, and at the right and for the title above, points.
+const MARGIN: [Vec2; 2] = [Vec2::new(48.0, 32.0), Vec2::new(14.0, 20.0)];
 /// Distance from a point within which a click picks it, points.
 const PICK: f32 = 10.0;
 /// Runs closer than this share a mark, points.
@@ -100,8 +100,11 @@ impl StudyPlot {
             painter.text(left, Align2::RIGHT_CENTER, format!("{value:.decimals$}"), font.clone(), weak);
         }
         let titles = table.axes.map(|axis| axis.title(units));
+        let [across_title, up_title] = titles;
         let below = Pos2::new(inner.center().x, rect.bottom());
-        painter.text(below, Align2::CENTER_BOTTOM, format!("{}; {}", titles[0], titles[1]), font, weak);
+        painter.text(below, Align2::CENTER_BOTTOM, across_title, font.clone(), weak);
+        let above = Pos2::new(rect.left() + 4.0, rect.top() + 2.0);
+        painter.text(above, Align2::LEFT_TOP, up_title, font, weak);
         painter.extend(marks.shapes.iter().cloned());
         if let Some(at) = table.selected.and_then(|row| table.place(row, units)) {
             painter.circle_filled(point(inner, marks.ranges, at), 5.0, theme::accent(ui.visuals()));

@@ -6,7 +6,7 @@ use egui::{Button, ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
 
 use crate::mesh::axis::Axis;
 use crate::mesh::nodes::MeshNode;
-use crate::mesh::options::likely_unit;
+use crate::mesh::options::{FileUnit, likely_unit};
 use crate::mesh::{LengthUnit, Role};
 use crate::part::Rotation;
 
@@ -20,9 +20,9 @@ const BLADES: RangeInclusive<usize> = 0..=200;
 /// Width of a node's name, points.
 const NAME_WIDTH: f32 = 130.0;
 
-/// Label of a role.
-fn word(role: Option<Role>) -> &'static str {
-    role.map_or("unassigned", Role::name)
+/// Label of a role; `are_found`: whether the reader finds those that are not assigned.
+fn word(role: Option<Role>, are_found: bool) -> &'static str {
+    role.map_or(if are_found { "automatic" } else { "unassigned" }, Role::name)
 }
 
 /// A list with an accessible name; returns the new choice.
@@ -81,7 +81,8 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
                     ui.label(format!("{x} × {y} × {z}"));
                     let all = Role::ALL.into_iter().map(Some).chain([None]);
                     let name = format!("Role of {}", node.key);
-                    let role = list(ui, &name, choices.roles[k], all, |r| word(r).to_owned());
+                    let are_found = choices.are_roles_found();
+                    let role = list(ui, &name, choices.roles[k], all, |r| word(r, are_found).to_owned());
                     if let Some(role) = role {
                         choices.selected = Some(k);
                         choices.set_role(nodes, role);
@@ -104,9 +105,13 @@ pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
     Grid::new("mesh file").num_columns(2).show(ui, |ui| {
         ui.label("Unit");
         ui.horizontal(|ui| {
-            let unit =
-                list(ui, "Unit of the file", choices.unit, LengthUnit::ALL, |unit| unit.name().to_owned());
-            choices.unit = unit.unwrap_or(choices.unit);
+            if choices.file_unit == FileUnit::Stated {
+                ui.label("as in the file").on_hover_text("The file says in which unit it is");
+            } else {
+                let all = LengthUnit::ALL;
+                let unit = list(ui, "Unit of the file", choices.unit, all, |unit| unit.name().to_owned());
+                choices.unit = unit.unwrap_or(choices.unit);
+            }
             let across = choices.wheel_width(nodes);
             let text = RichText::new(format!(
                 "{} {} across",
@@ -116,8 +121,13 @@ pub fn file(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices) {
             let possible = likely_unit(across, choices.unit) == Some(choices.unit);
             let doubt = Condition::Interfering.text(ui.visuals());
             let text = if possible { text.weak() } else { text.color(doubt) };
-            ui.label(text)
-                .on_hover_text("Impellers are 3 mm to 5 m across. The glTF specification asks for metres.");
+            ui.label(text).on_hover_text(match choices.file_unit {
+                FileUnit::Stated => "Impellers are 3 mm to 5 m across.",
+                FileUnit::Specified(_) => {
+                    "Impellers are 3 mm to 5 m across. The glTF specification asks for metres."
+                }
+                FileUnit::Assumed(_) => "Impellers are 3 mm to 5 m across. STL files name no unit.",
+            });
         });
         ui.end_row();
         ui.label("Axis of rotation");

@@ -1,5 +1,6 @@
-//! The dialog that assigns roles (hub, shroud, blade, ...) to the nodes of a mesh file, where names do not
-//! determine them or the user wants to change them.
+//! The dialog that assigns roles (hub, shroud, blade, ...) to the nodes of a mesh file or the bodies of one
+//! from CAD, where names and shapes do not determine them or the user wants to change them, and takes unit,
+//! axis, number of blades and sense of rotation.
 
 mod form;
 mod preview;
@@ -60,7 +61,8 @@ impl RolesDialog {
             }
             asked => {
                 let preview = RolesPreview::new(unassigned.meshes.clone());
-                let choices = RoleChoices::new(&unassigned.nodes, &unassigned.said);
+                let UnassignedRoles { nodes, unit, said, fault, .. } = &unassigned;
+                let choices = RoleChoices::new(nodes, *unit, said, fault.is_some());
                 *asked = Some(RolesForm { unassigned, preview, choices });
             }
         }
@@ -108,9 +110,8 @@ impl RolesDialog {
                     });
                     ui.vertical(|ui| {
                         form::nodes(ui, &asked.unassigned.nodes, &mut asked.choices, 270.0);
-                        ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes").on_hover_text(
-                            "A role applies to all nodes with the same number of triangles and the same area",
-                        );
+                        ui.checkbox(&mut asked.choices.apply_to_identical, "Apply to identical meshes")
+                            .on_hover_text("A role applies to all nodes with the same area, within 1 %");
                         ui.label(
                             RichText::new("Keys: up, down; H hub, S shroud, B blade, P splitter, I ignore")
                                 .weak(),
@@ -166,7 +167,7 @@ impl RolesForm {
 }
 
 impl App {
-    /// Opens the roles dialog for the open part's mesh file.
+    /// Opens the roles dialog for the open part's file.
     pub(in crate::app) fn assign_roles(&mut self) {
         let source = self.state.document.part.as_ref().map(|part| part.source.clone());
         if let Some(source) = source.filter(|source| source.mesh().is_some()) {
