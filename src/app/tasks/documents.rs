@@ -35,7 +35,9 @@ pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputEr
         ProgramSource::Plunges(source) => source,
         ProgramSource::Flank(outcome) => {
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
-            return Ok(flank_sheet(&FlankSheetInput { outcome, files: &task.files }, pictures));
+            let program = outcome.program_for_channels(1, &Monitor::default());
+            let program = &program.map_err(|error| fault(error.into()))?;
+            return Ok(flank_sheet(&FlankSheetInput { outcome, program, files: &task.files }, pictures));
         }
     };
     let outcome = &source.planned.outcome;

@@ -110,7 +110,9 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
         }
         ProgramSource::Flank(outcome) => {
             // As `vanecut post` reads it from a flank.json.
-            let program = stored_program(&outcome.workpiece.part.name, &outcome.plan);
+            let FlankOutcome { workpiece, setup, plan, .. } = &**outcome;
+            let program = stored_program(workpiece, setup, plan, 1, &Monitor::default());
+            let program = program.unwrap_or_else(|Cancelled| ClProgram::default());
             (program, &outcome.workpiece, &outcome.setup)
         }
     };
