@@ -33,10 +33,10 @@ pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputEr
     let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
     let source = match &task.source {
         ProgramSource::Plunges(source) => source,
-        ProgramSource::Flank(outcome) => {
+        ProgramSource::Flank(source) => {
+            let outcome = &source.ordered();
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
-            let program = outcome.program_for_channels(1, &Monitor::default());
-            let program = &program.map_err(|error| fault(error.into()))?;
+            let program = &source.program().map_err(|error| fault(error.into()))?;
             return Ok(flank_sheet(&FlankSheetInput { outcome, program, files: &task.files }, pictures));
         }
     };
