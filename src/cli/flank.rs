@@ -95,7 +95,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     }
     let Some(first) = faults.first() else { return Ok(()) };
     let help = format!("in all {}: use a thinner cutter, or one with more overhang", count_by_kind(faults));
-    Err(Failure::work(ErrorCode::ProgramFaults, first.to_string(), help).at(format!("{name}:{}", first.line)))
+    Err(Failure::work(ErrorCode::ProgramFaults, first.to_string(), help).at_line(&name, first.line))
 }
 
 /// Keys of the program of all channels, and of several ones.

@@ -35,6 +35,17 @@ pub struct FlankProgram {
     pub time_estimate: f64,
 }
 
+/// The fault of a program that is too long to be read back.
+fn unreadable() -> Fault {
+    Fault {
+        line: 0,
+        kind: FaultKind::NotJudged,
+        value: None,
+        message: "the program is too long to be read back".to_owned(),
+        help: "write fewer channels".to_owned(),
+    }
+}
+
 impl FlankProgram {
     /// Number of its moves under feed.
     pub fn positions(&self) -> usize {
@@ -88,8 +99,7 @@ impl FlankOutcome {
             let one = plan.in_one_channel(&part.name);
             let FlankChannels { program, origins } =
                 one.in_channels(part, blank, &self.setup, channels, monitor)?;
-            // What is written is always read.
-            let Some(written) = as_written(&program) else { break (program, self.faults.clone(), None) };
+            let Some(written) = as_written(&program) else { break (program, vec![unreadable()], None) };
             let verdict = match verifier.verdict(&written, monitor) {
                 Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
                 Err(VerifyError::Program(fault)) => break (program, vec![fault], None),
