@@ -109,6 +109,20 @@ fn role(text: &str) -> Result<(String, Role), UserError> {
     Ok((node.to_owned(), role.parse()?))
 }
 
+/// Options for programs of several channels.
+#[derive(Debug, Args)]
+pub struct ChannelArgs {
+    /// Number of channels that the program cuts, or all
+    #[arg(long, default_value = "1")]
+    pub channels: String,
+    /// What several channels are cut by: tool_by_tool or channel_by_channel; absent: from the setup
+    #[arg(long, value_name = "ORDER")]
+    pub channel_order: Option<String>,
+    /// How channels follow each other: adjacent or opposite; absent: from the setup
+    #[arg(long, value_name = "SEQUENCE")]
+    pub channel_sequence: Option<String>,
+}
+
 /// `vanecut plan`.
 #[derive(Debug, Args)]
 pub struct PlanArgs {
@@ -122,15 +136,8 @@ pub struct PlanArgs {
     /// Axis policy: conventional, monotone, minimal or staircase; absent: from the setup
     #[arg(long)]
     pub axis: Option<String>,
-    /// Number of channels that the program cuts, or all
-    #[arg(long, default_value = "1")]
-    pub channels: String,
-    /// What several channels are cut by: tool_by_tool or channel_by_channel; absent: from the setup
-    #[arg(long, value_name = "ORDER")]
-    pub channel_order: Option<String>,
-    /// How channels follow each other: adjacent or opposite; absent: from the setup
-    #[arg(long, value_name = "SEQUENCE")]
-    pub channel_sequence: Option<String>,
+    #[command(flatten)]
+    pub several: ChannelArgs,
     /// Also print N plans between the least stock and the least time (8 without a number)
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "8",
           value_parser = clap::value_parser!(u16).range(2..=100))]
@@ -159,6 +166,8 @@ pub struct FlankArgs {
     /// Strategy: isoparametric, layers, regions or balanced; absent: from the setup
     #[arg(long)]
     pub scheme: Option<String>,
+    #[command(flatten)]
+    pub several: ChannelArgs,
     /// Directory for flank.json and flank.apt
     #[arg(short, long, default_value = ".")]
     pub output: PathBuf,

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use serde_json::{Map, Value, json};
 
 use super::args::FlankArgs;
+use super::channels::{channel_keys, wheel_text};
 use super::machine_figures::MachineFigures;
 use super::output::{fault_list, head, number};
 use super::output_folder::{check_directory, create_directory, write_report};
 use super::stdout::print_stdout;
-use super::verify::flank::walls_text;
+use super::verify::flank::{text as verdict_text, walls_text};
 use super::watch::run_with_progress;
 use super::{Failure, open};
 use crate::error::ErrorCode;
@@ -23,12 +24,14 @@ use crate::io::setup_file::parse_flank_strategy;
 use crate::io::write::write_all_atomically;
 use crate::job::JobError;
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
-use crate::monitor::Cancelled;
+use crate::job::flank_channels::FlankProgram;
+use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
 #[cfg(feature = "gpu")]
 use crate::report::pictures::flank_pictures;
 use crate::report::sheet::ProgramFile;
 use crate::report::sheet::flank::{FlankSheetInput, flank_sheet};
+use crate::report::words;
 use crate::setup::FlankStrategy;
 use crate::verify::{FlankVerdict, count_by_kind};
 
@@ -44,13 +47,17 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         setup.setup.flank.strategy =
             parse_flank_strategy(name).map_err(|error| Failure::from(error).at("--scheme"))?;
     }
+    args.several.order(&mut setup.setup.channels)?;
+    let channels = args.several.count(&part)?;
     check_directory(&args.output)?;
     let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };
-    let outcome = run_with_progress("planning", |monitor| FlankJob::default().run(&request, monitor))
-        .map_err(|error| match error {
-            JobError::Cancelled => Cancelled.into(),
-            JobError::Setup(fault) => setup.failure(fault),
-        })?;
+    let outcome = run_with_progress("planning", |monitor| {
+        FlankJob::default().run_for_channels(&request, channels, monitor)
+    })
+    .map_err(|error| match error {
+        JobError::Cancelled => Cancelled.into(),
+        JobError::Setup(fault) => setup.failure(fault),
+    })?;
     let plan = &outcome.plan;
     if plan.moves.is_empty() {
         let most = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length));
@@ -59,46 +66,75 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         let help = "give a thinner or a longer cutter, or smaller allowances";
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
+    let program = run_with_progress("checking", |monitor| outcome.program_for_channels(channels, monitor))?;
     create_directory(&args.output)?;
-    let written = write_apt(&outcome.program());
+    let written = write_apt(&program.program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
-    write_all_atomically(&[
-        (json.clone(), write_flank(&description, &setup.as_stored(&outcome.setup), plan).as_bytes()),
-        (apt.clone(), written.as_bytes()),
-    ])?;
+    let stored = write_flank(&description, &setup.as_stored(&outcome.setup), &program.plan, channels);
+    write_all_atomically(&[(json.clone(), stored.as_bytes()), (apt.clone(), written.as_bytes())])?;
     if args.report {
-        write_sheet(&args.output, &outcome)?;
+        write_sheet(&args.output, &outcome, &program)?;
     }
     let name = apt.display().to_string();
-    let faults = &outcome.faults;
-    let on_machine = outcome.clock.as_ref().map(|clock| MachineFigures::of_plan(clock, &outcome.program()));
+    let faults = &program.faults;
+    let on_machine = outcome.clock.as_ref().map(|clock| MachineFigures::of_plan(clock, &program.program));
     if args.json {
-        let mut map = object(&outcome);
+        let mut map = object(&outcome, &program);
         map.extend(MachineFigures::keys_of(on_machine.as_ref(), &outcome.setup));
+        map.extend(wheel_keys(&outcome, &program)?);
         map.insert("faults".into(), fault_list(faults));
         print_stdout(&format!("{}\n", Value::Object(map)))?;
     } else {
-        let on_machine = MachineFigures::text_of(on_machine.as_ref(), &outcome.setup);
-        let written = format!("wrote {} and {}\n", json.display(), apt.display());
-        print_stdout(&format!("{}{on_machine}{written}", text(&outcome)))?;
+        let mut text = text(&outcome);
+        text += &channels_text(&outcome, &program);
+        text += &MachineFigures::text_of(on_machine.as_ref(), &outcome.setup);
+        let (part, order) = (&outcome.workpiece.part, outcome.setup.channels);
+        text += &wheel_text(part, order, outcome.wheel_time_s, outcome.machine_time.is_some());
+        text += &format!("wrote {} and {}\n", json.display(), apt.display());
+        print_stdout(&text)?;
     }
     let Some(first) = faults.first() else { return Ok(()) };
     let help = format!("in all {}: use a thinner cutter, or one with more overhang", count_by_kind(faults));
-    Err(Failure::work(ErrorCode::ProgramFaults, first.to_string(), help).at(format!("{name}:{}", first.line)))
+    Err(Failure::work(ErrorCode::ProgramFaults, first.to_string(), help).at_line(&name, first.line))
+}
+
+/// Keys of the program of all channels, and of several ones.
+fn wheel_keys(outcome: &FlankOutcome, program: &FlankProgram) -> Result<Map<String, Value>, Failure> {
+    let mut map = channel_keys(outcome.setup.channels);
+    map.insert("wheel_time".into(), json!(outcome.wheel_time_s.map(number)));
+    if program.channels > 1 {
+        let one = outcome.program_for_channels(1, &Monitor::default())?;
+        map.insert("one_channel".into(), Value::Object(object(outcome, &one)));
+    }
+    Ok(map)
+}
+
+/// What the program of several channels is, as `vanecut verify` says it; nothing of one channel.
+fn channels_text(outcome: &FlankOutcome, program: &FlankProgram) -> String {
+    if program.channels <= 1 {
+        return String::new();
+    }
+    let (count, order) = (words::channels_text(program.channels), outcome.setup.channels.words());
+    let mut text = format!("as written, {count}, {order}:\n");
+    if let Some(verdict) = &program.verdict {
+        text += &verdict_text(verdict);
+    }
+    text += &format!("{}\n", words::tool_loads_text(program.program.tool_loads()));
+    text
 }
 
 /// Writes `report.html`, with its pictures where the program draws any, into `folder`.
 ///
 /// # Errors
 /// [`Failure::work`] when drawing fails, [`Failure::input`] when a file cannot be written.
-fn write_sheet(folder: &Path, outcome: &FlankOutcome) -> Result<(), Failure> {
+fn write_sheet(folder: &Path, outcome: &FlankOutcome, program: &FlankProgram) -> Result<(), Failure> {
     #[cfg(feature = "gpu")]
     let pictures = flank_pictures(outcome, "").map_err(Failure::of_work)?;
     // The sheet has its drawings all the same.
     #[cfg(not(feature = "gpu"))]
     let pictures = Vec::new();
     let files = [ProgramFile::plan("flank.json"), ProgramFile::apt("flank.apt")];
-    let document = flank_sheet(&FlankSheetInput { outcome, files: &files }, pictures);
+    let document = flank_sheet(&FlankSheetInput { outcome, program, files: &files }, pictures);
     write_report(folder, &document)
 }
 
@@ -117,12 +153,14 @@ fn left_out_length(plan: &FlankPlan) -> f64 {
     plan.uncut.iter().map(|stretch| stretch.length).sum()
 }
 
-fn object(outcome: &FlankOutcome) -> Map<String, Value> {
+/// The figures of a program of the plan; those of its layout, of what is left out and of its axes are those
+/// of a channel.
+fn object(outcome: &FlankOutcome, program: &FlankProgram) -> Map<String, Value> {
     let (part, plan) = (&outcome.workpiece.part, &outcome.plan);
     let curves = &plan.layout;
     let scheme = curves.strategy;
     let of = |scheme: FlankStrategy| &curves.totals[scheme as usize];
-    let mut map = head(part, Some(1));
+    let mut map = head(part, Some(program.channels));
     let mut put = |key: &str, value: Value| {
         map.insert(key.to_owned(), value);
     };
@@ -142,14 +180,16 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("area", number(curves.area));
     put("largest_gap_over_interval", number(of(scheme).coverage.largest_gap));
     put("wide_area_share", number(curves.wide_share(scheme)));
-    let judged = |figure: fn(&FlankVerdict) -> f64| number(outcome.verdict.as_ref().map_or(f64::NAN, figure));
-    put("max_overcut", number(outcome.max_overcut()));
+    let judged = |figure: fn(&FlankVerdict) -> f64| number(program.verdict.as_ref().map_or(f64::NAN, figure));
+    let overcut = program.verdict.as_ref().map_or_else(|| plan.max_overcut(), |v| v.max_overcut);
+    put("max_overcut", number(overcut));
     put("max_undercut", judged(|v| v.max_undercut));
     put("unmilled_wall_share", judged(|v| v.unmilled_wall_share));
     put("planned_undercut", number(plan.max_undercut()));
     put("forced_deviation", number(plan.forced_deviation()));
     put("uncovered_share", judged(|v| v.uncovered.share()));
-    put("positions", json!(plan.positions()));
+    put("positions", json!(program.positions()));
+    put("tool_loads", json!(program.program.tool_loads()));
     let axes = plan.axes.iter().map(|a| {
         json!({
             "layer": a.layer + 1,
@@ -178,8 +218,8 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("wall_feed", number(plan.feeds.wall_mm_per_min));
     put("ramp_feed", number(plan.feeds.ramp_mm_per_min));
     put("cut_length", judged(|v| v.cut_length));
-    put("pass_length", number(plan.times.cut_length));
-    put("link_length", number(plan.times.link_length));
+    put("pass_length", number(program.times.cut_length));
+    put("link_length", number(program.times.link_length));
     put("rapid_length", judged(|v| v.rapid_length));
     put("min_hub_clearance", judged(|v| v.min_hub_clearance));
     put("min_blade_clearance", judged(|v| v.min_blade_clearance));
@@ -190,9 +230,9 @@ fn object(outcome: &FlankOutcome) -> Map<String, Value> {
     put("residual_max", judged(|v| v.layer.max.into()));
     put("uncut_share", judged(|v| v.layer.uncut_share.into()));
     put("unreachable_share", judged(|v| v.layer.unreachable_share.into()));
-    put("cut_time", number(plan.times.cut_time));
-    put("link_time", number(plan.times.link_time));
-    put("rapid_time", number(plan.times.rapid_time));
+    put("cut_time", number(program.times.cut_time));
+    put("link_time", number(program.times.link_time));
+    put("rapid_time", number(program.times.rapid_time));
     put("time_estimate", judged(|v| v.time_estimate));
     put("feed_time", judged(|v| v.feed_time));
     // Gaps of the isoparametric strategy are measured only if it is the chosen one.

@@ -11,6 +11,7 @@ mod bench_growth;
 mod bench_measure;
 mod bench_stock;
 mod bench_wheel;
+mod channels;
 mod convert;
 mod curve;
 mod edits;

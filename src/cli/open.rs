@@ -9,7 +9,7 @@ use crate::error::{ErrorCode, UserError};
 use crate::io::InputError;
 use crate::io::part_file::{check_part_format, read_part_with};
 use crate::io::setup_file::{line_of_place, locate_machine, read_setup_with_defaults};
-use crate::io::source::{MAX_BYTES, name_of, read_bytes};
+use crate::io::source::{MAX_PROGRAM_BYTES, name_of, read_bytes_up_to};
 use crate::part::{Impeller, PartDescription};
 use crate::setup::{Setup, SetupFault};
 
@@ -100,11 +100,11 @@ pub fn setup(path: Option<&Path>, part_path: &Path, part: &Impeller) -> Result<O
 /// [`Failure::input`] when it cannot be read.
 pub fn named_bytes(path: &Path) -> Result<(String, Vec<u8>), Failure> {
     if path != Path::new("-") {
-        return Ok((name_of(path), read_bytes(path)?));
+        return Ok((name_of(path), read_bytes_up_to(path, MAX_PROGRAM_BYTES)?));
     }
     let mut bytes = Vec::new();
     // One byte over the limit, so that the reader can report that the input is too large.
-    std::io::stdin().lock().take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(|error| {
+    std::io::stdin().lock().take(MAX_PROGRAM_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(|error| {
         let what = format!("cannot be read ({error})");
         Failure::input(ErrorCode::FileUnreadable, what, "give a file").at(STANDARD_INPUT)
     })?;

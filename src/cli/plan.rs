@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde_json::{Map, Value, json};
 
 use super::args::PlanArgs;
+use super::channels::{channel_keys, wheel_text};
 use super::curve::{check_policy, curve_text, point_object, time_stock_curve};
 use super::edits::{unapplied_objects, unapplied_text};
 use super::machine_figures::MachineFigures;
@@ -18,7 +19,7 @@ use super::{Failure, open, output};
 use crate::error::ErrorCode;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::plan_file::write_plan;
-use crate::io::setup_file::{parse_axis_policy, parse_channel_order, parse_channel_sequence};
+use crate::io::setup_file::parse_axis_policy;
 use crate::io::write::write_all_atomically;
 use crate::job::{self, JobError, PlanOutcome, PlanRequest, Summary};
 use crate::monitor::{Cancelled, Monitor};
@@ -28,7 +29,7 @@ use crate::plunge::RowDensity;
 use crate::report::pictures::plan_pictures;
 use crate::report::sheet::{ProgramFile, SheetInput, setup_sheet};
 use crate::report::words;
-use crate::setup::{AxisPolicy, ChannelSetup};
+use crate::setup::AxisPolicy;
 use crate::toolpath::min_rapid_length;
 use crate::verify::{PlungeReport, count_by_kind, report_plunges};
 
@@ -42,12 +43,12 @@ use crate::job::FIELD_CELLS;
 pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let (description, part) = open::part(&args.part, &args.mesh)?;
     let mut setup = open::setup(args.setup.as_deref(), &args.part, &part)?;
-    order_channels(&mut setup.setup.channels, args)?;
+    args.several.order(&mut setup.setup.channels)?;
     let policy = match &args.axis {
         None => setup.setup.plunge.axis,
         Some(name) => parse_axis_policy(name).map_err(|error| Failure::from(error).at("--axis"))?,
     };
-    let channels = channel_count(&args.channels, &part)?;
+    let channels = args.several.count(&part)?;
     check_directory(&args.output)?;
     args.pareto.map(|_| check_policy(policy)).transpose()?;
     let outcome = plan_with_progress(part, &setup, policy, true)?;
@@ -133,31 +134,6 @@ pub fn plan_with_progress(
     })
 }
 
-/// Replaces the order of channels by what the arguments give.
-fn order_channels(channels: &mut ChannelSetup, args: &PlanArgs) -> Result<(), Failure> {
-    if let Some(name) = &args.channel_order {
-        let order = parse_channel_order(name);
-        channels.order = order.map_err(|error| Failure::from(error).at("--channel-order"))?;
-    }
-    if let Some(name) = &args.channel_sequence {
-        let sequence = parse_channel_sequence(name);
-        channels.sequence = sequence.map_err(|error| Failure::from(error).at("--channel-sequence"))?;
-    }
-    Ok(())
-}
-
-fn channel_count(word: &str, part: &Impeller) -> Result<usize, Failure> {
-    let all = part.blade_count;
-    match word {
-        "all" => Ok(all),
-        _ => word.parse().ok().filter(|n| (1..=all).contains(n)).ok_or_else(|| {
-            let help = format!("give 1 to {all}, or all");
-            Failure::input(ErrorCode::Arguments, "not a number of channels", help)
-                .at(format!("--channels {word}"))
-        }),
-    }
-}
-
 fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> Map<String, Value> {
     let (part, grid, reasons) = (&outcome.workpiece.part, &outcome.grid, &outcome.reasons);
     let mut map = output::plan_object(part, channels, &written_figures(outcome, report, channels), reasons);
@@ -167,9 +143,7 @@ fn plan_json(outcome: &PlanOutcome, report: &PlungeReport, channels: usize) -> M
     if let Some(wheel) = outcome.after.summary.wheel_time_s {
         map.insert("wheel_time".into(), output::number(wheel));
     }
-    let ChannelSetup { order, sequence } = outcome.setup.channels;
-    map.insert("channel_order".into(), json!(order.name()));
-    map.insert("channel_sequence".into(), json!(sequence.name()));
+    map.extend(channel_keys(outcome.setup.channels));
     if channels > 1 {
         let one = PlungeFigures::of_result(&outcome.after, grid);
         map.insert("one_channel".into(), Value::Object(output::plan_object(part, 1, &one, reasons)));
@@ -286,15 +260,8 @@ fn plan_text(
         );
     }
     text += &MachineFigures::text_of(on_machine, &outcome.setup);
-    if let Some(wheel) = outcome.after.summary.wheel_time_s {
-        let order = outcome.setup.channels.words();
-        let what = match outcome.clock.timing() {
-            Some(_) => "",
-            None => " (tool changes and accelerations left out)",
-        };
-        text +=
-            &format!("the wheel, {} channels, {order}: {:.1} min{what}\n", part.blade_count, wheel / 60.0);
-    }
+    let is_timed = outcome.clock.timing().is_some();
+    text += &wheel_text(part, outcome.setup.channels, outcome.after.summary.wheel_time_s, is_timed);
     if let Some(finishing) = words::finishing_text(outcome, &outcome.after) {
         text += &format!("{finishing}\n");
     }

@@ -135,7 +135,8 @@ fn read_source(args: &PostArgs) -> Result<PostSource, Failure> {
     let (mut program, part, setup, channels) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
         let missing = || Failure::input(ErrorCode::PlanFile, "has no tool", "plan it again").at(&name);
-        (stored.program().ok_or_else(missing)?, stored.part, stored.setup, 1)
+        let program = stored.program(&Monitor::default())?.ok_or_else(missing)?;
+        (program, stored.part, stored.setup, stored.channels)
     } else {
         let stored = read_plan_bytes(&name, &bytes)?;
         (stored.program(&Monitor::default())?, stored.part, stored.setup, stored.channels)

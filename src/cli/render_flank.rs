@@ -11,6 +11,7 @@ use crate::error::{ErrorCode, UserError};
 use crate::gpu::image::draw_png;
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, SceneOptions, Theme, View};
 use crate::io::flank_file::StoredFlank;
+use crate::monitor::Monitor;
 
 /// PNG file of a flank plan: passes coloured by layer or region, moves by feed rate (`--show feed`), or walls
 /// by the residual stock (`--show walls`), or the stock as a solid (`--show solid`). `--at` limits the number
@@ -20,7 +21,7 @@ use crate::io::flank_file::StoredFlank;
 /// [`Failure::input`] for an unknown `--show`, [`Failure::work`] when drawing fails.
 pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -> Result<Vec<u8>, Failure> {
     if args.show.as_deref() == Some(SOLID) {
-        let program = plan.program();
+        let program = plan.program(&Monitor::default())?;
         let missing = || Failure::input(ErrorCode::PlanFile, "the flank plan has no tool", "plan it again");
         let program = program.ok_or_else(missing)?;
         let count = args.at.unwrap_or(program.moves.len());

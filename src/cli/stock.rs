@@ -124,7 +124,7 @@ fn read_program(path: &Path) -> Result<(String, ClProgram, Option<Setup>), Failu
     }
     let (program, setup) = if is_flank(&bytes) {
         let stored = read_flank_bytes(&name, &bytes)?;
-        let Some(program) = stored.program() else {
+        let Some(program) = stored.program(&Monitor::default())? else {
             return Err(Failure::input(ErrorCode::PlanFile, "has no tool", "plan it again").at(name));
         };
         (program, stored.setup)

@@ -26,6 +26,8 @@ pub struct LinkMove<'a> {
     pub to: (Point, Vector),
 }
 
+/// Depth of the tool in the blank above which a link is raised, mm.
+const MAX_TOOL_DEPTH: f64 = 1e-3;
 /// Maximum turn of the axis between two samples, rad.
 const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
@@ -91,6 +93,19 @@ impl LinkMove<'_> {
             least = least.min(search::min_between_slopes(|x| look(x, None), ends.0, ends.1, 0.02 * spacing));
         }
         least
+    }
+
+    /// Minimum distance of the bottom to the blank between both ends, mm, not refined further below `safety`;
+    /// and what the link lacks of being clear: of the safety distance, or by the depth of the tool in the
+    /// blank, mm, 0 where it is clear. `ends` and `surface` as in [`Self::clearance`] and
+    /// [`Self::max_tool_depth`].
+    pub fn needed_lift(&self, ends: [&NearBottom; 2], surface: &RetractSurface, safety: f64) -> (f64, f64) {
+        let clearance = self.clearance(ends, safety);
+        if clearance < safety {
+            return (clearance, safety - clearance);
+        }
+        let depth = self.max_tool_depth(surface);
+        (clearance, if depth > MAX_TOOL_DEPTH { depth } else { 0.0 })
     }
 
     /// Maximum depth over the link to which the tool, taken as an endless cylinder, is in the blank, measured

@@ -8,12 +8,14 @@
 //! | [`drop_cutter`] | how deep it goes along its axis until it touches a surface of revolution |
 //! | [`retract`] | from which height above its tip a tool is clear of the blank |
 //! | [`link`] | how far a rapid from one position to another stays clear of the blank |
+//! | [`channel_link`] | the rapid from channel to channel, outside the blank |
 //! | `stick_out` | with which overhang a holder that is in the way would be clear |
 //! | [`contact`] | where the core of a plunge meets stock that earlier plunges left |
 
 pub mod approach;
 pub mod assembly;
 pub mod assembly_move;
+pub mod channel_link;
 pub mod contact;
 pub mod drop_cutter;
 pub mod link;

@@ -18,9 +18,11 @@
 //! | `engagement` | which passes run through full stock |
 //! | [`fault_removal`] | removal of the moves that a check of the whole program rejects |
 //! | [`path`] | order, links and rapids: from passes to a program |
+//! | [`channels`] | the program for several channels, with the links between them |
 //! | [`plan`](mod@plan) | the whole plan, stage by stage |
 //! | `program` | the plan as a cutter-location program |
 
+pub mod channels;
 pub mod chart;
 pub mod choice;
 pub mod curves;

@@ -110,7 +110,7 @@ const MAX_RAISE_ITERATIONS: usize = 30;
 
 /// Added to the safety distance of rapids, mm: where the tool bottom is near the blank at two points, the
 /// nearer one may swap between two samples.
-const RAPID_MARGIN: f64 = 0.05;
+pub(super) const RAPID_MARGIN: f64 = 0.05;
 
 /// Inputs of the program.
 pub struct PathMaker<'a> {

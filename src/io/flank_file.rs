@@ -8,17 +8,21 @@ use super::setup_file::write_setup;
 use super::stored;
 use super::stored::{StoredInputs, are_coordinates, damaged};
 use crate::error::ErrorCode;
+use crate::flank::channels::FlankChannel;
 use crate::flank::region::{Region, WallName};
 use crate::flank::strategies::PassRole;
 use crate::flank::wall::DeviationMap;
 use crate::flank::{FlankMove, FlankOpening, FlankPlan, MilledWall, MoveKind};
 use crate::geometry::{Point, Vector};
-use crate::part::{Impeller, PartDescription};
+use crate::monitor::{Cancelled, Monitor};
+use crate::part::{Impeller, PartDescription, Workpiece};
 use crate::setup::{FlankStrategy, Setup, tool_of};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN};
 
 /// Version of the file format; newer files are rejected.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
+/// Version of files of one channel, which programs of that version read as well.
+const ONE_CHANNEL_VERSION: u32 = 2;
 /// Steps per mm to which positions and points are rounded.
 const STEPS_PER_MM: f64 = 1e6;
 /// Steps per unit to which axis components are rounded.
@@ -34,6 +38,9 @@ struct FlankFile {
     /// The setup in its file format, with the chosen tool filled in.
     setup: String,
     scheme: FlankStrategy,
+    /// Number of channels that the plan is repeated for; absent: one.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    channels: usize,
     /// Feed rate along passes beside one that is already cut, mm/min.
     feed: f64,
     layers: Vec<LayerFile>,
@@ -45,6 +52,14 @@ struct FlankFile {
     feeds: Vec<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     opening: Option<OpeningFile>,
+}
+
+fn one() -> usize {
+    1
+}
+
+fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 /// Plunges above the shroud.
@@ -131,18 +146,35 @@ pub struct StoredFlank {
     pub walls: Vec<ShownWall>,
     /// What is cut before.
     pub opening: Option<FlankOpening>,
-    /// All moves in cutting order.
+    /// All moves of one channel in cutting order.
     pub moves: Vec<FlankMove>,
+    /// Number of channels that it is repeated for.
+    pub channels: usize,
 }
 
 impl StoredFlank {
-    /// Its program; `None` where its setup lacks the tool.
-    pub fn program(&self) -> Option<ClProgram> {
+    /// What it cuts in one channel; `None` where its setup lacks the tool.
+    fn in_one_channel(&self) -> Option<FlankChannel<'_>> {
         // The setup of a flank plan names the tool that was chosen.
         let number = self.setup.flank.tool;
         let tool = self.setup.tools.iter().find(|tool| number.is_none_or(|number| tool.number == number))?;
-        let passes = ClProgram::of_flank(&self.part.name, tool, &self.moves);
-        Some(passes.after_opening(self.opening.as_ref()))
+        let Self { part, moves, opening, .. } = self;
+        Some(FlankChannel { part_name: &part.name, tool, moves, opening: opening.as_ref() })
+    }
+
+    /// Its program, for all channels that it is repeated for; `None` where its setup lacks the tool.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled.
+    pub fn program(&self, monitor: &Monitor) -> Result<Option<ClProgram>, Cancelled> {
+        let Self { part, setup, .. } = self;
+        let channels = self.channels.clamp(1, part.blade_count);
+        let Some(one) = self.in_one_channel() else { return Ok(None) };
+        if channels == 1 {
+            return Ok(Some(one.program()));
+        }
+        let blank = setup.allowances.blank_of(part);
+        Ok(Some(one.in_channels(part, &blank, setup, channels, monitor)?.program))
     }
 }
 
@@ -187,20 +219,41 @@ fn stored_opening(opening: &FlankOpening) -> FlankOpening {
     FlankOpening { plunges: opening.plunges.iter().map(plunge).collect(), ..opening.clone() }
 }
 
-/// The program of a plan as [`StoredFlank::program`] reads it from a file: NC code that is posted from either
-/// is the same.
-pub fn stored_program(part_name: &str, plan: &FlankPlan) -> ClProgram {
+/// The program of a plan as [`StoredFlank::program`] reads it from a file for that number of `channels`: NC
+/// code that is posted from either is the same.
+///
+/// # Errors
+/// When `monitor` is cancelled.
+pub fn stored_program(
+    workpiece: &Workpiece,
+    setup: &Setup,
+    plan: &FlankPlan,
+    channels: usize,
+    monitor: &Monitor,
+) -> Result<ClProgram, Cancelled> {
+    let Workpiece { part, blank, .. } = workpiece;
     let moves: Vec<FlankMove> = plan.moves.iter().map(stored_move).collect();
-    let passes = ClProgram::of_flank(part_name, &plan.tool, &moves);
-    passes.after_opening(plan.opening.as_ref().map(stored_opening).as_ref())
+    let opening = plan.opening.as_ref().map(stored_opening);
+    let (tool, moves, opening) = (&plan.tool, &*moves, opening.as_ref());
+    let one = FlankChannel { part_name: &part.name, tool, moves, opening };
+    match channels {
+        1 => Ok(one.program()),
+        _ => Ok(one.in_channels(part, blank, setup, channels, monitor)?.program),
+    }
 }
 
 fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
     coordinates.map(|x| (x * decimals).round() / decimals)
 }
 
-/// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame.
-pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPlan) -> String {
+/// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame. `channels` is the number
+/// of channels that the plan is repeated for.
+pub fn write_flank(
+    description: &PartDescription,
+    setup: &Setup,
+    plan: &FlankPlan,
+    channels: usize,
+) -> String {
     let curves = shown_passes(plan);
     let layers = plan.layout.layers.iter().enumerate().map(|(number, layer)| LayerFile {
         height: layer.layer.height,
@@ -216,10 +269,11 @@ pub fn write_flank(description: &PartDescription, setup: &Setup, plan: &FlankPla
             .collect(),
     });
     let file = FlankFile {
-        vanecut_flank: VERSION,
+        vanecut_flank: if channels > 1 { VERSION } else { ONE_CHANNEL_VERSION },
         part: write_native(description),
         setup: write_setup(setup),
         scheme: plan.layout.strategy,
+        channels,
         feed: plan.feeds.step_mm_per_min,
         layers: layers.collect(),
         walls: plan
@@ -347,5 +401,6 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
         passes: curves,
         opening,
         moves,
+        channels: file.channels,
     })
 }

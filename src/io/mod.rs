@@ -3,7 +3,7 @@
 //! One file per format; [`part_file`] picks the reader by extension. For any input, a reader returns
 //! a value or an [`InputError`]: it does not panic or loop endlessly, and its memory is a small
 //! multiple of the file size. Limits: 64 MiB per file, 1,000,000 points, 1,000 blades,
-//! |x| ≤ 1,000,000 mm; for meshes 512 MiB and 8,000,000 triangles.
+//! |x| ≤ 1,000,000 mm; for meshes 512 MiB and 8,000,000 triangles, for programs 512 MiB and 4,000,000 moves.
 
 pub mod apt;
 pub mod blank_file;

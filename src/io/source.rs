@@ -11,8 +11,12 @@ use crate::part::{CurveDescription, Meridional};
 
 /// Maximum file size, bytes.
 pub const MAX_BYTES: usize = 64 << 20;
-/// Maximum number of points (or moves) in a file.
+/// The same of a program, bytes: that of all channels of a large wheel, milled by its flanks, has 80 MiB.
+pub const MAX_PROGRAM_BYTES: usize = 512 << 20;
+/// Maximum number of points in a file.
 pub const MAX_POINTS: usize = 1_000_000;
+/// Maximum number of moves of a program.
+pub const MAX_MOVES: usize = 4_000_000;
 /// Maximum absolute coordinate, mm.
 pub const MAX_COORDINATE: f64 = 1e6;
 /// Maximum number of triangles of a mesh, all instances together.
@@ -219,6 +223,14 @@ pub fn text_up_to<'a>(source: Source<'_>, bytes: &'a [u8], limit: usize) -> Resu
 /// When the bytes are empty, too many, or contain a NUL.
 pub fn text_lossy<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<Cow<'a, str>, InputError> {
     Ok(String::from_utf8_lossy(checked(source, bytes, MAX_BYTES)?))
+}
+
+/// The same of a program.
+///
+/// # Errors
+/// As [`text_lossy`].
+pub fn program_text<'a>(source: Source<'_>, bytes: &'a [u8]) -> Result<Cow<'a, str>, InputError> {
+    Ok(String::from_utf8_lossy(checked(source, bytes, MAX_PROGRAM_BYTES)?))
 }
 
 fn checked<'a>(source: Source<'_>, bytes: &'a [u8], limit: usize) -> Result<&'a [u8], InputError> {

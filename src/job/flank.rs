@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::JobError;
 use super::machine::clock_of;
 use super::part_cache::PartCache;
+use crate::flank::channels::{FlankChannel, FlankChannels};
 use crate::flank::choice::choose_tool;
 use crate::flank::fault_removal::MoveFault;
 use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, plan};
@@ -53,6 +54,11 @@ pub struct FlankOutcome {
     pub machine_time: Option<MachineTime>,
     /// Estimated time of the program, s: feed rates and rapids, without tool changes and accelerations.
     pub time_estimate: f64,
+    /// Time of the program of all channels in the order of the setup, s: on that machine, or estimated where
+    /// there is none; `None` where the machine cannot run it.
+    pub wheel_time_s: Option<f64>,
+    /// How often a tool is loaded in it.
+    pub wheel_tool_loads: usize,
     /// Wall-clock time of the job, s.
     pub elapsed: f64,
 }
@@ -60,8 +66,7 @@ pub struct FlankOutcome {
 impl FlankOutcome {
     /// The program of the plan, with the plunges that open the stock before the passes.
     pub fn program(&self) -> ClProgram {
-        let FlankPlan { tool, moves, opening, .. } = &self.plan;
-        ClProgram::of_flank(&self.workpiece.part.name, tool, moves).after_opening(opening.as_ref())
+        self.plan.in_one_channel(&self.workpiece.part.name).program()
     }
 }
 
@@ -97,6 +102,20 @@ impl FlankJob {
     /// [`JobError::Cancelled`] after a stop or cancel of `monitor`; [`JobError::Setup`] when part and setup
     /// are incompatible.
     pub fn run(&self, request: &FlankRequest, monitor: &Monitor) -> Result<FlankOutcome, JobError> {
+        self.run_for_channels(request, 1, monitor)
+    }
+
+    /// Plans one channel such that the program of the first `channels` channels has no faults either: the
+    /// grid of the stock that `verify` looks at differs from channel to channel.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_for_channels(
+        &self,
+        request: &FlankRequest,
+        channels: usize,
+        monitor: &Monitor,
+    ) -> Result<FlankOutcome, JobError> {
         let started = std::time::Instant::now();
         let part = &request.part;
         check_part(&request.setup, part)?;
@@ -111,6 +130,7 @@ impl FlankJob {
         setup.tools.extend(more.cloned());
         let judged = setup.clone();
         let mut verifier = FlankVerifier::for_planner(&workpiece, &judged);
+        let mut wheel_verifier = (channels > 1).then(|| FlankVerifier::for_planner(&workpiece, &judged));
         let mut faults = Vec::new();
         let mut opening = None;
         let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
@@ -118,19 +138,27 @@ impl FlankJob {
             if let (Some(opener), None) = (&opener, &opening) {
                 opening = opener.opening(&workpiece, tool, moves, monitor)?;
             }
-            let program = ProgramInput { name: &part.name, tool, moves, opening: opening.as_ref() };
-            faults_as_written(&mut verifier, &program, &request.setup, &mut faults, monitor)
+            let program = FlankChannel { part_name: &part.name, tool, moves, opening: opening.as_ref() };
+            let found = faults_as_written(&mut verifier, &program, &request.setup, &mut faults, monitor)?;
+            let Some(wheel) = wheel_verifier.as_mut().filter(|_| found.is_empty()) else { return Ok(found) };
+            let several = program.in_channels(part, &workpiece.blank, &request.setup, channels, monitor)?;
+            faults_of_channels(wheel, &several, &program, &request.setup, monitor)
         };
         let planned = self
             .last
             .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor));
         let plan = FlankPlan { opening, ..planned? };
-        let (tool, moves) = (&plan.tool, &plan.moves);
-        let written = ProgramInput { name: &part.name, tool, moves, opening: plan.opening.as_ref() };
-        let program = ClProgram::of_flank(&part.name, tool, moves).after_opening(plan.opening.as_ref());
+        let written = plan.in_one_channel(&part.name);
+        let program = written.program();
         let machine_time = clock.as_ref().and_then(|clock| clock.time(&program));
         let time_estimate = Travel::from_program(&program).time;
-        let verdict = match written.program().map(|p| verifier.verdict(&p, &monitor.silent())) {
+        let wheel = written.in_channels(part, &workpiece.blank, &setup, part.blade_count, monitor);
+        let wheel = wheel.map_err(FlankError::Cancelled)?.program;
+        let wheel_time_s = match (&clock, machine_time) {
+            (Some(clock), Some(_)) => clock.time(&wheel).map(|time| time.total_s),
+            _ => Some(Travel::from_program(&wheel).time),
+        };
+        let verdict = match as_written(&program).map(|p| verifier.verdict(&p, &monitor.silent())) {
             Some(Err(VerifyError::Cancelled(_))) => return Err(JobError::Cancelled),
             Some(verdict) => verdict.ok(),
             None => None,
@@ -150,6 +178,8 @@ impl FlankJob {
             clock,
             machine_time,
             time_estimate,
+            wheel_time_s,
+            wheel_tool_loads: wheel.tool_loads(),
             elapsed,
         })
     }
@@ -159,12 +189,6 @@ impl FlankOutcome {
     /// The best known time of the program, s: on the machine of the setup, or else the estimate.
     pub fn time_s(&self) -> f64 {
         self.machine_time.map_or(self.time_estimate, |time| time.total_s)
-    }
-
-    /// The same for all channels, s: each tool is changed once, links from channel to channel are left out.
-    pub fn time_of_wheel_s(&self) -> f64 {
-        let count = self.workpiece.part.blade_count;
-        self.machine_time.map_or(self.time_estimate * count as f64, |time| time.of_runs_s(count))
     }
 
     /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the
@@ -235,34 +259,23 @@ impl Opener {
     }
 }
 
-/// What the program of a flank plan is made from.
-struct ProgramInput<'a> {
-    name: &'a str,
-    tool: &'a Tool,
-    moves: &'a [FlankMove],
-    opening: Option<&'a FlankOpening>,
-}
-
-impl ProgramInput<'_> {
-    /// The program, written and read back; `None` if it cannot be read.
-    fn program(&self) -> Option<ClProgram> {
-        let program = ClProgram::of_flank(self.name, self.tool, self.moves).after_opening(self.opening);
-        read_apt_bytes("flank.apt", write_apt(&program).as_bytes()).ok()
-    }
+/// A program, written and read back; `None` if it cannot be read.
+pub(super) fn as_written(program: &ClProgram) -> Option<ClProgram> {
+    read_apt_bytes("flank.apt", write_apt(program).as_bytes()).ok()
 }
 
 /// Verifies a program as it is written: stores all faults in `found`, and returns those of single moves of
 /// its passes.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
-    written: &ProgramInput,
+    written: &FlankChannel,
     setup: &Setup,
     found: &mut Vec<Fault>,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let count = written.moves.len();
     let all = |why: &'static str| (0..count).map(|index| MoveFault { index, why, overcut: None }).collect();
-    let Some(program) = written.program() else {
+    let Some(program) = as_written(&written.program()) else {
         return Ok(all("its program cannot be read back"));
     };
     *found = match verifier.faults(&program, monitor) {
@@ -270,14 +283,51 @@ fn faults_as_written(
         Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
         Err(VerifyError::Program(_)) => return Ok(all("its program cannot be verified")),
     };
-    let move_fault = |fault: &Fault| {
-        let before = program.moves.len() - count;
-        let index = program.moves.partition_point(|m| m.line < fault.line).checked_sub(before)?;
-        let is_overcut = fault.kind == FaultKind::BladeAllowance;
-        let overcut = fault.value.filter(|_| is_overcut).map(|near| setup.allowances.blade_allowance - near);
-        Some(MoveFault { index, why: fault_reason(fault.kind)?, overcut })
+    let before = program.moves.len() - count;
+    let index = |fault: &Fault| program.moves.partition_point(|m| m.line < fault.line).checked_sub(before);
+    Ok(found.iter().filter_map(|fault| move_fault(fault, index(fault)?, setup)).collect())
+}
+
+/// The faults of the program of several channels, as those of the moves of the passes of one, `channel`.
+/// Retracts that meet stock are not among them: the program is written with such ones under feed.
+fn faults_of_channels(
+    verifier: &mut FlankVerifier,
+    several: &FlankChannels,
+    channel: &FlankChannel,
+    setup: &Setup,
+    monitor: &Monitor,
+) -> Result<Vec<MoveFault>, Cancelled> {
+    let Some(program) = as_written(&several.program) else { return Ok(Vec::new()) };
+    let found = match verifier.faults(&program, monitor) {
+        Ok(faults) => faults,
+        Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
+        Err(VerifyError::Program(_)) => return Ok(Vec::new()),
     };
-    Ok(found.iter().filter_map(move_fault).collect())
+    let mut faults: Vec<MoveFault> = Vec::new();
+    for fault in &found {
+        let index = program.moves.partition_point(|m| m.line < fault.line);
+        let index =
+            several.origins.get(index).copied().flatten().and_then(|o| channel.index_of_pass(o.index));
+        let Some(index) = index else { continue };
+        let grazes = fault.kind == FaultKind::RapidInStock && is_retract(channel.moves, index);
+        let known = faults.iter().any(|known| known.index == index);
+        faults.extend(move_fault(fault, index, setup).filter(|_| !grazes && !known));
+    }
+    faults.sort_by_key(|fault| fault.index);
+    Ok(faults)
+}
+
+/// Whether move `index` is a retract along the axis, in rapid, from where the tool has cut.
+pub(super) fn is_retract(moves: &[FlankMove], index: usize) -> bool {
+    let Some([.., from, to]) = moves.get(..=index) else { return false };
+    from.kind != MoveKind::Rapid && to.kind == MoveKind::Rapid && from.axis == to.axis
+}
+
+/// The fault of move `index` of the passes; `None` for a fault that does not concern a single move.
+fn move_fault(fault: &Fault, index: usize, setup: &Setup) -> Option<MoveFault> {
+    let is_overcut = fault.kind == FaultKind::BladeAllowance;
+    let overcut = fault.value.filter(|_| is_overcut).map(|near| setup.allowances.blade_allowance - near);
+    Some(MoveFault { index, why: fault_reason(fault.kind)?, overcut })
 }
 
 /// Why a move with a fault is left out, as text for users; `None` for faults that do not concern a single

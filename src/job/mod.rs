@@ -6,6 +6,7 @@ mod cache;
 mod channels;
 mod edited;
 pub mod flank;
+pub mod flank_channels;
 mod goal;
 mod machine;
 pub mod machine_run;

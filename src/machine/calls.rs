@@ -184,7 +184,8 @@ impl MachineTool {
 }
 
 /// What to do instead of calling a program.
-pub const INSTEAD_OF_CALLS: &str = "post all channels (plan --channels all) without --subprogram";
+pub const INSTEAD_OF_CALLS: &str =
+    "post all channels (plan or flank with --channels all) without --subprogram";
 
 #[cfg(test)]
 mod tests {

@@ -52,12 +52,6 @@ pub struct MachineTime {
 }
 
 impl MachineTime {
-    /// That of `count` runs of the program, between which no tool is changed, s; the links between them are
-    /// left out.
-    pub fn of_runs_s(self, count: usize) -> f64 {
-        self.total_s + (self.total_s - self.tool_changes_s) * (count as f64 - 1.0)
-    }
-
     /// That of all `sections` of a program.
     pub fn of_sections(sections: &[SectionTime]) -> Self {
         Self {

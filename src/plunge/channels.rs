@@ -1,8 +1,6 @@
 //! Extends the plan of one channel to several: order of the plunges, links between them, and contact over all
 //! plunges in cutting order.
 
-use std::collections::HashSet;
-
 use super::cut::LIFT_MARGIN;
 use super::evaluation::{MeasuredPlunges, evaluated};
 use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
@@ -11,13 +9,12 @@ use crate::geometry::{Point, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
 use crate::setup::{ChannelOrder, ChannelSequence, ChannelSetup, SectionKind, Setup};
+use crate::toolpath::{ChannelStep, OpenedPlaces, order_steps};
 
 /// Maximum number of lifts of the plunges; contact that remains is reported as interference.
 const MAX_ITERATIONS: usize = 8;
 /// Shortest way down in rapid that is worth a move of its own, mm.
 const MIN_DESCENT: f64 = 1.0;
-/// Distance within which two plunges above the shroud are the same, mm.
-const SAME_PLACE: f64 = 1e-3;
 
 /// Plan of the first `channels` channels of `part` in the sequence of `setup`, given the plan `one` of
 /// channel 1. Links and approaches keep the distances of `setup` from `blank`.
@@ -58,7 +55,7 @@ pub fn plan_channels(
 /// Lets the plunges at both ends of a link from channel to channel come down in rapid to their own retract
 /// point, one of `retracts`. Links across the wheel raise these ends by half its diameter and more: at the
 /// feed rate of a plunge that would take minutes each.
-fn descend_after_links(plan: &mut PlungePlan, plunges: &[ChannelPlunge], retracts: &[Point]) {
+fn descend_after_links(plan: &mut PlungePlan, plunges: &[ChannelStep], retracts: &[Point]) {
     let crosses = |k: usize| plunges.get(k + 1).is_some_and(|next| next.channel != plunges[k].channel);
     for (k, (position, own)) in plan.positions.iter_mut().zip(retracts).enumerate() {
         if !crosses(k) && !k.checked_sub(1).is_some_and(crosses) {
@@ -73,54 +70,23 @@ fn descend_after_links(plan: &mut PlungePlan, plunges: &[ChannelPlunge], retract
     }
 }
 
-/// A plunge of a program of several channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChannelPlunge {
-    /// Its channel, in pitches ahead of channel 1.
-    pub channel: usize,
-    /// Place of the channel in the sequence of channels, from 0.
-    pub place: usize,
-    /// Its position in the plan of one channel.
-    pub position: usize,
-}
-
-/// The plunges of a program for the first `channels` channels of the sequence of `order`, in cutting order,
-/// given the plan `one` of channel 1. Within a channel they keep the order of that plan, so that each finds
-/// at least the stock gone that it finds gone in channel 1.
+/// The plunges of a program for the first `channels` channels of the sequence of `order`, in cutting order:
+/// each a position of the plan `one` of channel 1. See [`order_steps`].
 pub fn order_plunges(
     one: &PlungePlan,
     part: &Impeller,
     order: ChannelSetup,
     channels: usize,
-) -> Vec<ChannelPlunge> {
+) -> Vec<ChannelStep> {
     let opens = |p: &Position| one.sections[p.section].kind == SectionKind::Opening;
-    // What is cut in one go in each channel, as lengths.
-    let stretches: Vec<usize> = match order.order {
-        ChannelOrder::ChannelByChannel => vec![one.positions.len()],
-        ChannelOrder::ToolByTool => {
-            let tool = |p: &Position| &one.sections[p.section].tool;
-            let chunks = one.positions.chunk_by(|a, b| tool(a) == tool(b) && opens(a) == opens(b));
-            chunks.map(<[Position]>::len).collect()
-        }
-    };
-    let sequence = order.sequence.channels(part.blade_count.max(channels));
-    // Above the shroud neighbouring channels share plunges.
-    let mut opened = HashSet::new();
-    let mut plunges = Vec::with_capacity(channels * one.positions.len());
-    let mut first = 0;
-    for length in stretches {
-        for (place, &channel) in sequence.iter().take(channels).enumerate() {
-            let angle = part.pitch() * channel as f64;
-            let is_new = |position: &usize| {
-                let p = &one.positions[*position];
-                !opens(p) || opened.insert(quantised(&rotate_z(&p.tip, angle)))
-            };
-            let stretch = (first..first + length).filter(is_new);
-            plunges.extend(stretch.map(|position| ChannelPlunge { channel, place, position }));
-        }
-        first += length;
-    }
-    plunges
+    let tool = |p: &Position| &one.sections[p.section].tool;
+    let stretches = one.positions.chunk_by(|a, b| tool(a) == tool(b) && opens(a) == opens(b));
+    let stretches: Vec<usize> = stretches.map(<[Position]>::len).collect();
+    let mut opened = OpenedPlaces::default();
+    order_steps(&stretches, order, channels, part.blade_count, |channel, index| {
+        let p = &one.positions[index];
+        !opens(p) || opened.open(&p.tip, part.pitch() * channel as f64)
+    })
 }
 
 /// The positions of channel 1, rotated into each of the first `channels` channels of the sequence of `order`:
@@ -136,14 +102,9 @@ pub fn repeat_for_channels(
 }
 
 /// The plunges of `channels` channels in their order.
-fn repeat_plunges(
-    one: &PlungePlan,
-    part: &Impeller,
-    plunges: &[ChannelPlunge],
-    channels: usize,
-) -> PlungePlan {
-    let position = |&ChannelPlunge { channel, place, position }: &ChannelPlunge| {
-        let (p, angle) = (&one.positions[position], part.pitch() * channel as f64);
+fn repeat_plunges(one: &PlungePlan, part: &Impeller, plunges: &[ChannelStep], channels: usize) -> PlungePlan {
+    let position = |&ChannelStep { channel, place, index }: &ChannelStep| {
+        let (p, angle) = (&one.positions[index], part.pitch() * channel as f64);
         Position {
             tip: rotate_z(&p.tip, angle),
             axis: rotate_vector_z(&p.axis, angle),
@@ -180,12 +141,6 @@ pub fn count_tool_loads(one: &PlungePlan, order: ChannelOrder, channels: usize) 
         }
         _ => of_one,
     }
-}
-
-/// Key by which equal points are found: coordinates in units of [`SAME_PLACE`], which is far below the
-/// distance of two plunges and far above rounding.
-fn quantised(point: &Point) -> [i64; 3] {
-    [point.x, point.y, point.z].map(|x| (x / SAME_PLACE).round() as i64)
 }
 
 /// Contact in cutting order, after plunges that interfere only in this order are lifted, and the plunges.

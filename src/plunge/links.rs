@@ -15,8 +15,6 @@ use crate::part::Blank;
 
 /// Maximum number of iterations for one link, and for the whole plan.
 const MAX_ITERATIONS: usize = 20;
-/// Depth of the tool in the blank above which a link is raised, mm.
-const MAX_TOOL_DEPTH: f64 = 1e-3;
 
 /// `retracts`, the retract point of each position of `plan`, moved up its axis until links and retracts keep
 /// `safety` mm from `blank`; each with the clearance of itself and its following link, mm. A tool leaves a
@@ -162,19 +160,13 @@ impl<E> Links<'_, E> {
         Ok(())
     }
 
-    /// Minimum distance of the bottom to the blank along the link after position `k`, mm, not refined further
-    /// below `safety`; and what the link lacks of being clear: of the safety distance, or by the depth of the
-    /// tool in the blank, mm.
+    /// [`LinkMove::needed_lift`] of the link after position `k`.
     fn needed_lift(&self, k: usize) -> (f64, f64) {
         let (a, b) = (&self.plan.positions[k], &self.plan.positions[k + 1]);
         let tool = &self.plan.sections[a.section].tool;
         let (from, to) = ((self.exit(k), a.axis), (self.retracts[k + 1], b.axis));
         let link = LinkMove { tool, blank: self.blank, from, to };
-        let clearance = link.clearance([&self.bottoms[k][1], &self.bottoms[k + 1][0]], self.safety);
-        if clearance < self.safety {
-            return (clearance, self.safety - clearance);
-        }
-        let depth = link.max_tool_depth(&self.surfaces[a.section]);
-        (clearance, if depth > MAX_TOOL_DEPTH { depth } else { 0.0 })
+        let ends = [&self.bottoms[k][1], &self.bottoms[k + 1][0]];
+        link.needed_lift(ends, &self.surfaces[a.section], self.safety)
     }
 }

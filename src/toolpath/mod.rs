@@ -3,9 +3,11 @@
 //! Positions are in the part frame, rotation axis Z, in mm; feed rates in mm/min, spindle speeds in
 //! rev/min. Tool axes are unit vectors from tip to holder.
 
+mod channels;
 mod min_rapids;
 mod travel;
 
+pub use channels::{ChannelStep, OpenedPlaces, order_steps};
 pub use min_rapids::min_rapid_length;
 pub use travel::Travel;
 

@@ -14,6 +14,7 @@ mod uncovered;
 mod verdict;
 mod walls;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -32,7 +33,7 @@ use crate::toolpath::ClProgram;
 use examine::{StepResult, examine_step};
 use gouge::{StepClearance, StepSurroundings};
 use standing::StandingStock;
-use steps::{CutterStep, steps_of};
+use steps::{CutterStep, floor_steps, steps_of};
 use stock::{FloorCache, FloorResult, ProbeSample, SKIM_DEPTH, StockProbe, Sweep, evaluate_floor};
 pub use uncovered::Uncovered;
 pub use verdict::FlankVerdict;
@@ -208,6 +209,7 @@ impl<'a> FlankVerifier<'a> {
             channels: channels.len(),
             positions: steps.iter().filter(|s| s.feed.is_some()).count(),
             tools: tools.len(),
+            tool_loads: program.tool_loads(),
             deepest_cut: channels
                 .iter()
                 .flat_map(|(_, floor)| &floor.depths)
@@ -322,7 +324,8 @@ impl<'a> FlankVerifier<'a> {
     ) -> Result<ExaminedProgram, Cancelled> {
         let channels = self.floors(&steps, &looks, monitor)?;
         for (number, floor) in &channels {
-            let ours: Vec<&CutterStep> = steps.iter().filter(|s| s.channel == *number).collect();
+            let ours = floor_steps(&self.workpiece.part, &steps, *number);
+            let ours: Vec<&CutterStep> = ours.iter().map(|(_, step)| &**step).collect();
             faults.extend(floor.collisions.iter().map(|struck| struck.fault(ours[struck.step].line)));
             faults.extend(floor.depths.iter().filter_map(|&(depth, step)| self.too_deep(depth, ours[step])));
         }
@@ -413,13 +416,15 @@ impl<'a> FlankVerifier<'a> {
 
     /// The floor of channel `number` after its steps.
     fn floor(&mut self, steps: &[CutterStep], looks: &[StepResult], number: i64) -> FloorResult {
-        let here: Vec<usize> = (0..steps.len()).filter(|&k| steps[k].channel == number).collect();
-        let ours: Vec<&CutterStep> = here.iter().map(|&k| &steps[k]).collect();
-        let place = |(index, k): (usize, &usize)| {
-            let look = &looks[*k];
+        let here = floor_steps(&self.workpiece.part, steps, number);
+        let ours: Vec<&CutterStep> = here.iter().map(|(_, step)| &**step).collect();
+        let place = |(index, (k, _)): (usize, &(usize, Cow<CutterStep>))| {
+            // A step of another channel is looked at in that.
+            let look = Some(&looks[*k]).filter(|_| steps[*k].channel == number);
             let at = move |what: StockProbe| move |&share: &f64| ProbeSample { step: index, share, what };
-            let rapids = look.inside.iter().map(at(StockProbe::Rapid));
-            rapids.chain(look.holder_inside.iter().map(at(StockProbe::Holder))).collect::<Vec<_>>()
+            let rapids = look.iter().flat_map(|look| look.inside.iter().map(at(StockProbe::Rapid)));
+            let holders = look.iter().flat_map(|look| look.holder_inside.iter().map(at(StockProbe::Holder)));
+            rapids.chain(holders).collect::<Vec<_>>()
         };
         let places: Vec<ProbeSample> = here.iter().enumerate().flat_map(place).collect();
         let sweep = Sweep { tools: &self.tools, steps: &ours, places: &places, rim: self.rim_tolerance };

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
+mod channels;
 mod fixed_axis;
 mod holders;
 mod mixed;

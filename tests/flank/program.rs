@@ -91,9 +91,9 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     let program = passes.after_opening(Some(opening));
     assert_eq!(program.moves.len(), 3 * opening.plunges.len() + plan.moves.len());
     let description = read_part(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml"));
-    let text = write_flank(&description.expect("readable"), &outcome.setup, plan);
+    let text = write_flank(&description.expect("readable"), &outcome.setup, plan, 1);
     let read = read_flank_bytes("flank.json", text.as_bytes()).expect("its own file");
-    let again = read.program().expect("with tools");
+    let again = read.program(&Monitor::default()).expect("not cancelled").expect("with tools");
     assert_eq!(again.moves.len(), program.moves.len());
     let moved = again.moves.iter().zip(&program.moves).map(|(a, b)| (a.tip - b.tip).norm());
     assert!(moved.fold(0.0, f64::max) < 1e-5);
@@ -167,7 +167,7 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
 fn a_flank_file_reads_back_and_damage_is_reported() {
     let outcome = &*BALANCED;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.toml");
-    let text = write_flank(&read_part(&path).expect("readable"), &outcome.setup, &outcome.plan);
+    let text = write_flank(&read_part(&path).expect("readable"), &outcome.setup, &outcome.plan, 1);
     assert!(is_flank(text.as_bytes()));
     let stored = read_flank_bytes("f.json", text.as_bytes()).expect("it reads its own file");
     assert_eq!(stored.moves.len(), outcome.plan.moves.len());

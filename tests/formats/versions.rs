@@ -1,5 +1,6 @@
 //! Files of earlier versions still open, and mean what they meant.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use vanecut::error::ErrorCode;
@@ -7,6 +8,7 @@ use vanecut::io::flank_file::read_flank_bytes;
 use vanecut::io::plan_file::read_plan_bytes;
 use vanecut::io::project_file::read_project_bytes;
 use vanecut::io::read_setup_bytes;
+use vanecut::monitor::Monitor;
 use vanecut::setup::{AxisPolicy, CutDirection, FlankStrategy, Setup};
 
 fn bytes(name: &str) -> Vec<u8> {
@@ -49,6 +51,22 @@ fn flank_plan_of_version_1() {
     let stored = read_flank_bytes("flank-1.json", &bytes("flank-1.json")).expect("opens");
     check_setup(&stored.setup);
     assert_eq!((stored.scheme, stored.layers, stored.feed_mm_per_min), (FlankStrategy::Balanced, 2, 307.2));
+    assert_eq!(stored.channels, 1);
+}
+
+/// Of one channel; files of several came with version 3.
+#[test]
+fn flank_plan_of_version_2() {
+    let stored = read_flank_bytes("flank-2.json", &bytes("flank-2.json")).expect("opens");
+    check_setup(&stored.setup);
+    assert_eq!((stored.scheme, stored.layers, stored.channels), (FlankStrategy::Balanced, 2, 1));
+    let rates: BTreeSet<u64> = stored.moves.iter().map(|step| step.feed_mm_per_min as u64).collect();
+    assert!(rates.len() > 2, "each move has a feed rate of its own: {rates:?}");
+    let program = stored.program(&Monitor::default()).expect("not cancelled").expect("with its tool");
+    assert_eq!(program.moves.len(), stored.moves.len());
+    let newer = String::from_utf8(bytes("flank-2.json")).expect("text").replacen(":2,", ":99,", 1);
+    let error = read_flank_bytes("flank.json", newer.as_bytes()).expect_err("of a newer program");
+    assert_eq!(error.code, ErrorCode::NewerFile, "{error}");
 }
 
 #[test]

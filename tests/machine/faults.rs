@@ -280,3 +280,19 @@ fn posts_of_a_shop() {
         assert_eq!((error.line, error.code), (line, code), "{error}");
     }
 }
+
+/// A number of seven digits is more than controls take, and more than is read back.
+#[test]
+fn block_numbers_begin_again_after_six_digits() {
+    let text = "extends = \"fanuc\"\n[format]\nnumbers = [999900, 50]\n";
+    let post = read_post_bytes("long.toml", text.as_bytes()).unwrap();
+    let machine = machine("ac-trunnion");
+    let program = plunges();
+    let motion = moved(&machine, &program, &post, OutputKind::TcpAngles).unwrap();
+    let nc = write_nc(&program, &machine, &motion, &post, OutputKind::TcpAngles).unwrap();
+    let numbers: Vec<&str> = nc.text.lines().filter_map(|line| line.strip_prefix('N')).collect();
+    let numbers: Vec<&str> = numbers.iter().filter_map(|line| line.split(' ').next()).collect();
+    assert!(numbers.len() > 4);
+    assert!(numbers.chunks(2).all(|pair| pair[0] == "999900" && pair.get(1).is_none_or(|n| *n == "999950")));
+    assert!(read_back(&machine, "fanuc", &nc.text).is_ok());
+}

@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::job::{PlanOutcome, PolicyResult};
 use vanecut::monitor::Monitor;
-use vanecut::plunge::channels::{ChannelPlunge, count_tool_loads, order_plunges, plan_channels};
+use vanecut::plunge::channels::{count_tool_loads, order_plunges, plan_channels};
 use vanecut::plunge::{PlungePlan, Position};
 use vanecut::setup::{AxisPolicy, ChannelOrder, ChannelSequence, ChannelSetup};
-use vanecut::toolpath::ClProgram;
+use vanecut::toolpath::{ChannelStep, ClProgram};
 use vanecut::verify::{PlungeReport, report_plunges};
 
 use super::samples::sample_plans;
@@ -107,8 +107,8 @@ fn the_default_order_is_tool_by_tool_in_neighbouring_channels() {
     let (mut expected, mut first) = (Vec::new(), 0);
     for stretch in stretches {
         for channel in 0..4 {
-            let positions = first..first + stretch.len();
-            expected.extend(positions.map(|position| ChannelPlunge { channel, place: channel, position }));
+            let indices = first..first + stretch.len();
+            expected.extend(indices.map(|index| ChannelStep { channel, place: channel, index }));
         }
         first += stretch.len();
     }
@@ -132,10 +132,10 @@ proptest! {
         for (place, &channel) in sequence.iter().take(channels).enumerate() {
             let own = plunges.iter().filter(|plunge| plunge.channel == channel);
             prop_assert!(own.clone().all(|plunge| plunge.place == place));
-            prop_assert!(own.map(|plunge| plunge.position).eq(0..plan.positions.len()));
+            prop_assert!(own.map(|plunge| plunge.index).eq(0..plan.positions.len()));
         }
         let mut tools: Vec<u32> =
-            plunges.iter().map(|plunge| tool(plan, &plan.positions[plunge.position])).collect();
+            plunges.iter().map(|plunge| tool(plan, &plan.positions[plunge.index])).collect();
         tools.dedup();
         prop_assert_eq!(tools.len(), count_tool_loads(plan, order.order, channels));
     }

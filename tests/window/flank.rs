@@ -97,7 +97,7 @@ fn flank_curves_are_planned_shown_and_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("flank.apt");
     let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank, path.clone());
+    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels: 1 }, path.clone());
     settle(&mut window);
     let program = vanecut::io::apt::read_apt(&path).expect("a CL file");
     assert_eq!(program.moves.len(), planned.plan.moves.len());
@@ -214,7 +214,7 @@ fn the_line_of_the_flank_program_stands_below_its_timeline() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("flank.apt");
     let ctx = window.ctx.clone();
-    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank, path.clone());
+    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels: 1 }, path.clone());
     settle(&mut window);
     let program = vanecut::io::apt::read_apt(&path).expect("a CL file");
     let text = std::fs::read_to_string(&path).expect("exported");

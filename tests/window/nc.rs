@@ -6,7 +6,8 @@ use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
-use vanecut::io::flank_file::{read_flank_bytes, write_flank};
+use vanecut::io::apt::write_apt;
+use vanecut::io::flank_file::{read_flank_bytes, stored_program, write_flank};
 use vanecut::io::machine_file::read_machine;
 use vanecut::io::nc::read_post;
 use vanecut::io::part_file::read_part;
@@ -294,7 +295,6 @@ fn the_flank_plan_is_exported_as_well() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = with_plan();
     ask(&mut window);
-    assert!(window.query_by_role_and_label(Role::SpinButton, "Channels").is_none(), "flank is one channel");
     choose_in_list(&mut window, "Operation", "Flank");
     let path = folder.path().join("flank.h");
     save(&mut window, &path);
@@ -302,9 +302,9 @@ fn the_flank_plan_is_exported_as_well() {
     let outcome = window.state().state().results.flank.clone().expect("planned");
     // The same as from the file of the plan, whose coordinates are rounded.
     let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
-    let file = write_flank(&read_part(Path::new(sample)).expect("a part"), &outcome.setup, &outcome.plan);
+    let file = write_flank(&read_part(Path::new(sample)).expect("a part"), &outcome.setup, &outcome.plan, 1);
     let stored = read_flank_bytes("flank.json", file.as_bytes()).expect("reads");
-    let program = stored.program().expect("it has its tool");
+    let program = stored.program(&Monitor::default()).expect("not cancelled").expect("it has its tool");
     let target = read_machine(Path::new("ac-trunnion")).unwrap();
     assert_eq!(text, posted(&window, &program, "ac-trunnion", &target.control, target.output));
 
@@ -335,4 +335,38 @@ fn without_a_plan_there_is_nothing_to_post() {
     window.state_mut().file_chosen(&ctx, purpose, folder.path().join("p.nc"));
     settle(&mut window);
     assert!(!folder.path().join("p.nc").exists());
+}
+
+#[test]
+fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_plan();
+    ask(&mut window);
+    choose_in_list(&mut window, "Operation", "Flank");
+    window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(2.0);
+    window.run_steps(2);
+    choose_in_list(&mut window, "Channel sequence", "Opposite");
+    let path = folder.path().join("two.h");
+    save(&mut window, &path);
+    let text = std::fs::read_to_string(&path).expect("written");
+    let mut outcome = (*window.state().state().results.flank.clone().expect("planned")).clone();
+    outcome.setup.channels.sequence = ChannelSequence::Opposite;
+    let judged = outcome.program_for_channels(2, &Monitor::default()).expect("judged");
+    assert_eq!(judged.faults, []);
+    let (workpiece, setup) = (&outcome.workpiece, &outcome.setup);
+    let program = stored_program(workpiece, setup, &judged.plan, 2, &Monitor::default()).expect("written");
+    let target = read_machine(Path::new("ac-trunnion")).unwrap();
+    assert_eq!(text, posted(&window, &program, "ac-trunnion", &target.control, target.output));
+
+    let path = folder.path().join("two.apt");
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels: 2 }, path.clone());
+    settle(&mut window);
+    assert_eq!(std::fs::read_to_string(&path).expect("written"), write_apt(&judged.program));
+
+    // The setup sheet is for as many channels.
+    window.state_mut().look_mut().operation = Operation::Flank;
+    let page = sheet(&mut window, folder.path());
+    assert!(page.contains("<code>two.h</code>") && page.contains("<code>two.apt</code>"), "{page}");
+    assert!(page.contains("all 2 channels of the program, tool by tool, opposite channels"), "{page}");
 }

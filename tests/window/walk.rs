@@ -156,7 +156,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     // Files: they exist as reported, and `vanecut verify` accepts the CL file.
     let file = |name: &str| folder.path().join(name);
     save(&mut window, Purpose::ExportCl { channels: 1 }, &file("plunge.apt"));
-    save(&mut window, Purpose::ExportFlank, &file("flank.apt"));
+    save(&mut window, Purpose::ExportFlank { channels: 1 }, &file("flank.apt"));
     save(&mut window, Purpose::SavePicture, &file("view.png"));
     let count = window.state().state().position_count();
     assert_eq!(read_apt(&file("plunge.apt")).expect("a CL file").moves.len(), 3 * count);

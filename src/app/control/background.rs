@@ -452,9 +452,9 @@ impl App {
                     self.write(WriteTask::Cl(path, source));
                 }
             }
-            Purpose::ExportFlank => {
-                if let Some(outcome) = self.state.results.flank.clone() {
-                    self.write(WriteTask::Flank(path, outcome));
+            Purpose::ExportFlank { channels } => {
+                if let Some(source) = self.flank_source(channels) {
+                    self.write(WriteTask::Flank(path, source));
                 }
             }
             Purpose::ExportNc { operation, .. } => self.export_nc(operation, path),

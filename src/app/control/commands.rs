@@ -37,7 +37,9 @@ impl App {
             C::CheckAgain | C::CloseProgram => {
                 self.state.results.checked.is_some() || self.work.asked_check.is_some()
             }
-            C::ExportCl | C::ExportNc | C::ExportSheet => !self.planned_operations().is_empty(),
+            C::ExportCl | C::ExportClSome | C::ExportClAll | C::ExportNc | C::ExportSheet => {
+                !self.planned_operations().is_empty()
+            }
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::ExportScene
             | C::SaveSetup
@@ -51,8 +53,6 @@ impl App {
             C::SavePicture => open && self.pictures.is_some(),
             C::ExportStock
             | C::Stock
-            | C::ExportClSome
-            | C::ExportClAll
             | C::TimeAgainstStock
             | C::BeforeAfter
             | C::SideBySide
@@ -106,7 +106,6 @@ impl App {
     pub(in crate::app) fn run_command(&mut self, ctx: &Context, command: Command) {
         use Command as C;
         let is_running = self.running_task().is_some();
-        let exported = self.exported_operation();
         // One behind another tab comes to the front.
         let is_behind = |panel| self.state.look.panels.is_open(panel) && !self.is_in_view(panel);
         let behind = [DockPanel::Machinability, DockPanel::Tradeoff].map(is_behind);
@@ -137,9 +136,6 @@ impl App {
             C::CheckProgram => self.dialogs.open_dialog(ctx, Purpose::CheckProgram, String::new()),
             C::CheckAgain => self.check_again(),
             C::CloseProgram => self.close_program(),
-            C::ExportCl if exported == Some(Operation::Flank) => {
-                self.run_command(ctx, C::ExportFlank);
-            }
             C::ExportCl => self.ask_for_cl_file(ctx, 1),
             C::ExportClSome => {
                 let (shown, count) = (self.state.look.shown_channels, self.channel_count());
@@ -168,9 +164,7 @@ impl App {
                 look.operation = Operation::Flank;
                 self.plan_flank();
             }
-            C::ExportFlank => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportFlank, self.suggest_file_name("flank.apt"));
-            }
+            C::ExportFlank => self.ask_for_flank_file(ctx, 1),
             C::ExportNc => self.ask_for_nc_target(),
             C::ExportSheet => {
                 let Some(operation) = self.exported_operation() else { return };
@@ -290,8 +284,31 @@ impl App {
 
     /// Asks where to write the shown plunge plan as a CL file.
     pub(in crate::app) fn ask_for_cl_file(&mut self, ctx: &Context, channels: usize) {
+        if self.exported_operation() == Some(Operation::Flank) {
+            return self.ask_for_flank_file(ctx, channels);
+        }
         let name = self.suggest_plunge_name(channels, ".apt");
         self.dialogs.open_dialog(ctx, Purpose::ExportCl { channels }, name);
+    }
+
+    /// The same of the flank plan.
+    fn ask_for_flank_file(&mut self, ctx: &Context, channels: usize) {
+        let name = self.suggest_flank_name(channels, ".apt");
+        self.dialogs.open_dialog(ctx, Purpose::ExportFlank { channels }, name);
+    }
+
+    /// Proposed name of a program of the flank plan, which says of how many channels it is.
+    pub(in crate::app) fn suggest_flank_name(&self, channels: usize, ending: &str) -> String {
+        self.suggest_file_name(&format!("flank{}{ending}", self.words_of_channels(channels)))
+    }
+
+    /// What the name of a program says of its number of channels.
+    fn words_of_channels(&self, channels: usize) -> String {
+        match channels {
+            1 => String::new(),
+            n if n == self.channel_count() => "-all-channels".to_owned(),
+            n => format!("-{n}-channels"),
+        }
     }
 
     /// Proposed name of a program of the shown plunge plan. It says the policy where the side "before" is
@@ -302,12 +319,7 @@ impl App {
             Some(shown) if side == Side::Before => format!("-{}", shown.policy.name()),
             _ => String::new(),
         };
-        let all = self.channel_count();
-        let of_channels = match channels {
-            1 => String::new(),
-            n if n == all => "-all-channels".to_owned(),
-            n => format!("-{n}-channels"),
-        };
+        let of_channels = self.words_of_channels(channels);
         self.suggest_file_name(&format!("plunge{policy}{of_channels}{ending}"))
     }
 

@@ -15,7 +15,7 @@ use crate::app::model::release::concerns;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
 use crate::app::tasks::files::{SceneTask, WriteTask};
-use crate::app::tasks::programs::{NcTask, PlungeSource, ProgramSource};
+use crate::app::tasks::programs::{FlankSource, NcTask, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
@@ -96,7 +96,8 @@ impl App {
 
     /// Asks how many channels a program is for, while that is due.
     pub(in crate::app) fn ask_channels(&mut self, ui: &Ui) {
-        let shown = self.state.last_whole_plan(self.state.look.side);
+        let is_flank = self.exported_operation() == Some(Operation::Flank);
+        let shown = self.state.last_whole_plan(self.state.look.side).filter(|_| !is_flank);
         let plan = shown.map(|shown| shown.planned.result(shown.policy).summary.clone());
         let order = &mut self.state.document.edited.setup.channels;
         if let Some(channels) = self.channels_dialog.show(ui, plan.as_ref(), order) {
@@ -108,6 +109,13 @@ impl App {
     pub(in crate::app) fn shown_plunges(&self, channels: usize) -> Option<PlungeSource> {
         let ShownPlan { planned, policy } = self.state.last_whole_plan(self.state.look.side)?;
         Some(PlungeSource { planned: Arc::clone(planned), policy, channels })
+    }
+
+    /// The flank plan as a program of that number of channels, in the order of the setup.
+    pub(in crate::app) fn flank_source(&self, channels: usize) -> Option<FlankSource> {
+        let outcome = self.state.results.flank.clone()?;
+        let order = self.state.document.edited.setup.channels;
+        Some(FlankSource { outcome, channels, order })
     }
 
     /// Operations that have a plan to write.
@@ -129,9 +137,9 @@ impl App {
         let exported = &self.state.results.exported;
         let (source, files) = match operation {
             Operation::Flank => {
-                let Some(outcome) = self.state.results.flank.clone() else { return };
-                let files = exported.of_flank(&outcome);
-                (ProgramSource::Flank(outcome), files)
+                let Some(flank) = self.flank_source(1) else { return };
+                let (channels, files) = exported.of_flank(&flank.outcome);
+                (ProgramSource::Flank(FlankSource { channels, ..flank }), files)
             }
             Operation::Roughing | Operation::Program => {
                 let Some(plunges) = self.shown_plunges(1) else { return };
@@ -178,7 +186,7 @@ impl App {
                 let of_kind = if question.target.is_subprogram { "-subprogram" } else { "" };
                 let ending = format!("{of_kind}.{ending}");
                 let name = match operation {
-                    Operation::Flank => self.suggest_file_name(&format!("flank{ending}")),
+                    Operation::Flank => self.suggest_flank_name(question.channels, &ending),
                     _ => self.suggest_plunge_name(question.channels, &ending),
                 };
                 self.dialogs.open_dialog(ui.ctx(), purpose, name);
@@ -199,7 +207,7 @@ impl App {
     pub(in crate::app) fn export_nc(&mut self, operation: Operation, path: PathBuf) {
         let Some(question) = self.nc_dialog.question() else { return };
         let source = match operation {
-            Operation::Flank => self.state.results.flank.clone().map(ProgramSource::Flank),
+            Operation::Flank => self.flank_source(question.channels).map(ProgramSource::Flank),
             _ => self.shown_plunges(question.channels).map(ProgramSource::Plunges),
         };
         let Some(source) = source else { return };

@@ -12,8 +12,8 @@ use crate::setup::AxisPolicy;
 pub enum ProgramPlan {
     /// That of plunges by a policy, for that number of channels.
     Plunges(Weak<DisplayPlan>, AxisPolicy, usize),
-    /// A flank plan.
-    Flank(Weak<FlankOutcome>),
+    /// A flank plan, for that number of channels.
+    Flank(Weak<FlankOutcome>, usize),
 }
 
 /// Maximum number of files that are remembered; the oldest are forgotten first.
@@ -36,27 +36,30 @@ impl ExportedPrograms {
     /// The number of channels of the program that was written last of `planned` by `policy`, and its files of
     /// that number.
     pub fn of_plunges(&self, planned: &Arc<DisplayPlan>, policy: AxisPolicy) -> (usize, Vec<ProgramFile>) {
-        let channels_of = |plan: &ProgramPlan| match plan {
+        self.last(|plan| match plan {
             ProgramPlan::Plunges(of, by, channels)
                 if *by == policy && of.as_ptr() == Arc::as_ptr(planned) =>
             {
                 Some(*channels)
             }
             _ => None,
-        };
+        })
+    }
+
+    /// The same of a flank plan.
+    pub fn of_flank(&self, outcome: &Arc<FlankOutcome>) -> (usize, Vec<ProgramFile>) {
+        self.last(|plan| match plan {
+            ProgramPlan::Flank(of, channels) if of.as_ptr() == Arc::as_ptr(outcome) => Some(*channels),
+            _ => None,
+        })
+    }
+
+    /// The number of channels of the last program of a plan, by `channels_of`, and the files of that number.
+    fn last(&self, channels_of: impl Fn(&ProgramPlan) -> Option<usize>) -> (usize, Vec<ProgramFile>) {
         let Some(channels) = self.0.iter().rev().find_map(|(plan, _)| channels_of(plan)) else {
             return (1, Vec::new());
         };
         let of = self.0.iter().filter(|(plan, _)| channels_of(plan) == Some(channels));
         (channels, of.map(|(_, file)| file.clone()).collect())
-    }
-
-    /// The files of a flank plan.
-    pub fn of_flank(&self, outcome: &Arc<FlankOutcome>) -> Vec<ProgramFile> {
-        let is_of = |plan: &ProgramPlan| match plan {
-            ProgramPlan::Flank(of) => of.as_ptr() == Arc::as_ptr(outcome),
-            ProgramPlan::Plunges(..) => false,
-        };
-        self.0.iter().filter(|(plan, _)| is_of(plan)).map(|(_, file)| file.clone()).collect()
     }
 }

@@ -43,7 +43,10 @@ pub enum Purpose {
         channels: usize,
     },
     /// Target of the flank plan's CL file.
-    ExportFlank,
+    ExportFlank {
+        /// Number of channels that the program mills, from the first on.
+        channels: usize,
+    },
     /// Target of the NC program of an operation.
     ExportNc {
         /// Roughing or flank.
@@ -86,7 +89,8 @@ impl Purpose {
             Self::SaveSetup => "Save setup",
             Self::ExportCl { channels: 1 } => "Export CL (APT)",
             Self::ExportCl { .. } => "Export CL of several channels (APT)",
-            Self::ExportFlank => "Export flank CL (APT)",
+            Self::ExportFlank { channels: 1 } => "Export flank CL (APT)",
+            Self::ExportFlank { .. } => "Export flank CL of several channels (APT)",
             Self::ExportNc { .. } => "Export NC program",
             Self::OpenPost => "Open post",
             Self::ExportSheet { operation: Operation::Flank } => "Export setup sheet of flank",
@@ -103,7 +107,7 @@ impl Purpose {
     pub fn planned_operation(self) -> Option<Operation> {
         match self {
             Self::ExportCl { .. } => Some(Operation::Roughing),
-            Self::ExportFlank => Some(Operation::Flank),
+            Self::ExportFlank { .. } => Some(Operation::Flank),
             Self::ExportNc { operation, .. } | Self::ExportSheet { operation } => Some(operation),
             _ => None,
         }
@@ -117,7 +121,7 @@ impl Purpose {
                 | Self::SaveSetup
                 | Self::SaveLibrary
                 | Self::ExportCl { .. }
-                | Self::ExportFlank
+                | Self::ExportFlank { .. }
                 | Self::ExportNc { .. }
                 | Self::ExportSheet { .. }
                 | Self::SaveAssessment
@@ -143,7 +147,7 @@ impl Purpose {
             Self::SaveLibrary => ("Tool libraries", &["toml", "json"]),
             Self::OpenStudy => ("Study results", &["csv", "json"]),
             Self::OpenBlank => ("Blanks", &["stl", "txt"]),
-            Self::ExportCl { .. } | Self::ExportFlank => ("APT cutter location", &["apt", "cl"]),
+            Self::ExportCl { .. } | Self::ExportFlank { .. } => ("APT cutter location", &["apt", "cl"]),
             Self::ExportNc { dialect, .. } => ("NC programs", endings_of(dialect)),
             Self::OpenPost => ("Posts", &["toml"]),
             Self::ExportSheet { .. } | Self::SaveAssessment => ("Pages", &["html"]),

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use crate::app::model::planned::DisplayPlan;
 use crate::plunge::PlungePlan;
-use crate::plunge::channels::{ChannelPlunge, order_plunges, repeat_for_channels};
+use crate::plunge::channels::{order_plunges, repeat_for_channels};
 use crate::setup::{AxisPolicy, ChannelSetup};
-use crate::toolpath::{ClProgram, Travel};
+use crate::toolpath::{ChannelStep, ClProgram, Travel};
 
 /// Several channels of a plan, as its program cuts them.
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub struct ShownChannels {
     policy: AxisPolicy,
     count: usize,
     /// Their plunges, in cutting order.
-    pub plunges: Vec<ChannelPlunge>,
+    pub plunges: Vec<ChannelStep>,
     /// Time from the start to the end of each plunge, s.
     clock: Vec<f64>,
     /// The channels in their sequence, in pitches ahead of channel 1.
@@ -73,7 +73,7 @@ impl ShownChannels {
     /// Number of plunges that are cut when position `position` of the channel that is `channel` pitches ahead
     /// of channel 1 is.
     pub fn step_of(&self, position: usize, channel: usize) -> Option<usize> {
-        let is_it = |plunge: &ChannelPlunge| (plunge.channel, plunge.position) == (channel, position);
+        let is_it = |plunge: &ChannelStep| (plunge.channel, plunge.index) == (channel, position);
         self.plunges.iter().position(is_it).map(|index| index + 1)
     }
 
@@ -86,7 +86,7 @@ impl ShownChannels {
         };
         let mut progress: Vec<ChannelProgress> = self.sequence.iter().map(begun(0)).collect();
         for plunge in &self.plunges[..cut] {
-            progress[plunge.place].up_to = plunge.position + 1;
+            progress[plunge.place].up_to = plunge.index + 1;
         }
         if let Some(last) = cut.checked_sub(1).map(|last| self.plunges[last]) {
             progress[last.place].is_current = true;
@@ -97,7 +97,7 @@ impl ShownChannels {
     /// Number of plunges of channel 1 that are cut after `cut` plunges of all.
     pub fn cut_of_first(&self, cut: usize) -> usize {
         let cut = &self.plunges[..cut.min(self.plunges.len())];
-        cut.iter().rev().find(|plunge| plunge.channel == 0).map_or(0, |plunge| plunge.position + 1)
+        cut.iter().rev().find(|plunge| plunge.channel == 0).map_or(0, |plunge| plunge.index + 1)
     }
 
     /// Time of the program from its start to the end of its first `cut` plunges, s; `None` where it is not

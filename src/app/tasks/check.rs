@@ -19,7 +19,7 @@ use crate::gpu::mesh::Segment;
 use crate::io::InputError;
 use crate::io::plan_inputs::is_plan_file;
 use crate::io::program_file::{NcTarget, ProgramReading, read_program_bytes};
-use crate::io::source::{name_of, read_bytes};
+use crate::io::source::{MAX_PROGRAM_BYTES, name_of, read_bytes_up_to};
 use crate::monitor::Monitor;
 use crate::palette::{INTERFERING, category};
 use crate::plunge::sections::check_part;
@@ -64,7 +64,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         let help = "check the program that was written with it, or open the plan as a part";
         return Err(InputError::new(ErrorCode::FileFormat, &name, 0, "is a plan, not a program", help).into());
     }
-    let bytes = read_bytes(path)?;
+    let bytes = read_bytes_up_to(path, MAX_PROGRAM_BYTES)?;
     let target = NcTarget { machine: Path::new(machine), control: control.as_deref() };
     let ProgramReading { program, overruns, on_machine } =
         read_program_bytes(&name, &bytes, Some(target), part, setup)?;

@@ -33,9 +33,11 @@ pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputEr
     let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
     let source = match &task.source {
         ProgramSource::Plunges(source) => source,
-        ProgramSource::Flank(outcome) => {
+        ProgramSource::Flank(source) => {
+            let outcome = &source.ordered();
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
-            return Ok(flank_sheet(&FlankSheetInput { outcome, files: &task.files }, pictures));
+            let program = &source.program().map_err(|error| fault(error.into()))?;
+            return Ok(flank_sheet(&FlankSheetInput { outcome, program, files: &task.files }, pictures));
         }
     };
     let outcome = &source.planned.outcome;

@@ -32,9 +32,8 @@ use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
 use crate::app::tasks::documents::{SheetTask, assessment, sheet};
-use crate::app::tasks::programs::{NcTask, PlungeSource, cl_text, flank_text, nc_text};
+use crate::app::tasks::programs::{FlankSource, NcTask, PlungeSource, cl_text, flank_text, nc_text};
 use crate::app::tasks::solid::solid_bytes;
-use crate::job::flank::FlankOutcome;
 
 /// Name, description and file text of a sample part.
 type Built = (&'static str, &'static str, &'static str);
@@ -254,7 +253,7 @@ pub enum WriteTask {
     /// A program as NC code.
     Nc(PathBuf, NcTask),
     /// The flank plan as APT.
-    Flank(PathBuf, Arc<FlankOutcome>),
+    Flank(PathBuf, FlankSource),
     /// A glTF scene.
     Scene(PathBuf, SceneTask),
     /// The stock as a solid at a moment. STL or glTF by extension.
@@ -291,7 +290,11 @@ pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
             about = words;
             (path, text.into_bytes())
         }
-        WriteTask::Flank(path, outcome) => (path, flank_text(outcome).into_bytes()),
+        WriteTask::Flank(path, source) => {
+            let (text, words) = flank_text(source);
+            about = words;
+            (path, text.into_bytes())
+        }
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
         WriteTask::Sheet(path, source) => return Ok(write_document(path, &sheet(path, source)?)?),
@@ -322,9 +325,7 @@ pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let program = match task {
         WriteTask::Cl(_, source) => Some((source.plan(), ProgramFile::apt(name))),
-        WriteTask::Flank(_, outcome) => {
-            Some((ProgramPlan::Flank(Arc::downgrade(outcome)), ProgramFile::apt(name)))
-        }
+        WriteTask::Flank(_, source) => Some((source.plan(), ProgramFile::apt(name))),
         WriteTask::Nc(_, content) => Some((content.source.plan(), content.file(name))),
         _ => None,
     };

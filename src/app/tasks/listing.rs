@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::Repaint;
-use super::programs::{PlungeSource, cl_text, flank_text};
+use super::programs::{PlungeSource, cl_text};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::state::AppState;
 use crate::app::model::timeline_program::TimelineProgram;
 use crate::app::tasks::latest::Latest;
-use crate::io::apt::read_apt_bytes;
+use crate::io::apt::{read_apt_bytes, write_apt};
 
 /// Lists the program in the background.
 pub(in crate::app) struct ListingWork(Latest<TimelineProgram, Arc<ProgramListing>>);
@@ -42,7 +42,7 @@ fn listing_of(listed: &TimelineProgram) -> Arc<ProgramListing> {
             let (planned, policy, channels) = (Arc::clone(planned), *policy, *channels);
             cl_text(&PlungeSource { planned, policy, channels })
         }
-        TimelineProgram::Flank(outcome) => flank_text(outcome),
+        TimelineProgram::Flank(outcome) => write_apt(&outcome.program()),
         TimelineProgram::Checked(checked) => return Arc::clone(&checked.listing),
     };
     let read = read_apt_bytes("", text.as_bytes());

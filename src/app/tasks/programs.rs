@@ -14,11 +14,12 @@ use crate::io::flank_file::stored_program;
 use crate::io::machine_file::read_machine;
 use crate::io::nc::read_post;
 use crate::job::flank::FlankOutcome;
+use crate::job::flank_channels::FlankProgram;
 use crate::job::post::{PostFault, PostRequest, PostedProgram, post_program};
 use crate::machine::{BlankSize, ChannelCalls, INSTEAD_OF_CALLS};
 use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, ChannelSetup};
 use crate::toolpath::ClProgram;
 
 /// What to do instead of a subprogram, in the words of the dialog.
@@ -41,12 +42,45 @@ impl PlungeSource {
     }
 }
 
+/// A flank program to write.
+pub struct FlankSource {
+    /// The plan.
+    pub outcome: Arc<FlankOutcome>,
+    /// Number of channels that it mills, from the first on.
+    pub channels: usize,
+    /// Their order.
+    pub order: ChannelSetup,
+}
+
+impl FlankSource {
+    /// The plan of the program.
+    pub(super) fn plan(&self) -> ProgramPlan {
+        ProgramPlan::Flank(Arc::downgrade(&self.outcome), self.channels)
+    }
+
+    /// The plan with the order of the channels.
+    pub(super) fn ordered(&self) -> FlankOutcome {
+        let mut outcome = (*self.outcome).clone();
+        outcome.setup.channels = self.order;
+        outcome
+    }
+
+    /// The program, judged as a whole where it is of several channels.
+    ///
+    /// # Errors
+    /// When cancelled, which nothing does with a file that is being written.
+    pub(super) fn program(&self) -> Result<FlankProgram, Cancelled> {
+        let channels = self.channels.clamp(1, self.outcome.workpiece.part.blade_count.max(1));
+        self.ordered().program_for_channels(channels, &Monitor::default())
+    }
+}
+
 impl ProgramSource {
     /// The plan of the program.
     pub(super) fn plan(&self) -> ProgramPlan {
         match self {
             Self::Plunges(source) => source.plan(),
-            Self::Flank(outcome) => ProgramPlan::Flank(Arc::downgrade(outcome)),
+            Self::Flank(source) => source.plan(),
         }
     }
 }
@@ -54,16 +88,17 @@ impl ProgramSource {
 impl NcTask {
     /// How often another program calls this one; `None`: not at all.
     fn calls(&self) -> Option<ChannelCalls> {
-        let (channels, workpiece, setup) = match &self.source {
+        let (channels, workpiece, sequence) = match &self.source {
             ProgramSource::Plunges(source) => {
                 let outcome = &source.planned.outcome;
-                (source.channels, &outcome.workpiece, &outcome.setup)
+                (source.channels, &outcome.workpiece, outcome.setup.channels.sequence)
             }
-            ProgramSource::Flank(outcome) => (1, &outcome.workpiece, &outcome.setup),
+            ProgramSource::Flank(source) => {
+                (source.channels, &source.outcome.workpiece, source.order.sequence)
+            }
         };
         let count = workpiece.part.blade_count;
-        let is_subprogram = self.target.is_subprogram;
-        is_subprogram.then(|| ChannelCalls::for_channels(channels, count, setup.channels.sequence))
+        self.target.is_subprogram.then(|| ChannelCalls::for_channels(channels, count, sequence))
     }
 
     /// The program as a file of this `name`.
@@ -81,7 +116,7 @@ pub enum ProgramSource {
     /// That of a plunge plan.
     Plunges(PlungeSource),
     /// That of the flank plan.
-    Flank(Arc<FlankOutcome>),
+    Flank(FlankSource),
 }
 
 /// Content of an NC program.
@@ -113,26 +148,29 @@ pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
 /// # Errors
 /// When machine or post cannot be read, or the machine cannot run the program.
 pub(super) fn nc_text(path: &Path, content: &NcTask) -> Result<(String, String), InputError> {
-    let posted = post(path, content)?;
+    let (posted, faults) = post(path, content)?;
     let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
     let calls = content.calls().and_then(ChannelCalls::words);
     let calls = calls.map_or_else(String::new, |words| format!("; {words}"));
-    let about = format!(": {blocks} blocks for {}, {time}{calls}", short_name(&content.target.machine));
+    let about =
+        format!(": {blocks} blocks for {}, {time}{calls}{faults}", short_name(&content.target.machine));
     Ok((posted.written.text, about))
 }
 
-/// Posts a program. Moves are named in messages by their numbers.
-fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
+/// Posts a program, with what to say of its faults. Moves are named in messages by their numbers.
+fn post(path: &Path, content: &NcTask) -> Result<(PostedProgram, String), InputError> {
     let PostTarget { machine, control, output, is_subprogram, .. } = &content.target;
+    let mut faults = String::new();
     let (mut program, workpiece, setup) = match &content.source {
         ProgramSource::Plunges(source) => {
             let outcome = &source.planned.outcome;
             (plunge_program(source), &outcome.workpiece, &outcome.setup)
         }
-        ProgramSource::Flank(outcome) => {
-            // As `vanecut post` reads it from a flank.json.
-            let program = stored_program(&outcome.workpiece.part.name, &outcome.plan);
-            (program, &outcome.workpiece, &outcome.setup)
+        ProgramSource::Flank(source) => {
+            let FlankOutcome { workpiece, setup, .. } = &*source.outcome;
+            let (program, about) = posted_flank(source).unwrap_or_else(|Cancelled| Default::default());
+            faults = about;
+            (program, workpiece, setup)
         }
     };
     for (number, step) in (1..).zip(&mut program.moves) {
@@ -159,10 +197,11 @@ fn post(path: &Path, content: &NcTask) -> Result<PostedProgram, InputError> {
         blank: Some(BlankSize::from_part(part, &setup.allowances)),
         calls: content.calls(),
     };
-    post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
+    let posted = post_program(&program, &request, &Monitor::default()).map_err(|refused| match refused {
         PostFault::Motion(motion) => fault(motion.line(), motion.explained()),
         PostFault::Words(error) => fault(0, error),
-    })
+    });
+    Ok((posted?, faults))
 }
 
 /// The name of a machine, or that of its file.
@@ -170,7 +209,29 @@ fn short_name(machine: &str) -> String {
     Path::new(machine).file_name().map_or_else(|| machine.to_owned(), |name| name.to_string_lossy().into())
 }
 
-/// A flank plan as it is exported.
-pub fn flank_text(outcome: &FlankOutcome) -> String {
-    write_apt(&outcome.program())
+/// The program of a flank plan as `vanecut post` reads it from a flank.json.
+fn posted_flank(source: &FlankSource) -> Result<(ClProgram, String), Cancelled> {
+    let judged = source.program()?;
+    let (outcome, monitor) = (source.ordered(), Monitor::default());
+    let program =
+        stored_program(&outcome.workpiece, &outcome.setup, &judged.plan, judged.channels, &monitor)?;
+    Ok((program, fault_words(&judged)))
+}
+
+/// What to say of the faults of a program of several channels; those of one are asked about before.
+fn fault_words(program: &FlankProgram) -> String {
+    match program.faults.len() {
+        _ if program.channels == 1 => String::new(),
+        0 => String::new(),
+        1 => "; the program has one fault: check it".to_owned(),
+        count => format!("; the program has {count} faults: check it"),
+    }
+}
+
+/// A flank plan as it is exported, and what to say of the file.
+pub fn flank_text(source: &FlankSource) -> (String, String) {
+    match source.program() {
+        Ok(judged) => (write_apt(&judged.program), fault_words(&judged)),
+        Err(Cancelled) => Default::default(),
+    }
 }

@@ -77,9 +77,9 @@ commands! {
     ExportCl "Export CL (APT)…"
         "Writes the plan of the selected operation, for one channel, as an APT cutter-location file" [CTRL, E];
     ExportClSome "Export CL of several channels…"
-        "Writes the shown plan, for as many channels as you say, as an APT cutter-location file" [];
+        "Writes the plan of the selected operation, for as many channels as you say, as an APT cutter-location file" [];
     ExportClAll "Export CL of all channels…"
-        "Writes the shown plan, for every channel of the part, as an APT cutter-location file" [];
+        "Writes the plan of the selected operation, for every channel of the part, as an APT cutter-location file" [];
     ExportFlank "Export flank CL (APT)…"
         "Writes the flank plan as an APT cutter-location file" [];
     ExportNc "Export NC program…"

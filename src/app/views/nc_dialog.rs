@@ -24,7 +24,7 @@ pub struct NcQuestion {
     pub operations: Vec<Operation>,
     /// The one whose plan is written.
     pub operation: Operation,
-    /// Number of channels that a roughing program mills, from the first on.
+    /// Number of channels that the program mills, from the first on.
     pub channels: usize,
     /// Number of channels of the part.
     pub channel_count: usize,
@@ -205,12 +205,10 @@ fn form(
         });
         list.response.labelled_by(label.id);
         ui.end_row();
-        if question.operation == Operation::Roughing {
-            let label = ui.label("Channels").on_hover_text("How many are milled, from the first on");
-            count_field::channels(ui, &mut question.channels, question.channel_count, label.id);
-            ui.end_row();
-            channel_order::rows(ui, order);
-        }
+        let label = ui.label("Channels").on_hover_text("How many are milled, from the first on");
+        count_field::channels(ui, &mut question.channels, question.channel_count, label.id);
+        ui.end_row();
+        channel_order::rows(ui, order);
 
         let target = &mut question.target;
         let mut machine = target.machine.clone();

@@ -15,6 +15,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
     };
     put("kind", json!("flank"));
     put("positions", json!(verdict.positions));
+    put("tool_loads", json!(verdict.tool_loads));
     put("residual_mean", number(layer.mean.into()));
     put("residual_p95", number(layer.p95.into()));
     put("residual_max", number(layer.max.into()));
@@ -43,7 +44,7 @@ pub(super) fn object(part: &Impeller, verdict: &FlankVerdict) -> Map<String, Val
 }
 
 /// The text report of a flank program.
-pub(super) fn text(verdict: &FlankVerdict) -> String {
+pub fn text(verdict: &FlankVerdict) -> String {
     let channels = if verdict.channels == 1 { "channel" } else { "channels" };
     let mut text = format!(
         "flank program: {} moves under feed in {} {channels}, {:.0} mm; {:.0} mm in rapid; about {:.0} min, \

@@ -15,7 +15,8 @@ use std::path::Path;
 use super::super::InputError;
 use super::super::source;
 use super::super::source::{
-    MAX_COORDINATE, MAX_POINTS, Source, TRUNCATED, name_of, quote_for_message, read_bytes, text_lossy,
+    MAX_COORDINATE, MAX_MOVES, MAX_POINTS, MAX_PROGRAM_BYTES, Source, TRUNCATED, name_of, program_text,
+    quote_for_message, read_bytes_up_to,
 };
 use super::transform::Transform;
 use super::words::{WordEffect, classify_word};
@@ -39,7 +40,7 @@ const AXIS_TOLERANCE: f64 = 1e-3;
 /// # Errors
 /// When the file cannot be read, or as [`read_apt_bytes`].
 pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
-    read_apt_bytes(&name_of(path), &read_bytes(path)?)
+    read_apt_bytes(&name_of(path), &read_bytes_up_to(path, MAX_PROGRAM_BYTES)?)
 }
 
 /// Reads a CL program from bytes; `name` is the file name used in messages.
@@ -56,7 +57,7 @@ pub fn read_apt(path: &Path) -> Result<ClProgram, InputError> {
 /// program has no moves.
 pub fn read_apt_bytes(name: &str, bytes: &[u8]) -> Result<ClProgram, InputError> {
     let source = Source::new(name, ErrorCode::AptStatement);
-    let text = text_lossy(source, bytes)?;
+    let text = program_text(source, bytes)?;
     let mut reader = Reader::new(source);
     let mut lines = text.lines().enumerate();
     let mut last = 0;
@@ -408,10 +409,10 @@ impl<'a> Reader<'a> {
     }
 
     fn push(&mut self, line: usize, rapid: bool) -> Result<(), InputError> {
-        if self.program.moves.len() >= MAX_POINTS {
+        if self.program.moves.len() >= MAX_MOVES {
             return Err(self
                 .source
-                .fault(line, "holds more than 1,000,000 moves", "split the program")
+                .fault(line, "holds more than 4,000,000 moves", "split the program")
                 .with_code(ErrorCode::FileTooLarge));
         }
         if let Some((away, word)) = self.unknown_position.take() {

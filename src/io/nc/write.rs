@@ -11,6 +11,9 @@ use crate::machine::{
 };
 use crate::toolpath::{ClProgram, ClTool};
 
+/// Largest block number after `N`, after which numbers begin again: controls take six digits, and nothing in
+/// a program refers to a block.
+const MAX_BLOCK_NUMBER: u32 = 999_999;
 /// Longest name of a program in its head.
 const MAX_NAME: usize = 24;
 /// Shortest time of a block, s: its inverse time in 1/min keeps below a million, which is what words may
@@ -169,11 +172,12 @@ impl NcWriter<'_> {
         if self.post.dialect == Dialect::Heidenhain {
             self.text.push_str(&format!("{} ", self.number));
             self.number += 1;
-        } else if let Some((_, step)) =
+        } else if let Some((first, step)) =
             self.post.format.numbers.filter(|_| !is_unnumbered(self.post.dialect, text))
         {
             self.text.push_str(&format!("N{} ", self.number));
-            self.number = self.number.checked_add(step).unwrap_or_default();
+            let next = self.number.saturating_add(step);
+            self.number = if next > MAX_BLOCK_NUMBER { first } else { next };
         }
     }
 

@@ -8,7 +8,9 @@ use super::{
 };
 use crate::flank::UncutLength;
 use crate::job::flank::FlankOutcome;
+use crate::job::flank_channels::FlankProgram;
 use crate::report::html::escaped;
+use crate::report::words::{channels_text, tool_loads_text};
 use crate::report::{PagePicture, ReportPage};
 use crate::setup::{FlankFeedRates, Tool};
 use crate::toolpath::TOOL_CHANGE_S;
@@ -17,6 +19,8 @@ use crate::toolpath::TOOL_CHANGE_S;
 pub struct FlankSheetInput<'a> {
     /// The plan, of one channel.
     pub outcome: &'a FlankOutcome,
+    /// Its program.
+    pub program: &'a FlankProgram,
     /// The files of its program; none where it is not written with the sheet.
     pub files: &'a [ProgramFile],
 }
@@ -27,7 +31,7 @@ pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> Repor
     let part = SheetPart { workpiece: &outcome.workpiece, setup: &outcome.setup };
     let body = [
         part.text(),
-        warnings(outcome),
+        warnings(input),
         program_text(input),
         tools_text(outcome),
         layers_text(outcome),
@@ -51,15 +55,16 @@ fn tools(outcome: &FlankOutcome) -> Vec<(&Tool, String)> {
     opening.chain([(&plan.tool, rates)]).collect()
 }
 
-fn warnings(outcome: &FlankOutcome) -> String {
-    let plan = &outcome.plan;
+fn warnings(input: &FlankSheetInput) -> String {
+    let FlankSheetInput { outcome, program, .. } = input;
+    let (plan, faults) = (&outcome.plan, &program.faults);
     let mut found: Vec<String> =
-        outcome.faults.iter().take(MAX_FAULTS).map(|fault| format!("Line {}: {fault}", fault.line)).collect();
-    if outcome.faults.len() > MAX_FAULTS {
-        let more = outcome.faults.len() - MAX_FAULTS;
+        faults.iter().take(MAX_FAULTS).map(|fault| format!("Line {}: {fault}", fault.line)).collect();
+    if faults.len() > MAX_FAULTS {
+        let more = faults.len() - MAX_FAULTS;
         found.push(format!("{more} more faults; `vanecut verify` lists them."));
     }
-    match &outcome.verdict {
+    match &program.verdict {
         None => found.push("The program could not be verified.".to_owned()),
         Some(verdict) => {
             for (share, what) in [
@@ -91,13 +96,13 @@ fn warnings(outcome: &FlankOutcome) -> String {
 }
 
 fn program_text(input: &FlankSheetInput) -> String {
-    let outcome = input.outcome;
-    let faults = match (outcome.faults.len(), outcome.verdict.is_some()) {
+    let FlankSheetInput { outcome, program, files } = *input;
+    let faults = match (program.faults.len(), program.verdict.is_some()) {
         (_, false) => "not verified".to_owned(),
         (0, true) => "no fault".to_owned(),
         (count, true) => format!("{count} faults"),
     };
-    let walls = match &outcome.verdict {
+    let walls = match &program.verdict {
         Some(verdict) => format!(
             "Walls: {:.4} mm overcut, {:.4} mm undercut. Least clearance to the hub {:.4} mm, to the blank in \
              rapids {:.3} mm; axis change up to {:.1}° in a move. ",
@@ -109,28 +114,45 @@ fn program_text(input: &FlankSheetInput) -> String {
         ),
         None => String::new(),
     };
-    let blades = outcome.workpiece.part.blade_count;
-    let count = tools(outcome).len();
-    let wheel = outcome.time_of_wheel_s() / 60.0;
-    let clock = outcome.clock.as_ref();
-    let (wheel, what) = match (clock, outcome.machine_time) {
-        (Some(clock), Some(_)) => (wheel, on_machine_text(clock.machine())),
-        (Some(clock), None) => (
-            wheel + TOOL_CHANGE_S / 60.0 * count as f64,
-            format!("accelerations left out: {} cannot run the program", escaped(&clock.machine().name)),
-        ),
-        (None, _) => (wheel + TOOL_CHANGE_S / 60.0 * count as f64, "accelerations left out".to_owned()),
+    let order = match program.channels {
+        1 => String::new(),
+        _ => {
+            format!(", {}; {}", outcome.setup.channels.words(), tool_loads_text(program.program.tool_loads()))
+        }
     };
     format!(
-        "<h2>Program</h2>\n<p>{}, for one channel; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
-         passes, {:.0} mm of links, {:.0} mm in rapid; {:.1} min per channel; the wheel, \
-         {blades} channels and {}, about {wheel:.0} min ({what}).</p>\n",
-        program_files(input.files, "flank plan"),
-        outcome.plan.times.cut_length,
-        outcome.plan.times.link_length,
-        outcome.plan.times.rapid_length,
+        "<h2>Program</h2>\n<p>{}, for {}{order}; checked as written: {faults}.</p>\n<p>{walls}{:.0} mm of \
+         passes, {:.0} mm of links, {:.0} mm in rapid; {:.1} min per channel{}.</p>\n",
+        program_files(files, "flank plan"),
+        channels_text(program.channels),
+        program.times.cut_length,
+        program.times.link_length,
+        program.times.rapid_length,
         outcome.time_s() / 60.0,
-        if count == 1 { "one tool change".to_owned() } else { format!("{count} tool changes") },
+        wheel_text(outcome),
+    )
+}
+
+/// The time of all channels, after that of one; nothing where the machine cannot run them.
+fn wheel_text(outcome: &FlankOutcome) -> String {
+    let Some(wheel) = outcome.wheel_time_s else { return String::new() };
+    let part = &outcome.workpiece.part;
+    let changes = outcome.wheel_tool_loads;
+    let without_changes = TOOL_CHANGE_S * changes as f64;
+    let (wheel, what) = match (outcome.clock.as_ref(), outcome.machine_time) {
+        (Some(clock), Some(_)) => (wheel, on_machine_text(clock.machine())),
+        (Some(clock), None) => (
+            wheel + without_changes,
+            format!("accelerations left out: {} cannot run the program", escaped(&clock.machine().name)),
+        ),
+        (None, _) => (wheel + without_changes, "accelerations left out".to_owned()),
+    };
+    format!(
+        "; the wheel, {} channels and {}, {}, about {:.0} min ({what})",
+        part.blade_count,
+        if changes == 1 { "one tool change".to_owned() } else { format!("{changes} tool changes") },
+        outcome.setup.channels.words(),
+        wheel / 60.0,
     )
 }
 

@@ -1,5 +1,7 @@
 //! Converts the moves of a program to steps of a cutter in the frame of channel 1.
 
+use std::borrow::Cow;
+
 use super::super::Fault;
 use super::super::assembly::AssemblyStep;
 use super::super::channels::{channel_at, channels_of};
@@ -45,6 +47,12 @@ impl CutterStep {
     /// As a move of shank and holder.
     pub(super) fn assembly_step(&self) -> AssemblyStep {
         AssemblyStep { tool: self.tool, from: self.from, to: self.to }
+    }
+
+    /// The step turned about the axis of rotation by `angle`, rad.
+    fn turned(&self, angle: f64) -> Self {
+        let turn = |(tip, axis): (Point, Vector)| (rotate_z(&tip, angle), rotate_vector_z(&axis, angle));
+        Self { from: turn(self.from), to: turn(self.to), ..self.clone() }
     }
 
     /// Travel of the tip, mm.
@@ -105,6 +113,27 @@ pub(super) fn steps_of(
     Ok((steps, tools))
 }
 
+/// The steps that cut the floor of channel `number`, with their indices: its own, and the plunges of both
+/// neighbours, turned to where they are seen from it. Above the shroud channels share plunges.
+pub(super) fn floor_steps<'a>(
+    part: &Impeller,
+    steps: &'a [CutterStep],
+    number: i64,
+) -> Vec<(usize, Cow<'a, CutterStep>)> {
+    let count = part.blade_count as i64;
+    let seen = |(k, step): (usize, &'a CutterStep)| {
+        let ahead = match (step.channel - number).rem_euclid(count) {
+            0 => return Some((k, Cow::Borrowed(step))),
+            1 => 1.0,
+            behind if behind == count - 1 => -1.0,
+            _ => return None,
+        };
+        let plunges = step.feed.is_some() && step.is_axial() && !step.is_retract();
+        plunges.then(|| (k, Cow::Owned(step.turned(ahead * part.pitch()))))
+    };
+    steps.iter().enumerate().filter_map(seen).collect()
+}
+
 /// Rapids and the cuts after them, up to the next rapid, and the channel of most of these cuts.
 struct ChannelRun {
     range: std::ops::Range<usize>,
@@ -135,9 +164,8 @@ fn rotate_into_channel(part: &Impeller, channel: &Channel, steps: &mut [CutterSt
     let votes: Vec<(Option<i64>, f64)> = stretches.iter().map(|s| (s.channel, s.length)).collect();
     for (stretch, channel) in stretches.iter().zip(channels_of(&votes)) {
         let back = -part.pitch() * channel as f64;
-        let turned = |(p, a): (Point, Vector)| (rotate_z(&p, back), rotate_vector_z(&a, back));
         for step in &mut steps[stretch.range.clone()] {
-            (step.channel, step.from, step.to) = (channel, turned(step.from), turned(step.to));
+            *step = CutterStep { channel, ..step.turned(back) };
         }
     }
 }

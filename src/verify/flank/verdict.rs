@@ -17,6 +17,8 @@ pub struct FlankVerdict {
     pub positions: usize,
     /// Number of tools used.
     pub tools: usize,
+    /// How often a tool is loaded.
+    pub tool_loads: usize,
     /// Cutting length, and rapid length.
     pub cut_length: f64,
     /// See `cut_length`.
@@ -63,6 +65,7 @@ impl FlankVerdict {
             channels: 0,
             positions: 0,
             tools: 0,
+            tool_loads: 0,
             cut_length: 0.0,
             rapid_length: 0.0,
             time_estimate: 0.0,

@@ -68,7 +68,7 @@ impl AppState {
     /// The position whose plunge is step `step` of the timeline (from 0), with the number of its channel.
     pub fn position_of_step(&self, step: usize) -> Option<(usize, usize)> {
         match self.shown_channels() {
-            Some(channels) => channels.plunges.get(step).map(|plunge| (plunge.position, plunge.channel + 1)),
+            Some(channels) => channels.plunges.get(step).map(|plunge| (plunge.index, plunge.channel + 1)),
             None => (step < self.position_count()).then_some((step, 1)),
         }
     }

@@ -156,7 +156,7 @@ impl AppState {
                 // A tool may go on in the next channel, a section does not.
                 let channel = |channel: usize| if of == Boundary::Section { channel } else { 0 };
                 let plunges = channels.plunges.iter();
-                plunges.map(|p| (channel(p.channel), key(&plan.positions[p.position]))).collect()
+                plunges.map(|p| (channel(p.channel), key(&plan.positions[p.index]))).collect()
             }
             None => plan.positions.iter().map(|position| (0, key(position))).collect(),
         };

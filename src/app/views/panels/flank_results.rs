@@ -64,7 +64,10 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         divided_figure(ui, name, format_percent(share), tip);
     }
     divided_figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
-    let times = format_times(outcome.time_s(), outcome.time_of_wheel_s());
+    let times = match outcome.wheel_time_s {
+        Some(wheel) => format_times(outcome.time_s(), wheel),
+        None => format!("{} per channel", format_duration(outcome.time_s())),
+    };
     divided_figure(ui, "Time", times, flank_times_tip(outcome));
 }
 

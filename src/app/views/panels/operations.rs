@@ -35,7 +35,10 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
         }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };
-            let times = times(outcome.time_s(), outcome.time_of_wheel_s());
+            let times = match outcome.wheel_time_s {
+                Some(wheel) => times(outcome.time_s(), wheel),
+                None => format_duration(outcome.time_s()),
+            };
             (times, outcome.faults.len(), state.flank_is_stale())
         }
     };

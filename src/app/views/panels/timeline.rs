@@ -11,6 +11,7 @@ use crate::app::model::state::AppState;
 use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
+use crate::report::words::NOT_ON_MACHINE;
 
 /// Height of the timeline, points.
 const HEIGHT: f32 = 34.0;
@@ -171,13 +172,13 @@ fn clock_tip(state: &AppState, whole: f64) -> String {
     };
     let wheel = match state.look.operation {
         Operation::Program => return format!("Time of the program up to here, {from}"),
-        Operation::Flank => state.results.flank.as_ref().map(|outcome| outcome.time_of_wheel_s()),
+        Operation::Flank => state.results.flank.as_ref().map(|outcome| outcome.wheel_time_s),
         Operation::Roughing => state.shown().map(|shown| {
             let channels = shown.planned.outcome.workpiece.part.blade_count;
-            shown.planned.result(shown.policy).summary.time_of_channels_s(channels, channels)
+            Some(shown.planned.result(shown.policy).summary.time_of_channels_s(channels, channels))
         }),
     };
-    let wheel = format_duration(wheel.unwrap_or(whole));
+    let wheel = wheel.unwrap_or(Some(whole)).map_or_else(|| NOT_ON_MACHINE.to_owned(), format_duration);
     let of = match state.shown_channels() {
         Some(channels) => format!("{} channels, {},", channels.count(), channels.order().words()),
         None => "one channel".to_owned(),

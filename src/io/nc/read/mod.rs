@@ -40,7 +40,7 @@ pub fn read_nc(
     context: &ReadContext<'_>,
 ) -> Result<NcReading, InputError> {
     let source = Source::new(name, ErrorCode::NcBlock);
-    let text = source::text_lossy(source, bytes)?;
+    let text = source::program_text(source, bytes)?;
     let mut state = NcState::new(source, dialect, context);
     let mut words = Vec::with_capacity(16);
     let mut lines = 0;

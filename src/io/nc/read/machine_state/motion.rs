@@ -174,10 +174,10 @@ impl NcState<'_> {
         tool: usize,
         angles: Option<[f64; 2]>,
     ) -> Result<(), InputError> {
-        if self.out.program.moves.len() >= source::MAX_POINTS {
+        if self.out.program.moves.len() >= source::MAX_MOVES {
             return Err(self
                 .source
-                .fault(line, "the program has more than 1,000,000 moves", "split it")
+                .fault(line, "the program has more than 4,000,000 moves", "split it")
                 .with_code(ErrorCode::FileTooLarge));
         }
         let placed = &self.context.placed;
