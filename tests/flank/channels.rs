@@ -60,8 +60,8 @@ fn in_channels(outcome: &FlankOutcome, channels: usize) -> FlankChannels {
     outcome.in_channels(channels, &Monitor::default()).expect("not cancelled")
 }
 
-/// Every order, with one tool and with two, and whole wheels: `verify` finds as many channels and no fault, and its figures are those of
-/// one channel where a channel is what counts.
+/// Every order, with one tool and with two, and whole wheels: `verify` finds as many channels and no fault,
+/// and its figures are those of one channel where a channel is what counts.
 #[test]
 fn verify_finds_no_fault_in_programs_of_every_order() {
     let [first, second, third, last] = EVERY_ORDER;
