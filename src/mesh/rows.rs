@@ -28,7 +28,7 @@ pub struct SingleBlade {
     surface: MeshSurface,
     /// Role of its mesh.
     role: Role,
-    /// Mean angle of its corners, rad.
+    /// Mean angle of its area, rad: corners are denser beside seams, which copies have in different places.
     angle: f64,
     /// Radial plus axial extent, mm.
     length: f64,
@@ -65,9 +65,12 @@ impl SingleBlade {
     fn new(surface: MeshSurface, role: Role) -> Self {
         let (mut sum, mut low, mut high) =
             (Point::origin(), (f64::INFINITY, f64::INFINITY), (0.0_f64, f64::NEG_INFINITY));
+        for t in 0..surface.triangles.len() {
+            let centre = surface.centre(t);
+            sum += centre.coords * (surface.area(t) / Meridional::from_point(&centre).r.max(1e-9));
+        }
         for p in &surface.points {
             let m = Meridional::from_point(p);
-            sum += p.coords / m.r.max(1e-9);
             low = (low.0.min(m.r), low.1.min(m.z));
             high = (high.0.max(m.r), high.1.max(m.z));
         }
