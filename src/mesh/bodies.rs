@@ -1,6 +1,6 @@
 //! Roles of the bodies of a CAD model. The blades tell the wheel: they are the largest row of bodies that are
-//! not of revolution, the hub is the body of revolution on which they stand, the cover the one over their tips.
-//! Other bodies, such as shaft, nut and housing, are left out with a line. Names go before shapes.
+//! not of revolution, the hub is the body of revolution on which they stand, the cover the one over their
+//! tips. Other bodies, such as shaft, nut and housing, are left out with a line. Names go before shapes.
 
 use super::Role;
 use super::TriangleMesh;
@@ -136,8 +136,8 @@ fn largest_row(bodies: &[MeasuredBody]) -> Vec<usize> {
     rows.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
     let Some(first) = rows.first() else { return Vec::new() };
     let is_row_beside = |row: &&Vec<usize>| {
-        // A single body round the axis is a volute, or a wheel in one body beside bolts; another one a bracket,
-        // or the only blade in the file.
+        // A single body round the axis is a volute, or a wheel in one body beside bolts; another one a
+        // bracket, or the only blade in the file.
         let (least, share) = if bodies[first[0]].goes_round { (2, BESIDE_ROUND) } else { (3, BESIDE_OTHER) };
         row.len() >= least && weight(row) > share * weight(first)
     };
