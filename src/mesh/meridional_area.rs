@@ -1,7 +1,8 @@
 //! The area of a blade in the meridional plane, and which bodies of revolution lie beside it.
 //!
 //! A flood over a grid: it starts where the blade is outside of all bodies and stops at their surfaces. What
-//! it meets at once touches the blade, what it meets soon is beside it. A shaft in the hub's bore is never met.
+//! it meets at once touches the blade, what it meets soon is beside it. A shaft in the hub's bore is never
+//! met.
 
 use std::collections::VecDeque;
 
