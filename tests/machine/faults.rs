@@ -289,7 +289,7 @@ fn block_numbers_begin_again_after_six_digits() {
     let machine = machine("ac-trunnion");
     let program = plunges();
     let motion = moved(&machine, &program, &post, OutputKind::TcpAngles).unwrap();
-    let nc = write_nc(&program, &machine, &motion, &post, OutputKind::TcpAngles).unwrap();
+    let nc = write_nc(&program, &machine, &motion, &post, OutputKind::TcpAngles, &[]).unwrap();
     let numbers: Vec<&str> = nc.text.lines().filter_map(|line| line.strip_prefix('N')).collect();
     let numbers: Vec<&str> = numbers.iter().filter_map(|line| line.split(' ').next()).collect();
     assert!(numbers.len() > 4);
