@@ -42,12 +42,12 @@ fn planned(name: &str, layer_depth: f64, blank: BlankShape) -> FlankOutcome {
 }
 
 /// One tool, six channels.
-static PUMP: LazyLock<FlankOutcome> = LazyLock::new(|| planned("pump6.toml", 8.0, BlankShape::Edges));
+static PUMP: LazyLock<FlankOutcome> = LazyLock::new(|| planned("pump6.toml", 16.0, BlankShape::Edges));
 /// Two tools: plunges above the shroud come before the passes.
-static TURNED: LazyLock<FlankOutcome> = LazyLock::new(|| planned("pump6.toml", 8.0, BlankShape::Turned));
+static TURNED: LazyLock<FlankOutcome> = LazyLock::new(|| planned("pump6.toml", 16.0, BlankShape::Turned));
 /// A splitter, nine channels.
 static WITH_SPLITTER: LazyLock<FlankOutcome> =
-    LazyLock::new(|| planned("impeller9x9.toml", 12.0, BlankShape::Edges));
+    LazyLock::new(|| planned("impeller9x9.toml", 20.0, BlankShape::Edges));
 
 /// `outcome` with another order of its channels.
 fn ordered(outcome: &FlankOutcome, order: ChannelSetup) -> FlankOutcome {
@@ -64,9 +64,9 @@ fn in_channels(outcome: &FlankOutcome, channels: usize) -> FlankChannels {
 /// and its figures are those of one channel where a channel is what counts.
 #[test]
 fn verify_finds_no_fault_in_programs_of_every_order() {
-    let [first, second, third, last] = EVERY_ORDER;
+    let [first, second, _, last] = EVERY_ORDER;
     for (outcome, channels, orders) in
-        [(&*PUMP, 6, [second, third]), (&*TURNED, 6, [first, last]), (&*WITH_SPLITTER, 3, [first, second])]
+        [(&*PUMP, 6, vec![second]), (&*TURNED, 6, vec![first, last]), (&*WITH_SPLITTER, 3, vec![second])]
     {
         let name = &outcome.workpiece.part.name;
         let one = outcome.verdict.as_ref().expect("verified");

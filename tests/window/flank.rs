@@ -281,6 +281,10 @@ fn f6_while_both_operations_are_calculated_begins_nothing_anew() {
         inner(request, monitor)
     };
     let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    // Few layers.
+    set_depth(&mut window, 10.0);
     slow.store(true, Ordering::SeqCst);
     window.key_press(egui::Key::F5);
     window.run_steps(3);

