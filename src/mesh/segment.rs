@@ -230,10 +230,14 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     let face = |number: usize| -> Option<RevolvedFace> {
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
-        let points = meridional_points(wheel, &triangles, exact);
         let at_blade = |t: usize| wheel.neighbours[t].iter().any(|n| *n != NONE && !turned[*n as usize]);
         let feet = of(&|t| own(t) && at_blade(t));
-        let profile = curve_of(&course, (&points, &triangles), &feet, middle, (wheel, tolerance))?;
+        let fitted = |points: &[Meridional]| {
+            curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance))
+        };
+        // Long edges of fillets that join the face smoothly are not on its curve: then its corners tell it.
+        let points = of(&own);
+        let profile = fitted(&meridional_points(wheel, &triangles, exact)).or_else(|| fitted(&points))?;
         let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
         let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&standing);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();
