@@ -5,12 +5,10 @@
 use super::Role;
 use super::TriangleMesh;
 use super::meridional_area::{MeridionalArea, Neighbourhood};
-use super::profile::meridional_normal;
+use super::round::{SECTORS, is_round, radii, sectors_met};
 use super::surface::MeshSurface;
 use crate::geometry::{Meridional, Point, Vector, norm2};
 
-/// Largest mean circumferential component of the normals of a body of revolution.
-const TURNED: f64 = 0.1;
 /// Shares of a blade's area and volume below which a body is a sliver.
 const SLIVER: (f64, f64) = (0.12, 0.02);
 /// Bodies of one row have areas that differ by this share at most, and centres that are apart in the
@@ -26,8 +24,8 @@ const OVER_TIPS: f64 = 0.4;
 /// goes round the axis, and where it does not.
 const BESIDE_ROUND: f64 = 0.05;
 const BESIDE_OTHER: f64 = 0.25;
-/// Sectors about the axis, and how many of them a body has corners in that goes round the axis.
-const SECTORS: (usize, usize) = (24, 22);
+/// Number of [`SECTORS`] in which a body has corners that goes round the axis.
+const ALL_ROUND: usize = SECTORS - 2;
 /// Number of bodies that are named in a line: with their area, and without.
 const NAMED: (usize, usize) = (4, 8);
 
@@ -77,24 +75,16 @@ struct MeasuredBody {
 impl MeasuredBody {
     fn from_body(body: Body) -> Self {
         let s = &body.surface;
-        let (mut across, mut area, mut volume, mut centre) = (0.0, 0.0, 0.0, Vector::zeros());
+        let (mut area, mut centre) = (0.0, Vector::zeros());
         for t in 0..s.triangles.len() {
-            across += s.area(t) * meridional_normal(s, t).1.abs();
             area += s.area(t);
             centre += s.centre(t).coords * s.area(t);
-            let [a, b, c] = s.triangles[t].map(|i| s.points[i as usize].coords);
-            volume += a.dot(&b.cross(&c)) / 6.0;
         }
         // An open surface has no volume.
-        let volume = if s.border_edges().next().is_none() { volume.abs() } else { f64::INFINITY };
+        let volume = s.signed_volume().map_or(f64::INFINITY, f64::abs);
         let centre = Meridional::from_point(&Point::from(centre / f64::max(area, 1e-300)));
-        let mut sectors = [false; SECTORS.0];
-        for p in &s.points {
-            let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
-            sectors[((turn * SECTORS.0 as f64) as usize).min(SECTORS.0 - 1)] = true;
-        }
-        let goes_round = sectors.iter().filter(|met| **met).count() >= SECTORS.1;
-        Self { area, volume, centre, turned: across < TURNED * area, goes_round, body }
+        let (turned, goes_round) = (is_round(s), sectors_met(s, 0.0) >= ALL_ROUND);
+        Self { area, volume, centre, turned, goes_round, body }
     }
 
     fn is_alike(&self, other: &Self) -> bool {
@@ -110,11 +100,6 @@ impl MeasuredBody {
     fn is_sliver_beside(&self, blade: &Self) -> bool {
         let solid = blade.volume.is_finite();
         self.area < SLIVER.0 * blade.area || (solid && self.volume < SLIVER.1 * blade.volume)
-    }
-
-    fn inner_radius(&self) -> f64 {
-        let radii = self.body.surface.points.iter().map(|p| Meridional::from_point(p).r);
-        radii.fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -261,7 +246,7 @@ fn hub_and_cover(
     let mut touched: Vec<&(usize, Neighbourhood)> =
         beside.iter().filter(|(k, n)| stands(n) && !n.only_at_rim && !is_said(*k)).collect();
     // The hub is nearest to the axis.
-    let inner = |k: usize| bodies[k].inner_radius();
+    let inner = |k: usize| radii(&bodies[k].body.surface).0;
     touched.sort_by(|(a, _), (b, _)| inner(*a).total_cmp(&inner(*b)));
     if hub.is_empty() {
         match touched.first() {

@@ -8,6 +8,7 @@ use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
 use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
 use super::roles::{NamedMesh, Role, given_roles, listed, roles_from_names};
+use super::round::radii;
 use super::rows::{BladeRows, separate_blades};
 use super::rulings::Rulings;
 use super::sections::ChannelCoordinates;
@@ -176,7 +177,7 @@ fn describe_roles(
     let mut shroud = shroud.map(|mesh| about_z(MeshSurface::from_mesh(&mesh)));
     let mut blade_surfaces: Vec<(Role, MeshSurface)> =
         blade_meshes.into_iter().map(|(role, mesh)| (role, about_z(MeshSurface::from_mesh(&mesh)))).collect();
-    let radius = |s: &MeshSurface| s.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
+    let radius = |surface: &MeshSurface| radii(surface).1;
     let mut size = radius(&hub);
     if let Some(OneMesh { name, missing }) = one {
         let bodies =
@@ -225,7 +226,7 @@ fn describe_roles(
     let all: Vec<Meridional> = main.points.iter().map(Meridional::from_point).collect();
     let free: Vec<Meridional> = all.iter().filter(|p| !buried(p)).copied().collect();
     let mut corners = if free.len() < 8 { all } else { free };
-    let course = Course::from_blades(&corners, (0..hub.triangles.len()).map(|t| (&hub, t)));
+    let course = Course::from_blades(&corners, &hub, |_| true);
     let hub_curve = fit_revolved(&hub, &course, (&corners, &normals), "hub", tolerance)?;
     let fitted_shroud = shroud
         .map(|shroud| fit_revolved(&shroud, &course, (&corners, &normals), "shroud", tolerance))

@@ -15,6 +15,7 @@ mod normals;
 pub mod options;
 mod profile;
 pub mod roles;
+mod round;
 mod rows;
 mod rulings;
 mod sections;

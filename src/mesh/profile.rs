@@ -64,14 +64,12 @@ pub struct Course {
 }
 
 impl Course {
-    /// The course of a wheel from the corners of its blades, and the triangles of its hub.
+    /// The course of a wheel from the corners of its blades, and its hub: those triangles of `wheel` for
+    /// which `is_hub` holds.
     ///
     /// Blades come closer to the axis on the side of the inlet. Where they hardly do, as plane blades on a
     /// disc, the inlet is on the side of the disc on which they stand.
-    pub fn from_blades<'h>(
-        blades: &[Meridional],
-        hub: impl IntoIterator<Item = (&'h MeshSurface, usize)>,
-    ) -> Self {
+    pub fn from_blades(blades: &[Meridional], wheel: &MeshSurface, is_hub: impl Fn(usize) -> bool) -> Self {
         let mut by_radius: Vec<Meridional> = blades.to_vec();
         by_radius.sort_by(|a, b| a.r.total_cmp(&b.r));
         let few = (by_radius.len() / 10).max(1).min(by_radius.len());
@@ -82,11 +80,11 @@ impl Course {
         let (innermost, disc) = (by_radius.first().map_or(0.0, |p| p.r), outer.first().map_or(0.0, |p| p.r));
         if rise.abs() < FLAT * (disc - innermost) {
             let (mut sum, mut area) = (0.0, 0.0);
-            for (surface, t) in hub {
-                for corner in surface.triangles[t] {
-                    let p = Meridional::from_point(&surface.points[corner as usize]);
+            for t in (0..wheel.triangles.len()).filter(|&t| is_hub(t)) {
+                for corner in wheel.triangles[t] {
+                    let p = Meridional::from_point(&wheel.points[corner as usize]);
                     if p.r > OUTER_DISC * disc {
-                        (sum, area) = (sum + surface.area(t) * p.z, area + surface.area(t));
+                        (sum, area) = (sum + wheel.area(t) * p.z, area + wheel.area(t));
                     }
                 }
             }
@@ -390,7 +388,7 @@ mod tests {
                 rows.into_iter().take(count).skip(usize::from(count > 1)).map(move |h| hub(a, h))
             })
             .collect();
-        let course = Course::from_blades(&points, []);
+        let course = Course::from_blades(&points, &MeshSurface::default(), |_| true);
         let above = Meridional { r: 30.0, z: 30.0 };
         let off = |profile: &FittedProfile| {
             let curve = MeridionalCurve::through(&profile.points);

@@ -118,7 +118,8 @@ const WHEEL: [&str; 15] = [
     "rodete",
     "impulsor",
 ];
-/// Words that name shafts and standard parts: a `cover screw` is no cover if there is a cover.
+/// Words that name shafts and standard parts: a `cover screw` has the role of a cover only where no other
+/// body has it.
 const HARDWARE: [&str; 38] = [
     "shaft",
     "nut",
@@ -386,7 +387,7 @@ mod tests {
             ("Split washer", &[]),
             ("Cover screw M4", &[]),
         ];
-        // There is no other cover.
+        // It is a cover where no other body is one.
         assert_eq!(roles_of(&names), [hub, blade, None, None, Some(Role::Shroud)]);
         assert_eq!(roles_of(&[("Hub shaft", &[]), ("Blade 1", &[])]), [hub, blade]);
     }

@@ -4,6 +4,7 @@
 use super::meridional_points::meridional_points;
 use super::normals::ExactNormals;
 use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal, towards};
+use super::round::{SECTORS, TURNED, is_round, radii, sectors_met};
 use super::surface::MeshSurface;
 use super::trim::trimmed;
 use super::weld::NONE;
@@ -11,8 +12,6 @@ use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
 
-/// Largest circumferential component in the normals of a surface of revolution.
-const TURNED: f64 = 0.1;
 /// Smallest cosine of the angle between neighbouring triangles of one face.
 const SMOOTH: f64 = 0.9;
 /// Distance from the hub's curve within which a corner is on the hub: mm, and share of the rim radius.
@@ -27,8 +26,6 @@ const SCRAP: f64 = 0.05;
 
 /// Share of its largest radius from which on a piece is looked at to tell a blade from a wheel.
 const OUTER: f64 = 0.8;
-/// Sectors about the axis that are looked at.
-const SECTORS: usize = 24;
 
 /// The surfaces of a segmented wheel.
 pub struct Segments {
@@ -43,23 +40,7 @@ pub struct Segments {
 /// Whether a piece has points all around the axis at more than a `share` of its largest radius, as a wheel of
 /// one piece has near its rim and a blade has not.
 fn goes_around(piece: &MeshSurface, share: f64) -> bool {
-    let widest = piece.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
-    let mut met = [false; SECTORS];
-    for p in piece.points.iter().filter(|p| Meridional::from_point(p).r > share * widest) {
-        let turn = p.y.atan2(p.x) / std::f64::consts::TAU + 0.5;
-        met[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
-    }
-    2 * met.iter().filter(|m| **m).count() > SECTORS
-}
-
-/// Whether a piece is one of revolution about Z.
-fn is_round(piece: &MeshSurface) -> bool {
-    let (mut across, mut area) = (0.0, 0.0);
-    for t in 0..piece.triangles.len() {
-        across += piece.area(t) * meridional_normal(piece, t).1.abs();
-        area += piece.area(t);
-    }
-    across < TURNED * area
+    2 * sectors_met(piece, share) > SECTORS
 }
 
 /// Classifies disconnected pieces: surfaces of revolution are hub and shroud, all others blades. `None` where
@@ -80,9 +61,7 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
         return Err(round.len());
     }
     // The hub is nearest to the axis.
-    let inner =
-        |s: &MeshSurface| s.points.iter().map(|p| Meridional::from_point(p).r).fold(f64::INFINITY, f64::min);
-    round.sort_by(|a, b| inner(a).total_cmp(&inner(b)));
+    round.sort_by(|a, b| radii(a).0.total_cmp(&radii(b).0));
     let mut round = round.into_iter();
     let Some(hub) = round.next() else { return Ok(None) };
     Ok(Some(Segments { hub, shroud: round.next(), blades }))
@@ -207,8 +186,7 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         corners_of(keep).into_iter().map(|i| corners[i]).collect()
     };
     let standing = of(&|t| !turned[t]);
-    let round = (0..group.len()).filter(|&t| turned[t]).map(|t| (wheel, t));
-    let (course, middle) = (Course::from_blades(&standing, round), mean_point(&standing));
+    let (course, middle) = (Course::from_blades(&standing, wheel, |t| turned[t]), mean_point(&standing));
     // Rims and backs of a solid face away from its blades.
     let mut facing = vec![0.0; count];
     for t in (0..group.len()).filter(|&t| turned[t]) {
@@ -236,8 +214,9 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
             curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance))
         };
         // Long edges of fillets that join the face smoothly are not on its curve: then its corners tell it.
-        let points = of(&own);
-        let profile = fitted(&meridional_points(wheel, &triangles, exact)).or_else(|| fitted(&points))?;
+        let (points, own_corners) = (meridional_points(wheel, &triangles, exact), of(&own));
+        let has_more = points.len() > own_corners.len();
+        let profile = fitted(&points).or_else(|| if has_more { fitted(&own_corners) } else { None })?;
         let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
         let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&standing);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();

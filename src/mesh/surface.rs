@@ -100,17 +100,23 @@ impl MeshSurface {
         0.5 * (b - a).cross(&(c - a)).norm()
     }
 
-    /// +1 where the normals of a closed surface point out of what it encloses, −1 where they point into it;
-    /// `None` where it is open.
-    pub fn outward(&self) -> Option<f64> {
-        if self.triangles.is_empty() || self.border_edges().next().is_some() {
+    /// Volume that a closed surface encloses, mm³ (divergence theorem): negative where its normals point into
+    /// it; `None` where it is open.
+    pub fn signed_volume(&self) -> Option<f64> {
+        if self.border_edges().next().is_some() {
             return None;
         }
         let volume = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| self.points[i as usize].coords);
-            a.dot(&b.cross(&c))
+            a.dot(&b.cross(&c)) / 6.0
         };
-        Some(self.triangles.iter().map(volume).sum::<f64>().signum())
+        Some(self.triangles.iter().map(volume).sum())
+    }
+
+    /// +1 where the normals of a closed surface point out of what it encloses, −1 where they point into it;
+    /// `None` where it is open.
+    pub fn outward(&self) -> Option<f64> {
+        self.signed_volume().filter(|_| !self.triangles.is_empty()).map(f64::signum)
     }
 
     /// Numbers the groups of triangles that are connected across edges for which `joins` holds (flood fill);

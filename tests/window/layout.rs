@@ -381,8 +381,8 @@ fn every_item_of_a_menu_can_be_reached_in_a_low_window() {
     assert!(panel.top() > verdict.bottom(), "{panel} hides the figures, which end at {verdict}");
 }
 
-/// A small screen at 150 %: the cube has room, the text size is in the menu, and the menu File says that it
-/// goes on below.
+/// On a small screen at 150 % the cube is drawn, `View` offers the text size, and the menu `File` shows that
+/// it can be scrolled.
 #[test]
 fn a_small_screen_with_large_text_keeps_cube_and_menus() {
     let (engine, _) = fake::engine();

@@ -17,7 +17,7 @@ const FACES: [(Vec3, &str, &str); 6] = [
     (Vec3::Z, "Z", "View from +Z"),
     (Vec3::NEG_Z, "−Z", "View from −Z"),
 ];
-/// Height of the view from which the cube has room between its buttons, points.
+/// Smallest height of the view in which the cube fits between its buttons, points.
 pub const MIN_VIEW_HEIGHT: f32 = 230.0;
 /// Half an edge, points.
 const HALF: f32 = 19.0;

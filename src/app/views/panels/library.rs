@@ -285,7 +285,7 @@ fn selected(
     });
     let Some(index) = library.selected else { return };
     let Some(entry) = library.content().tools.get(index).cloned() else { return };
-    // Of a maker's tool the list has no room for the whole name.
+    // Names of makers' tools are often too long for the list.
     let name = entry.tool.assembly.name.as_deref().map_or(String::new(), |name| format!(": {name}"));
     let heading = RichText::new(format!("Tool T{}{name}", entry.tool.number)).strong();
     ui.add(egui::Label::new(heading).truncate());

@@ -49,7 +49,7 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
                 let stroke = egui::Stroke::new(1.5, MARK.mark());
                 Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
                     ui.set_width(width - 16.0);
-                    // Beside the text, so that several messages leave room for the view.
+                    // Beside the text, not below it: several messages then cover less of the view.
                     ui.with_layout(Layout::right_to_left(Align::TOP), |ui| {
                         let dismiss = ui.small_button("Dismiss");
                         let tip = Command::DismissProblems.tip_with_keys(ui.ctx());
