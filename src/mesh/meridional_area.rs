@@ -198,12 +198,11 @@ impl MeridionalArea {
         (inside && column < self.columns && row < self.rows).then_some(row * self.columns + column)
     }
 
+    /// The cells that a surface meets, in order.
     fn cells_of(&self, surface: &MeshSurface) -> Vec<usize> {
-        let mut cells = Vec::new();
-        self.each_point(surface, |cell, _| cells.push(cell));
-        cells.sort_unstable();
-        cells.dedup();
-        cells
+        let mut met = vec![false; self.covered.len()];
+        self.each_point(surface, |cell, _| met[cell] = true);
+        (0..met.len()).filter(|&cell| met[cell]).collect()
     }
 
     /// Calls `found` with points of a surface, of which neighbouring ones are less than half a cell apart in
