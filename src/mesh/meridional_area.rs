@@ -4,7 +4,7 @@
 //! it meets at once touches the blade, what it meets soon is beside it. A shaft in the hub's bore is never
 //! met.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 use super::surface::MeshSurface;
 use super::trim::BodyOutline;
@@ -12,6 +12,8 @@ use crate::geometry::{Meridional, Point, norm2};
 
 /// Cells along the larger extent of the blade.
 const CELLS: f64 = 128.0;
+/// Distance in the meridional plane, in cells, below which triangles count as the same.
+const SAME: f64 = 1.0 / 16.0;
 /// Steps of the flood within which a body touches the blade, and within which it is beside it, such as a
 /// casing over a gap.
 const TOUCHES: u16 = 3;
@@ -207,14 +209,29 @@ impl MeridionalArea {
 
     /// Calls `found` with points of a surface, of which neighbouring ones are less than half a cell apart in
     /// the meridional plane: triangles are halved until they are that small.
+    ///
+    /// Triangles of a body of revolution repeat all round the axis. One that differs from another by less
+    /// than [`SAME`] in the meridional plane is passed over.
     fn each_point(&self, surface: &MeshSurface, mut found: impl FnMut(usize, Meridional)) {
         let high = Meridional {
             r: self.low.r + self.columns as f64 * self.cell,
             z: self.low.z + self.rows as f64 * self.cell,
         };
+        let rounded = |p: &Point| {
+            let m = Meridional::from_point(p);
+            [m.r, m.z].map(|x| (x / (SAME * self.cell)).round() as i64)
+        };
+        let mut seen: HashSet<[[[i64; 2]; 3]; 2]> = HashSet::new();
         let mut waiting: Vec<[Point; 3]> = Vec::new();
         for t in &surface.triangles {
-            waiting.push(t.map(|i| surface.points[i as usize]));
+            let [a, b, c] = t.map(|i| surface.points[i as usize]);
+            let middle = |a: &Point, b: &Point| rounded(&nalgebra::center(a, b));
+            let corners = [rounded(&a), rounded(&b), rounded(&c)];
+            let middles = [middle(&a, &b), middle(&b, &c), middle(&c, &a)];
+            if !seen.insert([corners, middles]) {
+                continue;
+            }
+            waiting.push([a, b, c]);
             while let Some(corners) = waiting.pop() {
                 let m = corners.map(|p| Meridional::from_point(&p));
                 let (below, above) = (

@@ -17,6 +17,10 @@ const NOSE: (f64, f64) = (0.4, 0.7);
 const SAMPLES: usize = 601;
 /// Largest number of Gauss–Newton iterations.
 const ROUNDS: usize = 12;
+/// Change of a shift by which the slopes of the distances are found.
+const SHIFT_STEP: f64 = 1e-5;
+/// Largest free value.
+const MAX_VALUE: f64 = 0.3;
 /// Weight of a squared second difference of the shift relative to a square millimetre of distance.
 const STIFFNESS: f64 = 0.02;
 
@@ -51,6 +55,20 @@ fn shift(values: &[f64]) -> Cubic<1> {
     Cubic::interpolate(&knots, &points)
 }
 
+/// Shift of each line (row) by a unit of each free value (column).
+fn shifts_by_value(line_at: impl Fn(usize) -> f64) -> DMatrix<f64> {
+    let mut shifts = DMatrix::zeros(LINES, FREE);
+    for k in 0..FREE {
+        let mut unit = [0.0; FREE];
+        unit[k] = 1.0;
+        let curve = shift(&unit);
+        for i in 0..LINES {
+            shifts[(i, k)] = curve.point(line_at(i))[0];
+        }
+    }
+    shifts
+}
+
 impl Rulings {
     /// Fits the rulings of a side to its sections, hub → tip, by damped Gauss–Newton iterations. `None` with
     /// fewer than three sections.
@@ -61,42 +79,43 @@ impl Rulings {
         if between.is_empty() {
             return None;
         }
-        let mut values = vec![0.0; FREE];
         let line_at = |i: usize| graded((i as f64 + 0.5) / LINES as f64);
-        let errors = |values: &[f64]| -> Vec<f64> {
-            let shift = shift(values);
-            (0..LINES).flat_map(|i| distances(lowest, highest, between, &shift, line_at(i))).collect()
+        // The shift of each line is linear in the free values.
+        let by_value = shifts_by_value(line_at);
+        let errors = |shifts: &DVector<f64>| -> Vec<f64> {
+            let line = |i: usize| distances(lowest, highest, between, (line_at(i), shifts[i]));
+            (0..LINES).flat_map(line).collect()
         };
-        let cost = |errors: &[f64], values: &[f64]| {
+        let cost = |errors: &[f64], values: &DVector<f64>| {
             errors.iter().map(|e| e * e).sum::<f64>()
-                + STIFFNESS * LINES as f64 * second_differences(values).map(|b| b * b).sum::<f64>()
+                + STIFFNESS * LINES as f64 * second_differences(values.as_slice()).map(|b| b * b).sum::<f64>()
         };
-        let mut here = errors(&values);
+        let mut values: DVector<f64> = DVector::zeros(FREE);
+        let mut shifts = &by_value * &values;
+        let mut here = errors(&shifts);
         let mut least = cost(&here, &values);
         for _ in 0..ROUNDS {
-            let mut slopes = DMatrix::zeros(here.len(), FREE);
-            for k in 0..FREE {
-                let mut moved = values.clone();
-                moved[k] += 1e-5;
-                for (row, (a, b)) in errors(&moved).iter().zip(&here).enumerate() {
-                    slopes[(row, k)] = (a - b) / 1e-5;
-                }
-            }
+            // The distances of a line depend on its own shift only.
+            let moved = errors(&shifts.add_scalar(SHIFT_STEP));
+            let slopes = DMatrix::from_fn(here.len(), FREE, |row, k| {
+                (moved[row] - here[row]) / SHIFT_STEP * by_value[(row / between.len(), k)]
+            });
             let mut matrix = slopes.transpose() * &slopes;
             let mut right = -(slopes.transpose() * DVector::from_column_slice(&here));
-            add_stiffness(&mut matrix, &mut right, &values);
+            add_stiffness(&mut matrix, &mut right, values.as_slice());
             let Some(step) = matrix.cholesky().map(|c| c.solve(&right)) else { break };
             let mut found = false;
             for damping in [1.0, 0.5, 0.2, 0.05] {
-                let tried: Vec<f64> = values.iter().zip(step.iter()).map(|(v, s)| v + damping * s).collect();
-                if !tried.iter().all(|v| v.abs() < 0.3) {
+                let tried = &values + damping * &step;
+                if !tried.iter().all(|v| v.abs() < MAX_VALUE) {
                     continue;
                 }
-                let errors = errors(&tried);
+                let tried_shifts = &by_value * &tried;
+                let errors = errors(&tried_shifts);
                 let now = cost(&errors, &tried);
                 if now < least {
                     found = now < least * (1.0 - 1e-4);
-                    (values, here, least) = (tried, errors, now);
+                    (values, shifts, here, least) = (tried, tried_shifts, errors, now);
                     break;
                 }
             }
@@ -108,7 +127,7 @@ impl Rulings {
         Some(Self {
             lowest: lowest.clone(),
             highest: highest.clone(),
-            shift: shift(&values),
+            shift: shift(values.as_slice()),
             max_distance_mm: off,
         })
     }
@@ -141,17 +160,16 @@ fn add_stiffness(matrix: &mut DMatrix<f64>, right: &mut DVector<f64>, values: &[
     }
 }
 
-/// Distances along the surface's normal of the ruling at `w` from each section in between, mm (Newton
-/// iterations for the nearest point).
+/// Distances along the surface's normal of the ruling at `w` with its `shift` from each section in between,
+/// mm (Newton iterations for the nearest point).
 fn distances<'a>(
     lowest: &Cubic<3>,
     highest: &Cubic<3>,
     between: &'a [Cubic<3>],
-    shift: &Cubic<1>,
-    w: f64,
+    (w, shift): (f64, f64),
 ) -> impl Iterator<Item = f64> + 'a {
     let vector = |p: [f64; 3]| Vector::from(p);
-    let upper = w + shift.point(w)[0];
+    let upper = w + shift;
     let from = vector(lowest.point(w));
     let ruling = vector(highest.point(upper)) - from;
     let count = between.len() as f64 + 1.0;
