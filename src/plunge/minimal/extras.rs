@@ -199,8 +199,10 @@ pub struct ExtraSearch<'a> {
     fan: PoolFan,
     blank: &'a Blank,
     floor: FloorHeightMap,
-    /// The pool, ordered by gain. Gains only decrease while plunges are added.
+    /// Entries of the pool that are not plunges yet, and those that are. Gains only decrease while plunges are
+    /// added.
     heap: BinaryHeap<PoolEntry>,
+    plunges: BinaryHeap<PoolEntry>,
     /// Entries that contact does not allow yet.
     waiting: Vec<PoolEntry>,
     /// Tips of the added plunges.
@@ -222,8 +224,8 @@ impl<'a> ExtraSearch<'a> {
         let radius = rows.first().map_or(0.0, |row| row.maker.tool.radius());
         let least = MIN_GAIN_RADII * std::f64::consts::PI * radius.powi(3);
         let added = ProximityGrid::new(APART_RADII * radius);
-        let (heap, waiting) = (BinaryHeap::new(), Vec::new());
-        let mut search = Self { rows, fan, blank, floor, heap, waiting, added, min_gain: least };
+        let (heap, plunges, waiting) = (BinaryHeap::new(), BinaryHeap::new(), Vec::new());
+        let mut search = Self { rows, fan, blank, floor, heap, plunges, waiting, added, min_gain: least };
         let place = |(index, &(row, s)): (usize, &(usize, f64))| {
             let maker = &rows[row];
             if maker.maker.monitor.is_cancelled() {
@@ -274,27 +276,29 @@ impl<'a> ExtraSearch<'a> {
             return Ok(Vec::new());
         };
         let mut added = ProximityGrid::new(NEAR_RADII * tool.radius());
-        self.heap.extend(std::mem::take(&mut self.waiting));
+        for entry in std::mem::take(&mut self.waiting) {
+            self.keep(entry);
+        }
         let mut count = 0;
-        while let Some(best) = self.heap.pop() {
+        while let Some(best) = self.take_best() {
             match monitor.check() {
                 // When stopped, the plunges found so far are the result.
                 Err(_) if monitor.is_stopped() => break,
                 checked => checked?,
             }
             if best.gain < times * self.min_gain || count >= most {
-                self.heap.push(best);
+                self.keep(best);
                 break;
             }
             let PoolStage::Plunge { station, lift } = best.look else {
-                self.heap.push(best);
+                self.keep(best);
                 self.refine_top(columns);
                 continue;
             };
             let Some(now) = self.with_current_gain(best.clone()) else { continue };
             if now.gain < UNCHANGED_SHARE * best.gain {
                 // Plunges added since have taken part of its gain.
-                self.heap.push(now);
+                self.keep(now);
                 continue;
             }
             let cutter = self.cutter(best.row, &station, lift);
@@ -305,9 +309,13 @@ impl<'a> ExtraSearch<'a> {
             count += 1;
         }
         // The added plunges may free others near them of contact: these are evaluated again.
-        let (held, rest) = self.heap.drain().partition(|extra| extra.contact_limited_station().is_some());
-        self.heap = BinaryHeap::from(rest);
-        self.waiting.extend::<Vec<PoolEntry>>(held);
+        let all = self.heap.drain().chain(self.plunges.drain());
+        let (held, rest): (Vec<PoolEntry>, Vec<PoolEntry>) =
+            all.partition(|extra| extra.contact_limited_station().is_some());
+        for extra in rest {
+            self.keep(extra);
+        }
+        self.waiting.extend(held);
         for mut extra in std::mem::take(&mut self.waiting) {
             if let Some(station) = extra.contact_limited_station()
                 && added.any_near(&station.tip, 0)
@@ -321,6 +329,17 @@ impl<'a> ExtraSearch<'a> {
             row.into_iter().map(|(_, station)| station).collect()
         };
         Ok(found.into_iter().map(in_order).collect())
+    }
+
+    /// Puts an entry into the pool.
+    fn keep(&mut self, entry: PoolEntry) {
+        let is_plunge = matches!(entry.look, PoolStage::Plunge { .. });
+        if is_plunge { self.plunges.push(entry) } else { self.heap.push(entry) }
+    }
+
+    /// Takes the entry with the largest gain out of the pool.
+    fn take_best(&mut self) -> Option<PoolEntry> {
+        if self.plunges.peek() > self.heap.peek() { self.plunges.pop() } else { self.heap.pop() }
     }
 
     /// The cutter at the end of a plunge in row `row` that stops `lift` mm short.
@@ -365,13 +384,7 @@ impl<'a> ExtraSearch<'a> {
     fn refine_top(&mut self, columns: &Columns) {
         let apart = self.rows.first().map_or(0.0, |row| row.maker.tool.diameter);
         let mut best: Vec<PoolEntry> = Vec::with_capacity(TOP_COUNT);
-        let mut planned: Vec<PoolEntry> = Vec::new();
-        while best.len() < TOP_COUNT
-            && let Some(next) = self.heap.pop()
-        {
-            if matches!(next.look, PoolStage::Plunge { .. }) { planned.push(next) } else { best.push(next) }
-        }
-        self.heap.extend(planned);
+        best.extend(std::iter::from_fn(|| self.heap.pop()).take(TOP_COUNT));
         let again: Vec<Option<(f64, PoolEntry)>> =
             best.into_par_iter().map(|extra| Some((extra.gain, self.with_current_gain(extra)?))).collect();
         let mut batch: Vec<PoolEntry> = Vec::with_capacity(MAX_BATCH);
@@ -397,7 +410,7 @@ impl<'a> ExtraSearch<'a> {
             .collect();
         for extra in closer.into_iter().flatten() {
             // An entry that contact does not allow has no gain.
-            if extra.gain > 0.0 { self.heap.push(extra) } else { self.waiting.push(extra) }
+            if extra.gain > 0.0 { self.keep(extra) } else { self.waiting.push(extra) }
         }
     }
 
