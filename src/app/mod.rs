@@ -20,6 +20,7 @@ pub mod run;
 pub mod tasks;
 pub mod views;
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::CreationContext;
@@ -41,6 +42,7 @@ use tasks::assess::AssessWork;
 use tasks::engine::Engine;
 use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
+use tasks::programs::JudgedFlank;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
 use tasks::tradeoff::TradeoffWork;
@@ -79,6 +81,7 @@ pub struct App {
     machining: MachineWork,
     /// The text of the shown program.
     listing: ListingWork,
+    judged_flank: Arc<JudgedFlank>,
     /// The machinability of the part.
     assessing: AssessWork,
     /// Time against stock of the plan.
@@ -141,6 +144,7 @@ impl App {
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
+            judged_flank: Arc::default(),
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
             weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
             timeline_tool: TimelineTool::default(),

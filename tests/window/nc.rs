@@ -369,4 +369,10 @@ fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
     let page = sheet(&mut window, folder.path());
     assert!(page.contains("<code>two.h</code>") && page.contains("<code>two.apt</code>"), "{page}");
     assert!(page.contains("all 2 channels of the program, tool by tool, opposite channels"), "{page}");
+
+    // Another number of channels is another program.
+    let path = folder.path().join("one.apt");
+    window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels: 1 }, path.clone());
+    settle(&mut window);
+    assert_eq!(std::fs::read_to_string(&path).expect("written"), write_apt(&outcome.program()));
 }

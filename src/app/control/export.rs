@@ -115,7 +115,7 @@ impl App {
     pub(in crate::app) fn flank_source(&self, channels: usize) -> Option<FlankSource> {
         let outcome = self.state.results.flank.clone()?;
         let order = self.state.document.edited.setup.channels;
-        Some(FlankSource { outcome, channels, order })
+        Some(FlankSource { outcome, channels, order, judged: Arc::clone(&self.judged_flank) })
     }
 
     /// Operations that have a plan to write.

@@ -1,7 +1,7 @@
 //! Programs as they leave the window: APT text and NC code.
 
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use crate::app::model::exported::ProgramPlan;
 use crate::app::model::figures::format_duration;
@@ -50,6 +50,8 @@ pub struct FlankSource {
     pub channels: usize,
     /// Their order.
     pub order: ChannelSetup,
+    /// Where the judged program is kept.
+    pub judged: Arc<JudgedFlank>,
 }
 
 impl FlankSource {
@@ -69,10 +71,33 @@ impl FlankSource {
     ///
     /// # Errors
     /// When cancelled, which nothing does with a file that is being written.
-    pub(super) fn program(&self) -> Result<FlankProgram, Cancelled> {
+    pub(super) fn program(&self) -> Result<Arc<FlankProgram>, Cancelled> {
         let channels = self.channels.clamp(1, self.outcome.workpiece.part.blade_count.max(1));
-        self.ordered().program_for_channels(channels, &Monitor::default())
+        let (outcome, order) = (Arc::downgrade(&self.outcome), self.order);
+        // Locked while it is judged: another file of the same program waits for it.
+        let mut last = self.judged.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(last) = last.as_ref()
+            && (last.channels, last.order) == (channels, order)
+            && last.outcome.ptr_eq(&outcome)
+        {
+            return Ok(Arc::clone(&last.program));
+        }
+        let program = Arc::new(self.ordered().program_for_channels(channels, &Monitor::default())?);
+        *last = Some(LastJudged { outcome, channels, order, program: Arc::clone(&program) });
+        Ok(program)
     }
+}
+
+/// The flank program that was judged last. To judge one of several channels takes as long as to plan it, and
+/// the same one is written as APT, as NC code and with its setup sheet.
+#[derive(Default)]
+pub struct JudgedFlank(Mutex<Option<LastJudged>>);
+
+struct LastJudged {
+    outcome: Weak<FlankOutcome>,
+    channels: usize,
+    order: ChannelSetup,
+    program: Arc<FlankProgram>,
 }
 
 impl ProgramSource {
