@@ -157,5 +157,5 @@ fn plunge(k: u32, count: u32, part: &crate::part::Impeller, scale: f64) -> Solid
     let axis = (normal + across).normalize();
     let tip = floor.at_angle(angle) * scale + axis * 0.5;
     let pose = |up: f64| ToolPose { tip: tip + axis * up, axis };
-    SolidMove { number: k, tool: 0, rapid: false, from: pose(80.0), to: pose(0.0) }
+    SolidMove { number: k, tool: 0, rapid: false, checks_core: true, from: pose(80.0), to: pose(0.0) }
 }
