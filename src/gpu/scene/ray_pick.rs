@@ -15,7 +15,7 @@ pub struct Pick {
     pub point: Vec3,
     /// Index of the position whose cutter is under the pixel.
     pub position: Option<usize>,
-    /// Value there, if the surface has values ([`FloorColours::Walls`]).
+    /// Value there, if the surface has values ([`FloorColours::Walls`], what is cut of a solid stock).
     pub value: Option<f32>,
     /// Whether the point is on material cut by the section plane.
     pub on_section: bool,
@@ -79,7 +79,9 @@ impl Scene {
             }
         };
         if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
-            near(mesh.hit(&ray), true);
+            let hit = mesh.hit(&ray);
+            // The surface of the blank has a grey of its own, and no value.
+            near(hit, hit.is_some_and(|hit| !hit.is_uncut));
             return nearest;
         }
         if options.show_hub {
