@@ -32,7 +32,10 @@ fn volume(window: &Window) -> f64 {
 fn the_solid_follows_the_timeline() {
     let mut window = with_stock();
     let done = volume(&window);
-    assert!(!window.state().solid(Side::After).expect("a solid").is_coarse, "fine in the end");
+    let solid = window.state().solid(Side::After).expect("a solid");
+    assert!(!solid.is_coarse, "fine in the end");
+    let draft = solid.draft.as_ref().expect("for pictures in motion");
+    assert!(3 * draft.triangles() < solid.mesh.triangles(), "{} triangles", draft.triangles());
     snapshot_view(&mut window, "stock");
     let count = window.state().state().position_count();
     let mut last = f64::INFINITY;

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{FloorColours, Scene, SceneOptions};
+use super::{FloorColours, Scene, SceneOptions, SolidBuffers};
 use crate::gpu::camera::{Camera, ViewRay};
 use crate::gpu::cutters;
 use crate::gpu::mesh::{MeshHit, rotate_about_z};
@@ -78,7 +78,7 @@ impl Scene {
                 nearest = Some(SurfaceHit { distance, value, on_section: false });
             }
         };
-        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+        if let Some(SolidBuffers { mesh, .. }) = self.solid.as_ref().filter(|_| options.show_solid) {
             let hit = mesh.hit(&ray);
             // The surface of the blank has a grey of its own, and no value.
             near(hit, hit.is_some_and(|hit| !hit.is_uncut));
@@ -112,7 +112,7 @@ impl Scene {
     /// of their faces: the parity rule with which the renderer fills the section plane.
     fn is_inside(&self, ray: &ViewRay, options: &SceneOptions) -> bool {
         let odd = |count: usize| count % 2 == 1;
-        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+        if let Some(SolidBuffers { mesh, .. }) = self.solid.as_ref().filter(|_| options.show_solid) {
             return odd(mesh.crossings(ray));
         }
         let in_blades = || {
