@@ -10,8 +10,8 @@ const MAX_SHOWN_GIB: f64 = 1e6;
 /// Bytes that a ray takes on average with its spans, the surface on it, and the file of that: measured on a
 /// milled wheel, with room.
 const BYTES_PER_RAY: f64 = 330.0;
-/// Cells across the largest extent of a blank below which its solid says nothing: its volume is off by several
-/// percent, or it is between two rays.
+/// Cells across the largest extent of a blank below which its solid says nothing: its volume is off by
+/// several percent, or it is between two rays.
 const MIN_CELLS: f64 = 25.0;
 /// Empty cells around the stock.
 const MARGIN: f64 = 1.5;

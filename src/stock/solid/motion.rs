@@ -89,7 +89,8 @@ impl SolidMove {
 }
 
 /// Sets [`SolidMove::checks_core`] in programs that mill along curves: what goes down along its axis is a
-/// plunge where a retract follows, maybe after further pecks, and the approach to a pass where a pass follows.
+/// plunge where a retract follows, maybe after further pecks, and the approach to a pass where a pass
+/// follows.
 pub fn tell_plunges_from_approaches(moves: &mut [SolidMove]) {
     let mut leaves_next = true;
     let mut next_tool = None;
