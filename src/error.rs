@@ -267,7 +267,7 @@ error_codes! {
             "The program breaks an allowance, collides, or leaves its limits.",
             "Correct the program at the lines of the report.";
         StockSpacing "stock-spacing",
-            "The stock as a solid is empty, or too large for its spacing.",
+            "The stock as a solid is empty, or too large or too small for its spacing.",
             "Give another --spacing or --blank.";
     }
     "Commands" {

@@ -4,6 +4,7 @@
 #![cfg(feature = "gpu")]
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{UVec2, Vec2, Vec3};
 use vanecut::cutting::contact::CoreContact;
@@ -11,6 +12,7 @@ use vanecut::drawing::cutters::{cutter_set, evaluated_cutters, placed_cutters};
 use vanecut::drawing::floor::floor_meshes;
 use vanecut::drawing::scene_of_part;
 use vanecut::geometry::{Point, Vector};
+use vanecut::gpu::mesh::{Mesh, Paint, Vertex};
 use vanecut::gpu::{
     Camera, CutterFilter, FloorColours, Gpu, Picture, Renderer, Scene, SceneOptions, SectionPlane, View,
 };
@@ -298,4 +300,32 @@ fn cutters_of_a_plan_in_the_making_are_grey_until_they_are_judged_and_no_positio
     assert!(red(&scene) > 100, "judged");
     scene.set_preview(None);
     assert_eq!(pick(&scene), Some(1), "the plan before can be picked again");
+}
+
+/// A tetrahedron about the origin, as a solid stock.
+fn tetrahedron(size: f32) -> Mesh {
+    let corners = [[1.0, 1.0, 1.0], [-1.0, -1.0, 1.0], [-1.0, 1.0, -1.0], [1.0, -1.0, -1.0]];
+    let vertices =
+        corners.map(|corner| Vertex::painted(corner.map(|x| size * x), [0.0; 3], 0.0, Paint::UNCUT));
+    let indices = [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+    Mesh { vertices: vertices.to_vec(), indices: indices.to_vec() }
+}
+
+#[test]
+fn a_solid_in_motion_is_drawn_by_its_coarser_triangles() {
+    let mut studio = Studio::new();
+    let gpu = studio.gpu.clone();
+    let mut scene = scene_of_part(&gpu, &part());
+    let mut shot = |scene: &Scene, draft: bool| {
+        let options = SceneOptions { show_solid: true, draft, ..SceneOptions::default() };
+        studio.shot(scene, View::Iso, &options, 1)
+    };
+    scene.set_solid(&gpu, Some(Arc::new(tetrahedron(100.0))));
+    let small = shot(&scene, true);
+    scene.set_solid(&gpu, Some(Arc::new(tetrahedron(200.0))));
+    let large = shot(&scene, true);
+    assert!(small != large);
+    scene.set_solid_draft(&gpu, &tetrahedron(100.0));
+    assert!(shot(&scene, true) == small, "in motion");
+    assert!(shot(&scene, false) == large, "at rest");
 }

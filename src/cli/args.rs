@@ -261,7 +261,7 @@ pub struct StockArgs {
     #[arg(long)]
     pub setup: Option<PathBuf>,
     /// State after this many moves of the program; absent: after the last
-    #[arg(long, value_name = "K")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
     pub at: Option<usize>,
     /// Distance of the rays, mm; absent: the diameter of the blank / 800
     #[arg(long, value_name = "H", allow_negative_numbers = true)]

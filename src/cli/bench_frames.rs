@@ -8,14 +8,22 @@ use glam::UVec2;
 use super::Failure;
 use super::bench_measure::{median, print_row};
 use crate::drawing::part::draft_part_mesh;
+use crate::drawing::solid::solid_mesh;
 use crate::drawing::{scene_of_part, show_plan};
+use crate::gpu::mesh::Paint;
 use crate::gpu::{
     Camera, CutterFilter, Gpu, Renderer, ResidualKernel, SceneOptions, StockFloor, StockState, View,
     draft_size,
 };
 use crate::job::PlanOutcome;
+use crate::monitor::Monitor;
+use crate::stock::solid::{SolidBlank, SolidProgram, SolidStock, StockSurface};
 use crate::stock::{FieldProgram, FloorLevels, field_cutters};
+use crate::toolpath::ClProgram;
 
+/// Rays across the wheel of the solids that the window draws.
+const COARSE_RAYS: f64 = 140.0;
+const FINE_RAYS: f64 = 360.0;
 /// Pictures per measurement.
 const PICTURES: u32 = 12;
 
@@ -52,7 +60,45 @@ pub fn run(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
             )?;
         }
     }
-    preview(gpu, outcome)
+    preview(gpu, outcome)?;
+    solid(gpu, outcome)
+}
+
+/// Draws the stock as a solid after the whole plan while it is dragged, on rays as in the window; prints the
+/// medians.
+fn solid(gpu: &Gpu, outcome: &PlanOutcome) -> Result<(), Failure> {
+    let size = draft_size(gpu, UVec2::new(1280, 800));
+    let part = &outcome.workpiece.part;
+    let mut scene = scene_of_part(gpu, part);
+    let mut renderer = Renderer::new(gpu);
+    let program = ClProgram::of_plan(&part.name, &outcome.after.plan);
+    let program =
+        SolidProgram::new(&program, &outcome.setup).map_err(|fault| Failure::of_work(fault.error))?;
+    let blank = SolidBlank::from_part(part, &outcome.workpiece.blank);
+    let mut camera = Camera::standard(View::Iso, scene.framing(), size.x as f32 / size.y as f32);
+    let options = SceneOptions { draft: true, show_solid: true, ..SceneOptions::default() };
+    for rays in [COARSE_RAYS, FINE_RAYS] {
+        let spacing = blank.default_spacing() * 800.0 / rays;
+        let mut stock = SolidStock::new(&blank, spacing).map_err(Failure::of_work)?;
+        stock.make_moves(&program.tools, &program.moves, &Monitor::default()).map_err(Failure::of_work)?;
+        let surface = StockSurface::from_stock(&stock);
+        let mesh = solid_mesh(&surface, spacing, None, |_| Paint::UNCUT, &Monitor::default())
+            .map_err(Failure::of_work)?;
+        let triangles = mesh.triangles();
+        scene.set_solid(gpu, Some(Arc::new(mesh)));
+        let seconds = median(|| {
+            for _ in 0..PICTURES {
+                camera.yaw_rad += TAU / 180.0;
+                renderer.render(gpu, &scene, &camera, &options, size, 1);
+                let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+            }
+        }) / f64::from(PICTURES);
+        print_row(
+            &format!("solid stock dragged, {triangles} triangles: {:.0} per second", 1.0 / seconds),
+            seconds,
+        )?;
+    }
+    Ok(())
 }
 
 /// Computes the stock on the floor after different numbers of plunges with the kernel and draws it from its

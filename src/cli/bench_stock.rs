@@ -1,16 +1,21 @@
 //! Benchmarks of the stock as a solid.
 
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
 use super::Failure;
 use super::bench_measure::{build, build_sample, describe, median, print_row};
 use super::stdout::print_stdout;
-use crate::geometry::Vector;
+use crate::geometry::{Point, Vector};
 use crate::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use crate::monitor::Monitor;
-use crate::part::Blank;
+use crate::part::{Blank, Workpiece};
 use crate::setup::{Setup, Tool};
+use crate::stock::excess::Excess;
 use crate::stock::solid::{
-    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, StockPlayer, StockSurface,
-    ToolPose, TurnedOutline,
+    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, SpanEnd, StockPlayer,
+    StockSurface, ToolPose, TurnedOutline,
 };
 use crate::toolpath::ClProgram;
 
@@ -24,6 +29,8 @@ const FLANK_MOVES: usize = 15_000;
 /// Rays across the wheel where a timeline is scrubbed, and where the memory is measured.
 const SCRUB_RAYS: f64 = 500.0;
 const FULL_RAYS: f64 = 800.0;
+/// Rays across the wheel in the window.
+const WINDOW_RAYS: f64 = 360.0;
 /// Jumps of the timeline.
 const JUMPS: usize = 40;
 
@@ -73,12 +80,14 @@ pub fn run() -> Result<(), Failure> {
     print_surface(&stock)?;
     print_memory("  memory of its rays", &stock)?;
 
-    let (flank, flank_blank) = flank_program()?;
+    let (flank, workpiece) = flank_program()?;
+    let flank_blank = SolidBlank::from_part(&workpiece.part, &workpiece.blank);
     let count = flank.count;
     let mut cut = SolidStock::new(&flank_blank, SPACING).map_err(Failure::of_work)?;
     let started = std::time::Instant::now();
     cut.make_moves(&flank.tools, &flank.moves, &Monitor::default()).map_err(Failure::of_work)?;
     print_row(&format!("  {count} moves of a flank plan of D 300"), started.elapsed().as_secs_f64())?;
+    print_distances(&flank, &workpiece, &flank_blank)?;
 
     let at = |blank: &SolidBlank| SolidStock::new(blank, DIAMETER / SCRUB_RAYS).map_err(Failure::of_work);
     let coarse = [at(&blank)?, at(&flank_blank)?];
@@ -132,8 +141,23 @@ fn print_jumps(what: &str, mut player: StockPlayer) -> Result<Result<(), Failure
     Ok(rows())
 }
 
-/// The first moves of the flank plan of the sample wheel with splitters, of D 300, with its blank.
-fn flank_program() -> Result<(SolidProgram, SolidBlank), Failure> {
+/// Prints the time to colour the stock by its distance to the part, as the window does.
+fn print_distances(flank: &SolidProgram, workpiece: &Workpiece, blank: &SolidBlank) -> Result<(), Failure> {
+    let mut stock = SolidStock::new(blank, DIAMETER / WINDOW_RAYS).map_err(Failure::of_work)?;
+    stock.make_moves(&flank.tools, &flank.moves, &Monitor::default()).map_err(Failure::of_work)?;
+    let surface = StockSurface::from_stock(&stock);
+    let excess = Excess::new(workpiece);
+    let vertices = surface.points.iter().zip(&surface.cut_by);
+    let cut: Vec<Point> = vertices.filter(|(_, by)| **by != SpanEnd::BLANK).map(|(p, _)| *p).collect();
+    let seconds = median(|| {
+        let distances: Vec<f64> = cut.par_iter().map(|point| excess.at(point)).collect();
+        std::hint::black_box(distances);
+    });
+    print_row(&format!("  distance to the part of {} points of it at D/{WINDOW_RAYS}", cut.len()), seconds)
+}
+
+/// The first moves of the flank plan of the sample wheel with splitters, of D 300, with its workpiece.
+fn flank_program() -> Result<(SolidProgram, Arc<Workpiece>), Failure> {
     let part = build_sample("impeller9x9.toml", include_bytes!("../../assets/parts/impeller9x9.toml"))?;
     let request = FlankRequest { part: part.clone(), setup: Setup::for_part(&part) };
     let planned = FlankJob::default().run(&request, &Monitor::default());
@@ -142,7 +166,7 @@ fn flank_program() -> Result<(SolidProgram, SolidBlank), Failure> {
     let mut program = SolidProgram::new(&program, &setup).map_err(|fault| Failure::of_work(fault.error))?;
     program.moves.truncate(FLANK_MOVES);
     program.count = program.moves.len();
-    Ok((program, SolidBlank::from_part(&part, &workpiece.blank)))
+    Ok((program, workpiece))
 }
 
 /// Plunge `k` of `count`, spread over one pitch of the channel floor, inclined against it.
@@ -157,5 +181,5 @@ fn plunge(k: u32, count: u32, part: &crate::part::Impeller, scale: f64) -> Solid
     let axis = (normal + across).normalize();
     let tip = floor.at_angle(angle) * scale + axis * 0.5;
     let pose = |up: f64| ToolPose { tip: tip + axis * up, axis };
-    SolidMove { number: k, tool: 0, rapid: false, from: pose(80.0), to: pose(0.0) }
+    SolidMove { number: k, tool: 0, rapid: false, checks_core: true, from: pose(80.0), to: pose(0.0) }
 }

@@ -69,6 +69,8 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
     .map_err(failed)?;
     let surface = StockSurface::from_stock(&stock);
     let (whole, volume) = (blank.volume(), surface.volume());
+    // The surface of an uncut blank may enclose a few mm³ more than the blank.
+    let removed = (whole - volume).max(0.0);
     let bytes = match format {
         StockFormat::Stl => write_stl(&surface.points, &surface.triangles, &part.name),
         StockFormat::Glb => GltfScene::of_stock(&part.name, &surface, volume).glb(),
@@ -79,7 +81,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
     if args.json {
         let mut map = Map::new();
         map.insert("volume".into(), number(volume));
-        map.insert("volume_removed".into(), number(whole - volume));
+        map.insert("volume_removed".into(), number(removed));
         map.insert("spacing".into(), number(spacing));
         map.insert("moves".into(), json!(made));
         map.insert("collisions".into(), collisions.json());
@@ -93,7 +95,7 @@ pub fn run(args: &StockArgs) -> Result<(), Failure> {
         args.output.display(),
         surface.triangles.len(),
         simulated.count,
-        1e-3 * (whole - volume),
+        1e-3 * removed,
         1e-3 * whole,
         1e-3 * volume,
     );

@@ -266,7 +266,8 @@ impl Mesh {
         let (RayCrossing { distance, u, v }, triangle) = nearest?;
         let [a, b, c] = [0, 1, 2].map(|k| self.vertices[triangle[k] as usize]);
         let value = a.value + (b.value - a.value) * u + (c.value - a.value) * v;
-        Some(MeshHit { distance, normal: Vec3::from_array(a.normal), value })
+        let is_uncut = a.uncut.to_bits() == Paint::UNCUT.0;
+        Some(MeshHit { distance, normal: Vec3::from_array(a.normal), value, is_uncut })
     }
 
     /// Number of triangles that the ray crosses in front of its origin.
@@ -308,6 +309,8 @@ pub struct MeshHit {
     pub normal: Vec3,
     /// Value interpolated between the corners, see [`Vertex::value`].
     pub value: f32,
+    /// Whether it is surface of the blank, on the stock as a solid: [`Paint::UNCUT`].
+    pub is_uncut: bool,
 }
 
 /// Intersection of a ray with a triangle: distance along the ray, barycentric coordinates of the second and

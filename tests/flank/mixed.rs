@@ -65,19 +65,30 @@ fn a_core_meets_what_neither_plunges_nor_passes_have_cut() {
     assert!(plunges > 6 && whole.moves.len() == PLUNGE * plunges && whole.moves[1].motion != Motion::Rapid);
     let at = |k: usize| &whole.moves[PLUNGE * k..PLUNGE * (k + 1)];
     // A pass in the place of the third plunge frees the cores after it as the plunge did.
-    let passed = |without_pass: bool| {
+    let passed = |without_pass: bool, leads_out: bool| {
         let mut moves = [at(0), at(1)].concat();
         if !without_pass {
             moves.extend(as_pass(at(2)));
         }
         let next = moves.len() + 2;
-        moves.extend_from_slice(at(3));
+        moves.extend_from_slice(&at(3)[..2]);
+        if leads_out {
+            let plunge = &at(3)[1];
+            moves.push(Move {
+                tip: plunge.tip + plunge.axis * 2.0 + frame_about(&plunge.axis).0,
+                ..plunge.clone()
+            });
+        }
+        moves.push(at(3)[2].clone());
         // The pass that makes it a program of both kinds comes late otherwise.
         moves.extend(as_pass(at(4)));
         (ClProgram { moves, ..whole.clone() }, next)
     };
-    let (mut program, _) = passed(false);
+    let (mut program, _) = passed(false, false);
     assert_eq!(cores_in_stock(&mut program), Vec::<usize>::new());
-    let (mut program, next) = passed(true);
-    assert_eq!(cores_in_stock(&mut program), [next], "the fourth plunge follows the second");
+    for leads_out in [false, true] {
+        let (mut program, next) = passed(true, leads_out);
+        let what = format!("the fourth plunge follows the second, lead-out {leads_out}");
+        assert_eq!(cores_in_stock(&mut program), [next], "{what}");
+    }
 }

@@ -9,7 +9,7 @@ use vanecut::error::ErrorCode;
 use vanecut::io::stl::read_stl_bytes;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, with_sample};
+use crate::harness::{Window, labels, settle, snapshot_view, with_sample};
 
 /// A window with the layer shown, seen onto the channel.
 fn with_stock() -> Window {
@@ -32,7 +32,10 @@ fn volume(window: &Window) -> f64 {
 fn the_solid_follows_the_timeline() {
     let mut window = with_stock();
     let done = volume(&window);
-    assert!(!window.state().solid(Side::After).expect("a solid").is_coarse, "fine in the end");
+    let solid = window.state().solid(Side::After).expect("a solid");
+    assert!(!solid.is_coarse, "fine in the end");
+    let draft = solid.draft.as_ref().expect("for pictures in motion");
+    assert!(3 * draft.triangles() < solid.mesh.triangles(), "{} triangles", draft.triangles());
     snapshot_view(&mut window, "stock");
     let count = window.state().state().position_count();
     let mut last = f64::INFINITY;
@@ -79,6 +82,27 @@ fn tools_sections_and_faults_colour_the_solid_and_the_section_plane_cuts_it() {
     settle(&mut window);
     let state = window.state().state();
     assert!(state.problems.is_empty() && state.look.section.is_some(), "{:?}", state.problems);
+    // The controls of the plane do not hide the volume.
+    let volume = window.get_by_label_contains("cm³").rect();
+    assert!(!volume.intersects(window.get_by_label("Flip").rect()), "{volume:?}");
+    assert!(volume.bottom() < window.get_by_label("Flip").rect().top(), "{volume:?}");
+}
+
+#[test]
+fn the_legend_gives_the_distance_of_what_is_cut_and_nothing_of_the_blank() {
+    let mut window = with_stock();
+    let view = window.get_by_label("3D view").rect().shrink(60.0);
+    let mut read = Vec::new();
+    for k in 0..24 {
+        let at = view.min
+            + egui::vec2((k % 6) as f32 + 0.5, (k / 6) as f32 + 0.5) * view.size() / egui::vec2(6.0, 4.0);
+        window.hover_at(at);
+        window.run_steps(2);
+        read.push(labels(&window, "").into_iter().find(|label| label.ends_with(" here")));
+    }
+    let cut = read.iter().flatten().count();
+    assert!((1..20).contains(&cut), "{read:?}");
+    assert!(!read.iter().flatten().any(|label| label == "0.00 mm here"), "{read:?}");
 }
 
 #[test]

@@ -31,6 +31,8 @@ pub struct SolidPicture {
     pub request: SolidRequest,
     /// Its triangles.
     pub mesh: Arc<Mesh>,
+    /// Fewer triangles of the same solid, for pictures in motion.
+    pub draft: Option<Arc<Mesh>>,
     /// Distance of its rays, mm.
     pub spacing: f64,
     /// Volume, mm³.
@@ -250,6 +252,7 @@ fn simulate(
         Ok::<_, String>(SolidPicture {
             request: request.clone(),
             mesh: Arc::new(mesh),
+            draft: None,
             spacing: *spacing,
             volume: surface.volume(),
             collisions: contacts.len(),
@@ -257,12 +260,14 @@ fn simulate(
             is_coarse,
         })
     };
-    listen(picture(&mut bench.coarse, true)?);
+    let coarse = picture(&mut bench.coarse, true)?;
+    let draft = Some(Arc::clone(&coarse.mesh));
+    listen(coarse);
     if bench.fine.is_none() {
         bench.fine = Some(player(&request.source, &bench.program, FINE)?);
     }
     let Some(fine) = &mut bench.fine else { return Err(String::new()) };
-    picture(fine, false)
+    Ok(SolidPicture { draft, ..picture(fine, false)? })
 }
 
 /// The triangles of a surface in the colours of a request, and the names of the colours.

@@ -266,12 +266,16 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
+/// Height of the controls of the section plane, with the gap below them.
+pub const SECTION_BAR_HEIGHT: f32 = 68.0;
+
 /// Controls of the section plane: orientation, offset, side.
 pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
     let units = look.units;
     let Some(section) = &mut look.section else { return };
     let width = (rect.width() - 20.0).min(300.0);
-    let at = Rect::from_min_size(egui::pos2(rect.min.x + 10.0, rect.max.y - 68.0), egui::vec2(width, 58.0));
+    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - SECTION_BAR_HEIGHT);
+    let at = Rect::from_min_size(corner, egui::vec2(width, SECTION_BAR_HEIGHT - 10.0));
     let mut close = false;
     floating(ui, at, |ui| {
         ui.set_width(width - 8.0);

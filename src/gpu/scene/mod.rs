@@ -40,6 +40,15 @@ pub(super) struct FloorBuffers {
     mesh: Mesh,
 }
 
+/// The stock as a solid: its triangles for picking, and in buffers for drawing, maybe with fewer for pictures
+/// in motion.
+#[derive(Debug)]
+struct SolidBuffers {
+    mesh: Arc<Mesh>,
+    fine: MeshBuffers,
+    draft: Option<MeshBuffers>,
+}
+
 /// One part with its plan, on the GPU.
 #[derive(Debug)]
 pub struct Scene {
@@ -55,8 +64,7 @@ pub struct Scene {
     pub(super) stock: Option<DrawnStock>,
     /// The floor with the contact of all cores.
     pub(super) contact: Option<MeshBuffers>,
-    /// The stock as a solid, for drawing and picking.
-    solid: Option<(MeshBuffers, Arc<Mesh>)>,
+    solid: Option<SolidBuffers>,
     /// The machine, and the distance of its farthest corner from the origin, mm.
     machine: Option<(MeshBuffers, f32)>,
     pub(super) cutters: Vec<DrawnCutter>,
@@ -145,7 +153,14 @@ impl Scene {
     /// See [`SceneOptions::show_solid`].
     pub fn set_solid(&mut self, gpu: &Gpu, solid: Option<Arc<Mesh>>) {
         let some = solid.filter(|mesh| !mesh.indices.is_empty());
-        self.solid = some.map(|mesh| (MeshBuffers::new(gpu, &mesh), mesh));
+        self.solid = some.map(|mesh| SolidBuffers { fine: MeshBuffers::new(gpu, &mesh), draft: None, mesh });
+    }
+
+    /// Adds coarser triangles of the same solid for pictures in motion.
+    pub fn set_solid_draft(&mut self, gpu: &Gpu, draft: &Mesh) {
+        if let Some(solid) = &mut self.solid {
+            solid.draft = Some(MeshBuffers::new(gpu, draft));
+        }
     }
 
     /// Sets the machine, with corners by [`super::mesh::Vertex::painted`], or removes it. It cannot be
@@ -171,7 +186,8 @@ impl Scene {
 
     /// The solid, if these options show it.
     pub(super) fn solid(&self, options: &SceneOptions) -> Option<&MeshBuffers> {
-        self.solid.as_ref().filter(|_| options.show_solid).map(|(buffers, _)| buffers)
+        let solid = self.solid.as_ref().filter(|_| options.show_solid)?;
+        Some(solid.draft.as_ref().filter(|_| options.draft).unwrap_or(&solid.fine))
     }
 
     /// Sets stock on the floor that the device computed, or removes it. While it is set, it is drawn for

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{FloorColours, Scene, SceneOptions};
+use super::{FloorColours, Scene, SceneOptions, SolidBuffers};
 use crate::gpu::camera::{Camera, ViewRay};
 use crate::gpu::cutters;
 use crate::gpu::mesh::{MeshHit, rotate_about_z};
@@ -15,7 +15,7 @@ pub struct Pick {
     pub point: Vec3,
     /// Index of the position whose cutter is under the pixel.
     pub position: Option<usize>,
-    /// Value there, if the surface has values ([`FloorColours::Walls`]).
+    /// Value there, if the surface has values ([`FloorColours::Walls`], what is cut of a solid stock).
     pub value: Option<f32>,
     /// Whether the point is on material cut by the section plane.
     pub on_section: bool,
@@ -78,8 +78,10 @@ impl Scene {
                 nearest = Some(SurfaceHit { distance, value, on_section: false });
             }
         };
-        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
-            near(mesh.hit(&ray), true);
+        if let Some(SolidBuffers { mesh, .. }) = self.solid.as_ref().filter(|_| options.show_solid) {
+            let hit = mesh.hit(&ray);
+            // The surface of the blank has a grey of its own, and no value.
+            near(hit, hit.is_some_and(|hit| !hit.is_uncut));
             return nearest;
         }
         if options.show_hub {
@@ -110,7 +112,7 @@ impl Scene {
     /// of their faces: the parity rule with which the renderer fills the section plane.
     fn is_inside(&self, ray: &ViewRay, options: &SceneOptions) -> bool {
         let odd = |count: usize| count % 2 == 1;
-        if let Some((_, mesh)) = self.solid.as_ref().filter(|_| options.show_solid) {
+        if let Some(SolidBuffers { mesh, .. }) = self.solid.as_ref().filter(|_| options.show_solid) {
             return odd(mesh.crossings(ray));
         }
         let in_blades = || {

@@ -5,9 +5,14 @@ use crate::geometry::Point;
 
 /// Memory that a stock may take, bytes.
 pub const MAX_BYTES: f64 = (1u64 << 30) as f64;
+/// Memory up to which a message names it, GiB.
+const MAX_SHOWN_GIB: f64 = 1e6;
 /// Bytes that a ray takes on average with its spans, the surface on it, and the file of that: measured on a
 /// milled wheel, with room.
 const BYTES_PER_RAY: f64 = 330.0;
+/// Cells across the largest extent of a blank below which its solid says nothing: its volume is off by
+/// several percent, or it is between two rays.
+const MIN_CELLS: f64 = 25.0;
 /// Empty cells around the stock.
 const MARGIN: f64 = 1.5;
 /// Shift of the lattice in cells, so that its planes do not coincide with faces at round coordinates.
@@ -28,6 +33,13 @@ pub enum SolidError {
         /// A spacing that would do, mm.
         least: f64,
     },
+    /// The rays would miss much of the blank.
+    Coarse {
+        /// The spacing, mm.
+        spacing: f64,
+        /// A spacing that would do, mm.
+        most: f64,
+    },
     /// The cuts leave too many separate pieces.
     Pieces(f64),
     /// The blank has no extent.
@@ -43,9 +55,17 @@ impl SolidError {
             Self::Spacing(spacing) => {
                 (format!("a spacing of {spacing} mm is not possible"), "give a length above 0".to_owned())
             }
-            Self::Memory { spacing, gib, least } => (
-                format!("a spacing of {spacing} mm would take {gib:.1} GiB"),
-                format!("give at least {least:.3} mm"),
+            Self::Memory { spacing, gib, least } => {
+                let takes =
+                    if *gib < MAX_SHOWN_GIB { format!("{gib:.1}") } else { format!("over {MAX_SHOWN_GIB}") };
+                (
+                    format!("a spacing of {} mm would take {takes} GiB", shown(*spacing)),
+                    format!("give at least {least:.3} mm"),
+                )
+            }
+            Self::Coarse { spacing, most } => (
+                format!("a spacing of {} mm is too coarse for this blank", shown(*spacing)),
+                format!("give {most:.3} mm or less"),
             ),
             Self::Pieces(spacing) => (
                 "the stock falls into too many pieces for 1 GiB".to_owned(),
@@ -56,6 +76,11 @@ impl SolidError {
         };
         UserError::new(ErrorCode::StockSpacing, what, help)
     }
+}
+
+/// A length in the fewest digits: as a decimal number, or with an exponent where that would be long.
+fn shown(mm: f64) -> String {
+    if (1e-6..1e6).contains(&mm) { format!("{mm}") } else { format!("{mm:e}") }
 }
 
 impl From<SolidError> for UserError {
@@ -79,8 +104,8 @@ impl Lattice {
     /// The lattice of a spacing around the box from `low` to `high`.
     ///
     /// # Errors
-    /// When the spacing is not a positive number, the box is empty, or the stock would take more than
-    /// `MAX_BYTES`.
+    /// When the spacing is not a positive number or too coarse for the box, the box is empty, or the stock
+    /// would take more than `MAX_BYTES`.
     pub fn around(low: Point, high: Point, spacing: f64) -> Result<Self, SolidError> {
         if !(spacing.is_finite() && spacing > 0.0) {
             return Err(SolidError::Spacing(spacing));
@@ -88,6 +113,10 @@ impl Lattice {
         let extent = high - low;
         if !(extent.min() > 0.0 && extent.iter().all(|x| x.is_finite())) {
             return Err(SolidError::Empty);
+        }
+        let most = extent.max() / MIN_CELLS;
+        if spacing > most {
+            return Err(SolidError::Coarse { spacing, most });
         }
         let bytes = |spacing: f64| {
             let [x, y, z] = [0, 1, 2].map(|k| extent[k] / spacing + 2.0 * MARGIN + 2.0);

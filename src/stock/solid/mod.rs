@@ -28,7 +28,7 @@ pub use assembly::{SolidSegment, SolidTool};
 pub use carve::Contact;
 pub use lattice::{Lattice, SolidError};
 pub use mesh_blank::{MeshBlank, MeshFault};
-pub use motion::{SolidMove, ToolPose};
+pub use motion::{SolidMove, ToolPose, tell_plunges_from_approaches};
 pub use part::ToolPart;
 pub use player::StockPlayer;
 pub use program::{ProgramFault, SolidProgram};

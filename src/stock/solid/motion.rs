@@ -7,6 +7,7 @@ use super::part::{Action, ToolPart};
 use super::piece::Piece;
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{Point, Vector};
+use crate::toolpath::is_axial;
 
 /// Turn of the axis below which a move counts as straight, rad.
 const STRAIGHT_RAD: f64 = 1e-7;
@@ -14,6 +15,8 @@ const STRAIGHT_RAD: f64 = 1e-7;
 const AXIAL: (f64, f64) = (1e-4, 1e-4);
 /// Largest number of steps into which one move is divided.
 const MAX_STEPS: f64 = 20_000.0;
+/// Share of a cut that goes up the axis above which it leaves a plunge, and is no pass.
+const LEAVING_SHARE: f64 = 0.5;
 
 /// Tip and unit axis of a tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +36,8 @@ pub struct SolidMove {
     pub tool: usize,
     /// Whether it is a rapid, which removes nothing.
     pub rapid: bool,
+    /// Whether its core must not meet stock where it goes down along its axis: not in an approach to a pass.
+    pub checks_core: bool,
     /// Where it starts; where that is unknown, its end.
     pub from: ToolPose,
     /// Where it ends.
@@ -56,6 +61,19 @@ impl SolidMove {
         self.from.axis.angle(&self.to.axis)
     }
 
+    /// Whether it goes down along its axis under feed.
+    pub fn goes_in(&self) -> bool {
+        let travel = self.to.tip - self.from.tip;
+        !self.rapid && is_axial(&travel, &self.from.axis, &self.to.axis) && travel.dot(&self.to.axis) < 0.0
+    }
+
+    /// Whether it leaves a plunge before it: a rapid, or a cut up the axis, off the stock beside it or not.
+    fn leaves(&self) -> bool {
+        let travel = self.to.tip - self.from.tip;
+        let up = travel.dot(&self.to.axis);
+        self.rapid || (self.turn() < STRAIGHT_RAD && up > LEAVING_SHARE * travel.norm())
+    }
+
     /// Whether the move is never part of a run: a rapid, or a cut along its own axis.
     pub(super) fn is_whole(&self) -> bool {
         self.rapid || self.axial().is_some()
@@ -67,6 +85,23 @@ impl SolidMove {
         let along = travel.dot(&self.to.axis);
         let across = (travel - self.to.axis * along).norm();
         (across < AXIAL.1.min(AXIAL.0 * (1.0 + travel.norm())) && self.turn() < 1e-5).then_some(along)
+    }
+}
+
+/// Sets [`SolidMove::checks_core`] in programs that mill along curves: what goes down along its axis is a
+/// plunge where a retract follows, maybe after further pecks, and the approach to a pass where a pass
+/// follows.
+pub fn tell_plunges_from_approaches(moves: &mut [SolidMove]) {
+    let mut leaves_next = true;
+    let mut next_tool = None;
+    for step in moves.iter_mut().rev() {
+        leaves_next |= next_tool != Some(step.tool);
+        next_tool = Some(step.tool);
+        step.checks_core = step.goes_in() && leaves_next;
+        let stays = !step.rapid && step.from == step.to;
+        if !(step.goes_in() || stays) {
+            leaves_next = step.leaves();
+        }
     }
 }
 
@@ -128,7 +163,7 @@ impl PieceMaker<'_> {
     /// Appends the piece of the core in a plunge.
     fn add_core(&self, step: &SolidMove, into: &mut Vec<Piece>) {
         let Some(tool) = self.tools.get(step.tool).filter(|tool| tool.core_radius > 0.0) else { return };
-        if step.axial().is_some_and(|travel| !step.rapid && travel < 0.0) {
+        if step.checks_core && step.axial().is_some_and(|travel| !step.rapid && travel < 0.0) {
             // Pieces of a plunge are prolonged upwards by its travel; this one only checks.
             let outline = Outline::cone(tool.core_radius, tool.core_radius, 1e-9);
             let action = Action::Check(ToolPart::Core);
@@ -279,5 +314,62 @@ impl Piece {
             high[k] += along.max(0.0) + self.travel[k].max(0.0) + side;
         }
         (low, high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Moves of one tool with a vertical axis through points, with whether each is a rapid.
+    fn moves(points: &[([f64; 3], bool)]) -> Vec<SolidMove> {
+        let pose = |p: [f64; 3]| ToolPose { tip: Point::from(p), axis: Vector::z() };
+        let ends = points.windows(2).enumerate();
+        ends.map(|(k, pair)| SolidMove {
+            number: k as u32,
+            tool: 0,
+            rapid: pair[1].1,
+            checks_core: true,
+            from: pose(pair[0].0),
+            to: pose(pair[1].0),
+        })
+        .collect()
+    }
+
+    #[test]
+    fn what_a_pass_follows_is_an_approach_and_what_a_retract_follows_a_plunge() {
+        let (start, top, bottom) = ([0.0, 0.0, 20.0], [0.0, 0.0, 5.0], [0.0, 0.0, 0.0]);
+        let (beside, off) = ([9.0, 0.0, 0.0], [1.0, 0.0, 2.0]);
+        for (what, points, expected) in [
+            ("retract", vec![(start, true), (bottom, false), (start, true)], vec![0]),
+            ("retract under feed", vec![(start, true), (bottom, false), (start, false)], vec![0]),
+            (
+                "lead-out off the stock",
+                vec![(start, true), (bottom, false), (off, false), (start, true)],
+                vec![0],
+            ),
+            ("pass", vec![(start, true), (bottom, false), (beside, false), (start, true)], vec![]),
+            ("pecks", vec![(start, true), (top, false), (bottom, false), (start, true)], vec![0, 1]),
+            ("pecks and a pass", vec![(start, true), (top, false), (bottom, false), (beside, false)], vec![]),
+            (
+                "no move between",
+                vec![(start, true), (bottom, false), (bottom, false), (beside, false)],
+                vec![],
+            ),
+            ("nothing", vec![(start, true), (bottom, false)], vec![0]),
+        ] {
+            let mut moves = moves(&points);
+            tell_plunges_from_approaches(&mut moves);
+            let found: Vec<usize> = (0..moves.len()).filter(|&k| moves[k].checks_core).collect();
+            assert_eq!(found, expected, "{what}");
+            // Another tool goes on.
+            if let Some(last) = moves.last_mut().filter(|_| what == "pass") {
+                last.tool = 1;
+                let cut = SolidMove { tool: 1, ..moves[1] };
+                moves[1] = cut;
+                tell_plunges_from_approaches(&mut moves);
+                assert!(moves[0].checks_core, "{what} of another tool");
+            }
+        }
     }
 }

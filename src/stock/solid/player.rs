@@ -108,6 +108,7 @@ mod tests {
                 number,
                 tool: 0,
                 rapid: false,
+                checks_core: true,
                 from: pose(number, 30.0),
                 to: pose(number, 4.0),
             })

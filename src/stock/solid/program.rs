@@ -1,7 +1,7 @@
 //! A program as moves of tool assemblies.
 
 use super::assembly::SolidTool;
-use super::motion::{SolidMove, ToolPose};
+use super::motion::{SolidMove, ToolPose, tell_plunges_from_approaches};
 use crate::error::{ErrorCode, UserError};
 use crate::setup::Setup;
 use crate::toolpath::{ClProgram, Motion};
@@ -58,11 +58,15 @@ impl SolidProgram {
             let to = ToolPose { tip: step.tip, axis: step.axis };
             let from = moves.last().filter(|last| last.tool == tool).map_or(to, |last| last.to);
             let rapid = step.motion == Motion::Rapid;
-            moves.push(SolidMove { number: number as u32, tool, rapid, from, to });
+            moves.push(SolidMove { number: number as u32, tool, rapid, checks_core: true, from, to });
         }
-        // As in `verify`: plunges are not checked against an assumed holder.
-        let assembled =
-            if program.mills_along_curves() { SolidTool::from_tool } else { SolidTool::described };
+        // As in `verify`: plunges are not checked against an assumed holder, approaches to passes not for
+        // their core.
+        let mills_along_curves = program.mills_along_curves();
+        if mills_along_curves {
+            tell_plunges_from_approaches(&mut moves);
+        }
+        let assembled = if mills_along_curves { SolidTool::from_tool } else { SolidTool::described };
         Ok(Self { tools: tools.iter().map(assembled).collect(), moves, count: program.moves.len() })
     }
 

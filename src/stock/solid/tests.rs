@@ -35,7 +35,7 @@ fn pose(tip: [f64; 3], axis: [f64; 3]) -> ToolPose {
 }
 
 fn feed(number: u32, from: ToolPose, to: ToolPose) -> SolidMove {
-    SolidMove { number, tool: 0, rapid: false, from, to }
+    SolidMove { number, tool: 0, rapid: false, checks_core: true, from, to }
 }
 
 /// A plunge along its axis from 60 mm above.
@@ -191,7 +191,6 @@ fn a_move_that_turns_equals_a_hundred_times_finer_one() {
     }
 }
 
-/// Plunges all over the disc, tilted in all directions.
 #[test]
 fn runs_of_short_cuts_equal_the_cuts_one_by_one() {
     // A pass on an arc with an axis that tilts more and more, in moves of 0.5 mm.
@@ -232,6 +231,7 @@ fn assemblies_are_those_of_the_setup() {
     assert_eq!((solid.segments[1].lower, solid.segments[1].upper), (12.0, 15.0));
 }
 
+/// Plunges all over the disc, tilted in all directions.
 fn many_plunges(count: u32) -> Vec<SolidMove> {
     (0..count)
         .map(|i| {
@@ -415,8 +415,17 @@ fn impossible_spacings_are_refused() {
         unreachable!("a tenth of a micrometre does not fit")
     };
     assert!((0.01..0.1).contains(&least), "{least}");
-    let coarse = SolidStock::new(&disc(), 1000.0).expect("coarse, but possible");
-    assert_closed(&StockSurface::from_stock(&coarse));
+    // So coarse that the disc would be between two rays: nothing would be left of it.
+    for spacing in [3.3, 1000.0, 1e300] {
+        let Err(error) = SolidStock::new(&disc(), spacing) else { unreachable!("too coarse: {spacing}") };
+        let SolidError::Coarse { most, .. } = error else { unreachable!("{spacing}: {error}") };
+        assert!((most - 3.2).abs() < 1e-9, "{most}");
+        assert!(error.to_string().len() < 100, "{error}");
+    }
+    let coarse = SolidStock::new(&disc(), 3.2).expect("coarse, but possible");
+    let surface = StockSurface::from_stock(&coarse);
+    assert_closed(&surface);
+    assert_near("coarse disc", surface.volume(), disc().volume(), 0.05);
 }
 
 #[test]

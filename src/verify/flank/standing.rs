@@ -15,6 +15,7 @@ use crate::part::{Blank, Impeller};
 use crate::setup::Tool;
 use crate::stock::solid::{
     Contact, MAX_RUN, SolidBlank, SolidError, SolidMove, SolidStock, SolidTool, ToolPart, ToolPose,
+    tell_plunges_from_approaches,
 };
 
 /// Spacing of the rays as a share of the largest diameter of the blank.
@@ -70,7 +71,11 @@ impl StandingStock {
         monitor: &Monitor,
     ) -> Result<Vec<Contact>, Cancelled> {
         match self.simulate(part, blank, tools, moves(part, steps), monitor) {
-            Ok(contacts) => judge_cores(part, blank, tools, steps, contacts, monitor),
+            Ok(contacts) => {
+                let plunges: Vec<usize> =
+                    (0..self.moves.len()).filter(|&k| self.moves[k].checks_core).collect();
+                judge_cores(part, blank, tools, (steps, &plunges), contacts, monitor)
+            }
             Err(SolidError::Cancelled(cancelled)) => Err(cancelled),
             // At this spacing a blank fits the memory allowed; stock in more pieces than that is not milling.
             Err(_) => Ok(Vec::new()),
@@ -127,7 +132,7 @@ fn with_thicker_holder(tool: &Tool, margin: f64) -> Tool {
 
 /// The steps where the program has them, in their channels.
 fn moves(part: &Impeller, steps: &[CutterStep]) -> Vec<SolidMove> {
-    (0u32..)
+    let mut moves: Vec<SolidMove> = (0u32..)
         .zip(steps)
         .map(|(number, step)| {
             let turn = part.pitch() * step.channel as f64;
@@ -139,25 +144,27 @@ fn moves(part: &Impeller, steps: &[CutterStep]) -> Vec<SolidMove> {
                 }
             };
             let (from, to) = (pose(&step.from), pose(&step.to));
-            SolidMove { number, tool: step.tool, rapid: step.feed.is_none(), from, to }
+            let rapid = step.feed.is_none();
+            SolidMove { number, tool: step.tool, rapid, checks_core: true, from, to }
         })
-        .collect()
+        .collect();
+    tell_plunges_from_approaches(&mut moves);
+    moves
 }
 
 /// Replaces the contacts of cores by the exact ones where only plunges can have cut before: the solid
 /// resolves no thin contact. Elsewhere a core is free where it is free after the plunges alone, and else the
-/// solid decides.
+/// solid decides. `plunges` are indices of `steps`.
 fn judge_cores(
     part: &Impeller,
     blank: &Blank,
     tools: &[Tool],
-    steps: &[CutterStep],
+    (steps, plunges): (&[CutterStep], &[usize]),
     contacts: Vec<Contact>,
     monitor: &Monitor,
 ) -> Result<Vec<Contact>, Cancelled> {
     let (cores, mut judged): (Vec<Contact>, Vec<Contact>) =
         contacts.into_iter().partition(|contact| contact.part == ToolPart::Core);
-    let plunges = plunges_of(steps);
     if plunges.is_empty() {
         return Ok(judged);
     }
@@ -197,23 +204,6 @@ fn judge_cores(
     judged.extend(cores.into_iter().filter(|core| left_to_solid.contains(&core.number)));
     judged.sort_by_key(|contact| (contact.number, contact.part));
     Ok(judged)
-}
-
-/// Indices of the steps that plunge. A plunge is followed by its retract; what a pass follows is the approach
-/// to it, by a cutter for passes.
-fn plunges_of(steps: &[CutterStep]) -> Vec<usize> {
-    let goes_in = |step: &CutterStep| step.feed.is_some() && step.is_axial() && !step.is_retract();
-    let mut plunges = Vec::new();
-    let mut retracts_next = true;
-    for (k, step) in steps.iter().enumerate().rev() {
-        if !goes_in(step) {
-            retracts_next = step.feed.is_none() || step.is_axial();
-        } else if retracts_next {
-            plunges.push(k);
-        }
-    }
-    plunges.reverse();
-    plunges
 }
 
 /// The fault of a contact in a step with tool number `tool`.

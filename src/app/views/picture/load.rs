@@ -196,6 +196,11 @@ impl SidePicture {
         };
         if !same {
             self.scene.set_solid(&self.gpu, solid.as_ref().map(|solid| Arc::clone(&solid.mesh)));
+            // A card draws the fine one fast enough.
+            let draft = solid.as_ref().and_then(|solid| solid.draft.as_ref());
+            if let Some(draft) = draft.filter(|_| self.gpu.is_software()) {
+                self.scene.set_solid_draft(&self.gpu, draft);
+            }
             self.solid = solid;
             self.generation += 1;
         }

@@ -10,6 +10,13 @@ fn distance_from_rest(p: &Point, cutter: &Tool, moves: &[SolidMove]) -> f64 {
     cuts.fold(blank, f64::max)
 }
 
+/// Central differences of `f`.
+fn gradient(f: impl Fn(&Point) -> f64, at: &Point) -> Vector {
+    const STEP: f64 = 1e-4;
+    let along = |unit: Vector| (f(&(at + unit * STEP)) - f(&(at - unit * STEP))) / (2.0 * STEP);
+    Vector::new(along(Vector::x()), along(Vector::y()), along(Vector::z()))
+}
+
 #[test]
 fn the_surface_is_closed_and_on_the_solid() {
     let spacing = 0.8;
@@ -28,6 +35,21 @@ fn the_surface_is_closed_and_on_the_solid() {
         }
         assert!(worst <= 0.5 * spacing, "a vertex is {worst} mm off");
         assert!(mean <= 0.02 * spacing, "vertices are {mean} mm off in the mean");
+        let smooth = |k: &usize| surface.normals[*k].norm() > 0.5 && surface.cut_by[*k] != SpanEnd::BLANK;
+        let mut seen = 0;
+        for k in (0..surface.points.len()).filter(smooth) {
+            let (p, n) = (surface.points[k], surface.normals[k]);
+            let to = moves[surface.cut_by[k] as usize].to;
+            // A vertex between two cuts has the mean normal. Where the cutter has an edge, differences of its
+            // distance give no unit vector.
+            let distance = |p: &Point| cutter.placed(to.tip, to.axis).distance(p);
+            let out = gradient(distance, &p);
+            if distance(&p).abs() < 1e-6 && (out.norm() - 1.0).abs() < 1e-4 {
+                assert!(n.angle(&-out) < 2f64.to_radians(), "{n:?} at {p:?}, {out:?}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 5000, "{seen} normals");
     }
 }
 
