@@ -6,6 +6,7 @@ use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies};
 use super::holes::fill_holes;
 use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
+use super::part_notes::{ring_note, sense_from_wrap};
 use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
 use super::roles::{NamedMesh, Role, given_roles, listed, roles_from_names};
 use super::round::radii;
@@ -19,17 +20,15 @@ use super::surface::MeshSurface;
 use super::tip_border::fit_tip_border;
 use super::tip_faces::fit_tip_faces;
 use super::tips::fit_tip_curve;
-use super::trim::{BodyOutline, depth_behind, trimmed};
+use super::trim::{BodyOutline, depth_behind, rim_line, trimmed};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
-use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription, PartError, Rotation};
+use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription, PartError};
 
 /// Number of points of a side of a section.
 const SECTION_POINTS: usize = 180;
 /// Largest distance of the fitted straight lines from a side that is treated as ruled, mm.
 const STRAIGHT: f64 = 0.012;
-/// Smallest wrap of a blade from which the sense of rotation is derived without a note, rad.
-const CLEAR_WRAP: f64 = 0.1;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
 const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 /// Largest distance of a blade tip from the line of the tips, as a share of the diameter: tips are often not
@@ -49,12 +48,14 @@ pub struct MeshSource {
     pub notes: Vec<String>,
     /// Normals of its surfaces at corners of its meshes.
     pub normals: ExactNormals,
+    /// Whether its bodies are solids without gaps.
+    pub whole: bool,
 }
 
 impl MeshSource {
     /// Meshes of which only the unit is known.
     pub fn from_unit(unit: LengthUnit) -> Self {
-        Self { unit, axis: None, notes: Vec::new(), normals: ExactNormals::default() }
+        Self { unit, axis: None, notes: Vec::new(), normals: ExactNormals::default(), whole: false }
     }
 }
 
@@ -132,7 +133,7 @@ fn describe_roles(
     source: MeshSource,
     options: &MeshOptions,
 ) -> Result<PartDescription, PartError> {
-    let MeshSource { unit, axis, mut notes, normals } = source;
+    let MeshSource { unit, axis, mut notes, normals, whole } = source;
     let is_cad = !normals.is_empty() || axis.is_some();
     let sorted = sort_by_role(meshes, roles, is_cad)?;
     let scale = options.unit.unwrap_or(unit).mm();
@@ -231,17 +232,25 @@ fn describe_roles(
     let fitted_shroud = shroud
         .map(|shroud| fit_revolved(&shroud, &course, (&corners, &normals), "shroud", tolerance))
         .transpose()?;
-    for (profile, outline, name) in
-        [(Some(&hub_curve), &outlines[0], "hub"), (fitted_shroud.as_ref(), &outlines[1], "cover")]
-    {
-        let (Some(profile), Some(_)) = (profile, outline) else { continue };
-        let line = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&corners);
+    let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
+    let is_cover = outlines[1].is_some();
+    let borders = [
+        (outlines[0].is_some().then(|| through(&hub_curve)), "reach", "into the hub"),
+        (fitted_shroud.as_ref().filter(|_| is_cover).map(through), "reach", "into the cover"),
+        (
+            fitted_shroud.as_ref().filter(|_| is_cover).and_then(|shroud| rim_line(&hub_curve, shroud)),
+            "go on",
+            "past the rim of hub and cover",
+        ),
+    ];
+    for (line, reach, place) in borders {
+        let Some(line) = line.map(|line| line.with_outer_side_towards_most(&corners)) else { continue };
         let depth = depth_behind(&main, &line);
         if depth > REACHES_IN * tolerance {
             main = trimmed(&main, &line, 0.0);
             splitters = splitters.iter().map(|s| trimmed(s, &line, 0.0)).collect();
             corners = main.points.iter().map(Meridional::from_point).collect();
-            notes.push(format!("the blades reach {depth:.2} mm into the {name}; they are cut off at it"));
+            notes.push(format!("the blades {reach} {depth:.2} mm {place}; they are cut off there"));
         }
     }
     // With whether the tips turn into leading and trailing edge past its ends.
@@ -280,18 +289,18 @@ fn describe_roles(
             (check_deviation(tips, "line of the blade tips", tip_tolerance)?, past_tips)
         }
     };
-    let curve = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
-    let band = ChannelCoordinates::new(&curve(&hub_curve), &curve(&shroud_curve), &corners, past_tips);
-    let main = span_sections(&main, &band, "main blade", &normals, &mut notes)?;
+    let band = ChannelCoordinates::new(&through(&hub_curve), &through(&shroud_curve), &corners, past_tips);
+    let main = span_sections(&main, &band, "main blade", (&normals, whole), &mut notes)?;
     let splitters = splitters
         .iter()
-        .map(|s| span_sections(s, &band, "splitter", &normals, &mut notes))
+        .map(|s| span_sections(s, &band, "splitter", (&normals, whole), &mut notes))
         .collect::<Result<Vec<_>, PartError>>()?;
     let (rotation, note) = match options.rotation {
         Some(rotation) => (rotation, None),
         None => sense_from_wrap(&main, course.inlet_up()),
     };
     notes.extend(note);
+    notes.extend(ring_note(&main, &through(&hub_curve)));
     let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
     Ok(PartDescription {
         name: name.to_owned(),
@@ -455,22 +464,6 @@ fn check_deviation(profile: FittedProfile, name: &str, tolerance: f64) -> Result
         ));
     }
     Ok(profile)
-}
-
-/// The sense of rotation derived from a blade's wrap, with a note where the wrap is small.
-fn sense_from_wrap(sections: &[SpanSection], inlet_up: bool) -> (Rotation, Option<String>) {
-    let sides = || sections.iter().flat_map(|s| &s.sides);
-    let wrap = sides().map(SideCurve::wrap_rad).sum::<f64>() / sides().count().max(1) as f64;
-    let rotation = Rotation::about_z(-wrap, inlet_up);
-    let note = (wrap.abs() < CLEAR_WRAP).then(|| {
-        format!(
-            "the blades wrap by only {:.1}°, so that the suction side is uncertain: assumed to turn \
-             {rotation}, seen from the inlet; if that is wrong, give --rotation {}",
-            wrap.abs().to_degrees(),
-            rotation.reversed().name()
-        )
-    });
-    (rotation, note)
 }
 
 /// The blade of `sections`. Its pressure side, which leads, is the one at smaller angles if `leading_first`.

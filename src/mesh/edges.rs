@@ -37,7 +37,7 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
         let other = |s: &SpanSection| end_of(s, 1, end);
         let largest = |values: &dyn Fn(&SpanSection) -> Vector, parts: bool| {
             let values: Vec<Vector> = sections.iter().map(values).collect();
-            let (k, by) = largest_irregularity(&values)?;
+            let (k, by) = largest_irregularity(&values, parts)?;
             let middle = Point::from(0.5 * (place(&sections[k]) + place(&sections[k + 1])));
             Some(EdgeJump { is_gap: parts && by > TEAR * length, edge, size_mm: by, at: middle })
         };
@@ -52,8 +52,9 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
 }
 
 /// The step between neighbouring values that differs most from the mean of its neighbours (extrapolated at
-/// the ends), and the difference.
-fn largest_irregularity(values: &[Vector]) -> Option<(usize, f64)> {
+/// the ends), and the difference: all of it with `whole`, else its part across the direction of that mean, as
+/// places are not evenly spaced along an edge.
+fn largest_irregularity(values: &[Vector], whole: bool) -> Option<(usize, f64)> {
     let steps: Vec<Vector> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let expected = |k: usize| match (k.checked_sub(1), steps.get(k + 1)) {
         (Some(before), Some(behind)) => Some(0.5 * (steps[before] + behind)),
@@ -62,7 +63,12 @@ fn largest_irregularity(values: &[Vector]) -> Option<(usize, f64)> {
         (None, None) => None,
     };
     (0..steps.len())
-        .filter_map(|k| Some((k, (steps[k] - expected(k)?).norm())))
+        .filter_map(|k| {
+            let expected = expected(k)?;
+            let off = steps[k] - expected;
+            let along = expected.try_normalize(1e-12).filter(|_| !whole);
+            Some((k, (off - along.map_or_else(Vector::zeros, |e| e * e.dot(&off))).norm()))
+        })
         .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -74,12 +80,21 @@ mod tests {
     fn a_jump_is_distinguished_from_a_curved_edge() {
         let curved: Vec<Vector> =
             (0..13).map(|k| Vector::new(0.1 * f64::from(k * k), f64::from(k), 0.0)).collect();
-        assert!(largest_irregularity(&curved).expect("enough of them").1 < 0.11);
+        let largest = |values: &[Vector]| largest_irregularity(values, false).expect("enough of them");
+        assert!(largest(&curved).1 < 0.11);
         for from in 1..13 {
             let mut jumped = curved.clone();
-            jumped[..from].iter_mut().for_each(|v| v.x += 5.0);
-            let (k, by) = largest_irregularity(&jumped).expect("enough of them");
+            jumped[..from].iter_mut().for_each(|v| v.z += 5.0);
+            let (k, by) = largest(&jumped);
             assert!(by > 4.8, "{from}: {by} at {k}");
         }
+    }
+
+    #[test]
+    fn uneven_distances_along_an_edge_are_not_a_jump() {
+        let uneven: Vec<Vector> =
+            (0..13).map(|k| Vector::new(0.0, f64::from(k) + 0.4 * f64::from(k % 2), 0.0)).collect();
+        assert!(largest_irregularity(&uneven, false).expect("enough of them").1 < 1e-9);
+        assert!(largest_irregularity(&uneven, true).expect("enough of them").1 > 0.7);
     }
 }

@@ -1,5 +1,6 @@
 //! Splits a slice of a blade into its two sides at leading and trailing edge.
 
+use super::end_faces::EndFaces;
 use super::sections::{SlicePiece, SlicePoint};
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, wrap_angle};
@@ -280,10 +281,16 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
         }
         None
     };
-    let mut start = lowest;
-    let leading = match (edge_from(true), edge_from(false)) {
-        (Some(a), Some(b)) if a == b => points[a],
-        (Some(a), Some(b)) => {
+    // Faces of its own tell it best.
+    let faces = EndFaces::find(points, &step, lowest).and_then(|faces| faces.middle(points, &step));
+    let mut starts = [lowest; 2];
+    let leading = match (faces, edge_from(true), edge_from(false)) {
+        (Some((middle, beside)), ..) => {
+            starts = beside;
+            middle
+        }
+        (None, Some(a), Some(b)) if a == b => points[a],
+        (None, Some(a), Some(b)) => {
             let middle = points[a].point + (points[b].point - points[a].point) * 0.5;
             SlicePoint {
                 point: middle,
@@ -295,26 +302,33 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
         }
         _ => match find_nose_seam(points, &step, lowest) {
             Some(seam) => {
-                start = seam;
+                starts = [seam; 2];
                 points[seam]
             }
             None => refine_extreme(points, lowest, &step, 1.0),
         },
     };
     let flat_tail = flat_tail(points, &step, high - NEAR_TAIL * range);
+    let highest = (0..n).max_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
+    let tail = EndFaces::find(points, &step, highest);
     let side = |forward: bool| {
         let mut line = vec![leading];
+        let start = starts[usize::from(!forward)];
         let mut at = start;
         let mut round = true;
         for k in 0..n {
             let p = points[at];
             // Near the nose, points on the other side of the leading edge belong to the other side of the
             // blade.
-            if k > 2 || ahead(points, &step, start, forward, &leading.point, &p.point) {
+            if k > 2 || faces.is_some() || ahead(points, &step, start, forward, &leading.point, &p.point) {
                 line.push(p);
             }
             let at_flat_tail = flat_tail.is_some_and(|ends| ends.contains(&at));
-            if at_flat_tail || p.edge && p.along > high - AT_TRAILING * range && k > 0 {
+            let at_end = match tail {
+                Some(tail) => at == tail.from || at == tail.to,
+                None => p.edge && p.along > high - AT_TRAILING * range,
+            };
+            if at_flat_tail || at_end && k > 0 {
                 round = false;
                 break;
             }
@@ -334,7 +348,6 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
     let ((mut first, round_first), (mut second, round_second)) = (side(true), side(false));
     let round_tail = round_first && round_second;
     if round_tail {
-        let highest = (0..n).max_by(|&a, &b| points[a].along.total_cmp(&points[b].along))?;
         let trailing = refine_extreme(points, highest, &step, -1.0);
         for line in [&mut first, &mut second] {
             line.retain(|p| (p.point - trailing.point).norm() > 1e-9);

@@ -27,7 +27,8 @@ const SHORT: f64 = 0.975;
 /// Help text for missing triangles.
 const CLOSE: &str = "close the mesh, or export the surface again with all of its faces";
 
-/// Span sections of a blade; adds a note about a jump that is either its shape or due to missing triangles.
+/// Span sections of a blade; adds a note about a jump that is either its shape or due to missing triangles,
+/// or, where the bodies of the file are `whole`, to an edge that was not understood.
 ///
 /// # Errors
 /// Fails when the blade is open, or does not reach from hub to shroud.
@@ -35,7 +36,7 @@ pub fn span_sections(
     surface: &MeshSurface,
     band: &ChannelCoordinates,
     name: &str,
-    normals: &ExactNormals,
+    (normals, whole): (&ExactNormals, bool),
     notes: &mut Vec<String>,
 ) -> Result<Vec<SpanSection>, PartError> {
     let mut own = Vec::new();
@@ -63,9 +64,12 @@ pub fn span_sections(
                 CLOSE,
             ));
         }
+        let cause = match whole {
+            true => "it was not understood: compare it with the CAD model",
+            false => "triangles are missing there",
+        };
         notes.push(format!(
-            "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, \
-             triangles are missing there",
+            "the {} of the {name} jumps by {:.1} mm {place}: if that is not its shape, {cause}",
             jump.edge, jump.size_mm
         ));
     }

@@ -3,11 +3,14 @@
 use std::collections::HashMap;
 
 use super::TriangleMesh;
+use super::profile::FittedProfile;
 use super::surface::MeshSurface;
 use crate::geometry::{Meridional, MeridionalCurve, Point};
 
 /// Angles of the half planes that a body of revolution is cut with, rad: none is a likely angle of an edge.
 const HALF_PLANES: [f64; 3] = [0.377, 2.531, 4.419];
+/// Hub and cover end at one rim where their radii differ by this share at most.
+const ONE_RIM: f64 = 0.02;
 /// Steps of regula falsi for the place where an edge meets a curve.
 const STEPS: usize = 4;
 
@@ -62,6 +65,14 @@ fn outline(body: &MeshSurface, angle: f64) -> Vec<[Meridional; 2]> {
 /// The greatest depth of corners of `blade` behind a curve with its outer side towards the blade, mm.
 pub fn depth_behind(blade: &MeshSurface, curve: &MeridionalCurve) -> f64 {
     blade.points.iter().map(|p| -curve.project(Meridional::from_point(p)).1).fold(0.0, f64::max)
+}
+
+/// The straight line from the rim of a hub to that of a cover, and as much beyond both; `None` where they do
+/// not end at nearly the same radius, as under a casing.
+pub fn rim_line(hub: &FittedProfile, cover: &FittedProfile) -> Option<MeridionalCurve> {
+    let (a, b) = (*hub.points.last()?, *cover.points.last()?);
+    let is_rim = (a.r - b.r).abs() < ONE_RIM * a.r.max(b.r) && a.distance(b) > 1e-6 * a.r;
+    is_rim.then(|| MeridionalCurve::through(&[-1.0, 0.0, 1.0, 2.0].map(|x| a.lerp(b, x))))
 }
 
 /// The part of `blade` on the outer side of a meridional curve. Corners within `tolerance` mm of the curve

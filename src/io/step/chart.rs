@@ -11,6 +11,10 @@ use crate::geometry::Point;
 /// Range of the logarithm of the ratio of the radii of a ring: not so thin that chords of its circles cross,
 /// not so wide that numbers lose their digits.
 const RING: (f64, f64) = (1.5, 12.0);
+/// Largest extent along the straight lines of a surface that is curved across them, as a share of that across.
+/// There are no points between the borders: in true lengths the triangles between borders that are not at right
+/// angles to the lines would run askew to them, over the curve.
+const FLATTENED: f64 = 0.01;
 /// Parameters within this share of a period are equal.
 const EQUAL: f64 = 1e-6;
 
@@ -144,7 +148,12 @@ impl Chart {
             }
         }
         let ranges = [0, 1].map(|k| range_of(rings.iter().flat_map(|r| &r.places), k));
-        let scales = [0, 1].map(|k| length_of(surface, ranges, k).max(1e-9));
+        let mut scales = [0, 1].map(|k| length_of(surface, ranges, k).max(1e-9));
+        let extent = |k: usize, scale: f64| scale * (ranges[k].1 - ranges[k].0);
+        if let Some(k) = (0..2).find(|&k| surface.is_straight(k) && !surface.is_straight(1 - k)) {
+            let flat = FLATTENED * extent(1 - k, scales[1 - k]) / extent(k, 1.0).max(1e-12);
+            scales[k] = scales[k].min(flat.max(1e-9));
+        }
         Self { kind: Kind::Flat(scales), reversed: false, ranges, pole: None }
     }
 

@@ -68,8 +68,13 @@ pub fn read_bytes(name: &str, bytes: &[u8], options: &MeshOptions) -> Result<Par
     };
     let normals =
         ExactNormals::from_normals(scene.bodies.iter().flat_map(|body| body.normals.iter().copied()));
-    let source =
-        MeshSource { unit: LengthUnit::Millimetre, axis: scene.axis(), notes: notes.clone(), normals };
+    let source = MeshSource {
+        unit: LengthUnit::Millimetre,
+        axis: scene.axis(),
+        notes: notes.clone(),
+        normals,
+        whole: notes.is_empty() && scene.bodies.iter().all(|body| body.solid),
+    };
     // The file gives its unit, and one that Vanecut wrote the sense of rotation.
     let rotation = options.rotation.or(scene.rotation);
     let options = MeshOptions { unit: None, rotation, ..options.clone() };

@@ -89,6 +89,39 @@ fn surfaces_meet_their_closed_forms() {
 }
 
 #[test]
+fn triangles_between_slanted_borders_run_along_a_cylinder() {
+    // Half a cylinder from the plane z = 0 to the plane z = 40 + 0.6 x.
+    let s = f64::sqrt(1.36);
+    let data = format!(
+        "#4=SHELL_BASED_SURFACE_MODEL('',(#10));#10=OPEN_SHELL('',(#20));\n\
+         #30=CARTESIAN_POINT('',(5.,0.,0.));#31=VERTEX_POINT('',#30);\n\
+         #32=CARTESIAN_POINT('',(-5.,0.,0.));#33=VERTEX_POINT('',#32);\n\
+         #34=CARTESIAN_POINT('',(-5.,0.,37.));#35=VERTEX_POINT('',#34);\n\
+         #36=CARTESIAN_POINT('',(5.,0.,43.));#37=VERTEX_POINT('',#36);\n\
+         #38=CARTESIAN_POINT('',(0.,0.,40.));#39=DIRECTION('',(-0.6,0.,1.));#40=DIRECTION('',(1.,0.,0.6));\n\
+         #41=AXIS2_PLACEMENT_3D('',#38,#39,#40);#42=ELLIPSE('',#41,{},5.);#43=CIRCLE('',#8,5.);\n\
+         #44=POLYLINE('',(#32,#34));#45=POLYLINE('',(#36,#30));\n\
+         #46=EDGE_CURVE('',#31,#33,#43,.T.);#47=EDGE_CURVE('',#33,#35,#44,.T.);\n\
+         #48=EDGE_CURVE('',#37,#35,#42,.T.);#49=EDGE_CURVE('',#37,#31,#45,.T.);\n\
+         #50=ORIENTED_EDGE('',*,*,#46,.T.);#51=ORIENTED_EDGE('',*,*,#47,.T.);\n\
+         #52=ORIENTED_EDGE('',*,*,#48,.F.);#53=ORIENTED_EDGE('',*,*,#49,.T.);\n\
+         #54=EDGE_LOOP('',(#50,#51,#52,#53));#55=FACE_OUTER_BOUND('',#54,.T.);\n\
+         #56=CYLINDRICAL_SURFACE('',#8,5.);#20=ADVANCED_FACE('',(#55),#56,.T.);",
+        5.0 * s
+    );
+    let scene = scene(&file(MM, &data), 0.01);
+    let body = &scene.bodies[0];
+    let corner = |i: u32| body.mesh.points[i as usize];
+    let edges = body.mesh.triangles.iter().flat_map(|t| [0, 1, 2].map(|k| (t[k], t[(k + 1) % 3])));
+    let middles = edges.map(|(a, b)| nalgebra::center(&corner(a), &corner(b)));
+    let off = middles.map(|p| 5.0 - p.x.hypot(p.y)).fold(0.0, f64::max);
+    // Of a chord over two steps.
+    assert!(off < 0.04, "an edge of the triangles is {off} mm off the cylinder");
+    let (_, area) = measure(body);
+    assert!((area / (200.0 * PI) - 1.0).abs() < 2e-3, "{area}");
+}
+
+#[test]
 fn units_are_those_of_the_representation() {
     let can = can("CYLINDRICAL_SURFACE('',#8,5.)", 5.0, 5.0, 8.0);
     let inch = "CONVERSION_BASED_UNIT('INCH',#60)";
