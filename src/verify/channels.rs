@@ -26,17 +26,26 @@ pub(super) fn channels_of(cuts: &[(Option<i64>, f64)]) -> Vec<i64> {
         .collect()
 }
 
+/// s of a point, and its height over the hub as a share of the channel's depth; `None` beyond leading edge and
+/// rim.
+fn span_of(part: &Impeller, here: Meridional) -> Option<(f64, f64)> {
+    let (t, height) = part.hub.curve().project(here);
+    let s = part.hub.s_at(t);
+    let depth = part.hub.point(s).distance(part.shroud.point(s));
+    (0.0..=1.0).contains(&s).then_some((s, height / depth))
+}
+
+/// Whether a tip is over the blades, where all channels are one.
+pub(super) fn is_over_blades(part: &Impeller, tip: &Point) -> bool {
+    span_of(part, Meridional::from_point(tip)).is_some_and(|(_, eta)| eta >= 1.0)
+}
+
 /// Number of pitches by which a tip is ahead of channel 1; `None` beyond leading edge and rim, where there
 /// are no walls.
 pub(super) fn channel_at(part: &Impeller, channel: &Channel, tip: &Point) -> Option<i64> {
     let here = Meridional::from_point(tip);
-    let (t, height) = part.hub.curve().project(here);
-    let s = part.hub.s_at(t);
-    if !(0.0..=1.0).contains(&s) {
-        return None;
-    }
-    let depth = part.hub.point(s).distance(part.shroud.point(s));
-    let eta = (height / depth).clamp(0.0, 1.0);
+    let (s, eta) = span_of(part, here)?;
+    let eta = eta.clamp(0.0, 1.0);
     let [low, high] = channel.full.walls.each_ref().map(|wall| {
         let near = wall.at(part, s, eta)?;
         // Evaluated at the point itself: beside leaning blades the wall at equal s and height may be far

@@ -85,6 +85,11 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     let lost = |outcome: &FlankOutcome| outcome.plan.uncut.iter().map(|l| l.length).sum::<f64>();
     let whole = plan.layout.totals[FlankStrategy::Regions as usize].length;
     assert!(lost(&outcome) < lost(usual) + 0.03 * whole, "{} of {whole} mm are left out", lost(&outcome));
+    // The plunges reach over neighbouring channels, which are not cut by that.
+    let [judged, judged_usual] = [&outcome, usual].map(|one| one.verdict.as_ref().expect("judged"));
+    assert_eq!(judged.channels, 1);
+    let [share, usual_share] = [judged, judged_usual].map(|verdict| verdict.uncovered.share());
+    assert!(share < usual_share + 0.03, "{share} of the floor is uncovered, {usual_share} without them");
     // The program begins with them, also when it is read from the plan's file.
     let opening = plan.opening.as_ref().expect("plunges above the shroud");
     let passes = ClProgram::of_flank(&outcome.workpiece.part.name, &plan.tool, &plan.moves);

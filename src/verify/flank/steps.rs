@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::super::Fault;
 use super::super::assembly::AssemblyStep;
-use super::super::channels::{channel_at, channels_of};
+use super::super::channels::{channel_at, channels_of, is_over_blades};
 use crate::cutting::link::AxisTurn;
 use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
 use crate::part::{Channel, Impeller};
@@ -138,7 +138,7 @@ pub(super) fn floor_steps<'a>(
 struct ChannelRun {
     range: std::ops::Range<usize>,
     channel: Option<i64>,
-    /// Cutting length, mm.
+    /// Cutting length, mm; 0 over the blades: plunges that open a channel there also reach over its neighbours.
     length: f64,
 }
 
@@ -151,13 +151,17 @@ fn rotate_into_channel(part: &Impeller, channel: &Channel, steps: &mut [CutterSt
         let cuts = start + rapids
             ..start + rapids + steps[start + rapids..].iter().take_while(|s| s.feed.is_some()).count();
         let stride = (cuts.len() / 15).max(1);
-        let tips = steps[cuts.clone()].iter().step_by(stride).map(|s| &s.to.0);
-        let votes: Vec<i64> = tips.filter_map(|tip| channel_at(part, channel, tip)).collect();
+        let tips = || steps[cuts.clone()].iter().step_by(stride).map(|s| &s.to.0);
+        let votes: Vec<i64> = tips().filter_map(|tip| channel_at(part, channel, tip)).collect();
+        let is_over_blades = tips().all(|tip| is_over_blades(part, tip));
         let count = |v: i64| votes.iter().filter(|w| **w == v).count();
         stretches.push(ChannelRun {
             range: start..cuts.end,
             channel: votes.iter().copied().max_by_key(|&v| (count(v), -v.abs(), v)),
-            length: steps[cuts.clone()].iter().map(CutterStep::length).sum(),
+            length: match is_over_blades {
+                true => 0.0,
+                false => steps[cuts.clone()].iter().map(CutterStep::length).sum(),
+            },
         });
         start = cuts.end;
     }
