@@ -20,6 +20,12 @@ const AS_FAR: f64 = 0.1;
 /// The directions are taken over this share of the length of the faces, and of the slice at least.
 const ARM: (f64, f64) = (0.25, 0.005);
 
+/// A nose ends where the cosine between its direction and that at the foremost point falls below this.
+const NOSE_TURN: f64 = 0.5;
+/// A seam within this many times the distance of another one from the foremost point is that of a nose with a
+/// face of its own.
+const NEAR_SEAM: f64 = 4.0;
+
 /// Faces of an end of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EndFaces {
@@ -117,6 +123,51 @@ impl EndFaces {
             SlicePoint { point: Point::new(x, y, z), along, edge: false, seam: false, chord_offset_mm: 0.0 };
         Some((point, [run[behind], run[before]]))
     }
+}
+
+/// The point on a round nose where the mesh's faces of both sides meet; `None` unless there is exactly one.
+/// The division of a nose is arbitrary, but all measures along the sides start from it, so the file's own is
+/// kept.
+pub fn find_nose_seam(
+    points: &[SlicePoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+) -> Option<usize> {
+    let direction = |i: usize| {
+        let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
+        (points[next].point - points[previous].point).try_normalize(1e-12)
+    };
+    let foremost = direction(lowest)?;
+    let mut found = points[lowest].seam.then_some(lowest);
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if direction(at)?.dot(&foremost) < NOSE_TURN {
+                break;
+            }
+            if points[at].seam && found.replace(at).is_some() {
+                return None;
+            }
+        }
+    }
+    // A nose may be a face of its own, of which one seam is on the nose and the other just behind it.
+    let seam = found?;
+    let from = points[lowest].point;
+    let near = NEAR_SEAM * (points[seam].point - from).norm();
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if (points[at].point - from).norm() > near {
+                break;
+            }
+            if points[at].seam && at != seam {
+                return None;
+            }
+        }
+    }
+    found
 }
 
 #[cfg(test)]
