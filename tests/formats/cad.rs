@@ -190,10 +190,11 @@ fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
 #[test]
 fn a_hub_of_several_faces_is_one_curve() {
     let cuts = ["into the hub", "into the cover", "past the rim of hub and cover"];
-    for (name, bytes, expected) in [
-        ("pump_wheel.step", PUMP_WHEEL, &[][..]),
-        ("pump_bodies.step", PUMP_BODIES, &[]),
-        ("pump_covered.step", PUMP_COVERED, &cuts),
+    // Where blades are cut off, new corners on the long lines of their sides are told by their ends only.
+    for (name, bytes, expected, limit) in [
+        ("pump_wheel.step", PUMP_WHEEL, &[][..], 5e-3),
+        ("pump_bodies.step", PUMP_BODIES, &[], 5e-3),
+        ("pump_covered.step", PUMP_COVERED, &cuts, 0.01),
     ] {
         let description = read_bytes(name, bytes, &MeshOptions::default());
         let notes = description.as_ref().map(|part| part.notes.clone()).expect(name);
@@ -233,7 +234,7 @@ fn a_hub_of_several_faces_is_one_curve() {
                 .collect();
             let most = |radius: f64| points.iter().map(|p| off(p, radius)).fold(0.0, f64::max);
             let nearer = most(55.5).min(most(60.5));
-            assert!(nearer < 5e-3, "{name}: a side is {nearer} mm off its arc");
+            assert!(nearer < limit, "{name}: a side is {nearer} mm off its arc");
             let rim = [0.0, 0.5, 1.0].map(|v| Meridional::from_point(&side.point(1.0, v)).r);
             assert!(rim.iter().all(|r| (r - 100.0).abs() < 0.01), "{name}: {rim:?}");
         }
