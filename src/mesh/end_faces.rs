@@ -1,8 +1,8 @@
 //! The faces at an end of a slice: a leading edge that is blunt, or chamfered, between sharp edges.
 //!
 //! They lie between the two corners of the slice over which it turns back, whichever of their points is
-//! furthest upstream: blunt edges are as good as at right angles to the channel, so that this point jumps from
-//! one of their corners to the other from height to height.
+//! furthest upstream: blunt edges are as good as at right angles to the channel, so that this point jumps
+//! from one of their corners to the other from height to height.
 
 use super::sections::SlicePoint;
 use crate::geometry::cubic::{Cubic, chord_lengths};

@@ -99,8 +99,8 @@ pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> 
     trimmed_with_normals(blade, curve, tolerance, &ExactNormals::default()).0
 }
 
-/// As [`trimmed`], and the normals at the new corners on edges at both ends of which there are `exact` ones. Of
-/// the long triangles between the ends of straight lines no fit through corners tells them.
+/// As [`trimmed`], and the normals at the new corners on edges at both ends of which there are `exact` ones.
+/// Of the long triangles between the ends of straight lines no fit through corners tells them.
 pub fn trimmed_with_normals(
     blade: &MeshSurface,
     curve: &MeridionalCurve,

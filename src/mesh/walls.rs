@@ -38,8 +38,8 @@ pub struct Walls {
     pub shroud: Option<FittedProfile>,
 }
 
-/// Fits the curves of hub and cover of a wheel of the rim radius `size`, mm, and cuts the blades off at them; a
-/// line about each cut is added to `notes`, and the normals at it to `normals`.
+/// Fits the curves of hub and cover of a wheel of the rim radius `size`, mm, and cuts the blades off at them;
+/// a line about each cut is added to `notes`, and the normals at it to `normals`.
 ///
 /// # Errors
 /// Fails when hub or cover are not surfaces of revolution within `tolerance`, mm.
@@ -65,8 +65,8 @@ pub fn fit_walls(
     let mut hub_curve = fit_revolved(hub, &course, (&corners, &*normals), "hub", tolerance)?;
     let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     if let Some(cover) = &outlines[1] {
-        // Blades that run through the cover have places beyond it, from which its outside is seen, and those that
-        // go on past the rim have some beside it.
+        // Blades that run through the cover have places beyond it, from which its outside is seen, and those
+        // that go on past the rim have some beside it.
         let line = through(&hub_curve);
         let beyond = |p: &Meridional| {
             let (t, _) = line.project(*p);

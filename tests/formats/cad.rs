@@ -17,8 +17,8 @@ const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 /// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
-/// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through hub,
-/// cover and rim, made by the script beside them.
+/// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through
+/// hub, cover and rim, made by the script beside them.
 const PUMP_WHEEL: &[u8] = include_bytes!("../data/step/pump_wheel.step");
 const PUMP_BODIES: &[u8] = include_bytes!("../data/step/pump_bodies.step");
 const PUMP_COVERED: &[u8] = include_bytes!("../data/step/pump_covered.step");
