@@ -190,7 +190,7 @@ fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
 #[test]
 fn a_hub_of_several_faces_is_one_curve() {
     let cuts = ["into the hub", "into the cover", "past the rim of hub and cover"];
-    // Where blades are cut off, new corners on the long lines of their sides are told by their ends only.
+    // Where blades are cut off, new corners on the long lines of their sides are known by their ends only.
     for (name, bytes, expected, limit) in [
         ("pump_wheel.step", PUMP_WHEEL, &[][..], 5e-3),
         ("pump_bodies.step", PUMP_BODIES, &[], 5e-3),
