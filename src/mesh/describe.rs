@@ -7,7 +7,7 @@ use super::holes::fill_holes;
 use super::normals::ExactNormals;
 use super::options::{LengthUnit, MeshOptions, check_size};
 use super::part_notes::{ring_note, sense_from_wrap};
-use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
+use super::profile::FittedProfile;
 use super::roles::{NamedMesh, Role, given_roles, listed, roles_from_names};
 use super::round::radii;
 use super::rows::{BladeRows, separate_blades};
@@ -20,9 +20,9 @@ use super::surface::MeshSurface;
 use super::tip_border::fit_tip_border;
 use super::tip_faces::fit_tip_faces;
 use super::tips::fit_tip_curve;
-use super::trim::{BodyOutline, depth_behind, rim_line, trimmed};
+use super::walls::{Blades, Walls, check_deviation, fit_walls};
 use crate::error::ErrorCode;
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
+use crate::geometry::{MeridionalCurve, Point, Vector};
 use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription, PartError};
 
 /// Number of points of a side of a section.
@@ -34,8 +34,6 @@ const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 /// Largest distance of a blade tip from the line of the tips, as a share of the diameter: tips are often not
 /// turned in a model.
 const TIP_TOLERANCE: f64 = 2e-3;
-/// Blades that are deeper in hub or cover than this many times the tolerance reach into it.
-const REACHES_IN: f64 = 4.0;
 
 /// What a file says of its meshes.
 #[derive(Clone, Debug)]
@@ -170,7 +168,7 @@ fn describe_roles(
         _ => surface.transformed(|p| frame.apply(p)),
     };
     let scaled = |p: &Point| Point::from(p.coords * scale);
-    let normals = match frame {
+    let mut normals = match frame {
         PartFromFile::Along(Axis::Z) => normals,
         _ => normals.transformed(|p| frame.apply(&scaled(p))),
     };
@@ -219,40 +217,12 @@ fn describe_roles(
     let BladeRows { count, main, splitters, note } =
         BladeRows::from_blades(separate_blades(blade_surfaces), options.blades)?;
     notes.extend(note);
-    let mut main = fill_holes(main);
-    let mut splitters: Vec<MeshSurface> = splitters.into_iter().map(fill_holes).collect();
-    // Corners within hub or cover say nothing about the channel.
-    let outlines = [BodyOutline::from_body(&hub), shroud.as_ref().and_then(BodyOutline::from_body)];
-    let buried = |p: &Meridional| outlines.iter().flatten().any(|outline| outline.contains(*p));
-    let all: Vec<Meridional> = main.points.iter().map(Meridional::from_point).collect();
-    let free: Vec<Meridional> = all.iter().filter(|p| !buried(p)).copied().collect();
-    let mut corners = if free.len() < 8 { all } else { free };
-    let course = Course::from_blades(&corners, &hub, |_| true);
-    let hub_curve = fit_revolved(&hub, &course, (&corners, &normals), "hub", tolerance)?;
-    let fitted_shroud = shroud
-        .map(|shroud| fit_revolved(&shroud, &course, (&corners, &normals), "shroud", tolerance))
-        .transpose()?;
+    let blades =
+        Blades { main: fill_holes(main), splitters: splitters.into_iter().map(fill_holes).collect() };
+    let Walls { blades, corners, course, hub: hub_curve, shroud: fitted_shroud } =
+        fit_walls(blades, &hub, shroud.as_ref(), &mut normals, (size, tolerance), &mut notes)?;
+    let Blades { main, splitters } = blades;
     let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
-    let is_cover = outlines[1].is_some();
-    let borders = [
-        (outlines[0].is_some().then(|| through(&hub_curve)), "reach", "into the hub"),
-        (fitted_shroud.as_ref().filter(|_| is_cover).map(through), "reach", "into the cover"),
-        (
-            fitted_shroud.as_ref().filter(|_| is_cover).and_then(|shroud| rim_line(&hub_curve, shroud)),
-            "go on",
-            "past the rim of hub and cover",
-        ),
-    ];
-    for (line, reach, place) in borders {
-        let Some(line) = line.map(|line| line.with_outer_side_towards_most(&corners)) else { continue };
-        let depth = depth_behind(&main, &line);
-        if depth > REACHES_IN * tolerance {
-            main = trimmed(&main, &line, 0.0);
-            splitters = splitters.iter().map(|s| trimmed(s, &line, 0.0)).collect();
-            corners = main.points.iter().map(Meridional::from_point).collect();
-            notes.push(format!("the blades {reach} {depth:.2} mm {place}; they are cut off there"));
-        }
-    }
     // With whether the tips turn into leading and trailing edge past its ends.
     let (shroud_curve, past_tips) = match fitted_shroud {
         Some(shroud) => (shroud, false),
@@ -423,47 +393,6 @@ fn sort_by_role(
         }
     }
     Ok(sorted)
-}
-
-fn fit_revolved(
-    surface: &MeshSurface,
-    course: &Course,
-    (blades, exact): (&[Meridional], &ExactNormals),
-    name: &str,
-    tolerance: f64,
-) -> Result<FittedProfile, PartError> {
-    let side = find_flow_side(surface, course, blades, exact, name)?;
-    let fitted = course.fit_without_feet(&side.points, mean_point(blades), tolerance);
-    let profile = fitted.ok_or_else(|| {
-        PartError::new(
-            ErrorCode::MeshRoles,
-            0,
-            format!("the {name} has no extent"),
-            format!("check which mesh is the {name}"),
-        )
-    })?;
-    if profile.max_deviation_mm > tolerance
-        && let Some(bottom) = course.fit_bottom(&side.points, mean_point(blades), tolerance)
-        && bottom.area_share_on_curve(surface, &side.triangles, tolerance) > MOSTLY
-    {
-        return Ok(bottom);
-    }
-    check_deviation(profile, name, tolerance)
-}
-
-fn check_deviation(profile: FittedProfile, name: &str, tolerance: f64) -> Result<FittedProfile, PartError> {
-    if profile.max_deviation_mm > tolerance {
-        return Err(PartError::new(
-            ErrorCode::NotRevolved,
-            0,
-            format!(
-                "the {name} is not a surface of revolution: {:.2} mm off at z = {:.1}, r = {:.1} mm",
-                profile.max_deviation_mm, profile.worst_corner.z, profile.worst_corner.r
-            ),
-            format!("check which mesh is the {name}, and the axis of rotation (--rotation-axis)"),
-        ));
-    }
-    Ok(profile)
 }
 
 /// The blade of `sections`. Its pressure side, which leads, is the one at smaller angles if `leading_first`.

@@ -1,8 +1,8 @@
 //! The faces at an end of a slice: a leading edge that is blunt, or chamfered, between sharp edges.
 //!
 //! They lie between the two corners of the slice over which it turns back, whichever of their points is
-//! furthest upstream: blunt edges are as good as at right angles to the channel, so that this point jumps from
-//! one of their corners to the other from height to height.
+//! furthest upstream: blunt edges are as good as at right angles to the channel, so that this point jumps
+//! from one of their corners to the other from height to height.
 
 use super::sections::SlicePoint;
 use crate::geometry::cubic::{Cubic, chord_lengths};
@@ -19,6 +19,12 @@ const BACK: f64 = -0.4;
 const AS_FAR: f64 = 0.1;
 /// The directions are taken over this share of the length of the faces, and of the slice at least.
 const ARM: (f64, f64) = (0.25, 0.005);
+
+/// A nose ends where the cosine between its direction and that at the foremost point falls below this.
+const NOSE_TURN: f64 = 0.5;
+/// A seam within this many times the distance of another one from the foremost point is that of a nose with a
+/// face of its own.
+const NEAR_SEAM: f64 = 4.0;
 
 /// Faces of an end of a slice.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,6 +125,51 @@ impl EndFaces {
     }
 }
 
+/// The point on a round nose where the mesh's faces of both sides meet; `None` unless there is exactly one.
+/// The division of a nose is arbitrary, but all measures along the sides start from it, so the file's own is
+/// kept.
+pub fn find_nose_seam(
+    points: &[SlicePoint],
+    step: &impl Fn(usize, bool) -> Option<usize>,
+    lowest: usize,
+) -> Option<usize> {
+    let direction = |i: usize| {
+        let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
+        (points[next].point - points[previous].point).try_normalize(1e-12)
+    };
+    let foremost = direction(lowest)?;
+    let mut found = points[lowest].seam.then_some(lowest);
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if direction(at)?.dot(&foremost) < NOSE_TURN {
+                break;
+            }
+            if points[at].seam && found.replace(at).is_some() {
+                return None;
+            }
+        }
+    }
+    // A nose may be a face of its own, of which one seam is on the nose and the other just behind it.
+    let seam = found?;
+    let from = points[lowest].point;
+    let near = NEAR_SEAM * (points[seam].point - from).norm();
+    for forward in [true, false] {
+        let mut at = lowest;
+        for _ in 0..points.len() / 2 {
+            at = step(at, forward)?;
+            if (points[at].point - from).norm() > near {
+                break;
+            }
+            if points[at].seam && at != seam {
+                return None;
+            }
+        }
+    }
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -167,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_sharp_end_is_its_corner_and_a_round_one_has_no_faces() {
-        let wedge = [(0.5, -0.3, false), (0.0, 0.1, true), (0.5, 0.4, false)];
+        let wedge = [(0.8, -0.3, false), (0.0, 0.1, true), (0.8, 0.4, false)];
         let (faces, corner) = ends(&blade(&wedge)).expect("it is sharp");
         assert!(faces.from == faces.to && corner == Point::new(0.0, 0.1, 0.0), "{corner}");
         let arc = |k: i32| f64::from(k) * std::f64::consts::PI / 12.0;

@@ -32,6 +32,7 @@ mod tip_faces;
 mod tips;
 mod triangles;
 mod trim;
+mod walls;
 pub(crate) mod weld;
 
 pub use describe::describe;

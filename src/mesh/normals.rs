@@ -26,11 +26,16 @@ pub struct ExactNormals {
 impl ExactNormals {
     /// From points and normals.
     pub fn from_normals(normals: impl Iterator<Item = (Point, Vector)>) -> Self {
-        let mut at: HashMap<[u64; 3], Vec<Vector>> = HashMap::new();
+        let mut all = Self::default();
+        all.extend(normals);
+        all
+    }
+
+    /// Adds points and normals.
+    pub fn extend(&mut self, normals: impl IntoIterator<Item = (Point, Vector)>) {
         for (p, n) in normals {
-            at.entry(key(&p)).or_default().push(n);
+            self.at.entry(key(&p)).or_default().push(n);
         }
-        Self { at }
     }
 
     /// Whether no normals are known.

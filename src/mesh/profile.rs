@@ -17,6 +17,8 @@ use crate::part::PartError;
 pub const MOSTLY: f64 = 0.5;
 /// Smallest number of votes of a piece of the flow side, as a share of the largest number.
 const VOTES: f64 = 0.2;
+/// Smallest area of a piece of the flow side, as a share of that of the largest.
+const PIECE: f64 = 0.005;
 /// Number of blade corners that vote for the piece nearest to them.
 const VOTERS: usize = 1000;
 /// Largest number of cubic pieces of a curve.
@@ -346,7 +348,14 @@ pub fn find_flow_side(
         }
     }
     let most = votes.iter().copied().max().unwrap_or(0);
-    let chosen: Vec<bool> = votes.iter().map(|v| *v > 0 && *v as f64 >= VOTES * most as f64).collect();
+    let mut areas = vec![0.0; count];
+    for (t, g) in group.iter().enumerate() {
+        areas[*g as usize] += surface.area(t);
+    }
+    let largest = (0..count).filter(|g| votes[*g] > 0).map(|g| areas[g]).fold(0.0, f64::max);
+    // A wall of a bolt hole may have the only corners far and wide.
+    let is_chosen = |g: usize| votes[g] as f64 >= VOTES * most.max(1) as f64 && areas[g] >= PIECE * largest;
+    let chosen: Vec<bool> = (0..count).map(is_chosen).collect();
     let is_beside = |t: usize| group[t] != NONE && chosen[group[t] as usize] && turned[t];
     let triangles: Vec<usize> =
         (0..group.len()).filter(|&t| is_beside(t) && follows(course, surface, t)).collect();

@@ -1,6 +1,6 @@
 //! Splits a slice of a blade into its two sides at leading and trailing edge.
 
-use super::end_faces::EndFaces;
+use super::end_faces::{EndFaces, find_nose_seam};
 use super::sections::{SlicePiece, SlicePoint};
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, wrap_angle};
@@ -21,11 +21,6 @@ const NOSE_SHARE: f64 = 0.35;
 const AT_GAP: f64 = 0.05;
 /// Widest gap that is bridged anywhere else, as a share of the length.
 const BRIDGED: f64 = 0.01;
-/// A nose ends where the cosine between its direction and that at the foremost point falls below this.
-const NOSE_TURN: f64 = 0.5;
-/// A seam within this many times the distance of another one from the foremost point is that of a nose with a
-/// face of its own.
-const NEAR_SEAM: f64 = 4.0;
 /// Share of a side's length at which the thickness of the nose is measured.
 const NOSE_END: f64 = 0.04;
 
@@ -381,51 +376,6 @@ fn flat_tail(
     let rise = |at: &usize| (points[*at].point - points[ends[0]].point).cross(&across).norm();
     let is_flat = run[from..=to].iter().all(|at| rise(at) < FLAT * chord.norm());
     is_flat.then_some(ends)
-}
-
-/// The point on a round nose where the mesh's faces of both sides meet; `None` unless there is exactly one.
-/// The division of a nose is arbitrary, but all measures along the sides start from it, so the file's own is
-/// kept.
-fn find_nose_seam(
-    points: &[SlicePoint],
-    step: &impl Fn(usize, bool) -> Option<usize>,
-    lowest: usize,
-) -> Option<usize> {
-    let direction = |i: usize| {
-        let (next, previous) = (step(i, true).unwrap_or(i), step(i, false).unwrap_or(i));
-        (points[next].point - points[previous].point).try_normalize(1e-12)
-    };
-    let foremost = direction(lowest)?;
-    let mut found = points[lowest].seam.then_some(lowest);
-    for forward in [true, false] {
-        let mut at = lowest;
-        for _ in 0..points.len() / 2 {
-            at = step(at, forward)?;
-            if direction(at)?.dot(&foremost) < NOSE_TURN {
-                break;
-            }
-            if points[at].seam && found.replace(at).is_some() {
-                return None;
-            }
-        }
-    }
-    // A nose may be a face of its own, of which one seam is on the nose and the other just behind it.
-    let seam = found?;
-    let from = points[lowest].point;
-    let near = NEAR_SEAM * (points[seam].point - from).norm();
-    for forward in [true, false] {
-        let mut at = lowest;
-        for _ in 0..points.len() / 2 {
-            at = step(at, forward)?;
-            if (points[at].point - from).norm() > near {
-                break;
-            }
-            if points[at].seam && at != seam {
-                return None;
-            }
-        }
-    }
-    found
 }
 
 /// Whether `p`, near the leading edge, is ahead of it in the direction `forward`.

@@ -2,11 +2,13 @@
 
 use super::TriangleMesh;
 use super::weld::{self, NONE, NumberMap};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Meridional, Point, Vector};
 
 /// Two neighbouring triangles meet in an edge of the part, not in a smooth face, where the cosine between
 /// their normals is below this.
 pub const SHARP: f64 = 0.82;
+/// Largest number of parts of an edge between which it has places.
+const MAX_PARTS: f64 = 100.0;
 
 /// Triangles over welded corners, without degenerate triangles.
 #[derive(Clone, Debug, Default)]
@@ -117,6 +119,27 @@ impl MeshSurface {
     /// `None` where it is open.
     pub fn outward(&self) -> Option<f64> {
         self.signed_volume().filter(|_| !self.triangles.is_empty()).map(f64::signum)
+    }
+
+    /// Places of its corners in the meridional plane, and of points along longer edges, `spacing` apart, mm.
+    pub fn places(&self, spacing: f64) -> Vec<Meridional> {
+        let mut places: Vec<Meridional> = self.points.iter().map(Meridional::from_point).collect();
+        for (t, neighbours) in self.triangles.iter().zip(&self.neighbours) {
+            for k in 0..3 {
+                let (i, j) = (t[k], t[(k + 1) % 3]);
+                // Of an edge of two triangles once.
+                if i > j && neighbours[k] != NONE {
+                    continue;
+                }
+                let (a, b) = (self.points[i as usize], self.points[j as usize]);
+                let parts = ((b - a).norm() / spacing).min(MAX_PARTS) as usize;
+                places.extend((1..parts).map(|m| {
+                    let p = a + (b - a) * (m as f64 / parts as f64);
+                    Meridional::from_point(&p)
+                }));
+            }
+        }
+        places
     }
 
     /// Numbers the groups of triangles that are connected across edges for which `joins` holds (flood fill);

@@ -3,9 +3,11 @@
 use std::collections::HashMap;
 
 use super::TriangleMesh;
+use super::normals::ExactNormals;
 use super::profile::FittedProfile;
 use super::surface::MeshSurface;
-use crate::geometry::{Meridional, MeridionalCurve, Point};
+use super::weld::NONE;
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// Angles of the half planes that a body of revolution is cut with, rad: none is a likely angle of an edge.
 const HALF_PLANES: [f64; 3] = [0.377, 2.531, 4.419];
@@ -38,6 +40,22 @@ impl BodyOutline {
         };
         2 * self.outlines.iter().filter(odd).count() > HALF_PLANES.len()
     }
+
+    /// Whether the body is between two points: the line from one to the other crosses its outline, in most of
+    /// the half planes.
+    pub fn separates(&self, p: Meridional, q: Meridional) -> bool {
+        let crosses = |[a, b]: &[Meridional; 2]| {
+            (turn(p, q, *a) > 0.0) != (turn(p, q, *b) > 0.0)
+                && (turn(*a, *b, p) > 0.0) != (turn(*a, *b, q) > 0.0)
+        };
+        let crossed = self.outlines.iter().filter(|outline| outline.iter().any(crosses));
+        2 * crossed.count() > HALF_PLANES.len()
+    }
+}
+
+/// Twice the area of the triangle of three points, positive where they turn left.
+fn turn(a: Meridional, b: Meridional, c: Meridional) -> f64 {
+    (b.r - a.r) * (c.z - a.z) - (b.z - a.z) * (c.r - a.r)
 }
 
 /// The section of a surface with the half plane at an angle about Z.
@@ -78,13 +96,26 @@ pub fn rim_line(hub: &FittedProfile, cover: &FittedProfile) -> Option<Meridional
 /// The part of `blade` on the outer side of a meridional curve. Corners within `tolerance` mm of the curve
 /// are on it.
 pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> MeshSurface {
+    trimmed_with_normals(blade, curve, tolerance, &ExactNormals::default()).0
+}
+
+/// As [`trimmed`], and the normals at the new corners on edges at both ends of which there are `exact` ones.
+/// Of the long triangles between the ends of straight lines no fit through corners tells them.
+pub fn trimmed_with_normals(
+    blade: &MeshSurface,
+    curve: &MeridionalCurve,
+    tolerance: f64,
+    exact: &ExactNormals,
+) -> (MeshSurface, Vec<(Point, Vector)>) {
     let height = |p: &Point| curve.project(Meridional::from_point(p)).1;
     let on_curve = |h: f64| if h.abs() < tolerance { 0.0 } else { h };
     let heights: Vec<f64> = blade.points.iter().map(|p| on_curve(height(p))).collect();
     let mut mesh = TriangleMesh { points: blade.points.clone(), triangles: Vec::new() };
     let mut faces = Vec::new();
     let mut met: HashMap<(u32, u32), u32> = HashMap::new();
-    for (t, face) in blade.triangles.iter().zip(&blade.faces) {
+    let mut normals = Vec::new();
+    for (number_of, (t, face)) in blade.triangles.iter().zip(&blade.faces).enumerate() {
+        let flat = &blade.normals[number_of];
         let mut kept: Vec<u32> = Vec::with_capacity(4);
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);
@@ -95,11 +126,21 @@ pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> 
             let ends_above = [a, b].iter().any(|i| heights[*i as usize] > 0.0);
             if over[0] != over[1] && ends_above {
                 let (low, high) = (a.min(b), a.max(b));
+                let ends = [low, high].map(|i| blade.points[i as usize]);
+                let known = exact.near(&ends[0], flat).zip(exact.near(&ends[1], flat)).map(|(n, m)| [n, m]);
+                let beside = blade.neighbours[number_of][k];
+                let is_within = beside != NONE && blade.faces[beside as usize] == *face;
                 let number = *met.entry((low, high)).or_insert_with(|| {
-                    let ends = [low, high].map(|i| (blade.points[i as usize], heights[i as usize]));
-                    mesh.points.push(crossing(ends, height));
+                    let at = [low, high].map(|i| heights[i as usize]);
+                    let normals = known.filter(|_| is_within);
+                    mesh.points.push(crossing(&SurfaceEdge { ends, normals }, at, height));
                     (mesh.points.len() - 1) as u32
                 });
+                if let Some([n, m]) = known {
+                    let p = mesh.points[number as usize];
+                    let share = (p - ends[0]).norm() / (ends[1] - ends[0]).norm();
+                    normals.extend(n.lerp(&m, share).try_normalize(1e-12).map(|n| (p, n)));
+                }
                 kept.push(number);
             }
         }
@@ -108,17 +149,40 @@ pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> 
             faces.push(*face);
         }
     }
-    MeshSurface::of_faces(&mesh.compact(), faces)
+    (MeshSurface::of_faces(&mesh.compact(), faces), normals)
 }
 
-/// Where the edge between two points at heights of different signs has the height 0.
-fn crossing(ends: [(Point, f64); 2], height: impl Fn(&Point) -> f64) -> Point {
-    let [(a, ha), (b, hb)] = ends;
-    let (mut low, mut high) = ((0.0, ha), (1.0, hb));
+/// An edge between triangles of a smooth face.
+struct SurfaceEdge {
+    ends: [Point; 2],
+    /// The normals of the face at its ends, where they are known.
+    normals: Option<[Vector; 2]>,
+}
+
+impl SurfaceEdge {
+    /// The point over the edge at a share of it: on the cubic Hermite curve that is tangential to the face at
+    /// both ends, or on the chord.
+    fn at(&self, x: f64) -> Point {
+        let [a, b] = self.ends;
+        let chord = b - a;
+        let straight = a + chord * x;
+        match &self.normals {
+            Some([n, m]) => {
+                let (x2, x3) = (x * x, x * x * x);
+                straight - n * (n.dot(&chord) * (x3 - 2.0 * x2 + x)) - m * (m.dot(&chord) * (x3 - x2))
+            }
+            None => straight,
+        }
+    }
+}
+
+/// Where an edge between two points at heights of different signs has the height 0.
+fn crossing(edge: &SurfaceEdge, [from, to]: [f64; 2], height: impl Fn(&Point) -> f64) -> Point {
+    let (mut low, mut high) = ((0.0, from), (1.0, to));
     let mut share = 0.5;
     for _ in 0..STEPS {
         share = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
-        let h = height(&(a + (b - a) * share));
+        let h = height(&edge.at(share));
         if (h < 0.0) == (low.1 < 0.0) {
             low = (share, h);
         } else {
@@ -128,7 +192,7 @@ fn crossing(ends: [(Point, f64); 2], height: impl Fn(&Point) -> f64) -> Point {
             break;
         }
     }
-    a + (b - a) * share
+    edge.at(share)
 }
 
 #[cfg(test)]
@@ -157,6 +221,10 @@ mod tests {
         {
             assert_eq!(outline.contains(Meridional { r, z }), within, "{r} {z}");
         }
+        let apart = |p: (f64, f64), q: (f64, f64)| {
+            outline.separates(Meridional { r: p.0, z: p.1 }, Meridional { r: q.0, z: q.1 })
+        };
+        assert!(apart((3.0, -1.0), (3.0, 2.0)) && !apart((1.0, -1.0), (1.0, 2.0)));
         let open = ring().subset(|t| t > 0);
         assert!(BodyOutline::from_body(&open).is_none(), "it is open");
     }

@@ -11,9 +11,9 @@ use crate::geometry::Point;
 /// Range of the logarithm of the ratio of the radii of a ring: not so thin that chords of its circles cross,
 /// not so wide that numbers lose their digits.
 const RING: (f64, f64) = (1.5, 12.0);
-/// Largest extent along the straight lines of a surface that is curved across them, as a share of that across.
-/// There are no points between the borders: in true lengths the triangles between borders that are not at right
-/// angles to the lines would run askew to them, over the curve.
+/// Largest extent along the straight lines of a surface that is curved across them, as a share of that
+/// across. There are no points between the borders: in true lengths the triangles between borders that are
+/// not at right angles to the lines would run askew to them, over the curve.
 const FLATTENED: f64 = 0.01;
 /// Parameters within this share of a period are equal.
 const EQUAL: f64 = 1e-6;

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
-"""Writes pump_wheel.step and pump_bodies.step with Open CASCADE (pip install cadquery-ocp): a pump wheel with five plane
-blades, whose hub is drawn in pieces: pump_wheel.py one pump_wheel.step; pump_wheel.py bodies pump_bodies.step.
+"""Writes pump_wheel.step, pump_bodies.step and pump_covered.step with Open CASCADE (pip install cadquery-ocp): a pump wheel
+with five plane blades, whose hub is drawn in pieces: pump_wheel.py one pump_wheel.step; pump_wheel.py bodies
+pump_bodies.step; pump_wheel.py covered pump_covered.step, whose blades go on into the hub, through a cover of 4 mm, and past
+the rim of both.
 
 Its hub is a cylinder of radius 18 down to z = 40, a quarter of a torus about (48, 40) of radius 30, and the disc z = 10 to
 the rim at 100; its shroud is the cone from (45, 44) to (100, 22), in the meridional plane (r, z), mm. The blades are 5 mm
@@ -82,6 +84,9 @@ def main(kind, path):
         for one in blades:
             hub = BRepAlgoAPI_Fuse(hub, one).Shape()
         writer.Transfer(BRepAlgoAPI_Common(hub, envelope).Shape(), STEPControl_AsIs)
+    elif kind == "covered":
+        for body in [hub, turned([(45, 44), (100, 22), (100, 26), (45, 48)]), *blades]:
+            writer.Transfer(body, STEPControl_AsIs)
     else:
         writer.Transfer(hub, STEPControl_AsIs)
         for one in blades:
