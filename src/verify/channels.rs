@@ -26,8 +26,8 @@ pub(super) fn channels_of(cuts: &[(Option<i64>, f64)]) -> Vec<i64> {
         .collect()
 }
 
-/// s of a point, and its height over the hub as a share of the channel's depth; `None` beyond leading edge and
-/// rim.
+/// s of a point, and its height over the hub as a share of the channel's depth; `None` beyond leading edge
+/// and rim.
 fn span_of(part: &Impeller, here: Meridional) -> Option<(f64, f64)> {
     let (t, height) = part.hub.curve().project(here);
     let s = part.hub.s_at(t);

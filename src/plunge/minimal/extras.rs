@@ -199,8 +199,8 @@ pub struct ExtraSearch<'a> {
     fan: PoolFan,
     blank: &'a Blank,
     floor: FloorHeightMap,
-    /// Entries of the pool that are not plunges yet, and those that are. Gains only decrease while plunges are
-    /// added.
+    /// Entries of the pool that are not plunges yet, and those that are. Gains only decrease while plunges
+    /// are added.
     heap: BinaryHeap<PoolEntry>,
     plunges: BinaryHeap<PoolEntry>,
     /// Entries that contact does not allow yet.

@@ -138,7 +138,8 @@ pub(super) fn floor_steps<'a>(
 struct ChannelRun {
     range: std::ops::Range<usize>,
     channel: Option<i64>,
-    /// Cutting length, mm; 0 over the blades: plunges that open a channel there also reach over its neighbours.
+    /// Cutting length, mm; 0 over the blades: plunges that open a channel there also reach over its
+    /// neighbours.
     length: f64,
 }
 
