@@ -114,8 +114,8 @@ pub fn trimmed_with_normals(
     let mut faces = Vec::new();
     let mut met: HashMap<(u32, u32), u32> = HashMap::new();
     let mut normals = Vec::new();
-    for (number_of, (t, face)) in blade.triangles.iter().zip(&blade.faces).enumerate() {
-        let flat = &blade.normals[number_of];
+    for (index, (t, face)) in blade.triangles.iter().zip(&blade.faces).enumerate() {
+        let flat = &blade.normals[index];
         let mut kept: Vec<u32> = Vec::with_capacity(4);
         for k in 0..3 {
             let (a, b) = (t[k], t[(k + 1) % 3]);
@@ -128,7 +128,7 @@ pub fn trimmed_with_normals(
                 let (low, high) = (a.min(b), a.max(b));
                 let ends = [low, high].map(|i| blade.points[i as usize]);
                 let known = exact.near(&ends[0], flat).zip(exact.near(&ends[1], flat)).map(|(n, m)| [n, m]);
-                let beside = blade.neighbours[number_of][k];
+                let beside = blade.neighbours[index][k];
                 let is_within = beside != NONE && blade.faces[beside as usize] == *face;
                 let number = *met.entry((low, high)).or_insert_with(|| {
                     let at = [low, high].map(|i| heights[i as usize]);
