@@ -17,13 +17,10 @@ use crate::gpu::{
 };
 use crate::job::PlanOutcome;
 use crate::monitor::Monitor;
-use crate::stock::solid::{SolidBlank, SolidProgram, SolidStock, StockSurface};
+use crate::stock::solid::{COARSE_RAYS, FINE_RAYS, SolidBlank, SolidProgram, SolidStock, StockSurface};
 use crate::stock::{FieldProgram, FloorLevels, field_cutters};
 use crate::toolpath::ClProgram;
 
-/// Rays across the wheel of the solids that the window draws.
-const COARSE_RAYS: f64 = 140.0;
-const FINE_RAYS: f64 = 360.0;
 /// Pictures per measurement.
 const PICTURES: u32 = 12;
 

@@ -14,7 +14,7 @@ use crate::part::{Blank, Workpiece};
 use crate::setup::{Setup, Tool};
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
-    SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, SpanEnd, StockPlayer,
+    FINE_RAYS, SolidBlank, SolidError, SolidMove, SolidProgram, SolidStock, SolidTool, SpanEnd, StockPlayer,
     StockSurface, ToolPose, TurnedOutline,
 };
 use crate::toolpath::ClProgram;
@@ -29,8 +29,6 @@ const FLANK_MOVES: usize = 15_000;
 /// Rays across the wheel where a timeline is scrubbed, and where the memory is measured.
 const SCRUB_RAYS: f64 = 500.0;
 const FULL_RAYS: f64 = 800.0;
-/// Rays across the wheel in the window.
-const WINDOW_RAYS: f64 = 360.0;
 /// Jumps of the timeline.
 const JUMPS: usize = 40;
 
@@ -143,7 +141,7 @@ fn print_jumps(what: &str, mut player: StockPlayer) -> Result<Result<(), Failure
 
 /// Prints the time to colour the stock by its distance to the part, as the window does.
 fn print_distances(flank: &SolidProgram, workpiece: &Workpiece, blank: &SolidBlank) -> Result<(), Failure> {
-    let mut stock = SolidStock::new(blank, DIAMETER / WINDOW_RAYS).map_err(Failure::of_work)?;
+    let mut stock = SolidStock::new(blank, DIAMETER / FINE_RAYS).map_err(Failure::of_work)?;
     stock.make_moves(&flank.tools, &flank.moves, &Monitor::default()).map_err(Failure::of_work)?;
     let surface = StockSurface::from_stock(&stock);
     let excess = Excess::new(workpiece);
@@ -153,7 +151,7 @@ fn print_distances(flank: &SolidProgram, workpiece: &Workpiece, blank: &SolidBla
         let distances: Vec<f64> = cut.par_iter().map(|point| excess.at(point)).collect();
         std::hint::black_box(distances);
     });
-    print_row(&format!("  distance to the part of {} points of it at D/{WINDOW_RAYS}", cut.len()), seconds)
+    print_row(&format!("  distance to the part of {} points of it at D/{FINE_RAYS}", cut.len()), seconds)
 }
 
 /// The first moves of the flank plan of the sample wheel with splitters, of D 300, with its workpiece.

@@ -4,9 +4,9 @@
 //! furthest upstream: blunt edges are as good as at right angles to the channel, so that this point jumps
 //! from one of their corners to the other from height to height.
 
-use super::sections::SlicePoint;
-use crate::geometry::cubic::{Cubic, chord_lengths};
-use crate::geometry::{Point, Vector};
+use super::sections::{SlicePoint, knots_of};
+use crate::geometry::Vector;
+use crate::geometry::cubic::Cubic;
 
 /// Distance from the end within which corners are looked for, and largest length of the faces of an end, as
 /// shares of the length of the slice: those of the sides are further away.
@@ -102,26 +102,14 @@ impl EndFaces {
         if run.len() == 1 {
             return Some((points[self.from], [self.from; 2]));
         }
-        let values: Vec<[f64; 4]> = run
-            .iter()
-            .map(|&i| {
-                let p = &points[i];
-                [p.point.x, p.point.y, p.point.z, p.along]
-            })
-            .collect();
-        let places: Vec<[f64; 3]> = values.iter().map(|p| [p[0], p[1], p[2]]).collect();
-        let knots = chord_lengths(&places);
-        if knots.windows(2).any(|k| k[1] - k[0] < 1e-12) {
-            return None;
-        }
+        let values: Vec<[f64; 4]> = run.iter().map(|&i| points[i].values()).collect();
+        let knots = knots_of(&values)?;
         let corners: Vec<usize> = (1..run.len() - 1).filter(|&k| points[run[k]].edge).collect();
         let half = 0.5 * knots[knots.len() - 1];
-        let [x, y, z, along] = Cubic::interpolate_with_corners(&knots, &values, &corners).point(half);
+        let middle = Cubic::interpolate_with_corners(&knots, &values, &corners).point(half);
         let behind = knots.partition_point(|k| *k <= half).min(run.len() - 1);
         let before = knots.partition_point(|k| *k < half).max(1) - 1;
-        let point =
-            SlicePoint { point: Point::new(x, y, z), along, edge: false, seam: false, chord_offset_mm: 0.0 };
-        Some((point, [run[behind], run[before]]))
+        Some((SlicePoint::from_values(middle), [run[behind], run[before]]))
     }
 }
 
@@ -173,6 +161,7 @@ pub fn find_nose_seam(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
 
     /// A closed slice through points in a plane, of which those with `true` are corners.
     fn slice(outline: &[(f64, f64, bool)]) -> Vec<SlicePoint> {

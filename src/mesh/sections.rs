@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::normals::{CornerNormals, ExactNormals};
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
+use crate::geometry::cubic::chord_lengths;
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// As [`SHARP`], between a side and a cap.
@@ -112,6 +113,25 @@ pub struct SlicePoint {
     pub seam: bool,
     /// Distance of the point from its mesh edge, mm: the smaller, the more certain the point.
     pub chord_offset_mm: f64,
+}
+
+impl SlicePoint {
+    /// Coordinates and [`Self::along`], to be interpolated.
+    pub fn values(&self) -> [f64; 4] {
+        [self.point.x, self.point.y, self.point.z, self.along]
+    }
+
+    /// A point with interpolated values: neither at an edge nor at a seam.
+    pub fn from_values([x, y, z, along]: [f64; 4]) -> Self {
+        Self { point: Point::new(x, y, z), along, edge: false, seam: false, chord_offset_mm: 0.0 }
+    }
+}
+
+/// Chord lengths at points of a slice, given by their values; `None` where neighbours coincide.
+pub fn knots_of(values: &[[f64; 4]]) -> Option<Vec<f64>> {
+    let places: Vec<[f64; 3]> = values.iter().map(|p| [p[0], p[1], p[2]]).collect();
+    let knots = chord_lengths(&places);
+    (!knots.windows(2).any(|k| k[1] - k[0] < 1e-12)).then_some(knots)
 }
 
 /// Classifies triangles: 0 side, 1 cap at the hub, 2 at the shroud, 3 at the rim. Angles do not suffice,

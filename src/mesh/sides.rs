@@ -1,7 +1,7 @@
 //! Splits a slice of a blade into its two sides at leading and trailing edge.
 
 use super::end_faces::{EndFaces, find_nose_seam};
-use super::sections::{SlicePiece, SlicePoint};
+use super::sections::{SlicePiece, SlicePoint, knots_of};
 use crate::geometry::cubic::{Cubic, chord_lengths};
 use crate::geometry::{Point, Vector, wrap_angle};
 
@@ -408,29 +408,16 @@ fn refine_extreme(
     }
     before.reverse();
     let around: Vec<usize> = before.iter().chain(&after[1..]).copied().collect();
-    let raw: Vec<[f64; 4]> = around
-        .iter()
-        .map(|&i| {
-            let p = &points[i];
-            [p.point.x, p.point.y, p.point.z, p.along]
-        })
-        .collect();
-    let places: Vec<[f64; 3]> = raw.iter().map(|p| [p[0], p[1], p[2]]).collect();
-    let knots = chord_lengths(&places);
-    if before.len() < 2 || after.len() < 2 || knots.windows(2).any(|k| k[1] - k[0] < 1e-12) {
+    let raw: Vec<[f64; 4]> = around.iter().map(|&i| points[i].values()).collect();
+    let Some(knots) = knots_of(&raw).filter(|_| before.len() > 1 && after.len() > 1) else {
         return points[at];
-    }
+    };
     let curve = Cubic::interpolate(&knots, &raw);
     let (from, to) = (knots[before.len() - 2], knots[before.len()]);
     let best = (0..=400)
         .map(|k| curve.point(from + (to - from) * f64::from(k) / 400.0))
         .min_by(|a, b| (sign * a[3]).total_cmp(&(sign * b[3])));
-    match best {
-        Some([x, y, z, along]) => {
-            SlicePoint { point: Point::new(x, y, z), along, edge: false, seam: false, chord_offset_mm: 0.0 }
-        }
-        None => points[at],
-    }
+    best.map_or(points[at], SlicePoint::from_values)
 }
 
 #[cfg(test)]

@@ -13,16 +13,13 @@ use crate::part::{Impeller, Workpiece};
 use crate::plunge::{Condition, PlungePlan, Position};
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
-    Contact, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer, StockSurface,
+    COARSE_RAYS, Contact, FINE_RAYS, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer,
+    StockSurface,
 };
 use crate::toolpath::ClProgram;
 
 use super::Repaint;
 use crate::app::model::solid::{SolidColours, SolidRequest, SolidSource, StockMoment};
-
-/// Rays across the wheel: of the solid that comes first, of the one that stays, and of an exported one.
-const COARSE: f64 = 140.0;
-const FINE: f64 = 360.0;
 
 /// The solid to draw.
 #[derive(Clone, Debug)]
@@ -116,7 +113,7 @@ impl Bench {
     fn new(source: &SolidSource) -> Result<Self, String> {
         let plan = source.plan();
         let program = source.program(&plan);
-        let coarse = player(source, &program, COARSE)?;
+        let coarse = player(source, &program, COARSE_RAYS)?;
         Ok(Self { source: source.clone(), plan, program, coarse, fine: None })
     }
 }
@@ -264,7 +261,7 @@ fn simulate(
     let draft = Some(Arc::clone(&coarse.mesh));
     listen(coarse);
     if bench.fine.is_none() {
-        bench.fine = Some(player(&request.source, &bench.program, FINE)?);
+        bench.fine = Some(player(&request.source, &bench.program, FINE_RAYS)?);
     }
     let Some(fine) = &mut bench.fine else { return Err(String::new()) };
     Ok(SolidPicture { draft, ..picture(fine, false)? })

@@ -47,6 +47,10 @@ use crate::geometry::Point;
 use crate::monitor::Monitor;
 use crate::part::{Blank, Impeller};
 
+/// Rays across the wheel of a solid that is to be drawn soon.
+pub const COARSE_RAYS: f64 = 140.0;
+/// Rays across the wheel of a solid that stays in the picture.
+pub const FINE_RAYS: f64 = 360.0;
 /// Distance of the pieces of a move that turns from its true sweep, in spacings.
 const TURN_TOLERANCE: f64 = 0.06;
 /// Distance of a move that stands for a run of cuts from the cuts, in spacings.

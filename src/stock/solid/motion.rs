@@ -15,7 +15,7 @@ const STRAIGHT_RAD: f64 = 1e-7;
 const AXIAL: (f64, f64) = (1e-4, 1e-4);
 /// Largest number of steps into which one move is divided.
 const MAX_STEPS: f64 = 20_000.0;
-/// Share of a cut that goes up the axis above which it leaves a plunge, and is no pass.
+/// A cut ends a plunge, and is not a pass, if more than this share of its length is up along the axis.
 const LEAVING_SHARE: f64 = 0.5;
 
 /// Tip and unit axis of a tool.
@@ -62,12 +62,12 @@ impl SolidMove {
     }
 
     /// Whether it goes down along its axis under feed.
-    pub fn goes_in(&self) -> bool {
+    fn goes_in(&self) -> bool {
         let travel = self.to.tip - self.from.tip;
         !self.rapid && is_axial(&travel, &self.from.axis, &self.to.axis) && travel.dot(&self.to.axis) < 0.0
     }
 
-    /// Whether it leaves a plunge before it: a rapid, or a cut up the axis, off the stock beside it or not.
+    /// Whether it ends a plunge before it: a rapid, or a cut that mainly goes up along the axis.
     fn leaves(&self) -> bool {
         let travel = self.to.tip - self.from.tip;
         let up = travel.dot(&self.to.axis);
