@@ -44,7 +44,7 @@ static BALANCED: LazyLock<FlankOutcome> = LazyLock::new(|| {
 fn by_regions(blank: BlankShape) -> FlankOutcome {
     planned(&request("pump6.toml", |setup| {
         setup.flank.strategy = FlankStrategy::Regions;
-        setup.flank.layer_depth = 5.0;
+        setup.flank.layer_depth = 10.0;
         setup.allowances.blank = blank;
     }))
 }

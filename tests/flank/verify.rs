@@ -370,8 +370,10 @@ fn programs_after_others_are_judged_as_by_themselves() {
         program(3, &|_| {}),
         // Goes on where the first one ends.
         program(4, &|_| {}),
-        program(4, &|moves| drop(moves.drain(starts[1] + 20..starts[1] + 30))),
-        program(4, &|moves| moves[starts[0] + 30].motion = Motion::Rapid),
+        program(4, &|moves| {
+            moves[starts[0] + 30].motion = Motion::Rapid;
+            moves.drain(starts[1] + 20..starts[1] + 30);
+        }),
     ];
     let mut verifier = FlankVerifier::new(&made.workpiece, &made.setup);
     for program in &programs {

@@ -76,14 +76,15 @@ fn tool(plan: &PlungePlan, position: &Position) -> u32 {
 /// Three tools, and a wheel with a splitter.
 #[test]
 fn programs_of_every_order_are_verified_as_planned() {
-    for (name, channels) in [("impeller532", 3), ("impeller9x9", 3)] {
+    for (name, channels) in [("impeller532", 3), ("impeller9x9", 2)] {
         let outcome = sample_plans(name);
         let tools = count_tool_loads(&outcome.after.plan, ChannelOrder::ToolByTool, 1);
         assert!(tools > 1, "{name} has tool changes");
         for order in EVERY_ORDER {
             check(name, &outcome.after, outcome, order, channels);
-            check(name, &outcome.before, outcome, order, 2);
         }
+        // Interfering positions stay interfering.
+        check(name, &outcome.before, outcome, EVERY_ORDER[3], 2);
     }
 }
 
@@ -91,7 +92,7 @@ fn programs_of_every_order_are_verified_as_planned() {
 #[test]
 fn a_whole_wheel_is_milled_in_opposite_channels() {
     let outcome = sample_plans("pump6");
-    for order in EVERY_ORDER {
+    for order in EVERY_ORDER.into_iter().filter(|order| order.sequence == ChannelSequence::Opposite) {
         check("pump6", &outcome.after, outcome, order, outcome.workpiece.part.blade_count);
     }
 }
