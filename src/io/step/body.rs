@@ -247,8 +247,9 @@ fn mesh_once(
 impl MeshedBody {
     /// Turns the triangles of `faces`, whose borders contradict their sense, over where this leaves fewer
     /// edges open: neighbours tell which of the two is right. Small patches between fillets come like this.
+    /// Where faces are not whole, open edges tell nothing.
     fn turn_where_it_closes(&mut self, faces: &[u32]) {
-        if faces.is_empty() || self.open_edges == 0 {
+        if faces.is_empty() || self.open_edges == 0 || !self.faults.is_empty() {
             return;
         }
         let turn = |mesh: &mut TriangleMesh| {
