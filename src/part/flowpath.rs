@@ -221,7 +221,8 @@ pub(super) fn check_channel(hub: &Flowpath, shroud: &Flowpath, d: &PartDescripti
         ));
     }
     let rim = hub.at(1.0);
-    if rim.tangent.r < 0.5 || rim.point.r < 1.05 * s0.r {
+    // With mixed flow the hub may leave below the outer diameter of the inlet.
+    if rim.tangent.r < 0.5 || rim.point.r < 1.05 * h0.r {
         return Err(PartError::new(
             ErrorCode::NoRadialOutlet,
             d.hub_line,

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use vanecut::error::ErrorCode;
+use vanecut::geometry::{Meridional, Point};
 use vanecut::io::part_file::read_part;
-use vanecut::part::description::BladeDescription;
+use vanecut::part::description::{BladeDescription, CurveDescription};
 use vanecut::part::{BladeSide, Channel, Impeller, SideProbe};
 
 fn sample(name: &str) -> Impeller {
@@ -88,4 +89,30 @@ fn blades_that_do_not_reach_the_hub_are_refused() {
     description.main = sections([0.6, 0.9]);
     let error = Impeller::build(&description).expect_err("the blade hangs in the channel");
     assert_eq!((error.code, error.line), (ErrorCode::BladeTooShort, 7), "{error}");
+}
+
+/// The hub of a wheel of mixed flow may leave below the inlet's outer diameter.
+#[test]
+fn the_outlet_of_mixed_flow_may_lie_below_the_shrouds_inlet() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml");
+    let mut description = read_part(&path).expect("sample parts are readable");
+    let curve = |ends: [[f64; 2]; 2], bulge: f64, u: f64| {
+        let at = |k: usize| ends[0][k] + (ends[1][k] - ends[0][k]) * u;
+        let sag = bulge * u * (1.0 - u);
+        Meridional { r: at(0) - sag, z: at(1) - sag }
+    };
+    let hub = |u: f64| curve([[20.0, 60.0], [45.0, 12.0]], 20.0, u);
+    let shroud = |u: f64| curve([[48.0, 60.0], [65.0, 34.0]], 12.0, u);
+    let line = |f: &dyn Fn(f64) -> Meridional| (0..=40).map(|i| f(f64::from(i) / 40.0)).collect::<Vec<_>>();
+    (description.hub, description.shroud) =
+        (CurveDescription::Points(line(&hub)), CurveDescription::Points(line(&shroud)));
+    let section = |f: &dyn Fn(f64) -> Meridional, half: f64| -> Vec<Point> {
+        let place = |u: f64| f(u).at_angle(0.6 * u + half * (4.0 * u * (1.0 - u)).sqrt() / f(u).r);
+        (0..=40).map(|i| place(f64::from(i) / 40.0)).collect()
+    };
+    let side = |half: f64| vec![section(&hub, half), section(&shroud, half)];
+    description.main = BladeDescription::Sections { suction: side(1.0), pressure: side(-1.0), line: 1 };
+    let part = Impeller::build(&description).expect("an impeller");
+    let (rim, inlet) = (part.hub.point(1.0).r, part.shroud.point(0.0).r);
+    assert!((rim - 45.0).abs() < 0.1 && (inlet - 48.0).abs() < 0.1, "{rim} {inlet}");
 }

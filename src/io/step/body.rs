@@ -218,10 +218,14 @@ fn mesh_once(
         faults: Vec::new(),
     };
     let origin = body.placement.apply(&Point::origin());
+    let mut against_borders = Vec::new();
     for (id, reversed) in faces {
         let face = mesh_face(reader, &mut edges, *id, fineness)?;
         let number = meshed.faces.len() as u32;
         meshed.face_of.extend(std::iter::repeat_n(number, face.triangles.len()));
+        if face.against_borders {
+            against_borders.push(number);
+        }
         let turned = |t: [u32; 3]| if *reversed { [t[0], t[2], t[1]] } else { t };
         meshed.mesh.triangles.extend(face.triangles.into_iter().map(turned));
         let direction = |d: Vector| body.placement.apply(&Point::from(d)) - origin;
@@ -236,7 +240,33 @@ fn mesh_once(
     meshed.mesh.points = edges.points.iter().map(|p| body.placement.apply(p)).collect();
     meshed.mesh = meshed.mesh.compact();
     meshed.open_edges = open_edges(&meshed.mesh);
+    meshed.turn_where_it_closes(&against_borders);
     Ok(meshed)
+}
+
+impl MeshedBody {
+    /// Turns the triangles of `faces`, whose borders contradict their sense, over where this leaves fewer
+    /// edges open: neighbours tell which of the two is right. Small patches between fillets come like this.
+    /// Where faces are not whole, open edges tell nothing.
+    fn turn_where_it_closes(&mut self, faces: &[u32]) {
+        if faces.is_empty() || self.open_edges == 0 || !self.faults.is_empty() {
+            return;
+        }
+        let turn = |mesh: &mut TriangleMesh| {
+            for (t, face) in mesh.triangles.iter_mut().zip(&self.face_of) {
+                if faces.contains(face) {
+                    t.swap(1, 2);
+                }
+            }
+        };
+        turn(&mut self.mesh);
+        let open = open_edges(&self.mesh);
+        if open < self.open_edges {
+            self.open_edges = open;
+        } else {
+            turn(&mut self.mesh);
+        }
+    }
 }
 
 fn kind_of(surface: &Surface) -> SurfaceKind {

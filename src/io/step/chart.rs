@@ -27,6 +27,15 @@ pub struct Ring {
     pub winding: [i32; 2],
 }
 
+impl Ring {
+    /// Twice the area inside in the plane of the parameters, where it goes round no period; positive where
+    /// the inside is to its left.
+    pub fn signed_area(&self) -> f64 {
+        let next = self.places.iter().cycle().skip(1);
+        self.places.iter().zip(next).map(|((a, _), (b, _))| a[0] * b[1] - a[1] * b[0]).sum()
+    }
+}
+
 /// The parameters of the points of a closed line, continued over periods; `None` where they do not close.
 pub fn unwrapped(surface: &Surface, ring: &[u32], points: &[Point], poles: &[Pole]) -> Option<Ring> {
     let periods = surface.periods();

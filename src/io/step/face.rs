@@ -34,6 +34,9 @@ pub struct MeshedFace {
     pub fault: Option<&'static str>,
     /// Unit normals of a curved surface at points of the triangles, of either sign.
     pub normals: Vec<(u32, Vector)>,
+    /// Whether its borders run round it against the sense that it gives for its surface: one of the two is
+    /// wrong.
+    pub against_borders: bool,
 }
 
 /// The borders of a face as closed lines of points; edges that the face has on both sides are left out.
@@ -152,6 +155,7 @@ pub fn mesh_face(
     let mut fault = None;
     let mut triangles = Vec::new();
     let mut normals = Vec::new();
+    let mut against_borders = false;
     if rings.is_empty() {
         match closed_surface(&surface, edges, fineness) {
             Some(all) => triangles = all,
@@ -166,6 +170,8 @@ pub fn mesh_face(
             Some(mut rings) => match Chart::new(&surface, &mut rings, same, &poles) {
                 Err(why) => fault = Some(why),
                 Ok(chart) => {
+                    let area: f64 = rings.iter().map(Ring::signed_area).sum();
+                    against_borders = chart.round().is_none() && (area > 0.0) != same;
                     let budget = |n: usize| reader.spend(id, n);
                     let (found, crossing) =
                         triangulate(&surface, &chart, &rings, edges, fineness, budget, &mut normals)?;
@@ -183,7 +189,7 @@ pub fn mesh_face(
     if !same {
         triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
-    Ok(MeshedFace { triangles, surface, fault, normals })
+    Ok(MeshedFace { triangles, surface, fault, normals, against_borders })
 }
 
 /// The plane through the first border of a face without a surface.

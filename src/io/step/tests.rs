@@ -88,6 +88,18 @@ fn surfaces_meet_their_closed_forms() {
     }
 }
 
+/// The borders of a face and the sense of its surface contradict each other: its neighbours tell that the
+/// borders are right.
+#[test]
+fn a_face_with_the_wrong_sense_follows_its_neighbours() {
+    let data = can("CYLINDRICAL_SURFACE('',#8,5.)", 5.0, 5.0, 8.0);
+    let wrong = data.replace("#21=ADVANCED_FACE('',(#51),#52,.F.)", "#21=ADVANCED_FACE('',(#51),#52,.T.)");
+    assert_ne!(wrong, data);
+    let [right, wrong] = [data, wrong].map(|data| scene(&file(MM, &data), 0.05));
+    assert_eq!(wrong.bodies[0].open_edges, 0);
+    assert_eq!(measure(&wrong.bodies[0]), measure(&right.bodies[0]));
+}
+
 #[test]
 fn triangles_between_slanted_borders_run_along_a_cylinder() {
     // Half a cylinder from the plane z = 0 to the plane z = 40 + 0.6 x.
