@@ -206,6 +206,14 @@ pub(super) fn segments_of(tools: &[Tool]) -> Vec<Vec<AssemblySegment>> {
     tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect()
 }
 
+/// Move `k` of a program; `None` where no tool makes it.
+pub(super) fn step_to(moves: &[Move], k: usize) -> Option<AssemblyStep> {
+    let tool = moves[k].tool?;
+    let before = k.checked_sub(1).map(|k| &moves[k]).filter(|before| before.tool == moves[k].tool);
+    let to = (moves[k].tip, moves[k].axis);
+    Some(AssemblyStep { tool, from: before.map_or(to, |before| (before.tip, before.axis)), to })
+}
+
 /// Judges all moves of a plunge program against the finished part.
 ///
 /// # Errors
@@ -224,12 +232,7 @@ pub(super) fn judge_moves(
         let is_same = |a: &Move, b: &Move| a.tool == b.tool && a.tip == b.tip && a.axis == b.axis;
         k >= 2 && is_same(&moves[k], &moves[k - 2]) && moves[k - 1].tool == moves[k].tool
     };
-    let step = |k: usize| {
-        let tool = moves[k].tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
-        let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == moves[k].tool);
-        let to = (moves[k].tip, moves[k].axis);
-        Some(AssemblyStep { tool, from: before.map_or(to, |before| (before.tip, before.axis)), to })
-    };
+    let step = |k: usize| step_to(moves, k).filter(|step| !segments[step.tool].is_empty() && !goes_back(k));
     let steps: Vec<Option<AssemblyStep>> = (0..moves.len()).map(step).collect();
     let given: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
     let least = min_distances(&given, &segments, around, &monitor.span(0.0, 0.5))?;
@@ -302,8 +305,12 @@ pub fn unjudged_tools(program: &ClProgram, setup: &Setup) -> Option<String> {
         .filter(|(index, tool)| tool.completed(setup).is_tapered() && used(*index))
         .map(|(_, tool)| tool.number.to_string())
         .collect();
-    let tapered = (!tapered.is_empty())
-        .then(|| format!("tapered, their edges judged as cylinders: tool {}", tapered.join(", ")));
+    let tapered = (!tapered.is_empty()).then(|| {
+        format!(
+            "tapered, judged as cones against the part, as cylinders in stock: tool {}",
+            tapered.join(", ")
+        )
+    });
     let remarks = [tapered, unknown_assemblies(program, setup)];
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     (!remarks.is_empty()).then(|| remarks.join("; "))
