@@ -9,7 +9,7 @@ use super::plunges::ProgramCut;
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
 use crate::cutting::assembly_move::AssemblyMove;
 use crate::cutting::contact::Columns;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Frustum, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
@@ -111,8 +111,8 @@ impl LeastDistance {
     }
 }
 
-/// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`, at
-/// places at most [`DISTANCE_SPACING`] apart.
+/// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`: of
+/// moves along the axis by what they sweep, of others at places at most [`DISTANCE_SPACING`] apart.
 ///
 /// Branch and bound: a place is measured only where the distance at the last measured one, less the way
 /// since, is below the least so far; and no further than that, and [`DISTANCE_AHEAD`]. What was found first
@@ -128,16 +128,17 @@ pub(super) fn min_distances(
 ) -> Result<AssemblyDistances, Cancelled> {
     let least: [LeastDistance; 2] = Default::default();
     let count = monitor.steps(steps.len());
-    let look = |segments: &[AssemblySegment], pose: (Point, Vector)| {
-        let mut spare = f64::INFINITY;
-        for segment in segments {
-            let best = &least[segment.part as usize];
-            let cap = best.get() + DISTANCE_AHEAD;
-            let distance = around.distance(segment, pose, cap);
+    // What distances of pieces are beyond the least so far.
+    let measure = |pieces: &mut dyn Iterator<Item = (AssemblyPart, Frustum)>| {
+        pieces.fold(f64::INFINITY, |spare, (part, frustum)| {
+            let best = &least[part as usize];
+            let distance = around.frustum_distance(&frustum, best.get() + DISTANCE_AHEAD);
             best.add(distance);
-            spare = spare.min(distance - best.get());
-        }
-        spare
+            spare.min(distance - best.get())
+        })
+    };
+    let look = |segments: &[AssemblySegment], (tip, axis): (Point, Vector)| {
+        measure(&mut segments.iter().map(|segment| (segment.part, segment.placed(&tip, &axis))))
     };
     let scan = |run: &[AssemblyStep]| {
         let mut known: Option<(&AssemblyStep, f64)> = None;
@@ -147,6 +148,12 @@ pub(super) fn min_distances(
             let moved = AssemblyMove::new(segments, step.from, step.to);
             let before = known.filter(|(before, _)| step.follows(before));
             let mut spare = before.map_or_else(|| look(segments, step.from), |(_, spare)| spare);
+            if spare < moved.way
+                && let Some(swept) = moved.swept(segments)
+            {
+                known = Some((step, measure(&mut swept.into_iter())));
+                continue;
+            }
             let pieces = (moved.way / DISTANCE_SPACING).ceil().clamp(1.0, MAX_PIECES);
             for piece in 1..=pieces as usize {
                 spare -= moved.way / pieces;
