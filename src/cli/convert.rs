@@ -14,7 +14,7 @@ use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::native::write_native;
 use crate::io::plan_file::{StoredPlan, read_plan_bytes};
 use crate::io::shop_tools::{
-    LibraryFormat, ToolLibrary, looks_like_library, read_library, write_fusion, write_toml,
+    LibraryFormat, MergedFusion, fusion_for, looks_like_library, read_library, write_toml,
 };
 use crate::io::source::{name_of, read_bytes};
 use crate::io::step;
@@ -116,24 +116,30 @@ fn library_format(input: &Path, output: &Path) -> Result<Option<LibraryFormat>, 
 
 /// Reads a tool library and writes it as our TOML or as Fusion JSON.
 fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Failure> {
-    let writer: fn(&ToolLibrary) -> String = match extension(&args.output).as_str() {
-        "toml" => write_toml,
-        "json" => write_fusion,
-        _ => {
-            let what = "a tool library is written as .toml or .json";
-            return Err(Failure::input(ErrorCode::FileFormat, what, "name such a file").at_path(&args.output));
-        }
-    };
+    let is_fusion = extension(&args.output) == "json";
+    if !is_fusion && extension(&args.output) != "toml" {
+        let what = "a tool library is written as .toml or .json";
+        return Err(Failure::input(ErrorCode::FileFormat, what, "name such a file").at_path(&args.output));
+    }
     let mut library = read_library(&args.input, format)?;
     if same_file(&args.input, &args.output) {
         return Err(is_the_input(&args.output));
     }
-    write_atomically(&args.output, writer(&library).as_bytes())?;
-    let loses_insert_width = extension(&args.output) == "json";
     let count = library.tools.len();
     let tools = if count == 1 { "tool" } else { "tools" };
     let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
-    if loses_insert_width {
+    if is_fusion {
+        let merged = fusion_for(&args.output, &library)?;
+        write_atomically(&args.output, merged.text.as_bytes())?;
+        if merged.changed + merged.kept > 0 {
+            let MergedFusion { changed, added, kept, .. } = merged;
+            text +=
+                &format!("into the library there: {changed} changed, {added} added, {kept} as they were\n");
+        }
+    } else {
+        write_atomically(&args.output, write_toml(&library).as_bytes())?;
+    }
+    if is_fusion {
         for entry in library.tools.iter_mut().filter(|entry| entry.tool.core_radius() > 0.0) {
             let what = "Fusion has no insert width; it has to be given again where the library is read";
             Arc::make_mut(entry).notes.push(what.to_owned());

@@ -208,6 +208,7 @@ fn object(outcome: &FlankOutcome, program: &FlankProgram) -> Map<String, Value> 
                 .map(|l| {
                     json!({
                         "layer": l.layer + 1, "region": l.region, "length": l.length, "why": l.why,
+                        "overhang": l.overhang,
                     })
                 })
                 .collect(),
@@ -373,16 +374,17 @@ fn text(outcome: &FlankOutcome) -> String {
 
 /// Passes that were left out, by layer and reason, a line each.
 fn left_out_text(uncut: &[UncutLength]) -> String {
-    let mut sums: Vec<(usize, &str, f64)> = Vec::new();
+    let mut sums: Vec<UncutLength> = Vec::new();
     for left in uncut {
-        match sums.iter_mut().find(|(layer, why, _)| (*layer, *why) == (left.layer, left.why)) {
-            Some((.., length)) => *length += left.length,
-            None => sums.push((left.layer, left.why, left.length)),
+        match sums.iter_mut().find(|sum| (sum.layer, sum.why) == (left.layer, left.why)) {
+            Some(sum) => sum.add(left.length, left.overhang),
+            None => sums.push(left.clone()),
         }
     }
-    let line = |(layer, why, length): (usize, &str, f64)| {
+    let line = |UncutLength { layer, length, why, overhang, .. }: UncutLength| {
         let length = if length < 0.1 { "less than 0.1".to_owned() } else { format!("{length:.1}") };
-        format!("left out: {length} mm of passes of layer {}, {why}\n", layer + 1)
+        let overhang = overhang.map_or(String::new(), |most| format!("; an overhang of {most} mm would do"));
+        format!("left out: {length} mm of passes of layer {}, {why}{overhang}\n", layer + 1)
     };
     sums.into_iter().map(line).collect()
 }
@@ -394,17 +396,24 @@ mod tests {
 
     #[test]
     fn passes_left_out_are_summed_by_layer_and_reason() {
-        let left = |layer, length, why| UncutLength { layer, region: Region::INLET, length, why };
+        let left = |layer, length, why, overhang| UncutLength {
+            layer,
+            region: Region::INLET,
+            length,
+            why,
+            overhang,
+        };
         let uncut = [
-            left(1, 0.04, "a blade is too near"),
-            left(0, 3.0, "a blade is too near"),
-            left(1, 1.2, "a blade is too near"),
-            left(1, 0.02, "too short"),
+            left(1, 0.04, "a blade is too near", None),
+            left(0, 3.0, "the holder meets the part", Some(41.0)),
+            left(0, 2.0, "the holder meets the part", Some(43.0)),
+            left(1, 1.2, "a blade is too near", None),
+            left(1, 0.02, "too short", None),
         ];
         assert_eq!(
             left_out_text(&uncut),
             "left out: 1.2 mm of passes of layer 2, a blade is too near\n\
-             left out: 3.0 mm of passes of layer 1, a blade is too near\n\
+             left out: 5.0 mm of passes of layer 1, the holder meets the part; an overhang of 43 mm would do\n\
              left out: less than 0.1 mm of passes of layer 2, too short\n"
         );
     }

@@ -125,11 +125,7 @@ impl<'a> AssemblySurroundings<'a> {
         cap: f64,
     ) -> PartClearance {
         let frustum = segment.placed(&pose.0, &pose.1);
-        let required = self.allowances.map(|allowance| allowance + self.clearances.of_part(segment.part));
-        let cap = cap.max(required[0]).max(required[1]);
-        let hub = hub_distance(self.finished, &frustum, cap);
-        let blade = blade_distance(self.finished, &frustum, cap);
-        let mut missing = (required[0] - hub).max(required[1] - blade);
+        let PartClearance { distance, mut missing } = self.from_part(&frustum, segment.part, cap);
         let widest = frustum.radii[0].max(frustum.radii[1]);
         // A shank no wider than its cutter moves where the cutter has cut.
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
@@ -139,8 +135,43 @@ impl<'a> AssemblySurroundings<'a> {
                 missing = short;
             }
         }
+        PartClearance { distance, missing }
+    }
+
+    /// Clearance of a piece of a tool from the finished part; distances are measured up to `cap` mm.
+    fn from_part(&self, frustum: &Frustum, part: AssemblyPart, cap: f64) -> PartClearance {
+        let required = self.allowances.map(|allowance| allowance + self.clearances.of_part(part));
+        let cap = cap.max(required[0]).max(required[1]);
+        let hub = hub_distance(self.finished, frustum, cap);
+        let blade = blade_distance(self.finished, frustum, cap);
         let distance = hub.min(blade);
-        PartClearance { distance: if distance < cap { distance } else { f64::INFINITY }, missing }
+        PartClearance {
+            distance: if distance < cap { distance } else { f64::INFINITY },
+            missing: (required[0] - hub).max(required[1] - blade),
+        }
+    }
+
+    /// Clearance over a move along the axis, by what the segments sweep; `None` for other moves, beside a
+    /// blank, and where one is too near: then the pose matters.
+    fn along_axis(
+        &self,
+        segments: &[AssemblySegment],
+        step: &AssemblyMove,
+        cap: f64,
+    ) -> Option<AssemblyClearance> {
+        let swept = self.blank.is_none().then(|| step.swept(segments)).flatten()?;
+        let mut least = AssemblyClearance::FAR;
+        for (part, frustum) in swept {
+            let of = match part {
+                AssemblyPart::Shank => &mut least.shank,
+                AssemblyPart::Holder => &mut least.holder,
+            };
+            *of = of.worst_of(self.from_part(&frustum, part, cap.min(of.distance)));
+            if of.collides() {
+                return None;
+            }
+        }
+        Some(least)
     }
 
     /// The first part of `tool`, from the tip up, that misses more than `tolerance` mm of its clearance in a
@@ -235,6 +266,11 @@ impl<'a> AssemblySurroundings<'a> {
         let parts = segments.iter().map(|segment| self.clearances.of_part(segment.part));
         let required = self.allowances[0].max(self.allowances[1]) + parts.fold(0.0, f64::max);
         let cap = required + step.way.clamp(MIN_LOOK_AHEAD, MAX_LOOK_AHEAD);
+        if slack < step.way
+            && let Some(least) = self.along_axis(segments, step, cap)
+        {
+            return (least, least.slack());
+        }
         let mut least = AssemblyClearance::FAR;
         let left = step.advance(slack, |pose| {
             let here = self.at(tool, segments, pose, cap);
@@ -247,9 +283,13 @@ impl<'a> AssemblySurroundings<'a> {
     /// Signed distance of one segment of a tool to the finished part in a pose, mm, or `cap` where it is not
     /// nearer than that.
     pub fn distance(&self, segment: &AssemblySegment, pose: (Point, Vector), cap: f64) -> f64 {
-        let frustum = segment.placed(&pose.0, &pose.1);
-        let hub = hub_distance(self.finished, &frustum, cap);
-        hub.min(blade_distance(self.finished, &frustum, hub.max(0.0)))
+        self.frustum_distance(&segment.placed(&pose.0, &pose.1), cap)
+    }
+
+    /// As [`Self::distance`], of a piece where it is.
+    pub fn frustum_distance(&self, frustum: &Frustum, cap: f64) -> f64 {
+        let hub = hub_distance(self.finished, frustum, cap);
+        hub.min(blade_distance(self.finished, frustum, hub.max(0.0)))
     }
 }
 

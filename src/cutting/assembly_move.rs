@@ -1,13 +1,19 @@
 //! A move of shank and holder, and the places along it that have to be looked at.
 
 use super::link::AxisTurn;
-use crate::geometry::{Point, Vector};
-use crate::setup::AssemblySegment;
+use crate::geometry::{Frustum, Point, Vector};
+use crate::setup::{AssemblyPart, AssemblySegment};
 
 /// Largest number of samples along a move.
 const MAX_SAMPLES: usize = 400;
 /// Least way between two samples, mm.
 const MIN_WAY: f64 = 0.1;
+
+/// Way across the axis, and turn of it, up to which a move is one along the axis, mm and rad.
+const MAX_ACROSS: f64 = 1e-4;
+const MAX_AXIAL_TURN: f64 = 1e-9;
+/// Length of the pieces of what a move along the axis sweeps, mm.
+const SWEPT_PIECE: f64 = 25.0;
 
 /// A straight move of a tool; its axis turns at a constant rate.
 pub struct AssemblyMove {
@@ -27,6 +33,41 @@ impl AssemblyMove {
         let reach =
             segments.iter().map(|s| s.from + s.length + s.radii[0].max(s.radii[1])).fold(0.0, f64::max);
         Self { from: from.0, travel, way: travel.norm() + from.1.angle(&to.1) * reach, turn, to }
+    }
+
+    /// What `segments` sweep over a move along their axis, in pieces: the distance of a piece is the least of
+    /// all poses. `None` for other moves.
+    pub fn swept(&self, segments: &[AssemblySegment]) -> Option<Vec<(AssemblyPart, Frustum)>> {
+        let axis = self.to.1;
+        let along = self.travel.dot(&axis);
+        let across = (self.travel - axis * along).norm();
+        let turn = (self.turn.at(0.0).0 - axis).norm();
+        if across > MAX_ACROSS || turn > MAX_AXIAL_TURN {
+            return None;
+        }
+        let (tip, way) = (self.from + axis * along.min(0.0), along.abs());
+        let mut swept = Vec::with_capacity(2 * segments.len());
+        for AssemblySegment { part, from, length, radii } in segments {
+            let mut add = |from: f64, length: f64, radii: [f64; 2]| {
+                let pieces = if radii[0] == radii[1] { (length / SWEPT_PIECE).ceil().max(1.0) } else { 1.0 };
+                swept.extend((0..pieces as usize).map(|k| {
+                    let base = tip + axis * (from + length * k as f64 / pieces);
+                    (*part, Frustum { base, axis, length: length / pieces, radii })
+                }));
+            };
+            let [lower, upper] = *radii;
+            if lower == upper {
+                add(*from, length + way, *radii);
+            } else if lower < upper {
+                // Where it widens its lowest place, and above it what its upper end passes.
+                add(*from, *length, *radii);
+                add(from + length, way, [upper; 2]);
+            } else {
+                add(*from, way, [lower; 2]);
+                add(from + way, *length, *radii);
+            }
+        }
+        Some(swept.into_iter().filter(|(_, frustum)| frustum.length > 0.0).collect())
     }
 
     /// Tip and axis at a share of the move, 0…1.

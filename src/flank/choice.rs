@@ -99,17 +99,24 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
     Ok(ChosenTool { tool: tool.clone(), reason: Some(reason) })
 }
 
-/// What a longer tool would free, one line: where a holder is in the way of passes, and the tool shorter than
-/// the channel asks for. The overhang that it names keeps the holder out of the channel.
+/// What a longer tool would free, one line, where a holder is in the way of passes: the overhang that was
+/// found for them; else, of a tool shorter than the channel asks for, one that keeps the holder out of the
+/// channel.
 pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
+    let hindered = || uncut.iter().filter(|left| left.why.contains("holder"));
+    let known = hindered().map(|left| left.overhang).reduce(|a, b| a.zip(b).map(|(a, b)| a.max(b)))?;
+    let has = tool.overhang;
+    if let Some(most) = known {
+        return Some(format!(
+            "the holder is in the way of passes: an overhang of {most} mm would do, instead of {has}"
+        ));
+    }
     let depth = deepest(part);
     let wanted = (OVERHANG_MARGIN * depth).ceil();
-    let is_hindered = uncut.iter().any(|left| left.why.contains("holder"));
-    (is_hindered && tool.overhang < wanted).then(|| {
+    (has < wanted).then(|| {
         format!(
             "the holder is in the way of passes: in a channel {depth:.1} mm deep an overhang of {wanted} mm keeps \
-             it out, instead of {}",
-            tool.overhang
+             it out, instead of {has}"
         )
     })
 }

@@ -200,8 +200,11 @@ fn split_pass(
     let mut note = |length: f64, why: &'static str| {
         let known = |l: &&mut UncutLength| l.layer == layer.number && l.region == pass.region && l.why == why;
         match left_out.iter_mut().find(known) {
-            Some(known) => known.length += length,
-            None => left_out.push(UncutLength { layer: layer.number, region: pass.region, length, why }),
+            Some(known) => known.add(length, None),
+            None => {
+                let (layer, region) = (layer.number, pass.region);
+                left_out.push(UncutLength { layer, region, length, why, overhang: None });
+            }
         }
     };
     if let Some(why) = cut.whole {

@@ -9,6 +9,7 @@
 
 mod directions;
 mod distance_table;
+mod overhang;
 mod scene;
 mod search;
 
@@ -73,6 +74,13 @@ pub enum AxisObstacle {
     Tilt,
     /// Every contact of the station has an axis, but they have none in common.
     NoCommonAxis,
+}
+
+impl AxisObstacle {
+    /// Whether shank or holder are what collides: a longer overhang may free the axis.
+    pub fn is_of_holder(self) -> bool {
+        matches!(self, Self::Holder | Self::Stock)
+    }
 }
 
 /// Contacts of a station without an axis. They belong to no run.

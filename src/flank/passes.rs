@@ -6,10 +6,12 @@
 //! | `inner` | inner passes under fixed axes, blended towards those of near walls |
 //! | `along_wall` | passes along walls with the axes fitted to them |
 //! | `nose` | the pass round the nose of a splitter |
+//! | `overhang` | the overhang that passes would need which shank or holder forbid |
 
 mod along_wall;
 mod inner;
 mod nose;
+mod overhang;
 mod stretches;
 mod wall_positions;
 
@@ -73,6 +75,17 @@ pub struct UncutLength {
     pub length: f64,
     /// The reason, as a message.
     pub why: &'static str,
+    /// Smallest overhang with which the tool would have an axis there, mm; `None` where something else than
+    /// shank or holder is in the way, or no overhang within reason suffices.
+    pub overhang: Option<f64>,
+}
+
+impl UncutLength {
+    /// Adds a length (mm) that is left out for the same reason, and could be cut with an `overhang`.
+    pub fn add(&mut self, length: f64, overhang: Option<f64>) {
+        self.length += length;
+        self.overhang = self.overhang.zip(overhang).map(|(a, b)| a.max(b));
+    }
 }
 
 /// The passes of a layer.
@@ -94,6 +107,8 @@ pub struct PassMaker<'a> {
     search: FixedAxisSearch<'a>,
     /// The finished surfaces, which must not be cut.
     finished: &'a FinishedPart,
+    workpiece: &'a Workpiece,
+    limits: FixedAxisLimits,
 }
 
 impl<'a> PassMaker<'a> {
@@ -113,6 +128,8 @@ impl<'a> PassMaker<'a> {
             walls,
             search: FixedAxisSearch::new(workpiece, tool, &limits),
             finished: &workpiece.finished,
+            workpiece,
+            limits,
         }
     }
 
@@ -195,14 +212,25 @@ impl LayerPassMaker<'_> {
         LayerContact { point, normal }
     }
 
-    /// Records a length of passes (mm) as not cut.
+    /// Records a length of passes (mm) as not cut, for a reason that no overhang removes.
     fn record_uncut(&self, made: &mut PlannedLayer, region: Region, length: f64, why: &'static str) {
+        self.record_uncut_by(made, region, length, (why, None));
+    }
+
+    /// Records a length of passes (mm) as not cut, with the overhang that would do.
+    fn record_uncut_by(
+        &self,
+        made: &mut PlannedLayer,
+        region: Region,
+        length: f64,
+        (why, overhang): (&'static str, Option<f64>),
+    ) {
         if length <= 0.0 {
             return;
         }
         match made.uncut.iter_mut().find(|l| l.region == region && l.why == why) {
-            Some(known) => known.length += length,
-            None => made.uncut.push(UncutLength { layer: self.number, region, length, why }),
+            Some(known) => known.add(length, overhang),
+            None => made.uncut.push(UncutLength { layer: self.number, region, length, why, overhang }),
         }
     }
 

@@ -10,6 +10,8 @@
 //! plunge_feed = 300.0        # default feed_per_tooth × teeth × spindle, or by the material, or 300
 //! spindle = 1200             # default from cutting_speed, or by the material, or 1200
 //! name = "D30 Z3"
+//! description = "for inserts of 10 mm"
+//! material = "carbide"       # of its edges
 //! flute_length = 20.0
 //! teeth = 3
 //! taper = 0.0                # half angle, degrees
@@ -46,7 +48,7 @@ pub const MAX_TOOLS: usize = 50_000;
 pub const MAX_TEETH: u32 = 200;
 /// Maximum number of segments of a shank or holder.
 pub const MAX_SEGMENTS: usize = 50;
-/// Maximum number of characters of a name.
+/// Maximum number of characters of a name, a description or a material.
 pub const MAX_NAME: usize = 200;
 /// Range of half angles of tapered cutters, degrees.
 const TAPER: NumberRange = NumberRange::Between(0.0, 60.0);
@@ -60,7 +62,7 @@ pub const PLUNGE_FEED: NumberRange = NumberRange::Between(0.01, 1e5);
 pub const SPINDLE: NumberRange = NumberRange::Between(1.0, 1e6);
 
 /// Keys of a tool, each with its unit; empty where it has none.
-pub(super) const TOOL_KEYS: [(&str, &str); 17] = [
+pub(super) const TOOL_KEYS: [(&str, &str); 19] = [
     ("number", ""),
     ("diameter", "mm"),
     ("corner_radius", "mm"),
@@ -69,6 +71,8 @@ pub(super) const TOOL_KEYS: [(&str, &str); 17] = [
     ("plunge_feed", "mm/min"),
     ("spindle", "rev/min"),
     ("name", ""),
+    ("description", ""),
+    ("material", ""),
     ("flute_length", "mm"),
     ("teeth", ""),
     ("taper", "°"),
@@ -253,6 +257,8 @@ fn assembly(table: &TomlTable<'_>, overhang: f64) -> Result<ToolAssembly, InputE
     })?;
     Ok(ToolAssembly {
         name: name(table, "name")?,
+        description: name(table, "description")?,
+        material: name(table, "material")?,
         flute_length: flute_length.map(|x| x.value),
         teeth: table.whole("teeth", 1, MAX_TEETH)?.map(|n| n.value),
         taper_rad: table.number("taper", TAPER)?.map(|angle| angle.value.to_radians()),
@@ -318,8 +324,11 @@ pub(super) fn write_tool(out: &mut String, tool: &Tool, missing: MissingRates) -
         writeln!(out, "spindle = {:?}", tool.spindle)?;
     }
     let more = &tool.assembly;
-    if let Some(name) = &more.name {
-        writeln!(out, "name = {}", quoted(name))?;
+    let texts = [("name", &more.name), ("description", &more.description), ("material", &more.material)];
+    for (key, text) in texts {
+        if let Some(text) = text {
+            writeln!(out, "{key} = {}", quoted(text))?;
+        }
     }
     let numbers = [
         ("flute_length", more.flute_length),

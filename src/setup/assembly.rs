@@ -10,6 +10,12 @@ pub struct ToolAssembly {
     /// Name in the shop.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// What else is known of it in words: maker, order number, use.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Material of its edges, such as carbide.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
     /// Length of the cutting edges from the tip; the shank begins there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flute_length: Option<f64>,

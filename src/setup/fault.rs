@@ -71,7 +71,7 @@ pub fn round_up(x: f64, decimals: i32) -> f64 {
     -round_down(-x, decimals)
 }
 
-/// Checks that a tool is a cylinder: of a tapered one neither planners nor `verify` know the upper part.
+/// Checks that a tool is a cylinder: planners do not know the upper part of a tapered one.
 ///
 /// # Errors
 /// When it is tapered.

@@ -34,6 +34,30 @@ pub struct OutlinePiece {
     pub radii: [f64; 2],
 }
 
+/// Chords of a rounded corner in a drawing.
+const CORNER_CHORDS: u32 = 8;
+
+impl OutlinePiece {
+    /// Its side in a drawing of `tool`, from its lower to its upper end: radius and height above the tip, mm.
+    /// A cutter has its rounded corner.
+    pub fn side(&self, tool: &Tool) -> Vec<[f64; 2]> {
+        let end = self.from + self.length;
+        if self.kind != OutlineKind::Cutter || tool.corner_radius <= 0.0 {
+            return vec![[self.radii[0], self.from], [self.radii[1], end]];
+        }
+        let corner = tool.corner_radius;
+        let flat = (tool.radius() - corner).max(0.0);
+        let turn = std::f64::consts::FRAC_PI_2 - tool.assembly.taper_rad.unwrap_or(0.0);
+        let chord = |k: u32| {
+            let (sin, cos) = (turn * f64::from(k) / f64::from(CORNER_CHORDS)).sin_cos();
+            [flat + corner * sin, corner * (1.0 - cos)]
+        };
+        let mut side: Vec<[f64; 2]> = (0..=CORNER_CHORDS).map(chord).filter(|[_, up]| *up < end).collect();
+        side.push([self.radii[1], end]);
+        side
+    }
+}
+
 /// Cylinders that stand for a cone of a holder which widens.
 const CONE_SLICES: u32 = 4;
 
@@ -75,9 +99,21 @@ impl Tool {
         self.corner_radius < 0.5 * self.radius()
     }
 
-    /// Whether its edges widen towards the shank; planners and `verify` know cylindrical cutters only.
+    /// Whether its edges widen towards the shank; planners know cylindrical cutters only.
     pub fn is_tapered(&self) -> bool {
         self.assembly.taper_rad.is_some_and(|taper| taper > 0.0)
+    }
+
+    /// The edges of a tapered cutter as a cone, from where the rounded corner ends tangentially up to the end
+    /// of the edges: its lower end above the tip, its length and the radii of its ends, mm. `None` for other
+    /// cutters.
+    pub fn taper_cone(&self) -> Option<(f64, f64, [f64; 2])> {
+        let taper = self.assembly.taper_rad.filter(|taper| *taper > 0.0)?;
+        let corner = self.corner_radius;
+        let from = corner * (1.0 - taper.sin());
+        let lower = (self.radius() - corner).max(0.0) + corner * taper.cos();
+        let length = self.assembly.flute_length.unwrap_or(self.overhang) - from;
+        (length > 0.0).then(|| (from, length, [lower, lower + length * taper.tan()]))
     }
 
     /// Largest diameter of the holder, mm; where none is given it is assumed to be twice the cutter's. The
@@ -110,9 +146,10 @@ impl Tool {
         let given = self.assembly.flute_length.unwrap_or(self.overhang);
         let flutes = above.map_or(given, |shank| shank.from).min(self.overhang);
         let piece = |kind, from, length, radii| OutlinePiece { kind, from, length, radii };
-        let mut outline = vec![piece(OutlineKind::Cutter, 0.0, flutes, [self.radius(); 2])];
+        let upper = self.taper_cone().map_or(self.radius(), |(_, _, radii)| radii[1]);
+        let mut outline = vec![piece(OutlineKind::Cutter, 0.0, flutes, [self.radius(), upper])];
         if above.is_none() && flutes < self.overhang {
-            outline.push(piece(OutlineKind::Body, flutes, self.overhang - flutes, [self.radius(); 2]));
+            outline.push(piece(OutlineKind::Body, flutes, self.overhang - flutes, [upper; 2]));
         }
         for segment in &segments {
             let kind = match segment.part {

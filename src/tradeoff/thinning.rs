@@ -222,7 +222,7 @@ impl ThinningInput<'_> {
             a.zip(b).map_or(0.0, |(a, b)| self.clock.link_s(a, b))
         };
         let links = link(previous, Some(position)) + link(Some(position), next) - link(previous, next);
-        60.0 * (depth / tool.plunge_feed + depth / self.clock.link_rate()) + links
+        60.0 * (depth / plan.feed_of(plunge) + depth / self.clock.link_rate()) + links
     }
 }
 

@@ -9,7 +9,7 @@ use super::plunges::ProgramCut;
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
 use crate::cutting::assembly_move::AssemblyMove;
 use crate::cutting::contact::Columns;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Frustum, Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
@@ -111,8 +111,8 @@ impl LeastDistance {
     }
 }
 
-/// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`, at
-/// places at most [`DISTANCE_SPACING`] apart.
+/// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`: of
+/// moves along the axis by what they sweep, of others at places at most [`DISTANCE_SPACING`] apart.
 ///
 /// Branch and bound: a place is measured only where the distance at the last measured one, less the way
 /// since, is below the least so far; and no further than that, and [`DISTANCE_AHEAD`]. What was found first
@@ -128,16 +128,17 @@ pub(super) fn min_distances(
 ) -> Result<AssemblyDistances, Cancelled> {
     let least: [LeastDistance; 2] = Default::default();
     let count = monitor.steps(steps.len());
-    let look = |segments: &[AssemblySegment], pose: (Point, Vector)| {
-        let mut spare = f64::INFINITY;
-        for segment in segments {
-            let best = &least[segment.part as usize];
-            let cap = best.get() + DISTANCE_AHEAD;
-            let distance = around.distance(segment, pose, cap);
+    // What distances of pieces are beyond the least so far.
+    let measure = |pieces: &mut dyn Iterator<Item = (AssemblyPart, Frustum)>| {
+        pieces.fold(f64::INFINITY, |spare, (part, frustum)| {
+            let best = &least[part as usize];
+            let distance = around.frustum_distance(&frustum, best.get() + DISTANCE_AHEAD);
             best.add(distance);
-            spare = spare.min(distance - best.get());
-        }
-        spare
+            spare.min(distance - best.get())
+        })
+    };
+    let look = |segments: &[AssemblySegment], (tip, axis): (Point, Vector)| {
+        measure(&mut segments.iter().map(|segment| (segment.part, segment.placed(&tip, &axis))))
     };
     let scan = |run: &[AssemblyStep]| {
         let mut known: Option<(&AssemblyStep, f64)> = None;
@@ -147,6 +148,12 @@ pub(super) fn min_distances(
             let moved = AssemblyMove::new(segments, step.from, step.to);
             let before = known.filter(|(before, _)| step.follows(before));
             let mut spare = before.map_or_else(|| look(segments, step.from), |(_, spare)| spare);
+            if spare < moved.way
+                && let Some(swept) = moved.swept(segments)
+            {
+                known = Some((step, measure(&mut swept.into_iter())));
+                continue;
+            }
             let pieces = (moved.way / DISTANCE_SPACING).ceil().clamp(1.0, MAX_PIECES);
             for piece in 1..=pieces as usize {
                 spare -= moved.way / pieces;
@@ -206,6 +213,14 @@ pub(super) fn segments_of(tools: &[Tool]) -> Vec<Vec<AssemblySegment>> {
     tools.iter().map(|tool| tool.assembly.segments(tool.overhang)).collect()
 }
 
+/// Move `k` of a program; `None` where no tool makes it.
+pub(super) fn step_to(moves: &[Move], k: usize) -> Option<AssemblyStep> {
+    let tool = moves[k].tool?;
+    let before = k.checked_sub(1).map(|k| &moves[k]).filter(|before| before.tool == moves[k].tool);
+    let to = (moves[k].tip, moves[k].axis);
+    Some(AssemblyStep { tool, from: before.map_or(to, |before| (before.tip, before.axis)), to })
+}
+
 /// Judges all moves of a plunge program against the finished part.
 ///
 /// # Errors
@@ -224,12 +239,7 @@ pub(super) fn judge_moves(
         let is_same = |a: &Move, b: &Move| a.tool == b.tool && a.tip == b.tip && a.axis == b.axis;
         k >= 2 && is_same(&moves[k], &moves[k - 2]) && moves[k - 1].tool == moves[k].tool
     };
-    let step = |k: usize| {
-        let tool = moves[k].tool.filter(|&number| !segments[number].is_empty() && !goes_back(k))?;
-        let before = k.checked_sub(1).map(|k| &moves[k]).filter(|b| b.tool == moves[k].tool);
-        let to = (moves[k].tip, moves[k].axis);
-        Some(AssemblyStep { tool, from: before.map_or(to, |before| (before.tip, before.axis)), to })
-    };
+    let step = |k: usize| step_to(moves, k).filter(|step| !segments[step.tool].is_empty() && !goes_back(k));
     let steps: Vec<Option<AssemblyStep>> = (0..moves.len()).map(step).collect();
     let given: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
     let least = min_distances(&given, &segments, around, &monitor.span(0.0, 0.5))?;
@@ -302,8 +312,12 @@ pub fn unjudged_tools(program: &ClProgram, setup: &Setup) -> Option<String> {
         .filter(|(index, tool)| tool.completed(setup).is_tapered() && used(*index))
         .map(|(_, tool)| tool.number.to_string())
         .collect();
-    let tapered = (!tapered.is_empty())
-        .then(|| format!("tapered, their edges judged as cylinders: tool {}", tapered.join(", ")));
+    let tapered = (!tapered.is_empty()).then(|| {
+        format!(
+            "tapered, judged as cones against the part, as cylinders in stock: tool {}",
+            tapered.join(", ")
+        )
+    });
     let remarks = [tapered, unknown_assemblies(program, setup)];
     let remarks: Vec<String> = remarks.into_iter().flatten().collect();
     (!remarks.is_empty()).then(|| remarks.join("; "))

@@ -24,6 +24,7 @@ use super::assembly::{
     AssemblyDistances, AssemblyStep, clearances, min_distances, segments_of, unjudged_tools,
 };
 use super::fault::{Fault, VerifyError};
+use super::taper::judge_tapers;
 use crate::cutting::assembly::AssemblySurroundings;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
@@ -312,6 +313,15 @@ impl<'a> FlankVerifier<'a> {
         for (step, look) in steps.iter().zip(&looks) {
             faults.extend(self.faults_of(step, look));
         }
+        let moves: Vec<(AssemblyStep, usize)> =
+            steps.iter().map(|step| (step.assembly_step(), step.line)).collect();
+        faults.extend(judge_tapers(
+            &moves,
+            &self.tools,
+            (&self.workpiece.finished, self.setup),
+            [HUB_TOLERANCE, self.blade_tolerance],
+            &monitor.silent(),
+        )?);
         Ok(ExaminedSteps { steps, looks, faults })
     }
 

@@ -9,6 +9,7 @@ mod flank;
 mod plunges;
 mod report;
 mod summary;
+mod taper;
 mod verdict;
 
 use std::collections::BTreeSet;
@@ -17,7 +18,7 @@ use rayon::prelude::*;
 
 pub use assembly::AssemblyDistances;
 pub use assembly::unjudged_tools;
-use assembly::{TOOL_TOLERANCE, holder_in_stock, judge_moves};
+use assembly::{TOOL_TOLERANCE, holder_in_stock, judge_moves, step_to};
 use channels::{channels_of, nearest_channel};
 pub use fault::{Fault, FaultKind, VerifyError, count_by_kind};
 use fault::{
@@ -29,6 +30,7 @@ use plunges::named_sections;
 pub use plunges::{ProgramCut, Rapid, cuts_of};
 pub use report::{PlungeReport, report_plunges};
 pub use summary::Summary;
+use taper::{TAPER_TOLERANCE, judge_tapers};
 pub use verdict::{JudgedCut, PlungeVerdict};
 
 use crate::cutting::approach::ApproachRule;
@@ -197,6 +199,12 @@ pub fn verify(
     let around = AssemblySurroundings::new(finished, setup);
     let (assembly, found) = judge_moves(program, setup, &around, &monitor.span(CUTS_DONE, 1.0))?;
     faults.extend(found);
+    let steps: Vec<_> = (0..program.moves.len())
+        .filter_map(|k| Some((step_to(&program.moves, k)?, program.moves[k].line)))
+        .collect();
+    let tools: Vec<Tool> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
+    let tolerances = [TAPER_TOLERANCE; 2];
+    faults.extend(judge_tapers(&steps, &tools, (finished, setup), tolerances, &monitor.silent())?);
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
     let channels = turns.iter().collect::<BTreeSet<_>>().len();

@@ -247,3 +247,31 @@ fn what_has_no_axis_is_named_with_its_reason() {
     let holder = |u: &Unreachable| matches!(u.why, AxisObstacle::Holder | AxisObstacle::Stock);
     assert!(found.unreachable.iter().any(holder), "{:?}", found.unreachable);
 }
+
+/// Where only the holder is in the way an overhang is named, and 1 mm less does not do.
+#[test]
+fn the_overhang_that_frees_an_axis_is_the_least() {
+    let part = part_at("assets/parts/pump6.toml");
+    let workpiece = Setup::default().allowances.workpiece_of(part.clone());
+    let mut short = tool(6.0, 3.0, 14.0);
+    short.assembly.holder = vec![[36.0, 44.0, 40.0]];
+    let channel = Channel::from_part(&part);
+    let passage = &channel.full;
+    let contacts: Vec<LayerContact> =
+        stations(&part, &channel, passage, &short, 0.0, (0.3, 0.8, 3), 1).into_iter().flatten().collect();
+    let surface = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + short.corner_radius);
+    let search = FixedAxisSearch::new(&workpiece, &short, &LIMITS);
+    let blocked: Vec<LayerContact> = contacts
+        .into_iter()
+        .filter(|contact| search.blocked(contact, &surface).is_some_and(AxisObstacle::is_of_holder))
+        .collect();
+    assert!(!blocked.is_empty(), "14 mm are too short");
+    let is_free = |search: &FixedAxisSearch| blocked.iter().all(|c| search.blocked(c, &surface).is_none());
+    let least = FixedAxisSearch::min_overhang(&workpiece, &short, &LIMITS, is_free).expect("a length");
+    for (overhang, wanted) in [(least, true), (least - 1.0, false)] {
+        let longer = Tool { overhang, ..short.clone() };
+        assert_eq!(is_free(&FixedAxisSearch::new(&workpiece, &longer, &LIMITS)), wanted, "{overhang} mm");
+    }
+    let never = |_: &FixedAxisSearch| false;
+    assert_eq!(FixedAxisSearch::min_overhang(&workpiece, &short, &LIMITS, never), None);
+}

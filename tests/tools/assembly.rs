@@ -172,6 +172,50 @@ fn a_tapered_cutter_is_refused_by_planners_with_a_cure() {
     assert!(resolved.setup.plunge.sections.iter().all(|section| section.tool == 8));
 }
 
+/// The cone of a tapered cutter is judged as a holder of that shape that needs no clearance; points of the
+/// wheel confirm it.
+#[test]
+fn the_edges_of_a_tapered_cutter_are_judged_as_a_cone_along_every_move() {
+    use super::sampled_tool::{WheelPoints, collisions};
+    use vanecut::verify::{FaultKind, verify};
+    let text = "[[tool]]\nnumber = 1\ndiameter = 16\ncorner_radius = 2\noverhang = 60\nflute_length = 40\n";
+    let mut setup: Setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+    setup.plunge.step = Some(12.0);
+    let policy = vanecut::setup::AxisPolicy::Conventional;
+    let request =
+        vanecut::job::PlanRequest { part: pump().into(), setup, policy, compare: false, field_cells: 32 };
+    let outcome = vanecut::job::run(&request, &Default::default()).expect("a plan");
+    let mut program = vanecut::toolpath::ClProgram::of_plan("pump6", &outcome.after.plan);
+    program.moves.truncate(60);
+    let lines = |setup: &Setup, kinds: &[FaultKind]| -> std::collections::BTreeSet<usize> {
+        let verdict = verify(&outcome.workpiece, setup, &program, &Default::default()).expect("a verdict");
+        let near = |fault: &&vanecut::verify::Fault| {
+            kinds.contains(&fault.kind) && fault.to_string().contains("comes within")
+        };
+        verdict.faults.iter().filter(near).map(|fault| fault.line).collect()
+    };
+    let cut = [FaultKind::HubAllowance, FaultKind::BladeAllowance];
+    assert!(lines(&outcome.setup, &cut).is_empty(), "the cylinder is clear");
+    let taper = 5f64.to_radians();
+    let mut tapered = outcome.setup.clone();
+    tapered.tools[0].assembly.taper_rad = Some(taper);
+    // The same cone as a holder, by its closed form: tangent to the corner of 2 mm.
+    let (from, lower) = (2.0 * (1.0 - taper.sin()), 6.0 + 2.0 * taper.cos());
+    let mut holder = outcome.setup.clone();
+    holder.clearances = vanecut::setup::ClearanceSetup { shank: 0.0, holder: 0.0 };
+    let length = 40.0 - from;
+    holder.tools[0].overhang = from;
+    holder.tools[0].assembly.flute_length = None;
+    holder.tools[0].assembly.holder = vec![[2.0 * lower, 2.0 * (lower + length * taper.tan()), length]];
+    let found = lines(&tapered, &cut);
+    assert_eq!(found, lines(&holder, &[FaultKind::HolderCollision]));
+    assert!(!found.is_empty() && found.len() < program.moves.len(), "{} moves", found.len());
+    let points = WheelPoints::from_workpiece(&outcome.workpiece);
+    assert!(!collisions(&outcome.workpiece, &points, &holder, &program).is_empty(), "by points");
+    let remark = vanecut::verify::unjudged_tools(&program, &tapered).expect("a remark");
+    assert!(remark.contains("as cones against the part"), "{remark}");
+}
+
 #[test]
 fn a_tool_that_is_too_short_is_answered_by_a_length() {
     let request = |tool: &str| {
@@ -202,9 +246,12 @@ fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
     let part = pump();
     let text = "[[tool]]\ndiameter = 6\ncorner_radius = 3\noverhang = 18\nholder = [[30, 40, 40]]\n";
     let mut tool = read_setup_bytes("s.toml", text.as_bytes()).expect("reads").tools[0].clone();
-    let left = |why| [UncutLength { layer: 0, region: Region::INLET, length: 9.0, why }];
+    let found = |why, overhang| [UncutLength { layer: 0, region: Region::INLET, length: 9.0, why, overhang }];
+    let left = |why| found(why, None);
     let note = overhang_note(&tool, &left("the holder meets the part"), &part).expect("too short");
     assert!(note.contains("an overhang of 40 mm keeps it out, instead of 18"), "{note}");
+    let note = overhang_note(&tool, &found("the holder meets the part", Some(33.0)), &part).expect("known");
+    assert!(note.contains("an overhang of 33 mm would do, instead of 18"), "{note}");
     assert_eq!(overhang_note(&tool, &left("a blade is too near"), &part), None);
     tool.overhang = 40.0;
     assert_eq!(overhang_note(&tool, &left("the holder meets the part"), &part), None);

@@ -424,6 +424,16 @@ fn fractions_and_commas_of_freecad_are_lengths_and_bits_at_fault_are_left_out() 
         std::fs::write(folder.join(format!("d{k}.fctb")), bit("6 mm", "drill.fcstd")).unwrap();
         tools.push(json!({"nr": 10 + k, "path": format!("d{k}.fctb")}));
     }
+    // Bits in a folder beside that of the library.
+    let bits = folder.join("ToolBits");
+    std::fs::create_dir_all(&bits).unwrap();
+    std::fs::write(bits.join("beside.fctb"), bit("8 mm", "endmill.fcstd")).unwrap();
+    std::fs::create_dir_all(folder.join("Library")).unwrap();
+    let elsewhere = json!({"tools": [{"nr": 5, "path": "beside.fctb"}]}).to_string();
+    let path = folder.join("Library/shop.fctl");
+    std::fs::write(&path, elsewhere).unwrap();
+    let read = vanecut::io::shop_tools::read_library(&path, LibraryFormat::FreeCadLibrary).expect("one bit");
+    assert_eq!((read.tools[0].tool.number, read.tools[0].tool.diameter), (5, 8.0));
     let path = folder.join("shop.fctl");
     std::fs::write(&path, json!({"tools": tools}).to_string()).unwrap();
     let read =

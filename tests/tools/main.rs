@@ -4,6 +4,7 @@
 
 mod assembly;
 mod cutting_data;
+mod fusion;
 mod libraries;
 mod moves;
 mod random;

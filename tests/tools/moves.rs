@@ -31,7 +31,13 @@ fn program(part: &Impeller, overhang: f64) -> ClProgram {
             let axis = (normal + Vector::new(0.02 * f64::from(k), 0.1 * f64::from(row), -0.2)).normalize();
             let tip = at.point.at_angle(angle) + normal * 1.5;
             let (p, a) = (tip, axis);
-            writeln!(text, "GOTO/{:.6},{:.6},{:.6},{:.9},{:.9},{:.9}", p.x, p.y, p.z, a.x, a.y, a.z).unwrap();
+            // Every fourth place is reached and left along the axis.
+            let ups: &[f64] = if k % 4 == 3 { &[18.0, 0.0, 18.0] } else { &[0.0] };
+            for up in ups {
+                let p = p + a * *up;
+                writeln!(text, "GOTO/{:.6},{:.6},{:.6},{:.9},{:.9},{:.9}", p.x, p.y, p.z, a.x, a.y, a.z)
+                    .unwrap();
+            }
             if k == 0 {
                 text += "FEDRAT/300,MMPM\n";
             }

@@ -292,14 +292,16 @@ fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
         click(window, "Replace");
     };
     write(&mut window);
-    window.get_by_label("Write a Fusion library?");
-    window.get_by_label_contains("Vendor, product, material and coolant");
-    window.get_by_label_contains("cutting, lead-in and ramp");
+    window.get_by_label("Write into the Fusion library?");
+    window.get_by_label_contains("Vendor, product and coolant of tools that are new in it");
+    window.get_by_label_contains("they stay in the file");
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     settle(&mut window);
     assert_eq!(std::fs::read_to_string(&shop).expect("reads"), FUSION, "as it was");
     write(&mut window);
-    click(&mut window, "Write anyway");
+    click(&mut window, "Write into it");
+    let text = std::fs::read_to_string(&shop).expect("reads");
+    assert!(text.starts_with(FUSION.split("\n]").next().unwrap()), "its entries stay as they are: {text}");
     assert_eq!(read_library(&shop, LibraryFormat::FusionJson).expect("reads").tools.len(), 3);
 }

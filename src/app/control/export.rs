@@ -19,11 +19,11 @@ use crate::app::tasks::programs::{FlankSource, NcTask, PlungeSource, ProgramSour
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
-use crate::app::views::release::{self, ReleaseAnswer};
+use crate::app::views::release::{self, ReleaseAnswer, ReleaseWords};
 use crate::gpu::SceneOptions;
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
-use crate::io::shop_tools::missing_in_fusion;
+use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
 
 /// Maximum number of remarks on a library that are repeated when it is written.
 const MAX_NOTES: usize = 4;
@@ -34,6 +34,7 @@ pub(in crate::app) struct ReleaseQuestion {
     purpose: Purpose,
     path: PathBuf,
     concerns: Vec<String>,
+    words: &'static ReleaseWords,
 }
 
 impl App {
@@ -46,7 +47,12 @@ impl App {
         if concerns.is_empty() {
             self.use_file(ctx, purpose, path);
         } else {
-            self.release = Some(ReleaseQuestion { purpose, path, concerns });
+            let words = match purpose {
+                Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
+                Purpose::SaveLibrary => &release::LIBRARY,
+                _ => &release::PROGRAM,
+            };
+            self.release = Some(ReleaseQuestion { purpose, path, concerns, words });
         }
     }
 
@@ -54,9 +60,11 @@ impl App {
     fn library_losses(&self, path: &Path) -> Vec<String> {
         let is_fusion = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
         let Some(library) = self.library.library().filter(|_| is_fusion) else { return Vec::new() };
-        let mut lines = missing_in_fusion(library.content());
-        // What was left out when it was opened is in no file that is written now.
-        lines.extend(library.content().notes.iter().take(MAX_NOTES).map(|note| without_markdown(note)));
+        let is_new = !is_fusion_library(path);
+        let mut lines = missing_in_fusion(library.content(), is_new);
+        // What was left out when it was opened is in no file that is written anew.
+        let notes = library.content().notes.iter().take(if is_new { MAX_NOTES } else { 0 });
+        lines.extend(notes.map(|note| without_markdown(note)));
         lines
     }
 
@@ -70,11 +78,7 @@ impl App {
                     self.state.out_of_date() || planned.is_some_and(|planned| planned.is_unfinished())
                 }
             };
-            let words = match question.purpose {
-                Purpose::SaveLibrary => &release::LIBRARY,
-                _ => &release::PROGRAM,
-            };
-            release::ask(ui, words, &question.concerns, can_change)
+            release::ask(ui, question.words, &question.concerns, can_change)
         });
         let Some(answer) = answer else { return };
         let Some(ReleaseQuestion { purpose, path, .. }) = self.release.take() else { return };

@@ -13,7 +13,7 @@ use crate::io::part_hash::PartHash;
 use crate::io::plan_inputs::{is_plan_file, read_plan_inputs};
 use crate::io::project_file::EXTENSION;
 use crate::io::setup_file::write_setup_beside;
-use crate::io::shop_tools::{write_fusion, write_toml};
+use crate::io::shop_tools::{fusion_for, write_toml};
 use crate::io::source::read_bytes;
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::job::assess::AssessedPart;
@@ -281,7 +281,7 @@ pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
         WriteTask::Setup(path, setup) => (path, write_setup_beside(setup, path).into_bytes()),
         WriteTask::Library(path, library) => {
             let is_fusion = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-            let text = if is_fusion { write_fusion(library) } else { write_toml(library) };
+            let text = if is_fusion { fusion_for(path, library)?.text } else { write_toml(library) };
             (path, text.into_bytes())
         }
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),

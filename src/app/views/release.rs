@@ -18,6 +18,7 @@ pub enum ReleaseAnswer {
 }
 
 /// What the question says of the kind of file.
+#[derive(Debug)]
 pub struct ReleaseWords {
     title: &'static str,
     /// What stands above the list; may be empty.
@@ -36,6 +37,14 @@ pub const LIBRARY: ReleaseWords = ReleaseWords {
     above: "It is written anew from what Vanecut knows of the tools. It does not hold:",
     below: "A .toml library keeps all that is shown here; the file of Fusion then stays as it is.",
     anyway: "Write anyway",
+};
+
+/// Of one that exists.
+pub const EXISTING_LIBRARY: ReleaseWords = ReleaseWords {
+    title: "Write into the Fusion library?",
+    above: "What it has beyond the tools shown here stays. It does not hold:",
+    below: "A .toml library keeps all that is shown here; the file of Fusion then stays as it is.",
+    anyway: "Write into it",
 };
 
 /// Draws the question with what speaks against the file; returns the answer once. `can_change`: whether

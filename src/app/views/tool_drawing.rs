@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, 
 
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
-use crate::setup::{OutlineKind, OutlinePiece, Tool};
+use crate::setup::{OutlineKind, Tool};
 
 /// Height of the drawing, points.
 const HEIGHT: f32 = 190.0;
@@ -36,14 +36,16 @@ pub fn show(ui: &mut Ui, tool: &Tool) {
         egui::pos2(inner.center().x + (off * scale) as f32, inner.bottom() - (up * scale) as f32)
     };
     let ink = visuals.text_color();
-    for OutlinePiece { kind, from, length, radii: [lower, upper] } in &outline {
-        let corners =
-            vec![at(-lower, *from), at(*lower, *from), at(*upper, from + length), at(-upper, from + length)];
+    for piece in &outline {
+        let side = piece.side(tool);
+        let left = side.iter().rev().map(|[off, up]| at(-off, *up));
+        let corners = side.iter().map(|[off, up]| at(*off, *up)).chain(left).collect();
+        let kind = piece.kind;
         let line = match kind {
             OutlineKind::AssumedHolder => Stroke::new(1.0, visuals.weak_text_color()),
             _ => Stroke::new(1.0, ink),
         };
-        painter.add(Shape::convex_polygon(corners, fill(*kind, &visuals), line));
+        painter.add(Shape::convex_polygon(corners, fill(kind, &visuals), line));
     }
     // The core, which has no edge.
     let core = tool.core_radius();

@@ -8,7 +8,8 @@ use super::panels::fields::{self, FieldSpec};
 use super::typed::{self, Typed, TypedLimits};
 use super::{tool_drawing, units};
 use crate::app::model::number::Quantity;
-use crate::io::tool_file::{MAX_NAME, MAX_SEGMENTS, MAX_TEETH};
+use crate::geometry::without_conversion_error;
+use crate::io::tool_file::{MAX_NAME, MAX_NUMBER, MAX_SEGMENTS, MAX_TEETH};
 use crate::setup::Tool;
 
 const DIAMETER: FieldSpec = FieldSpec::mm("Diameter", "", 0.1, 200.0).sliding(4.0, 50.0);
@@ -37,6 +38,50 @@ const TEETH: FieldSpec = FieldSpec {
     absent: "auto",
     why_most: "",
 };
+const TAPER_ANGLE: FieldSpec = FieldSpec {
+    label: "Taper",
+    tip: "Half angle of edges that widen towards the shank; plans take cylindrical cutters only",
+    unit: "°",
+    min: 0.1,
+    max: 60.0,
+    decimals: 2,
+    absent: "none",
+    ..TEETH
+};
+const TOOTH_FEED: FieldSpec = FieldSpec {
+    label: "Feed per tooth",
+    tip: "With the teeth and the spindle speed it gives the feed rate where a library has none",
+    unit: " mm",
+    min: 1e-4,
+    max: 5.0,
+    speed: 0.005,
+    decimals: 4,
+    absent: "none",
+    ..TEETH
+};
+const SURFACE_SPEED: FieldSpec = FieldSpec {
+    label: "Cutting speed",
+    tip: "With the diameter it gives the spindle speed where a library has none",
+    unit: " m/min",
+    min: 0.1,
+    max: 1e4,
+    speed: 1.0,
+    decimals: 1,
+    absent: "none",
+    ..TEETH
+};
+const LENGTH_OFFSET: FieldSpec = FieldSpec {
+    label: "Length offset",
+    tip: "Number of the length offset in the control; the setup sheet names it",
+    max: MAX_NUMBER as f64,
+    absent: "as the tool",
+    ..TEETH
+};
+const DIAMETER_OFFSET: FieldSpec = FieldSpec {
+    label: "Diameter offset",
+    tip: "Number of the diameter offset in the control; the setup sheet names it",
+    ..LENGTH_OFFSET
+};
 /// What sets the greatest insert width and corner radius, and how more is possible.
 const RADIUS: &str = ", the radius. For more, make the diameter larger first";
 /// The same of the flute length.
@@ -50,7 +95,8 @@ pub fn show(ui: &mut Ui, tool: &mut Tool) {
 
 /// Draws the fields alone, for where the drawing stays while they scroll.
 pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
-    name_row(ui, tool);
+    let more = &mut tool.assembly;
+    text_row(ui, "Name", "What the shop calls it", &mut more.name);
     fields::form(ui, "tool fields", |ui| {
         let form = ui.scope_id();
         let radius = tool.radius();
@@ -73,6 +119,7 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
     let lower = 2.0 * tool.diameter;
     let heads = ["lower diameter", "upper diameter", "length"];
     segments(ui, "Holder", &heads, &mut tool.assembly.holder, [lower, lower, 2.0 * lower]);
+    more_fields(ui, tool);
     fit(tool);
 }
 
@@ -97,16 +144,41 @@ fn fit_and_say(ui: &Ui, form: Id, tool: &mut Tool) {
     }
 }
 
-/// The name, in a line of its own: names of makers are long.
-fn name_row(ui: &mut Ui, tool: &mut Tool) {
+/// A text of a tool, in a line of its own: names of makers are long.
+fn text_row(ui: &mut Ui, label: &str, tip: &str, text: &mut Option<String>) {
     ui.horizontal(|ui| {
-        let label = ui.label("Name").on_hover_text("What the shop calls it");
-        let mut name = tool.assembly.name.clone().unwrap_or_default();
+        let label = ui.label(label).on_hover_text(tip);
+        let mut edited = text.clone().unwrap_or_default();
         let width = ui.available_width() - 8.0;
-        let field = TextEdit::singleline(&mut name).char_limit(MAX_NAME).desired_width(width);
+        let field = TextEdit::singleline(&mut edited).char_limit(MAX_NAME).desired_width(width);
         if ui.add(field).labelled_by(label.id).changed() {
-            tool.assembly.name = (!name.trim().is_empty()).then_some(name);
+            *text = (!edited.trim().is_empty()).then_some(edited);
         }
+    });
+}
+
+/// What most tools do without, folded away: taper, cutting data, offsets, words.
+fn more_fields(ui: &mut Ui, tool: &mut Tool) {
+    ui.collapsing("More", |ui| {
+        let more = &mut tool.assembly;
+        text_row(ui, "Description", "Maker, order number, use", &mut more.description);
+        text_row(ui, "Cutter material", "Such as carbide", &mut more.material);
+        fields::form(ui, "more tool fields", |ui| {
+            let mut degrees = more.taper_rad.map(|taper| without_conversion_error(taper.to_degrees()));
+            if fields::optional_row(ui, &mut degrees, &TAPER_ANGLE, None) {
+                more.taper_rad = degrees.map(f64::to_radians);
+            }
+            fields::optional_row(ui, &mut more.feed_per_tooth, &TOOTH_FEED, None);
+            fields::optional_row(ui, &mut more.cutting_speed, &SURFACE_SPEED, None);
+            for (offset, spec) in
+                [(&mut more.length_offset, &LENGTH_OFFSET), (&mut more.diameter_offset, &DIAMETER_OFFSET)]
+            {
+                let mut number = offset.map(f64::from);
+                if fields::optional_row(ui, &mut number, spec, None) {
+                    *offset = number.map(|number| number as u32);
+                }
+            }
+        });
     });
 }
 

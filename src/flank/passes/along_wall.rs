@@ -1,7 +1,7 @@
 //! Passes along walls, with the axes fitted to the wall.
 
 use super::stretches::pieces_between;
-use super::wall_positions::{LayerPose, WallPositions, WallStep, split_into_runs};
+use super::wall_positions::{HOLDER_IN_THE_WAY, LayerPose, WallPositions, WallStep, split_into_runs};
 use super::{LayerPassMaker, PlannedLayer};
 use crate::flank::layer::LayerPoint;
 use crate::flank::region::{Region, WallName};
@@ -13,6 +13,14 @@ const OFF_BLADE: f64 = 0.01;
 /// wall below which it is not moved.
 const MOVES_OFF: usize = 12;
 const MIN_SLOPE: f64 = 0.1;
+
+/// A stretch between two x of a layer, mm, along which the axes fitted to a wall are blocked.
+struct BlockedRange {
+    from: f64,
+    to: f64,
+    why: &'static str,
+    poses: Vec<LayerPose>,
+}
 
 impl LayerPassMaker<'_> {
     /// Adds the passes of a curve along a wall.
@@ -47,27 +55,36 @@ impl LayerPassMaker<'_> {
     ) {
         let mut lines = Vec::new();
         let blocked = |step: &WallStep| match step {
-            WallStep::Blocked { from, to, why } => Some((*from, *to, *why)),
+            WallStep::Blocked { from, to, why, pose } => Some((*from, *to, *why, *pose)),
             _ => None,
         };
-        let mut ranges: Vec<(f64, f64, &'static str)> = Vec::new();
-        for (from, to, why) in steps.iter().filter_map(blocked) {
+        let mut ranges: Vec<BlockedRange> = Vec::new();
+        for (from, to, why, pose) in steps.iter().filter_map(blocked) {
             // There is nothing to cut beyond the ends of the layer.
             let (from, to) = (from.max(self.layer.from), to.min(self.layer.to));
-            match ranges.last_mut().filter(|last| from <= last.1 + 1e-9) {
+            match ranges.last_mut().filter(|last| from <= last.to + 1e-9) {
                 _ if from >= to => {}
-                Some(last) => last.1 = to,
-                None => ranges.push((from, to, why)),
+                Some(last) => {
+                    last.to = to;
+                    last.poses.push(pose);
+                }
+                None => ranges.push(BlockedRange { from, to, why, poses: vec![pose] }),
             }
         }
-        for (from, to, why) in ranges {
+        for BlockedRange { from, to, why, poses } in ranges {
+            let mut lost = 0.0;
             for piece in pieces_between(curve, from, to) {
                 let length = self.layer.length(&piece);
                 let free = self.pieces_off_blades(&piece);
                 let kept: f64 = free.iter().map(|line| self.layer.length(line)).sum();
-                self.record_uncut(made, region, (length - kept).max(0.0), why);
+                lost += (length - kept).max(0.0);
                 lines.extend(free);
             }
+            let overhang = match why == HOLDER_IN_THE_WAY && lost > 0.0 {
+                true => self.maker.overhang_along_wall(&poses),
+                false => None,
+            };
+            self.record_uncut_by(made, region, lost, (why, overhang));
         }
         if !lines.is_empty() {
             self.make_passes_beside_wall(region, lines, made);
@@ -132,7 +149,8 @@ impl LayerPassMaker<'_> {
                 continue;
             }
             if let Some(why) = a_blocked.or(*b_blocked) {
-                result.push(WallStep::Blocked { from: low, to: high, why });
+                let pose = if a_blocked.is_some() { *a } else { *b };
+                result.push(WallStep::Blocked { from: low, to: high, why, pose });
                 continue;
             }
             let at = |x: f64| a.between(b, (x - a.place.x) / (b.place.x - a.place.x));

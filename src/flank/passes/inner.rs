@@ -67,34 +67,36 @@ impl LayerPassMaker<'_> {
         let mut rest = lines;
         for round in first..first + ROUNDS {
             let before = length(&rest);
-            let (lost, why) = self.search_inner_passes(region, &rest, round, made);
+            let (lost, (why, blocked)) = self.search_inner_passes(region, &rest, round, made);
             let left = length(&lost);
             if left <= 0.0 {
                 return;
             }
             if round + 1 == first + ROUNDS || round > first && left > MAX_REMAINING_SHARE * before {
-                self.record_uncut(made, region, left, obstacle_message(why));
+                let overhang = self.maker.overhang_for(&blocked, self.surface);
+                self.record_uncut_by(made, region, left, (obstacle_message(why), overhang));
                 return;
             }
             rest = lost;
         }
     }
 
-    /// Adds the passes of some curves of a region; returns the remaining pieces, and why they remain. Only in
-    /// the first search do axes blend towards those of the walls.
+    /// Adds the passes of some curves of a region; returns the remaining pieces, why they remain, and some of
+    /// the contacts where shank or holder are what is in the way. Only in the first search do axes blend
+    /// towards those of the walls.
     fn search_inner_passes(
         &self,
         region: Region,
         lines: &[Vec<LayerPoint>],
         round: usize,
         made: &mut PlannedLayer,
-    ) -> (Vec<Vec<LayerPoint>>, AxisObstacle) {
+    ) -> (Vec<Vec<LayerPoint>>, (AxisObstacle, Vec<LayerContact>)) {
         let ends = |f: fn(f64, f64) -> f64, start: f64| {
             lines.iter().flat_map(|line| line.iter()).map(|p| p.x).fold(start, f)
         };
         let (from, to) = (ends(f64::min, f64::INFINITY), ends(f64::max, f64::NEG_INFINITY));
         if from >= to {
-            return (lines.to_vec(), AxisObstacle::Blade);
+            return (lines.to_vec(), (AxisObstacle::Blade, Vec::new()));
         }
         let count = ((to - from) / STATION_STEP).ceil().clamp(1.0, MAX_STATIONS as f64) as usize;
         let width = (to - from) / count as f64;
@@ -133,7 +135,13 @@ impl LayerPassMaker<'_> {
                 lost.push(line.clone());
             }
         }
-        (lost, found.unreachable.first().map_or(AxisObstacle::Blade, |u| u.why))
+        let why = found.unreachable.first().map_or(AxisObstacle::Blade, |u| u.why);
+        let blocked = found.unreachable.iter().filter(|u| u.why == why && why.is_of_holder());
+        let blocked: Vec<LayerContact> =
+            blocked.filter_map(|u| stations.get(u.station)?.get(*u.contacts.first()?).copied()).collect();
+        // The ends of the stretch stand for it.
+        let ends = blocked.first().into_iter().chain(blocked.last().filter(|_| blocked.len() > 1));
+        (lost, (why, ends.copied().collect()))
     }
 
     /// Layer points of some lines at `x`: the outermost and some between.

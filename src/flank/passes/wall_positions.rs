@@ -12,7 +12,7 @@ use crate::setup::Tool;
 pub(super) const CHORD: f64 = 0.005;
 /// Reasons why a stretch along a wall is not cut.
 const IN_THE_WAY: &str = "another blade blocks the cutter along the wall";
-const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
+pub(super) const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
 const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
 const NEAR_FLOOR: &str = "the axis along the wall is within 10° of the floor";
 /// Least cosine of the angle of the axis along a wall to the normal of the layer: 80°.
@@ -53,8 +53,8 @@ impl LayerPose {
 pub(super) enum WallStep {
     /// The pass continues to this position.
     To(LayerPose),
-    /// A collision between two x of the layer, mm.
-    Blocked { from: f64, to: f64, why: &'static str },
+    /// A collision between two x of the layer, mm, with the pose that collides.
+    Blocked { from: f64, to: f64, why: &'static str, pose: LayerPose },
     /// The layer ends here and begins again further on; nothing of it is lost in between.
     Apart,
 }

@@ -1,5 +1,5 @@
 //! Expressions of Fusion libraries: numbers with units, names of other expressions and of the tool's numbers,
-//! + − × / and brackets, `max` and `min`.
+//! + − × / and brackets, `max` and `min`. Where a decimal comma is used, Fusion writes `(29,5) mm`.
 //!
 //! Fusion computes the numbers of a tool from its expressions whenever it loads a library, so that an
 //! expression prevails over the number beside it.
@@ -87,7 +87,7 @@ impl<'a> Expressions<'a> {
 
     fn text_of(&self, name: &str, depth: usize, steps: &mut usize) -> Option<ExpressionValue> {
         let text = self.texts.get(name).filter(|text| depth < MAX_DEPTH && text.len() <= MAX_LENGTH)?;
-        let mut parser = ExpressionParser { all: self, rest: text.trim(), depth, steps };
+        let mut parser = ExpressionParser { all: self, rest: text.trim(), depth, steps, in_arguments: false };
         let value = parser.sum()?;
         parser.rest.trim().is_empty().then_some(value)
     }
@@ -99,6 +99,8 @@ struct ExpressionParser<'a, 'e, 's> {
     rest: &'a str,
     depth: usize,
     steps: &'s mut usize,
+    /// Whether a comma separates the arguments of a function; elsewhere it is a decimal one.
+    in_arguments: bool,
 }
 
 impl ExpressionParser<'_, '_, '_> {
@@ -158,7 +160,7 @@ impl ExpressionParser<'_, '_, '_> {
         let value = if self.take('-') {
             self.factor().map(|x| ExpressionValue { value: -x.value, ..x })
         } else if self.take('(') {
-            self.sum().filter(|_| self.take(')'))
+            self.bracket()
         } else {
             self.number_or_name()
         };
@@ -166,14 +168,39 @@ impl ExpressionParser<'_, '_, '_> {
         value
     }
 
+    /// The rest of `(a)` after its bracket; a unit may follow it, as in `(2 + 3) mm`.
+    fn bracket(&mut self) -> Option<ExpressionValue> {
+        let around = std::mem::replace(&mut self.in_arguments, false);
+        let value = self.sum().filter(|_| self.take(')'));
+        self.in_arguments = around;
+        let value = value?;
+        Some(if value.is_length { value } else { self.with_unit(value.value) })
+    }
+
     /// The rest of `max(a, b, …)` or `min(a, b, …)` after its bracket.
     fn extreme(&mut self, of: fn(f64, f64) -> f64) -> Option<ExpressionValue> {
-        let mut value = self.sum()?;
-        while self.take(',') || self.take(';') {
-            let other = self.sum()?;
-            value = self.alike(value, other, of);
+        let around = std::mem::replace(&mut self.in_arguments, true);
+        let mut value = self.sum();
+        while value.is_some() && (self.take(',') || self.take(';')) {
+            let other = self.sum();
+            value = value.zip(other).map(|(value, other)| self.alike(value, other, of));
         }
-        self.take(')').then_some(value)
+        self.in_arguments = around;
+        value.filter(|_| self.take(')'))
+    }
+
+    /// A number with the unit that follows it, if one does.
+    fn with_unit(&mut self, value: f64) -> ExpressionValue {
+        self.rest = self.rest.trim_start();
+        for (unit, factor, is_length) in UNITS {
+            let after = self.rest.strip_prefix(unit);
+            if let Some(after) = after.filter(|after| !after.starts_with(|c: char| c.is_ascii_alphanumeric()))
+            {
+                self.rest = after;
+                return ExpressionValue { value: value * factor, is_length };
+            }
+        }
+        ExpressionValue { value, is_length: false }
     }
 
     fn number_or_name(&mut self) -> Option<ExpressionValue> {
@@ -193,7 +220,8 @@ impl ExpressionParser<'_, '_, '_> {
                 _ => self.all.named(name, self.depth, self.steps),
             };
         }
-        let digits = |c: char| c.is_ascii_digit() || c == '.';
+        let comma = if self.in_arguments { '.' } else { ',' };
+        let digits = |c: char| c.is_ascii_digit() || c == '.' || c == comma;
         let mut end = rest.find(|c: char| !digits(c)).unwrap_or(rest.len());
         // An exponent belongs to the number only with its digits.
         if let Some(tail) = rest.get(end..).and_then(|tail| tail.strip_prefix(['e', 'E'])) {
@@ -203,23 +231,15 @@ impl ExpressionParser<'_, '_, '_> {
                 end = rest.len() - signed.len() + count;
             }
         }
-        let value: f64 = rest.get(..end)?.parse().ok()?;
-        let tail = rest.get(end..)?.trim_start();
-        for (unit, factor, is_length) in UNITS {
-            let after = tail.strip_prefix(unit);
-            if let Some(after) = after.filter(|after| !after.starts_with(|c: char| c.is_ascii_alphanumeric()))
-            {
-                self.rest = after;
-                return Some(ExpressionValue { value: value * factor, is_length });
-            }
-        }
-        self.rest = tail;
-        Some(ExpressionValue { value, is_length: false })
+        // Thousands are not separated: a number with comma and point, or with two of them, is none.
+        let value: f64 = rest.get(..end)?.replace(',', ".").parse().ok()?;
+        self.rest = rest.get(end..)?;
+        Some(self.with_unit(value))
     }
 }
 
 /// Units with their factors, and whether they are of a length; the longest first: `mm/min` begins with `mm`.
-const UNITS: [(&str, f64, bool); 18] = [
+const UNITS: [(&str, f64, bool); 21] = [
     ("mm/min", 1.0, false),
     ("mmpm", 1.0, false),
     ("mpm", 1.0, false),
@@ -231,7 +251,10 @@ const UNITS: [(&str, f64, bool); 18] = [
     ("fpm", 0.3048, false),
     ("sfm", 0.3048, false),
     ("rpm", 1.0, false),
+    ("inches", 25.4, true),
     ("inch", 25.4, true),
+    ("degrees", 1.0, false),
+    ("degree", 1.0, false),
     ("deg", 1.0, false),
     ("mm", 1.0, true),
     ("cm", 10.0, true),
@@ -249,7 +272,8 @@ mod tests {
     fn numbers_units_names_and_brackets() {
         let object = json!({
             "a": ".5 in", "b": "10 mm + a", "c": "(b - 2.7mm) * 2 / 4", "d": "7", "e": "300 mmpm", "f": "e/3",
-            "g": "1e1 mm", "h": "100 fpm", "i": "-(2 mm)", "j": "2 cm",
+            "g": "1e1 mm", "h": "100 fpm", "i": "-(2 mm)", "j": "2 cm", "k": "(29,5) mm", "l": "(1 + 1,5) in * 2",
+            "m": "(175,5) mmpm", "n": "45 degrees", "o": "max((1,5) mm, 1 mm)", "p": "(2) + 1 mm",
         });
         let all = Expressions::new(Some(&object), 25.4);
         for (name, value) in [
@@ -263,6 +287,12 @@ mod tests {
             ("h", 30.48),
             ("i", -2.0),
             ("j", 20.0),
+            ("k", 29.5),
+            ("l", 127.0),
+            ("m", 175.5),
+            ("n", 45.0),
+            ("o", 1.5),
+            ("p", 51.8),
         ] {
             let found = all.value(name).expect(name);
             assert!((found - value).abs() < 1e-9, "{name}: {found}");
@@ -296,6 +326,7 @@ mod tests {
         let object = json!({
             "loop": "loop + 1 mm", "twice": "p*p", "p": "q+q", "q": "twice", "empty": "", "text": "'x'",
             "deep": deep, "zero": "1/0", "tail": "3 mm x", "unknown": "tool_nothing", "open": "(1",
+            "thousands": "1,000.5 mm", "commas": "1,2,3",
         });
         let all = Expressions::new(Some(&object), 1.0);
         for name in object.as_object().expect("object").keys() {

@@ -122,6 +122,9 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
         Value::String(text) => text.trim().parse().ok(),
         _ => None,
     });
+    let attribute = |key: &str| {
+        tree.get("attribute").and_then(|all| all.get(key)).and_then(Value::as_str).and_then(short_name)
+    };
     let tool = Tool {
         number: number.unwrap_or(1),
         diameter,
@@ -132,6 +135,8 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
         spindle: 0.0,
         assembly: ToolAssembly {
             name: short_name(title),
+            description: attribute("Description"),
+            material: parameters.get("Material").and_then(Value::as_str).and_then(short_name),
             flute_length: flute,
             teeth: teeth.and_then(|n| u32::try_from(n).ok()).filter(|n| (1..=MAX_TEETH).contains(n)),
             taper_rad: taper,

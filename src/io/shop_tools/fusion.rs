@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use super::expression::Expressions;
+use super::fusion_units::{holder_unit_mm, unit_mm};
 use super::json::{elements, json_text, tool_tree};
 use super::left_out::LeftOutTools;
 use super::library::{
@@ -97,6 +98,23 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<ToolLibrary, InputError> 
     Ok(library)
 }
 
+/// The mills among the texts of entries, by index, as [`read`] numbers them.
+pub(super) fn mills_of_entries(entries: &[&str]) -> Vec<(usize, LibraryTool)> {
+    let found: Vec<FusionEntry> = entries.par_iter().enumerate().map(entry).collect();
+    let mut library = ToolLibrary::default();
+    let mut indices = Vec::new();
+    for (index, found) in found.into_iter().enumerate() {
+        if let FusionEntry::Mill(tool) = found {
+            library.tools.push(Arc::new(*tool));
+            indices.push(index);
+        }
+    }
+    number_tools(&mut library);
+    round_lengths(&mut library);
+    let tools = library.tools.into_iter().map(Arc::unwrap_or_clone);
+    indices.into_iter().zip(tools).collect()
+}
+
 /// Reads the text of the entry at an index.
 fn entry((index, text): (usize, &&str)) -> FusionEntry {
     let number = index + 1;
@@ -122,21 +140,6 @@ fn entry((index, text): (usize, &&str)) -> FusionEntry {
 
 fn string<'v>(value: &'v Value, key: &str) -> Option<&'v str> {
     value.get(key).and_then(Value::as_str)
-}
-
-/// Size of a unit in mm.
-fn unit_mm(value: &Value, whose: &str) -> Result<f64, String> {
-    match value.get("unit") {
-        None => Err(format!("{whose} has no `unit`")),
-        Some(unit) => match unit.as_str() {
-            Some("millimeters" | "mm" | "metric") => Ok(1.0),
-            Some("inches" | "in" | "inch") => Ok(25.4),
-            other => {
-                let shown = quote_for_message(other.unwrap_or("?"));
-                Err(format!("{whose} has the unit {shown}, neither millimeters nor inches"))
-            }
-        },
-    }
 }
 
 /// A number; absent when there is none or it is not positive.
@@ -169,7 +172,7 @@ fn expressions_of<'v>(entry: &'v Value, geometry: &'v Value, mm: f64) -> Express
     let lengths = LENGTHS.into_iter().filter_map(|(key, name)| Some((name, stored(key)? * mm)));
     let gauge = || {
         let holder = entry.get("holder")?;
-        let length = holder.get("gaugeLength")?.as_f64()? * unit_mm(holder, "").ok()?;
+        let length = holder.get("gaugeLength")?.as_f64()? * holder_unit_mm(holder, geometry, mm).ok()?.0;
         Some(("tool_holderGaugeLength", length))
     };
     let teeth = stored("NOF").map(|teeth| ("tool_numberOfFlutes", teeth));
@@ -193,18 +196,27 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
         Ok(stored)
     };
     let positive = |x: Option<f64>| x.filter(|x| *x > 0.0);
-    let diameter = length("DC", "tool_diameter")?.ok_or("it has no diameter `DC`")?;
+    let mut diameter = length("DC", "tool_diameter")?.ok_or("it has no diameter `DC`")?;
     if diameter <= 0.0 {
         return Err(format!("its diameter is {diameter} mm"));
     }
-    let radius = 0.5 * diameter;
     let corner = length("RE", "tool_cornerRadius")?;
+    // Where a tapered ball has less than half of the diameter as radius, that is the diameter further up.
+    let ball = corner.filter(|_| string(entry, "tapered-type") == Some("tapered_ball"));
+    let tip = ball.map(|corner| 2.0 * corner).filter(|tip| *tip > 0.0 && *tip < 0.999 * diameter);
+    let has_wider_end = tip.is_some();
+    diameter = tip.unwrap_or(diameter);
+    let radius = 0.5 * diameter;
     let mut flute = positive(length("LCF", "tool_fluteLength")?);
     let body = positive(length("LB", "tool_bodyLength")?);
     let shoulder = positive(length("shoulder-length", "tool_shoulderLength")?);
     let neck = positive(length("shoulder-diameter", "tool_shoulderDiameter")?);
     let shaft = positive(length("SFDM", "tool_shaftDiameter")?);
-    let taper = number(Some(geometry), "TA")?.filter(|angle| *angle > 0.0);
+    let taper = expressions.value("tool_taperAngle").or(number(Some(geometry), "TA")?);
+    let taper = taper.filter(|angle| *angle > 0.0);
+    if has_wider_end {
+        notes.push("diameter at the tip assumed: that of its ball".to_owned());
+    }
     let corner = corner_radius(kind, corner, radius, &mut notes);
     if taper.is_some() {
         notes.push("tapered: plans leave it out, they know cylindrical cutters only".to_owned());
@@ -246,7 +258,7 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
         }
     }
     let holder = match entry.get("holder").filter(|holder| holder.is_object()) {
-        Some(holder) => read_holder(holder, &mut notes)?,
+        Some(holder) => read_holder(holder, holder_unit_mm(holder, geometry, mm)?, &mut notes)?,
         None => Vec::new(),
     };
     let post = entry.get("post-process");
@@ -254,9 +266,8 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
         let value = post.and_then(|post| post.get(key)).and_then(Value::as_u64)?;
         u32::try_from(value).ok().filter(|value| *value <= most)
     };
-    let teeth =
-        geometry.get("NOF").and_then(Value::as_f64).filter(|n| (1.0..=f64::from(MAX_TEETH)).contains(n));
-    let teeth = teeth.map(|n| n as u32);
+    let teeth = expressions.number_of("tool_numberOfFlutes");
+    let teeth = teeth.filter(|n| (1.0..=f64::from(MAX_TEETH)).contains(n)).map(|n| n as u32);
     let preset = preset_of(entry, mm, &expressions, &mut notes)?;
     let missing =
         MissingRates { plunge_feed: preset.plunge_feed.is_none(), spindle: preset.spindle.is_none() };
@@ -270,6 +281,8 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
         spindle: preset.spindle.unwrap_or(0.0),
         assembly: ToolAssembly {
             name: string(entry, "description").and_then(short_name),
+            description: description_of(entry),
+            material: string(entry, "BMC").filter(|material| *material != "unspecified").and_then(short_name),
             flute_length: flute,
             teeth,
             taper_rad: taper.map(f64::to_radians),
@@ -283,6 +296,15 @@ fn mill(entry: &Value, kind: &str, width: f64) -> Result<LibraryTool, String> {
     };
     note_missing_rates(missing, &tool, &mut notes);
     Ok(rated(LibraryTool { tool, missing, notes }))
+}
+
+/// The comment of an entry, or its maker and order number.
+fn description_of(entry: &Value) -> Option<String> {
+    let comment = entry.get("post-process").and_then(|post| string(post, "comment")).and_then(short_name);
+    comment.or_else(|| {
+        let known = ["vendor", "product-id"].map(|key| string(entry, key).unwrap_or_default().trim());
+        short_name(&known.join(" "))
+    })
 }
 
 /// Corner radius of a mill of this `kind` that the library gives as `given`, mm. What differs is noted.
@@ -334,10 +356,14 @@ fn read_segments(rows: &Value, mm: f64) -> Result<Vec<[f64; 3]>, String> {
     Ok(segments)
 }
 
-/// Segments of a holder up to its gauge line.
-fn read_holder(holder: &Value, notes: &mut Vec<String>) -> Result<Vec<[f64; 3]>, String> {
-    let mm = unit_mm(holder, "its holder")?;
+/// Segments of a holder up to its gauge line, with its unit and what was assumed of that.
+fn read_holder(
+    holder: &Value,
+    (mm, assumed): (f64, Option<String>),
+    notes: &mut Vec<String>,
+) -> Result<Vec<[f64; 3]>, String> {
     let Some(rows) = holder.get("segments") else { return Ok(Vec::new()) };
+    notes.extend(assumed);
     let mut segments = read_segments(rows, mm)?;
     let Some(gauge) = number(Some(holder), "gaugeLength")?.map(|x| x * mm).filter(|x| *x > 0.0) else {
         return Ok(segments);

@@ -5,15 +5,21 @@ use serde_json::{Map, Value, json};
 use super::{LibraryTool, ToolLibrary};
 use crate::io::hash::{FNV_START, fnv1a};
 
-/// What a Fusion library that is written here does not hold, although Fusion keeps it, as lines for the user;
-/// the last only where a tool has an insert width.
-pub fn missing_in_fusion(library: &ToolLibrary) -> Vec<String> {
-    let mut lines = vec![
-        "Vendor, product, material and coolant of the tools".to_owned(),
-        "Feed rates other than that of a plunge: cutting, lead-in and ramp".to_owned(),
-        "Identifiers: Fusion takes every tool and holder for a new one".to_owned(),
-        "Names of holders, and inches: all lengths are in mm".to_owned(),
-    ];
+/// What a Fusion library that is written here does not hold, although Fusion keeps it, as lines for the user:
+/// one that is `new`, or one that is there. The last only where a tool has an insert width.
+pub fn missing_in_fusion(library: &ToolLibrary, new: bool) -> Vec<String> {
+    let mut lines = match new {
+        true => vec![
+            "Vendor, product and coolant of the tools".to_owned(),
+            "Feed rates other than that of a plunge: cutting, lead-in and ramp".to_owned(),
+            "Identifiers: Fusion takes every tool and holder for a new one".to_owned(),
+            "Names of holders, and inches: all lengths are in mm".to_owned(),
+        ],
+        false => vec![
+            "Vendor, product and coolant of tools that are new in it; the others keep theirs".to_owned(),
+            "Tools that were removed from the list: they stay in the file".to_owned(),
+        ],
+    };
     if library.tools.iter().any(|entry| entry.tool.core_radius() > 0.0) {
         lines.push("Insert widths, which Fusion does not know".to_owned());
     }
@@ -43,7 +49,8 @@ fn guid_of(text: &str) -> String {
     )
 }
 
-fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value {
+/// The entry of a tool, in mm.
+pub(super) fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value {
     let more = &tool.assembly;
     let rate = |is_missing: bool, rate: f64| (!is_missing).then_some(rate);
     let description =
@@ -84,10 +91,11 @@ fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value {
         "type": kind,
         "unit": "millimeters",
         "description": description,
-        "BMC": "unspecified",
+        "BMC": more.material.as_deref().unwrap_or("unspecified"),
         "geometry": geometry,
         "post-process": {
             "number": tool.number,
+            "comment": more.description.as_deref().unwrap_or_default(),
             "length-offset": more.length_offset.unwrap_or(tool.number),
             "diameter-offset": more.diameter_offset.unwrap_or(tool.number),
         },

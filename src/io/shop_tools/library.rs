@@ -58,13 +58,18 @@ impl ToolLibrary {
     }
 }
 
-/// Rounds lengths to 1e-9 mm, as 3 in are 76.2 mm and not 76.199…: converted numbers are read by people.
+/// Rounds lengths and rates to 1e-9, as 3 in are 76.2 mm and not 76.199…: people read converted numbers.
 pub(super) fn round_lengths(library: &mut ToolLibrary) {
     let round = |mm: &mut f64| *mm = without_conversion_error(*mm);
-    for LibraryTool { tool, .. } in library.tools.iter_mut().map(Arc::make_mut) {
+    for LibraryTool { tool, missing, .. } in library.tools.iter_mut().map(Arc::make_mut) {
         [&mut tool.diameter, &mut tool.corner_radius, &mut tool.insert_width, &mut tool.overhang]
             .into_iter()
             .for_each(round);
+        // Rates that are missing follow from others.
+        Some(&mut tool.plunge_feed).filter(|_| !missing.plunge_feed).into_iter().for_each(round);
+        Some(&mut tool.spindle).filter(|_| !missing.spindle).into_iter().for_each(round);
+        let assembly = &mut tool.assembly;
+        [&mut assembly.feed_per_tooth, &mut assembly.cutting_speed].into_iter().flatten().for_each(round);
         tool.assembly.flute_length.iter_mut().for_each(round);
         tool.assembly.shank.iter_mut().flatten().for_each(round);
         tool.assembly.holder.iter_mut().flatten().for_each(round);

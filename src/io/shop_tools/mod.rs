@@ -6,6 +6,8 @@
 mod expression;
 mod freecad;
 mod fusion;
+mod fusion_merge;
+mod fusion_units;
 mod fusion_write;
 mod json;
 mod left_out;
@@ -14,6 +16,7 @@ mod library;
 mod zip;
 
 use std::fmt::Write;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,10 +25,15 @@ use super::source::{Source, name_of, read_bytes_up_to};
 use super::tool_file::{read_tools_with_rates, write_tool};
 use crate::error::ErrorCode;
 use freecad::ToolBit;
+pub use fusion_merge::{MergedFusion, merge_fusion};
 pub use fusion_write::{missing_in_fusion, write_fusion};
 use json::MAX_LIBRARY_BYTES;
 pub use library::{LibraryTool, ToolLibrary};
 
+/// Folders of tool bits beside that of a FreeCAD library: FreeCAD's own, and what people call it.
+const BIT_FOLDERS: [&str; 2] = ["Bit", "ToolBits"];
+/// Number of bytes by which the content of a file is recognised.
+const LOOKED_AT: usize = 1 << 16;
 /// Largest size of the file of one tool, bytes.
 const MAX_BIT_BYTES: usize = 1 << 20;
 
@@ -82,7 +90,7 @@ pub fn looks_like_library(format: LibraryFormat, bytes: &[u8]) -> bool {
             line.is_some_and(|line| line.starts_with("[[tool]]"))
         }
         LibraryFormat::FusionJson => {
-            let start = &bytes[..bytes.len().min(1 << 16)];
+            let start = &bytes[..bytes.len().min(LOOKED_AT)];
             let words = |word: &str| start.windows(word.len()).any(|w| w == word.as_bytes());
             words("\"data\"") && !words("\"vanecut") && (words("\"geometry\"") || words("\"guid\""))
                 || words("\"data\"") && bytes.len() < 64
@@ -101,10 +109,12 @@ pub fn read_library(path: &Path, format: LibraryFormat) -> Result<ToolLibrary, I
     match format {
         LibraryFormat::FreeCadLibrary => {
             let beside = |file: &str| {
-                // Bits lie beside the library or in the folder `Bit` beside its own.
+                // Bits lie beside the library, or in a folder beside its own.
                 let folder = path.parent().unwrap_or(Path::new(""));
-                let places = [folder.join(file), folder.join("..").join("Bit").join(file)];
-                let found = places.iter().find(|place| place.is_file()).unwrap_or(&places[0]);
+                let others = BIT_FOLDERS.map(|name| folder.join("..").join(name).join(file));
+                let beside = folder.join(file);
+                let found =
+                    others.iter().find(|place| !beside.is_file() && place.is_file()).unwrap_or(&beside);
                 Ok((name_of(found), read_bytes_up_to(found, MAX_BIT_BYTES)?))
             };
             freecad::read_list(&name, &bytes, &beside)
@@ -144,6 +154,26 @@ pub fn read_library_bytes(
                 .with_code(ErrorCode::FileUnreadable))
         }),
     }
+}
+
+/// The text of a Fusion library with these tools for a file at `path`: a Fusion library that is there keeps
+/// what it has beyond them.
+///
+/// # Errors
+/// When the file that is there cannot be read, or is a damaged Fusion library.
+pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedFusion, InputError> {
+    if is_fusion_library(path) {
+        return merge_fusion(&name_of(path), &read_bytes_up_to(path, MAX_LIBRARY_BYTES)?, library);
+    }
+    Ok(MergedFusion { text: write_fusion(library), changed: 0, added: library.tools.len(), kept: 0 })
+}
+
+/// Whether the file at `path` looks like a Fusion library, by its beginning.
+pub fn is_fusion_library(path: &Path) -> bool {
+    let Ok(file) = std::fs::File::open(path) else { return false };
+    let mut start = Vec::new();
+    let is_read = file.take(LOOKED_AT as u64).read_to_end(&mut start).is_ok();
+    is_read && looks_like_library(LibraryFormat::FusionJson, &start)
 }
 
 /// Writes our TOML; remarks become comments above their tool.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::geometry::MeridionalCurve;
 use crate::part::{Blank, Impeller};
-use crate::setup::{OutlineKind, OutlinePiece, Tool};
+use crate::setup::{OutlineKind, Tool};
 
 /// Height of a tool's drawing, and width beside it for dimensions, px.
 const TOOL_HEIGHT: f64 = 230.0;
@@ -29,19 +29,13 @@ pub fn tool_svg(tool: &Tool) -> String {
          font-family=\"sans-serif\" font-size=\"11\" role=\"img\" aria-label=\"tool {}\">",
         tool.number
     );
-    for OutlinePiece { kind, from, length, radii: [lower, upper] } in outlines {
-        let fill = fill(kind);
-        let (a, b) = (lower * scale, upper * scale);
-        let (low, high) = (y(from), y(from + length));
-        let _ = write!(
-            svg,
-            "<path d=\"M{:.1} {low:.1}L{:.1} {low:.1}L{:.1} {high:.1}L{:.1} {high:.1}Z\" fill=\"{fill}\" \
-             stroke=\"#333\"/>",
-            middle - a,
-            middle + a,
-            middle + b,
-            middle - b,
-        );
+    for piece in outlines {
+        let side = piece.side(tool);
+        let right = side.iter().map(|[off, up]| (middle + off * scale, y(*up)));
+        let left = side.iter().rev().map(|[off, up]| (middle - off * scale, y(*up)));
+        let corners: Vec<String> = right.chain(left).map(|(x, y)| format!("{x:.1} {y:.1}")).collect();
+        let fill = fill(piece.kind);
+        let _ = write!(svg, "<path d=\"M{}Z\" fill=\"{fill}\" stroke=\"#333\"/>", corners.join("L"));
     }
     // The core, which has no edges, in the bottom of the cutter.
     let core = tool.core_radius() * scale;

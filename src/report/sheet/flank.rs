@@ -7,6 +7,7 @@ use super::{
     warning_list,
 };
 use crate::flank::UncutLength;
+use crate::flank::choice::overhang_note;
 use crate::job::flank::FlankOutcome;
 use crate::job::flank_channels::FlankProgram;
 use crate::report::html::escaped;
@@ -84,6 +85,9 @@ fn warnings(input: &FlankSheetInput) -> String {
             "{left_out:.0} mm of passes are left out; the longest stretch, on layer {}: {why}.",
             layer + 1
         ));
+    }
+    if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
+        found.push(format!("T{}: {note}.", plan.tool.number));
     }
     let assumed = tools(outcome).into_iter().filter(|(tool, _)| tool.assembly.holder.is_empty());
     let mut assumed: Vec<u32> = assumed.map(|(tool, _)| tool.number).collect();

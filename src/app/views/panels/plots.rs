@@ -14,6 +14,8 @@ use crate::app::views::theme::{self, Condition};
 /// Height of the plots, points.
 pub const HEIGHT: f32 = 92.0;
 
+/// The thickness of the chip: hundredths of a mm.
+const CHIP: &str = "Chip";
 /// Plots narrower than this do not show their range, points.
 const NARROW: f32 = 112.0;
 /// In plots narrower than this the value is below the name, points.
@@ -29,8 +31,9 @@ struct PlotCurve {
     /// Name in a narrow plot.
     short: &'static str,
     unit: &'static str,
-    /// Units whose decimals its numbers have.
+    /// Units whose decimals its numbers have, and how many more those of a small quantity have.
     decimals: DisplayUnits,
+    more_decimals: usize,
     from_zero: bool,
     /// Minimum length of the scale, so that noise is not magnified.
     min_range: f64,
@@ -49,16 +52,18 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     if row.is_empty() {
         return None;
     }
-    let curve = |name, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
-        name,
-        short,
-        unit,
-        decimals: if unit == " in" { DisplayUnits::Inch } else { DisplayUnits::Metric },
-        from_zero,
-        min_range: least,
-        first: row.start,
-        values: row.clone().map(value).collect(),
-    };
+    let curve =
+        |name: &'static str, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
+            name,
+            short,
+            unit,
+            decimals: if unit == " in" { DisplayUnits::Inch } else { DisplayUnits::Metric },
+            more_decimals: if name == CHIP { 2 } else { 0 },
+            from_zero,
+            min_range: least,
+            first: row.start,
+            values: row.clone().map(value).collect(),
+        };
     let at = |k: usize| &plan.positions[k];
     let units = state.look.units;
     let unit = match units {
@@ -72,9 +77,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         curve("Stock", "St", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
         curve("Step", "Sp", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
         curve("Arc", "Arc", "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
-        curve("Chip", "Ch", unit, range(0.02), &|k| {
-            units.of_mm(plan.chip_thickness_of(k).unwrap_or(f64::NAN))
-        }),
+        curve(CHIP, "Ch", unit, range(0.02), &|k| units.of_mm(plan.chip_thickness_of(k).unwrap_or(f64::NAN))),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
     let (mut clicked, mut menu) = (None, None);
@@ -215,7 +218,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
     let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), ink).size().x;
     let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
-    let digits = |decimals: usize| curve.decimals.decimals(decimals);
+    let digits = |decimals: usize| curve.decimals.decimals(decimals + curve.more_decimals);
     let text = match value {
         Some(v) => format!("{v:.*}{}", digits(2), curve.unit),
         // Only the name fits in a narrow plot.
