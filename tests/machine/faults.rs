@@ -6,7 +6,7 @@ use vanecut::machine::{MachineTool, MotionFault, OutputKind};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 
 use super::programs::{
-    MACHINES, OUTPUTS, largest_difference, machine, moved, placed, plunges, posted, read_back, sweeps, tilted,
+    OUTPUTS, largest_difference, machine, moved, plunges, posted, read_back, sweeps, tilted,
 };
 
 fn fault_of(edit: impl Fn(&mut MachineTool)) -> MotionFault {

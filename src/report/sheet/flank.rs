@@ -179,8 +179,8 @@ fn strategies_text(outcome: &FlankOutcome) -> String {
     };
     let rows: String = FlankStrategy::ALL.iter().map(row).collect();
     format!(
-        "<h2>Before and after</h2>\n<table><thead><tr><th>strategy</th><th>passes</th><th>length, mm</th>\
-         <th>of isoparametric, %</th></tr></thead><tbody>{rows}</tbody></table>\n"
+        "<div class=\"keep\"><h2>Before and after</h2>\n<table><thead><tr><th>strategy</th>\
+         <th>passes</th><th>length, mm</th><th>of isoparametric, %</th></tr></thead><tbody>{rows}</tbody></table></div>\n"
     )
 }
 

@@ -344,9 +344,9 @@ fn policies_text(outcome: &PlanOutcome) -> String {
     };
     let rows: String = outcome.policies().into_iter().map(row).collect();
     format!(
-        "<h2>Before and after</h2>\n<table><thead><tr><th>plan</th><th>plunges</th><th>core contact</th>\
-         <th>deepest contact, mm</th><th>stock mean / 95 %, mm</th><th>uncut, %</th><th>min</th></tr></thead>\
-         <tbody>{rows}</tbody></table>\n"
+        "<div class=\"keep\"><h2>Before and after</h2>\n<table><thead><tr><th>plan</th><th>plunges</th>\
+         <th>core contact</th><th>deepest contact, mm</th><th>stock mean / 95 %, mm</th><th>uncut, %</th><th>min</th></tr></thead>\
+         <tbody>{rows}</tbody></table></div>\n"
     )
 }
 
