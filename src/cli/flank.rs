@@ -51,8 +51,8 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let channels = args.several.count(&part)?;
     check_directory(&args.output)?;
     let request = FlankRequest { part: Arc::new(part), setup: setup.setup.clone() };
-    let outcome = run_with_progress("planning", |monitor| {
-        FlankJob::default().run_for_channels(&request, channels, monitor)
+    let (outcome, program) = run_with_progress("planning", |monitor| {
+        FlankJob::default().run_to_program(&request, channels, monitor)
     })
     .map_err(|error| match error {
         JobError::Cancelled => Cancelled.into(),
@@ -66,7 +66,6 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         let help = "give a thinner or a longer cutter, or smaller allowances";
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
-    let program = run_with_progress("checking", |monitor| outcome.program_for_channels(channels, monitor))?;
     create_directory(&args.output)?;
     let written = write_apt(&program.program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));

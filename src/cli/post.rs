@@ -168,6 +168,7 @@ fn fill_tools(program: &mut ClProgram, tools: &[Tool]) {
             tool.spindle_rpm = tool.spindle_rpm.or(Some(known.spindle));
             tool.overhang = tool.overhang.or(Some(known.overhang));
             tool.insert_width = tool.insert_width.or(Some(known.insert_width));
+            tool.length_offset = tool.length_offset.or(known.assembly.length_offset);
         }
     }
 }

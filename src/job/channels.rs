@@ -4,7 +4,7 @@ use super::outcome::{PlanOutcome, PolicyResult};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::plunge::PlungePlan;
-use crate::plunge::channels::{count_tool_loads, plan_channels};
+use crate::plunge::channels::{count_tool_loads, link_channels, plan_channels};
 use crate::toolpath::ClProgram;
 
 impl PlanOutcome {
@@ -37,8 +37,12 @@ impl PlanOutcome {
         Ok(ClProgram::of_plan(&self.workpiece.part.name, &plan))
     }
 
-    /// Tells the times of several channels in the order of the setup.
-    pub(super) fn time_wheel(&mut self) {
+    /// Tells the times of several channels in the order of the setup. That of all channels is the time of
+    /// their program, but for plunges that are lifted in it.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled.
+    pub(super) fn time_wheel(&mut self, monitor: &Monitor) -> Result<(), Cancelled> {
         let order = self.setup.channels;
         let Self { before, after, others, .. } = self;
         for result in [before, after].into_iter().chain(others) {
@@ -48,7 +52,10 @@ impl PlanOutcome {
             summary.further_tool_changes_s =
                 summary.machine_time.map_or(0.0, |time| further * time.tool_changes_s);
         }
-        self.after.summary.wheel_time_s =
-            self.clock.wheel_time_s(&self.after.plan, &self.workpiece.part, order);
+        let Workpiece { part, blank, .. } = &*self.workpiece;
+        let plan = &self.after.plan;
+        let wheel = link_channels(plan, part, blank, &self.setup, part.blade_count, monitor)?;
+        self.after.summary.wheel_time_s = self.clock.program_time_s(&ClProgram::of_plan("", &wheel));
+        Ok(())
     }
 }

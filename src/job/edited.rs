@@ -51,7 +51,7 @@ pub(super) fn plan_with_edits(
     {
         outcome = edited(around)?;
     }
-    outcome.time_wheel();
+    outcome.time_wheel(&monitor.ignoring_stop().silent()).map_err(|_| JobError::Cancelled)?;
     outcome.elapsed = started.elapsed().as_secs_f64();
     monitor.report(1.0);
     Ok(outcome)

@@ -8,6 +8,7 @@ use super::part_cache::PartCache;
 use crate::flank::channels::{FlankChannel, FlankChannels};
 use crate::flank::choice::choose_tool;
 use crate::flank::fault_removal::MoveFault;
+use crate::flank::path::Times;
 use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, plan};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
@@ -116,6 +117,22 @@ impl FlankJob {
         channels: usize,
         monitor: &Monitor,
     ) -> Result<FlankOutcome, JobError> {
+        let (outcome, _) = self.run_then(request, channels, monitor, |_, _| Ok(()))?;
+        Ok(outcome)
+    }
+
+    /// As [`Self::run_for_channels`]. For several channels `then` gets the outcome and the verifier of the
+    /// planner, which has judged the program of all of them as the last one.
+    ///
+    /// # Errors
+    /// As [`Self::run`], and those of `then`.
+    pub(super) fn run_then<T>(
+        &self,
+        request: &FlankRequest,
+        channels: usize,
+        monitor: &Monitor,
+        then: impl FnOnce(&FlankOutcome, WheelPlanner) -> Result<T, JobError>,
+    ) -> Result<(FlankOutcome, Option<T>), JobError> {
         let started = std::time::Instant::now();
         let part = &request.part;
         check_part(&request.setup, part)?;
@@ -131,7 +148,8 @@ impl FlankJob {
         let judged = setup.clone();
         let mut verifier = FlankVerifier::for_planner(&workpiece, &judged);
         let mut wheel_verifier = (channels > 1).then(|| FlankVerifier::for_planner(&workpiece, &judged));
-        let mut faults = Vec::new();
+        let mut judged_last = JudgedProgram::default();
+        let mut retracts_in_stock = Vec::new();
         let mut opening = None;
         let mut check = |tool: &Tool, moves: &[FlankMove], monitor: &Monitor| {
             // Of the moves before any is left out: those that remain need no more.
@@ -139,15 +157,29 @@ impl FlankJob {
                 opening = opener.opening(&workpiece, tool, moves, monitor)?;
             }
             let program = FlankChannel { part_name: &part.name, tool, moves, opening: opening.as_ref() };
-            let found = faults_as_written(&mut verifier, &program, &request.setup, &mut faults, monitor)?;
+            let found =
+                faults_as_written(&mut verifier, &program, &request.setup, &mut judged_last, monitor)?;
             let Some(wheel) = wheel_verifier.as_mut().filter(|_| found.is_empty()) else { return Ok(found) };
             let several = program.in_channels(part, &workpiece.blank, &request.setup, channels, monitor)?;
-            faults_of_channels(wheel, &several, &program, &request.setup, monitor)
+            let judged = faults_of_channels(wheel, &several, &program, &request.setup, monitor)?;
+            retracts_in_stock = judged.retracts_in_stock;
+            Ok(judged.faults)
         };
         let planned = self
             .last
             .with(part, |stages| plan(&workpiece, &request.setup, &chosen, stages, &mut check, monitor));
-        let plan = FlankPlan { opening, ..planned? };
+        let mut plan = FlankPlan { opening, ..planned? };
+        let grazing = std::mem::take(&mut judged_last.grazing);
+        if let Some(slower) = plan.with_retracts_under_feed(&grazing) {
+            // Where it would have faults of its own, the retract stays what is none.
+            let written = slower.in_one_channel(&part.name);
+            let mut judged = JudgedProgram::default();
+            let found = faults_as_written(&mut verifier, &written, &request.setup, &mut judged, monitor);
+            found.map_err(FlankError::Cancelled)?;
+            if judged.faults.len() <= judged_last.faults.len() {
+                (plan, judged_last) = (slower, judged);
+            }
+        }
         let written = plan.in_one_channel(&part.name);
         let program = written.program();
         let machine_time = clock.as_ref().and_then(|clock| clock.time(&program));
@@ -168,20 +200,23 @@ impl FlankJob {
         }
         setup.flank.tool = Some(chosen.tool.number);
         keep_needed_tools(&mut setup, opener.as_ref().map(|opener| opener.tool.number));
-        let elapsed = started.elapsed().as_secs_f64();
-        Ok(FlankOutcome {
-            workpiece,
+        let mut outcome = FlankOutcome {
+            workpiece: Arc::clone(&workpiece),
             setup,
             plan,
-            faults,
+            faults: judged_last.faults,
             verdict,
             clock,
             machine_time,
             time_estimate,
             wheel_time_s,
             wheel_tool_loads: wheel.tool_loads(),
-            elapsed,
-        })
+            elapsed: 0.0,
+        };
+        let planner = wheel_verifier.map(|verifier| WheelPlanner { verifier, retracts_in_stock });
+        let result = planner.map(|planner| then(&outcome, planner)).transpose()?;
+        outcome.elapsed = started.elapsed().as_secs_f64();
+        Ok((outcome, result))
     }
 }
 
@@ -264,13 +299,38 @@ pub(super) fn as_written(program: &ClProgram) -> Option<ClProgram> {
     read_apt_bytes("flank.apt", write_apt(program).as_bytes()).ok()
 }
 
-/// Verifies a program as it is written: stores all faults in `found`, and returns those of single moves of
-/// its passes.
+/// What a planner knows of a program of several channels.
+pub(super) struct WheelPlanner<'a> {
+    /// It has judged the program in standing stock.
+    pub verifier: FlankVerifier<'a>,
+    /// Moves of the passes that retract in rapid, and meet stock in some channel.
+    pub retracts_in_stock: Vec<usize>,
+}
+
+/// What the verifier says of a program of several channels, by moves of the passes of one.
+#[derive(Default)]
+struct JudgedChannels {
+    faults: Vec<MoveFault>,
+    /// See [`WheelPlanner::retracts_in_stock`].
+    retracts_in_stock: Vec<usize>,
+}
+
+/// What the verifier says of a program of one channel.
+#[derive(Default)]
+struct JudgedProgram {
+    /// Its faults.
+    faults: Vec<Fault>,
+    /// Moves of its passes that touch standing stock in rapid hardly less than what is a fault.
+    grazing: Vec<usize>,
+}
+
+/// Verifies a program as it is written: stores what it finds in `judged`, and returns the faults of single
+/// moves of its passes.
 fn faults_as_written(
     verifier: &mut FlankVerifier,
     written: &FlankChannel,
     setup: &Setup,
-    found: &mut Vec<Fault>,
+    judged: &mut JudgedProgram,
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let count = written.moves.len();
@@ -278,47 +338,71 @@ fn faults_as_written(
     let Some(program) = as_written(&written.program()) else {
         return Ok(all("its program cannot be read back"));
     };
-    *found = match verifier.faults(&program, monitor) {
+    judged.faults = match verifier.faults(&program, monitor) {
         Ok(faults) => faults,
         Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
         Err(VerifyError::Program(_)) => return Ok(all("its program cannot be verified")),
     };
     let before = program.moves.len() - count;
-    let index = |fault: &Fault| program.moves.partition_point(|m| m.line < fault.line).checked_sub(before);
-    Ok(found.iter().filter_map(|fault| move_fault(fault, index(fault)?, setup)).collect())
+    let index = |line: usize| program.moves.partition_point(|m| m.line < line).checked_sub(before);
+    judged.grazing = verifier.grazing_rapids().iter().filter_map(|&line| index(line)).collect();
+    Ok(judged.faults.iter().filter_map(|fault| move_fault(fault, index(fault.line)?, setup)).collect())
 }
 
-/// The faults of the program of several channels, as those of the moves of the passes of one, `channel`.
-/// Retracts that meet stock are not among them: the program is written with such ones under feed.
+/// The faults in standing stock of the program of several channels, as those of the moves of the passes of
+/// one, `channel`. Retracts that meet stock are not among them: the program is written with such ones under
+/// feed.
 fn faults_of_channels(
     verifier: &mut FlankVerifier,
     several: &FlankChannels,
     channel: &FlankChannel,
     setup: &Setup,
     monitor: &Monitor,
-) -> Result<Vec<MoveFault>, Cancelled> {
-    let Some(program) = as_written(&several.program) else { return Ok(Vec::new()) };
-    let found = match verifier.faults(&program, monitor) {
+) -> Result<JudgedChannels, Cancelled> {
+    let Some(program) = as_written(&several.program) else { return Ok(JudgedChannels::default()) };
+    let found = match verifier.faults_in_stock(&program, monitor) {
         Ok(faults) => faults,
         Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
-        Err(VerifyError::Program(_)) => return Ok(Vec::new()),
+        Err(VerifyError::Program(_)) => return Ok(JudgedChannels::default()),
+    };
+    let index_of = |line: usize| {
+        let index = program.moves.partition_point(|m| m.line < line);
+        channel.index_of_pass(several.origins.get(index).copied().flatten()?.index)
     };
     let mut faults: Vec<MoveFault> = Vec::new();
+    let mut retracts_in_stock: Vec<usize> =
+        verifier.grazing_rapids().iter().filter_map(|&line| index_of(line)).collect();
     for fault in &found {
-        let index = program.moves.partition_point(|m| m.line < fault.line);
-        let index =
-            several.origins.get(index).copied().flatten().and_then(|o| channel.index_of_pass(o.index));
-        let Some(index) = index else { continue };
+        let Some(index) = index_of(fault.line) else { continue };
         let grazes = fault.kind == FaultKind::RapidInStock && is_retract(channel.moves, index);
+        if grazes {
+            retracts_in_stock.push(index);
+        }
         let known = faults.iter().any(|known| known.index == index);
         faults.extend(move_fault(fault, index, setup).filter(|_| !grazes && !known));
     }
     faults.sort_by_key(|fault| fault.index);
-    Ok(faults)
+    Ok(JudgedChannels { faults, retracts_in_stock })
+}
+
+impl FlankPlan {
+    /// The plan with those of the moves `rapids` that are retracts made at the feed rate of their pass;
+    /// `None` where there are none.
+    pub(super) fn with_retracts_under_feed(&self, rapids: &[usize]) -> Option<Self> {
+        let mut retracts = rapids.iter().filter(|&&index| is_retract(&self.moves, index)).peekable();
+        retracts.peek()?;
+        let mut plan = self.clone();
+        for &index in retracts {
+            let feed_mm_per_min = plan.moves[index - 1].feed_mm_per_min;
+            plan.moves[index] = FlankMove { kind: MoveKind::Link, feed_mm_per_min, ..plan.moves[index] };
+        }
+        plan.times = Times::from_moves(&plan.moves);
+        Some(plan)
+    }
 }
 
 /// Whether move `index` is a retract along the axis, in rapid, from where the tool has cut.
-pub(super) fn is_retract(moves: &[FlankMove], index: usize) -> bool {
+fn is_retract(moves: &[FlankMove], index: usize) -> bool {
     let Some([.., from, to]) = moves.get(..=index) else { return false };
     from.kind != MoveKind::Rapid && to.kind == MoveKind::Rapid && from.axis == to.axis
 }

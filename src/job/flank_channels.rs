@@ -1,9 +1,10 @@
 //! Programs of several channels of a flank plan, judged as they are written.
 
-use super::flank::{FlankOutcome, as_written, is_retract};
+use super::JobError;
+use super::flank::{FlankJob, FlankOutcome, FlankRequest, WheelPlanner, as_written};
+use crate::flank::FlankPlan;
 use crate::flank::channels::FlankChannels;
 use crate::flank::path::Times;
-use crate::flank::{FlankMove, FlankPlan, MoveKind};
 use crate::machine::MachineTime;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
@@ -58,6 +59,35 @@ impl FlankProgram {
     }
 }
 
+impl FlankJob {
+    /// Plans as [`Self::run_for_channels`], with the program of these channels as
+    /// [`FlankOutcome::program_for_channels`] makes it, in less time: of several channels the planner has
+    /// judged most of it.
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_to_program(
+        &self,
+        request: &FlankRequest,
+        channels: usize,
+        monitor: &Monitor,
+    ) -> Result<(FlankOutcome, FlankProgram), JobError> {
+        let cancelled = |_: Cancelled| JobError::Cancelled;
+        let (outcome, program) = self.run_then(request, channels, monitor, |outcome, planner| {
+            let WheelPlanner { verifier, retracts_in_stock } = planner;
+            let verifier = FlankVerifier::new(&outcome.workpiece, &outcome.setup).taking_over(verifier);
+            let plan = outcome.plan.with_retracts_under_feed(&retracts_in_stock);
+            let plan = plan.unwrap_or_else(|| outcome.plan.clone());
+            outcome.judged_for_channels((plan, channels), verifier, &monitor.silent()).map_err(cancelled)
+        })?;
+        let program = match program {
+            Some(program) => program,
+            None => outcome.program_for_channels(channels, &monitor.silent()).map_err(cancelled)?,
+        };
+        Ok((outcome, program))
+    }
+}
+
 impl FlankOutcome {
     /// The moves of the first `channels` channels in the order of the setup.
     ///
@@ -91,9 +121,22 @@ impl FlankOutcome {
                 time_estimate: self.time_estimate,
             });
         }
+        let verifier = FlankVerifier::new(&self.workpiece, &self.setup);
+        self.judged_for_channels((self.plan.clone(), channels), verifier, monitor)
+    }
+
+    /// The program of `plan` for the first `channels` channels, more than one, judged by `verifier`; see
+    /// [`Self::program_for_channels`].
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled.
+    fn judged_for_channels(
+        &self,
+        (mut plan, channels): (FlankPlan, usize),
+        mut verifier: FlankVerifier,
+        monitor: &Monitor,
+    ) -> Result<FlankProgram, Cancelled> {
         let Workpiece { part, blank, .. } = &*self.workpiece;
-        let mut plan = self.plan.clone();
-        let mut verifier = FlankVerifier::new(&self.workpiece, &self.setup);
         let mut round = 0;
         let (program, faults, verdict) = loop {
             let one = plan.in_one_channel(&part.name);
@@ -106,20 +149,16 @@ impl FlankOutcome {
                 Ok(verdict) => verdict,
             };
             round += 1;
-            let origin = |fault: &Fault| {
-                let index = written.moves.partition_point(|step| step.line < fault.line);
+            let origin = |line: usize| {
+                let index = written.moves.partition_point(|step| step.line < line);
                 one.index_of_pass(origins.get(index).copied().flatten()?.index)
             };
             let in_stock = verdict.faults.iter().filter(|fault| fault.kind == FaultKind::RapidInStock);
-            let retracts = in_stock.filter_map(origin).filter(|&index| is_retract(&plan.moves, index));
-            let retracts: Vec<usize> = retracts.collect();
-            if round > MAX_ROUNDS || retracts.is_empty() {
-                break (program, verdict.faults.clone(), Some(verdict));
-            }
-            // At the feed rate of the pass.
-            for index in retracts {
-                let feed_mm_per_min = plan.moves[index - 1].feed_mm_per_min;
-                plan.moves[index] = FlankMove { kind: MoveKind::Link, feed_mm_per_min, ..plan.moves[index] };
+            let lines = in_stock.map(|fault| fault.line).chain(verifier.grazing_rapids().iter().copied());
+            let rapids: Vec<usize> = lines.filter_map(origin).collect();
+            match plan.with_retracts_under_feed(&rapids).filter(|_| round <= MAX_ROUNDS) {
+                Some(slower) => plan = slower,
+                None => break (program, verdict.faults.clone(), Some(verdict)),
             }
         };
         let machine_time = self.clock.as_ref().and_then(|clock| clock.time(&program));

@@ -5,7 +5,7 @@ use super::fault::MotionFault;
 use super::model::MachineTool;
 use super::motion::{MachineProgram, MotionOptions, machine_program};
 use super::placement::PlacedPart;
-use super::time::{MachineTime, SectionTime, section_times};
+use super::time::{MachineTime, SectionTime, move_clock, section_times};
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
 use crate::setup::AllowanceSetup;
@@ -50,6 +50,12 @@ impl MachineClock {
     /// Times of the sections of `program`, in cutting order; `None` where the machine cannot run it.
     pub fn section_times(&self, program: &ClProgram) -> Option<Vec<SectionTime>> {
         Some(section_times(&self.machine, program, &self.motion(program).ok()?))
+    }
+
+    /// Time from the start of `program` to the end of each of its moves, s; `None` where the machine cannot
+    /// run it.
+    pub fn move_clock(&self, program: &ClProgram) -> Option<Vec<f64>> {
+        Some(move_clock(&self.machine, program, &self.motion(program).ok()?))
     }
 
     /// Time of `program`; `None` where the machine cannot run it.

@@ -3,9 +3,10 @@
 
 use super::cut::LIFT_MARGIN;
 use super::evaluation::{MeasuredPlunges, evaluated};
+use super::links::raise_links;
 use super::plan::{Evaluation, PlungeMotion, PlungePlan, Position};
 use crate::cutting::contact::{Columns, CoreContact, Engagement, core_contacts};
-use crate::geometry::{Point, rotate_vector_z, rotate_z};
+use crate::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Blank, Impeller};
 use crate::setup::{ChannelOrder, ChannelSequence, ChannelSetup, SectionKind, Setup};
@@ -99,6 +100,42 @@ pub fn repeat_for_channels(
     channels: usize,
 ) -> PlungePlan {
     repeat_plunges(one, part, &order_plunges(one, part, order, channels), channels)
+}
+
+/// As [`plan_channels`], but plunges whose cores meet stock only in the order of several channels are not
+/// lifted: the links from channel to channel are raised alone, in a small part of the time. For the time of a
+/// program that is not written.
+///
+/// # Errors
+/// When `monitor` is cancelled.
+pub fn link_channels(
+    one: &PlungePlan,
+    part: &Impeller,
+    blank: &Blank,
+    setup: &Setup,
+    channels: usize,
+    monitor: &Monitor,
+) -> Result<PlungePlan, Cancelled> {
+    let plunges = order_plunges(one, part, setup.channels, channels);
+    let mut plan = repeat_plunges(one, part, &plunges, channels);
+    let retracts: Vec<Point> = plan.positions.iter().map(|p| p.evaluation.retract).collect();
+    let mut pair = PlungePlan { positions: Vec::new(), ..one.clone() };
+    for k in 0..plunges.len().saturating_sub(1) {
+        if plunges[k].channel == plunges[k + 1].channel {
+            continue;
+        }
+        pair.positions = plan.positions[k..=k + 1].to_vec();
+        let ends = pair.positions.iter().map(|p| p.evaluation.retract).collect();
+        let lead_outs: Vec<Vector> = pair.positions.iter().map(|p| p.evaluation.motion.lead_out).collect();
+        let raised = raise_links(&pair, ends, &lead_outs, blank, setup.allowances.safety_distance, monitor)?;
+        for (position, (retract, _)) in plan.positions[k..=k + 1].iter_mut().zip(raised) {
+            position.evaluation.retract = retract;
+        }
+    }
+    if setup.channels.sequence != ChannelSequence::Adjacent {
+        descend_after_links(&mut plan, &plunges, &retracts);
+    }
+    Ok(plan)
 }
 
 /// The plunges of `channels` channels in their order.

@@ -36,6 +36,8 @@ pub struct ClTool {
     pub feed_mm_per_min: Option<f64>,
     /// Spindle speed, rev/min.
     pub spindle_rpm: Option<f64>,
+    /// Number of its length offset in the control; absent: that of the tool.
+    pub length_offset: Option<u32>,
 }
 
 impl ClTool {
@@ -49,7 +51,13 @@ impl ClTool {
             overhang: Some(tool.overhang),
             feed_mm_per_min: Some(tool.plunge_feed),
             spindle_rpm: Some(tool.spindle),
+            length_offset: tool.assembly.length_offset,
         }
+    }
+
+    /// Number of its length offset in the control.
+    pub fn length_offset_number(&self) -> u32 {
+        self.length_offset.unwrap_or(self.number)
     }
 
     /// The tool with what the program does not say from the tool of the same number and diameter in `setup`,

@@ -1,10 +1,7 @@
 //! How long a plan takes: on a machine by all of its axes, without one by feed rates and rapids alone.
 
 use crate::machine::{MachineClock, MachineTime, MachineTool, SectionTime};
-use crate::part::Impeller;
-use crate::plunge::channels::repeat_for_channels;
 use crate::plunge::{PlungePlan, Position};
-use crate::setup::ChannelSetup;
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN, Travel};
 
 /// Tells the time of plans of one part. The default knows no machine.
@@ -53,16 +50,12 @@ impl PlanClock {
         self.section_times(plan).map(|times| MachineTime::of_sections(&times))
     }
 
-    /// Time of the program for all channels of `part` in this `order`, of which `plan` is the first, s: on
-    /// the machine, or `None` where it cannot run that; without a machine without accelerations and tool
-    /// changes. Links and plunges that [`plan_channels`] raises count as they are in `plan`.
-    ///
-    /// [`plan_channels`]: crate::plunge::channels::plan_channels
-    pub fn wheel_time_s(&self, plan: &PlungePlan, part: &Impeller, order: ChannelSetup) -> Option<f64> {
-        let wheel = repeat_for_channels(plan, part, order, part.blade_count);
+    /// Time of `program`, s: on the machine, or `None` where it cannot run that; without a machine without
+    /// accelerations and tool changes.
+    pub fn program_time_s(&self, program: &ClProgram) -> Option<f64> {
         match self.timing() {
-            Some(_) => self.machine_time(&wheel).map(|time| time.total_s),
-            None => Some(Travel::from_program(&ClProgram::of_plan("", &wheel)).time),
+            Some(machine) => machine.time(program).map(|time| time.total_s),
+            None => Some(Travel::from_program(program).time),
         }
     }
 

@@ -7,6 +7,7 @@
 mod examine;
 mod findings;
 mod gouge;
+mod known;
 mod standing;
 mod steps;
 mod stock;
@@ -29,7 +30,7 @@ use crate::cutting::assembly::AssemblySurroundings;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Workpiece;
 use crate::setup::{Setup, Tool};
-use crate::stock::solid::Contact;
+use crate::stock::solid::{Contact, ToolPart};
 use crate::toolpath::ClProgram;
 use examine::{StepResult, examine_step};
 use gouge::{StepClearance, StepSurroundings};
@@ -83,6 +84,8 @@ pub struct FlankVerifier<'a> {
     tools: Vec<Tool>,
     cache: HashMap<StepKey, StepResult>,
     last: Option<LastProgram>,
+    /// Lines of rapids of the last program that come near to standing stock.
+    grazing: Vec<usize>,
 }
 
 /// How close to its limits a program may come.
@@ -108,7 +111,7 @@ impl Strictness {
 struct LastProgram {
     /// Its steps, with their channels.
     steps: Vec<(StepKey, i64)>,
-    floors: Vec<(i64, Arc<FloorResult>)>,
+    floors: Option<Vec<(i64, Arc<FloorResult>)>>,
     /// Contacts with stock that stands, once they have been searched for.
     contacts: Option<Vec<Contact>>,
 }
@@ -131,6 +134,11 @@ struct ExaminedProgram {
 
 /// Cache key of a step: index of the tool, whether it is under feed, and the bits of both ends.
 type StepKey = (usize, bool, [u64; 12]);
+
+/// The keys of steps, with their channels.
+fn keys_of(steps: &[CutterStep]) -> Vec<(StepKey, i64)> {
+    steps.iter().map(|step| (step_key(step), step.channel)).collect()
+}
 
 fn step_key(step: &CutterStep) -> StepKey {
     let ((p, a), (q, b)) = (step.from, step.to);
@@ -167,6 +175,7 @@ impl<'a> FlankVerifier<'a> {
             tools,
             cache,
             last: None,
+            grazing: Vec::new(),
         }
     }
 
@@ -284,15 +293,34 @@ impl<'a> FlankVerifier<'a> {
                 self.standing.collisions(part, blank, &self.tools, steps, monitor)?
             }
         };
+        let resolved = self.standing.resolved;
+        let grazes = |contact: &&Contact| contact.part == ToolPart::Cutter && contact.depth <= resolved;
         let fault = |contact: &Contact| {
             let step = &steps[contact.number as usize];
             standing::finding(contact, self.tools[step.tool].number).at(step.line)
         };
-        let faults = contacts.iter().map(fault).collect();
+        let faults = contacts.iter().filter(|contact| !grazes(contact)).map(fault).collect();
+        self.grazing = contacts.iter().filter(grazes).map(|c| steps[c.number as usize].line).collect();
         if let Some(last) = &mut self.last {
             last.contacts = Some(contacts);
         }
         Ok(faults)
+    }
+
+    /// The steps of `program`; what is known of programs with other tools is forgotten.
+    ///
+    /// # Errors
+    /// Those of [`steps_of`].
+    fn steps_of(&mut self, program: &ClProgram) -> Result<Vec<CutterStep>, Fault> {
+        let (steps, tools) = steps_of(&self.workpiece.part, &self.workpiece.channel, program, self.setup)?;
+        if tools != self.tools {
+            self.cache.clear();
+            self.last = None;
+            self.standing.forget();
+            self.tools = tools;
+        }
+        self.grazing.clear();
+        Ok(steps)
     }
 
     /// The steps of `program` with the faults of each by itself.
@@ -301,13 +329,7 @@ impl<'a> FlankVerifier<'a> {
         program: &ClProgram,
         monitor: &Monitor,
     ) -> Result<ExaminedSteps, VerifyError> {
-        let (steps, tools) = steps_of(&self.workpiece.part, &self.workpiece.channel, program, self.setup)?;
-        if tools != self.tools {
-            self.cache.clear();
-            self.last = None;
-            self.standing.forget();
-            self.tools = tools;
-        }
+        let steps = self.steps_of(program)?;
         let looks = self.examine_steps(&steps, monitor)?;
         let mut faults: Vec<Fault> = Vec::new();
         for (step, look) in steps.iter().zip(&looks) {
@@ -406,10 +428,13 @@ impl<'a> FlankVerifier<'a> {
         looks: &[StepResult],
         monitor: &Monitor,
     ) -> Result<Vec<(i64, Arc<FloorResult>)>, Cancelled> {
-        let keys: Vec<(StepKey, i64)> = steps.iter().map(|step| (step_key(step), step.channel)).collect();
-        if let Some(last) = self.last.as_ref().filter(|last| last.steps == keys) {
-            return Ok(last.floors.clone());
+        let keys = keys_of(steps);
+        if let Some(LastProgram { steps: known, floors: Some(floors), .. }) = &self.last
+            && *known == keys
+        {
+            return Ok(floors.clone());
         }
+        let contacts = self.known_contacts(&keys);
         let mut numbers: Vec<i64> = steps.iter().filter(|s| s.feed.is_some()).map(|s| s.channel).collect();
         numbers.sort_unstable();
         numbers.dedup();
@@ -420,7 +445,7 @@ impl<'a> FlankVerifier<'a> {
         };
         let floors: Vec<(i64, Arc<FloorResult>)> =
             numbers.into_iter().map(floor).collect::<Result<_, Cancelled>>()?;
-        self.last = Some(LastProgram { steps: keys, floors: floors.clone(), contacts: None });
+        self.last = Some(LastProgram { steps: keys, floors: Some(floors.clone()), contacts });
         Ok(floors)
     }
 

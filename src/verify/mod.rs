@@ -118,6 +118,7 @@ pub fn verify(
     let found = |cut: &ProgramCut| (nearest_channel(part, channel, &cut.cutter.tip), 1.0);
     let turns = channels_of(&cuts.par_iter().map(found).collect::<Vec<_>>());
 
+    let rounding = PROGRAM_TOLERANCE.max(program.rounding);
     let measuring = monitor.span(0.0, CUTS_DONE);
     let count = measuring.steps(cuts.len());
     let measured: Vec<Measured> = (0..cuts.len())
@@ -137,9 +138,16 @@ pub fn verify(
                 let column = PlungeColumn::new(*cutter, cut.tool.core_radius(), &top);
                 core_contact(&column, columns.before(k + 1), blank)
             };
+            let contact = core_contact(&columns.as_slice()[k], earlier, blank);
+            // Between nearly parallel plunges stock stands that steeply that rounding decides how high it
+            // meets a core.
+            let rounded = contact.interferes().then(|| {
+                let core = (cut.tool.core_radius() - rounding).max(0.0);
+                core_contact(&PlungeColumn::new(cut.cutter, core, &top), earlier, blank)
+            });
             let lead_out = cut.lead_out.iter().map(left).max_by(|a, b| a.depth.total_cmp(&b.depth));
             Ok(Measured {
-                contact: core_contact(&columns.as_slice()[k], earlier, blank),
+                contact: rounded.filter(|rounded| !rounded.interferes()).unwrap_or(contact),
                 hub: worst(&|c| finished.hub_clearance(c)),
                 blade: worst(&|c| finished.blade_clearance(c)),
                 retract,
@@ -160,8 +168,8 @@ pub fn verify(
         let here = rotate_cutter(&cut.cutter, -part.pitch() * turns[k] as f64);
         let contact = seen.contact;
         let found = [
-            near_hub(seen.hub, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
-            near_blade(seen.blade, &setup.allowances, PROGRAM_TOLERANCE.max(program.rounding)),
+            near_hub(seen.hub, &setup.allowances, rounding),
+            near_blade(seen.blade, &setup.allowances, rounding),
             beyond_machine(part, setup, &here.axis),
             contact.interferes().then(|| core_in_stock(contact.depth, Some(contact.area_share))),
             (!contact.interferes() && seen.lead_out.interferes())

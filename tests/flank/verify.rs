@@ -118,6 +118,7 @@ impl Made {
             overhang: Some(t.overhang),
             feed_mm_per_min: Some(t.plunge_feed),
             spindle_rpm: Some(t.spindle),
+            length_offset: None,
         };
         ClProgram { part: self.workpiece.part.name.clone(), tools: vec![tool], moves, ..ClProgram::default() }
     }

@@ -242,6 +242,30 @@ fn faulty_programs_name_their_line() {
     }
 }
 
+/// The length of a tool is that of the offset which the shop gives it, and no other passes.
+#[test]
+fn length_offsets_are_those_of_the_tools() {
+    let mut program = plunges();
+    program.tools[0].length_offset = Some(31);
+    for (name, output, word) in [
+        ("fanuc", OutputKind::TcpAngles, "G43.4 H"),
+        ("fanuc", OutputKind::TcpVectors, "G43.5 H"),
+        ("fanuc", OutputKind::Plane, "G43 H"),
+        ("fanuc", OutputKind::Joints, "G43 H"),
+        ("haas", OutputKind::TcpAngles, "G234 H"),
+        ("haas", OutputKind::Joints, "G43 H"),
+    ] {
+        let machine = machine("ac-trunnion");
+        let text = posted(&machine, &program, name, output).text;
+        let first = |text: &str| text.lines().find_map(|line| line.split(word).nth(1).map(str::to_owned));
+        assert_eq!(first(&text).as_deref(), Some("31"), "{name} {}", output.name());
+        assert!(text.contains(&format!("{word}7\n")), "{name}: that of the second tool is its number");
+        assert!(!is_caught(&machine, name, &program, &text), "{name} {}", output.name());
+        let other = text.replacen(&format!("{word}31"), &format!("{word}4"), 1);
+        assert!(is_caught(&machine, name, &program, &other), "{name} {}", output.name());
+    }
+}
+
 #[test]
 fn any_text_is_answered() {
     let machine = machine("ac-trunnion");

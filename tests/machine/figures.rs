@@ -11,15 +11,16 @@ use std::sync::LazyLock;
 use vanecut::io::nc::{NcProgram, Post, ReadContext, read_nc, read_post, write_nc};
 use vanecut::io::part_file::read_part;
 use vanecut::io::setup_file::read_setup_with_defaults;
-use vanecut::job::flank::{FlankJob, FlankRequest};
+use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::job::machine_run::MachineRun;
 use vanecut::job::{PlanRequest, Summary, run};
 use vanecut::machine::{
-    BlankSize, MachineProgram, MachineTool, MotionOptions, OutputKind, PlacedPart, SectionTime,
+    BlankSize, MachineClock, MachineProgram, MachineTool, MotionOptions, OutputKind, PlacedPart, SectionTime,
     machine_program, section_times,
 };
 use vanecut::monitor::Monitor;
 use vanecut::part::{Impeller, Workpiece};
+use vanecut::report::sheet::flank::{FlankSheetInput, flank_sheet};
 use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion};
 use vanecut::verify::{FaultKind, FlankVerdict, PlungeReport, report_plunges, verify_flank};
@@ -71,15 +72,19 @@ pub static PLUNGED: LazyLock<Planned> = LazyLock::new(|| {
 });
 
 /// Deep layers with wide passes, which are soon planned, with tilts that all machines reach.
-static MILLED: LazyLock<Planned> = LazyLock::new(|| {
+static MILLED_PLAN: LazyLock<FlankOutcome> = LazyLock::new(|| {
     let part = pump6();
     let text =
         "[flank]\nlayer_depth = 20\nscheme = \"layers\"\nscallop_height = 1\n[machine]\nmax_axis_tilt = 89\n";
     let setup = setup_of(&part, text);
-    let request = FlankRequest { part: part.clone().into(), setup };
-    let outcome = FlankJob::default().run(&request, &Monitor::default()).expect("planned");
+    let request = FlankRequest { part: part.into(), setup };
+    FlankJob::default().run(&request, &Monitor::default()).expect("planned")
+});
+
+static MILLED: LazyLock<Planned> = LazyLock::new(|| {
+    let (part, outcome) = (pump6(), &*MILLED_PLAN);
     let program = ClProgram::of_flank(&part.name, &outcome.plan.tool, &outcome.plan.moves);
-    let setup = outcome.setup;
+    let setup = outcome.setup.clone();
     Planned { workpiece: setup.allowances.workpiece_of(part), setup, program: numbered(program) }
 });
 
@@ -241,6 +246,29 @@ fn figures_of_milling(verdict: &FlankVerdict) -> Figures {
         ("deepest cut", verdict.deepest_cut, 5e-3 * verdict.deepest_cut),
         ("cut length", verdict.cut_length, 1e-4 * verdict.cut_length),
     ]
+}
+
+/// On the machine and without one.
+#[test]
+fn times_of_the_layers_on_the_setup_sheet_are_that_of_the_program() {
+    let mut outcome = MILLED_PLAN.clone();
+    for name in [None, Some("ac-trunnion")] {
+        let placed =
+            name.map(|name| MachineClock::new(machine(name), &outcome.workpiece, &outcome.setup.allowances));
+        outcome.machine_time = placed.as_ref().and_then(|clock| clock.time(&outcome.program()));
+        outcome.clock = placed;
+        let program = outcome.program_for_channels(1, &Monitor::default()).expect("judged");
+        let sheet = FlankSheetInput { outcome: &outcome, program: &program, files: &[] };
+        let page = flank_sheet(&sheet, Vec::new()).page;
+        let table =
+            page.split("<h2>Layers</h2>").nth(1).and_then(|rest| rest.split("</table>").next()).unwrap();
+        let minutes =
+            table.split("</td></tr>").filter_map(|row| row.rsplit("<td>").next()?.parse::<f64>().ok());
+        let minutes: Vec<f64> = minutes.collect();
+        assert_eq!(minutes.len(), outcome.plan.layout.layers.len());
+        let (sum, whole) = (minutes.iter().sum::<f64>(), outcome.time_s() / 60.0);
+        assert!((sum - whole).abs() < 0.06 * minutes.len() as f64, "{name:?}: {sum} min, in all {whole}");
+    }
 }
 
 /// One control and output a machine: each is judged in two seconds.

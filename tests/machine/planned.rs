@@ -121,13 +121,12 @@ fn goals_limit_the_time_on_the_machine() {
 fn the_time_of_the_wheel_is_that_of_its_program() {
     let [by_tool, by_channel] = ChannelOrder::ALL;
     let [adjacent, opposite] = ChannelSequence::ALL;
-    for (blank, order, sequence, limit) in [
-        ("edges", by_tool, adjacent, 1e-3),
-        // Each link across the wheel goes up and comes down farther, for some 1.2 s: five of them in 24 min.
-        ("edges", by_tool, opposite, 5e-3),
-        ("edges", by_channel, opposite, 5e-3),
-        ("turned", by_tool, adjacent, 2e-3),
-        ("turned", by_channel, opposite, 5e-3),
+    for (blank, order, sequence) in [
+        ("edges", by_tool, adjacent),
+        ("edges", by_tool, opposite),
+        ("edges", by_channel, opposite),
+        ("turned", by_tool, adjacent),
+        ("turned", by_channel, opposite),
     ] {
         let mut request = short_request(AxisPolicy::Monotone, false);
         if blank == "turned" {
@@ -148,7 +147,7 @@ fn the_time_of_the_wheel_is_that_of_its_program() {
         let program = outcome.program_for_channels(result, channels, &Monitor::default()).expect("planned");
         let posted = posted_s(&program, part, &outcome.setup);
         let planned = result.summary.time_of_channels_s(channels, channels);
-        assert!((planned - posted).abs() < limit * posted, "{place}: {planned} s planned, {posted} s posted");
+        assert!((planned - posted).abs() < 1e-6 * posted, "{place}: {planned} s planned, {posted} s posted");
         assert_eq!(result.summary.time_of_channels_s(1, channels), result.summary.time_s());
     }
 }

@@ -41,6 +41,7 @@ fn tool(number: u32, diameter: f64) -> ClTool {
         overhang: Some(4.0 * diameter),
         feed_mm_per_min: None,
         spindle_rpm: Some(1200.0),
+        length_offset: None,
     }
 }
 

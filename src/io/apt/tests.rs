@@ -29,6 +29,7 @@ fn sample() -> ClProgram {
         overhang: Some(120.0),
         feed_mm_per_min: Some(300.0),
         spindle_rpm: Some(1200.0),
+        length_offset: None,
     };
     let mut moves = Vec::new();
     moves.extend(plunge(Point::new(-199.5, 0.25, 30.0), Vector::new(0.6, 0.0, 0.8), 0));
@@ -270,6 +271,7 @@ fn tool(number: u32) -> impl Strategy<Value = ClTool> {
             overhang: Some(h),
             feed_mm_per_min: None,
             spindle_rpm: Some(n),
+            length_offset: None,
         },
     )
 }

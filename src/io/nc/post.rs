@@ -57,8 +57,20 @@ impl Dialect {
 pub(super) const GROUPS: [&str; 8] =
     ["start", "retract", "tool", "ready", "leave", "end", "sub_start", "sub_end"];
 /// Words in braces that the writer fills in.
-const WORDS: [&str; 13] = [
-    "name", "number", "machine", "offset", "tool", "diameter", "spindle", "x", "y", "angles", "p1", "p2",
+const WORDS: [&str; 14] = [
+    "name",
+    "number",
+    "machine",
+    "offset",
+    "tool",
+    "length_offset",
+    "diameter",
+    "spindle",
+    "x",
+    "y",
+    "angles",
+    "p1",
+    "p2",
     "p3",
 ];
 /// Longest list of blocks.

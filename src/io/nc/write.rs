@@ -223,6 +223,7 @@ impl NcWriter<'_> {
             put("offset", &|w| w.machine.part.offset_name.clone());
             if let Some(step) = step {
                 put("tool", &|w| w.tool(step).number.to_string());
+                put("length_offset", &|w| w.tool(step).length_offset_number().to_string());
                 put("diameter", &|w| w.format().text(w.tool(step).diameter, 3));
                 put("spindle", &|w| format!("{:.0}", w.tool(step).spindle_rpm.unwrap_or_default()));
                 put("x", &|w| w.axis_word(0, w.above(step)[0]));
@@ -298,8 +299,9 @@ impl NcWriter<'_> {
                 self.group("retract", Some(step), None);
             }
             let tool = self.tool(step);
+            let offset = tool.length_offset.map_or_else(String::new, |offset| format!(" H={offset}"));
             self.comment(&format!(
-                "TOOL {} D={} R={} W={} L={}",
+                "TOOL {} D={} R={} W={} L={}{offset}",
                 tool.number,
                 tool.diameter,
                 tool.corner_radius,

@@ -13,8 +13,8 @@ use crate::job::flank_channels::FlankProgram;
 use crate::report::html::escaped;
 use crate::report::words::{channels_text, tool_loads_text};
 use crate::report::{PagePicture, ReportPage};
-use crate::setup::{FlankFeedRates, Tool};
-use crate::toolpath::TOOL_CHANGE_S;
+use crate::setup::{FlankFeedRates, FlankStrategy, Tool};
+use crate::toolpath::{TOOL_CHANGE_S, Travel};
 
 /// What the sheet shows.
 pub struct FlankSheetInput<'a> {
@@ -36,6 +36,7 @@ pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> Repor
         program_text(input),
         tools_text(outcome),
         layers_text(outcome),
+        strategies_text(outcome),
         heading_of(&pictures, "Passes"),
     ];
     page(&part, &body.concat(), pictures)
@@ -165,10 +166,74 @@ fn tools_text(outcome: &FlankOutcome) -> String {
     format!("<h2>Tools</h2>\n{}", cards.collect::<String>())
 }
 
-/// The layers from the top down, as they are cut.
+/// The strategies beside each other: how long their passes are.
+fn strategies_text(outcome: &FlankOutcome) -> String {
+    let layout = &outcome.plan.layout;
+    let before = layout.totals[FlankStrategy::Isoparametric as usize].length;
+    let row = |strategy: &FlankStrategy| {
+        let figures = &layout.totals[*strategy as usize];
+        let is_cut = if *strategy == layout.strategy { ", which is cut" } else { "" };
+        format!(
+            "<tr><td>{}{is_cut}</td><td>{}</td><td>{:.0}</td><td>{:.1}</td></tr>",
+            strategy.name(),
+            figures.passes,
+            figures.length,
+            100.0 * figures.length / before,
+        )
+    };
+    let rows: String = FlankStrategy::ALL.iter().map(row).collect();
+    format!(
+        "<div class=\"keep\"><h2>Before and after</h2>\n<table><thead><tr><th>strategy</th>\
+         <th>passes</th><th>length, mm</th><th>of isoparametric, %</th></tr></thead><tbody>{rows}</tbody></table></div>\n"
+    )
+}
+
+/// Times of the program of one channel, s.
+struct LayerTimes {
+    /// Of the plunges above the shroud, with what leads from them to the passes.
+    opening: f64,
+    /// Of each layer, with the rapids that lead to its passes.
+    layers: Vec<f64>,
+}
+
+impl LayerTimes {
+    /// Those on the machine of the setup, or without one by feed rates and rapids; `None` where the machine
+    /// cannot run the program.
+    fn from_outcome(outcome: &FlankOutcome) -> Option<Self> {
+        let plan = &outcome.plan;
+        let program = outcome.program();
+        let ends = match &outcome.clock {
+            Some(clock) => clock.move_clock(&program)?,
+            None => Travel::clock(&program),
+        };
+        let first = program.moves.len() - plan.moves.len();
+        let mut now = first.checked_sub(1).map_or(0.0, |last| ends[last]);
+        let mut times = Self { opening: now, layers: vec![0.0; plan.layout.layers.len()] };
+        for (step, end) in plan.moves.iter().zip(&ends[first..]) {
+            times.layers[step.layer] += end - now;
+            now = *end;
+        }
+        Some(times)
+    }
+}
+
+/// The layers from the top down, as they are cut, after what is cut above the shroud.
 fn layers_text(outcome: &FlankOutcome) -> String {
     let plan = &outcome.plan;
+    let times = LayerTimes::from_outcome(outcome);
+    let minutes = |time: fn(&LayerTimes, usize) -> f64, layer: usize| match &times {
+        Some(times) => format!("{:.1}", time(times, layer) / 60.0),
+        None => "–".to_owned(),
+    };
     let mut rows = String::new();
+    if let Some(opening) = &plan.opening {
+        let _ = write!(
+            rows,
+            "<tr><td>above the shroud</td><td>{} plunges</td><td></td><td></td><td></td><td>{}</td></tr>",
+            opening.plunges.len(),
+            minutes(|times, _| times.opening, 0),
+        );
+    }
     for (number, layer) in plan.layout.layers.iter().enumerate().rev() {
         let length: f64 = layer.figures[plan.layout.strategy as usize].length;
         let left_out = plan.uncut.iter().filter(|u| u.layer == number);
@@ -176,17 +241,18 @@ fn layers_text(outcome: &FlankOutcome) -> String {
         let left_out = 0.0 + left_out.map(|u| u.length).sum::<f64>();
         let _ = write!(
             rows,
-            "<tr><td>{}</td><td>{}</td><td>{:.2}</td><td>{length:.0}</td><td>{left_out:.0}</td></tr>",
+            "<tr><td>{}</td><td>{}</td><td>{:.2}</td><td>{length:.0}</td><td>{left_out:.0}</td><td>{}</td></tr>",
             number + 1,
             layer.pass_curves.len(),
             layer.stepover,
+            minutes(|times, layer| times.layers[layer], number),
         );
     }
     let note = plan.layout.replacement_note().map(|note| format!("<p>{note}.</p>\n")).unwrap_or_default();
     format!(
         "<h2>Layers</h2>\n<p>Strategy {}; layers of {} mm from the hub up, the top one is cut first.</p>\n{note}\
          <table><thead><tr><th>layer</th><th>passes</th><th>stepover, mm</th><th>length, mm</th>\
-         <th>left out, mm</th></tr></thead><tbody>{rows}</tbody></table>\n",
+         <th>left out, mm</th><th>min</th></tr></thead><tbody>{rows}</tbody></table>\n",
         plan.layout.strategy.name(),
         outcome.setup.flank.layer_depth,
     )

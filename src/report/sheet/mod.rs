@@ -26,7 +26,7 @@ const STYLE: &str = "@page{size:A4;margin:15mm}body{font-family:sans-serif;font-
     text-align:right}th:first-child,td:first-child{text-align:left}thead{display:table-header-group}\
     tr,figure,.tool,.keep{break-inside:avoid}figure{display:inline-block;margin:3pt;width:86mm}figure img{width:100%}\
     .tool{display:inline-block;vertical-align:top;margin:0 10pt 6pt 0;font-size:9pt}\
-    .warning{border-left:4pt solid #d55e00;padding-left:6pt}";
+    .warning{border-left:4pt solid #d55e00;padding-left:20pt}";
 
 /// Units of the sheet, whatever the window shows: it goes with the program.
 const UNITS: &str = "Lengths are in mm and feed rates in mm/min, as in the program.";
@@ -234,10 +234,12 @@ fn tools_text(input: &SheetInput) -> String {
 /// A tool with its drawing and the feed rates of what it cuts.
 fn tool_card(tool: &Tool, feed_rates: &str) -> String {
     let rest = &tool.assembly;
-    let offset = |name: &str, number: Option<u32>| number.map_or(String::new(), |n| format!("<br>{name}{n}"));
+    // As posts write it: without another number that of the tool.
+    let length_offset = rest.length_offset.unwrap_or(tool.number);
+    let diameter_offset = rest.diameter_offset.map_or(String::new(), |number| format!(", D{number}"));
     format!(
         "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{} mm, insert width {} mm<br>overhang {} mm<br>\
-         {} rev/min, {feed_rates}{}{}</div>\n",
+         {} rev/min, {feed_rates}<br>offset H{length_offset}{diameter_offset}</div>\n",
         drawing::tool_svg(tool),
         tool.number,
         rest.name.as_deref().map_or(String::new(), escaped),
@@ -246,8 +248,6 @@ fn tool_card(tool: &Tool, feed_rates: &str) -> String {
         tool.insert_width,
         tool.overhang,
         tool.spindle,
-        offset("H", rest.length_offset),
-        offset("D", rest.diameter_offset),
     )
 }
 
@@ -344,9 +344,9 @@ fn policies_text(outcome: &PlanOutcome) -> String {
     };
     let rows: String = outcome.policies().into_iter().map(row).collect();
     format!(
-        "<h2>Before and after</h2>\n<table><thead><tr><th>plan</th><th>plunges</th><th>core contact</th>\
-         <th>deepest contact, mm</th><th>stock mean / 95 %, mm</th><th>uncut, %</th><th>min</th></tr></thead>\
-         <tbody>{rows}</tbody></table>\n"
+        "<div class=\"keep\"><h2>Before and after</h2>\n<table><thead><tr><th>plan</th><th>plunges</th>\
+         <th>core contact</th><th>deepest contact, mm</th><th>stock mean / 95 %, mm</th><th>uncut, %</th><th>min</th></tr></thead>\
+         <tbody>{rows}</tbody></table></div>\n"
     )
 }
 

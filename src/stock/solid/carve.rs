@@ -28,6 +28,15 @@ pub struct Contact {
     pub point: Point,
 }
 
+/// Depth of contact above which it is reported, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct ResolvedDepth {
+    /// Of a cutter in rapid.
+    pub cutter: f64,
+    /// Of other parts.
+    pub other: f64,
+}
+
 /// The tiles that each piece may meet: for each tile the indices of pieces, in order.
 fn bins(lattice: &Lattice, field: &RayField, pieces: &[Piece]) -> Vec<Vec<u32>> {
     let (a, b) = Lattice::across(field.direction);
@@ -71,8 +80,13 @@ fn bins(lattice: &Lattice, field: &RayField, pieces: &[Piece]) -> Vec<Vec<u32>> 
 type TileTask<'a> = (usize, usize, usize, &'a mut Arc<RayTile>, &'a [u32]);
 
 /// Applies `pieces` in order to all rays of `fields`; returns for each move and part the deepest contact,
-/// where it is more than `resolved` mm, sorted by move and part.
-pub fn carve(lattice: &Lattice, fields: &mut [RayField; 3], pieces: &[Piece], resolved: f64) -> Vec<Contact> {
+/// where it is more than `resolved`, sorted by move and part.
+pub fn carve(
+    lattice: &Lattice,
+    fields: &mut [RayField; 3],
+    pieces: &[Piece],
+    resolved: ResolvedDepth,
+) -> Vec<Contact> {
     let all: Vec<Vec<Vec<u32>>> = fields.par_iter().map(|field| bins(lattice, field, pieces)).collect();
     let mut tasks: Vec<TileTask> = Vec::new();
     for (field, bins) in fields.iter_mut().zip(&all) {
@@ -146,7 +160,7 @@ struct TileCarver<'a> {
     /// Of each ray where its stock begins and ends; [`NO_STOCK`] where it has none.
     ends: &'a mut [(f64, f64)],
     found: Vec<Contact>,
-    resolved: f64,
+    resolved: ResolvedDepth,
     /// Number of pieces that removed stock.
     changes: u32,
 }
@@ -243,7 +257,7 @@ fn record(
     (origin, ray): (&[f64; 3], Point),
     part: ToolPart,
     (low, high): (f64, f64),
-    resolved: f64,
+    resolved: ResolvedDepth,
 ) {
     let (depth, t) = if part == ToolPart::Core {
         let (a, b) = (on_rays.height(origin, low), on_rays.height(origin, high));
@@ -251,7 +265,7 @@ fn record(
     } else {
         on_rays.depth(origin, low, high)
     };
-    if depth <= resolved {
+    if depth <= if part == ToolPart::Cutter { resolved.cutter } else { resolved.other } {
         return;
     }
     let mut point = ray;

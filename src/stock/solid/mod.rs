@@ -39,6 +39,7 @@ pub use surface::StockSurface;
 
 use std::sync::Arc;
 
+use carve::ResolvedDepth;
 use motion::PieceMaker;
 use near::NearStock;
 use rays::{RayField, RayTile};
@@ -57,6 +58,9 @@ const TURN_TOLERANCE: f64 = 0.06;
 const RUN_TOLERANCE: f64 = 0.04;
 /// Depth of contact that the model resolves, in spacings: less is not reported.
 const RESOLVED: f64 = 0.5;
+/// Depth by which a cutter that gets less deep into stock in rapid than the model resolves is returned all
+/// the same, mm, and the most of it in spacings: rounding and the way of a machine may move it as much.
+const RAPID_MARGIN: (f64, f64) = (0.03, 0.25);
 /// Pieces applied between two checks of the monitor, and at least between two states that are kept.
 const CHUNK: usize = 1 << 12;
 /// Spans that fit the memory allowed.
@@ -177,8 +181,13 @@ impl SolidStock {
         self.fields[direction].spans(u, v)
     }
 
+    /// Depth of contact that the model resolves, mm.
+    pub fn resolved(&self) -> f64 {
+        RESOLVED * self.lattice.spacing
+    }
+
     /// Makes the moves with `tools`: under feed the cutter removes stock; what must not meet stock is
-    /// returned, by move, where it gets deeper than half the spacing.
+    /// returned, by move, where it gets deeper than [`Self::resolved`].
     ///
     /// # Errors
     /// When cancelled, which leaves a part of the moves made, or when the stock falls into too many pieces.
@@ -188,13 +197,15 @@ impl SolidStock {
         moves: &[SolidMove],
         monitor: &Monitor,
     ) -> Result<Vec<Contact>, SolidError> {
-        self.make_moves_from(0, tools, moves, monitor, |_, _, _| ())
+        let found = self.make_moves_from(0, tools, moves, monitor, |_, _, _| ())?;
+        let resolved = self.resolved();
+        Ok(found.into_iter().filter(|contact| contact.depth > resolved).collect())
     }
 
     /// As [`Self::make_moves`], for a stock in which the first `made` of `moves` are made already. `keep`
     /// gets some states on the way: the number of moves made, the stock, and the contacts since `made`. A
     /// program with the same moves up to [`MAX_RUN`] beyond such a state may go on from it, with the same
-    /// result as from the blank.
+    /// result as from the blank. Cutters in rapid are returned from a little less than [`Self::resolved`] on.
     ///
     /// # Errors
     /// As [`Self::make_moves`].
@@ -209,6 +220,10 @@ impl SolidStock {
         let spacing = self.lattice.spacing;
         let bounds = self.lattice.bounds();
         let maker = PieceMaker { tools, tolerance: TURN_TOLERANCE * spacing, bounds, near: &self.near };
+        let resolved = ResolvedDepth {
+            cutter: self.resolved() - RAPID_MARGIN.0.min(RAPID_MARGIN.1 * spacing),
+            other: self.resolved(),
+        };
         let mut contacts = Vec::new();
         let mut pieces = Vec::new();
         let mut bodies = Vec::new();
@@ -228,7 +243,7 @@ impl SolidStock {
             if pieces.len() >= CHUNK || index == moves.len() {
                 monitor.check()?;
                 monitor.report(index as f64 / moves.len() as f64);
-                contacts.extend(carve::carve(&self.lattice, &mut self.fields, &pieces, RESOLVED * spacing));
+                contacts.extend(carve::carve(&self.lattice, &mut self.fields, &pieces, resolved));
                 pieces.clear();
                 if self.span_count() > MAX_SPANS {
                     return Err(SolidError::Pieces(spacing));

@@ -17,9 +17,14 @@ use crate::stock::solid::{
     Contact, MAX_RUN, SolidBlank, SolidError, SolidMove, SolidStock, SolidTool, ToolPart, ToolPose,
     tell_plunges_from_approaches,
 };
+use crate::toolpath::is_axial;
 
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
+
+/// Distance, mm, and turn, rad, of two poses that are the same: channels are turned to and fro.
+const SAME_PLACE: f64 = 1e-6;
+const SAME_AXIS: f64 = 1e-8;
 
 /// Number of equal parts of a program; the stock after each is kept if another program may follow.
 const KEPT_PARTS: usize = 16;
@@ -33,6 +38,8 @@ pub(super) struct StandingStock {
     keeps: bool,
     /// The moves of the last program.
     moves: Vec<SolidMove>,
+    /// Depth of contact that the solid resolves, mm.
+    pub(super) resolved: f64,
     /// The stock at some places in it, in order.
     kept: Vec<KeptStock>,
 }
@@ -49,7 +56,12 @@ struct KeptStock {
 impl StandingStock {
     /// Before the first program; of one after which no other follows nothing is kept.
     pub(super) fn new(holder_margin: f64, keeps: bool) -> Self {
-        Self { holder_margin, keeps, moves: Vec::new(), kept: Vec::new() }
+        Self { holder_margin, keeps, moves: Vec::new(), resolved: 0.0, kept: Vec::new() }
+    }
+
+    /// What is known of a program in which no holder meets stock, for holders that are less thick.
+    pub(super) fn with_exact_holders(self) -> Self {
+        Self { holder_margin: 0.0, ..self }
     }
 
     /// Forgets the last program: the tools change.
@@ -71,7 +83,8 @@ impl StandingStock {
         monitor: &Monitor,
     ) -> Result<Vec<Contact>, Cancelled> {
         match self.simulate(part, blank, tools, moves(part, steps), monitor) {
-            Ok(contacts) => {
+            Ok(mut contacts) => {
+                contacts.retain(|contact| !self.is_own_cut(contact, tools));
                 let plunges: Vec<usize> =
                     (0..self.moves.len()).filter(|&k| self.moves[k].checks_core).collect();
                 judge_cores(part, blank, tools, (steps, &plunges), contacts, monitor)
@@ -80,6 +93,38 @@ impl StandingStock {
             // At this spacing a blank fits the memory allowed; stock in more pieces than that is not milling.
             Err(_) => Ok(Vec::new()),
         }
+    }
+
+    /// Whether a cutter that retracts along its axis is found to meet what it has just cut. Where it stood at
+    /// the end of the cut nothing can be left: it is the solid that leaves slivers there, as it divides moves
+    /// into pieces.
+    fn is_own_cut(&self, contact: &Contact, tools: &[Tool]) -> bool {
+        if contact.part != ToolPart::Cutter {
+            return false;
+        }
+        let last = contact.number as usize;
+        let mut retract = &self.moves[last];
+        if !is_retract(retract) {
+            return false;
+        }
+        for before in self.moves[..last].iter().rev() {
+            let (end, start) = (before.to, retract.from);
+            if before.tool != retract.tool
+                || (end.tip - start.tip).norm() > SAME_PLACE
+                || (end.axis - start.axis).norm() > SAME_AXIS
+            {
+                return false;
+            }
+            if !before.rapid {
+                let height = (contact.point - end.tip).dot(&end.axis);
+                return height < SolidTool::from_tool(&tools[before.tool]).cutting_length;
+            }
+            if !is_retract(before) {
+                return false;
+            }
+            retract = before;
+        }
+        false
     }
 
     /// Makes the moves of a program on the solid, from the last kept stock that it has in common with the
@@ -105,6 +150,7 @@ impl StandingStock {
             Some(kept) => (kept.made, kept.stock.clone(), kept.contacts.clone()),
             None => (0, SolidStock::new(&solid, spacing)?, Vec::new()),
         };
+        self.resolved = stock.resolved();
         let interval = self.moves.len() / KEPT_PARTS;
         let mut next = made + interval;
         let before = contacts.clone();
@@ -118,6 +164,12 @@ impl StandingStock {
         contacts.extend(stock.make_moves_from(made, &solid_tools, &self.moves, monitor, keep)?);
         Ok(contacts)
     }
+}
+
+/// Whether a move is a rapid up along the axis.
+fn is_retract(step: &SolidMove) -> bool {
+    let travel = step.to.tip - step.from.tip;
+    step.rapid && is_axial(&travel, &step.from.axis, &step.to.axis) && travel.dot(&step.to.axis) > 0.0
 }
 
 /// `tool` with its holder thicker by `margin` mm all around.

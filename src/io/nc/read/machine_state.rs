@@ -275,10 +275,11 @@ impl<'a> NcState<'a> {
 
     /// The length offset has to be that of the tool.
     fn length_offset(&self, line: usize, number: f64) -> Result<(), InputError> {
-        let tool = self.tool.and_then(|tool| self.out.program.tools.get(tool)).map(|tool| tool.number);
-        if tool.is_some_and(|tool| f64::from(tool) != number) {
-            let what = format!("H{number} is not the length offset of tool {}", tool.unwrap_or_default());
-            return Err(self.source.fault(line, what, "give the H of the tool's number"));
+        let tool = self.tool.and_then(|tool| self.out.program.tools.get(tool));
+        if let Some(tool) = tool.filter(|tool| f64::from(tool.length_offset_number()) != number) {
+            let what = format!("H{number} is not the length offset of tool {}", tool.number);
+            let help = format!("give H{}, or the tool its length_offset", tool.length_offset_number());
+            return Err(self.source.fault(line, what, help));
         }
         Ok(())
     }
@@ -334,8 +335,8 @@ impl<'a> NcState<'a> {
                 .with_code(ErrorCode::ProgramTool));
         };
         let same = |t: &ClTool| {
-            (t.number, t.diameter, t.corner_radius, t.overhang)
-                == (tool.number, tool.diameter, tool.corner_radius, tool.overhang)
+            (t.number, t.diameter, t.corner_radius, t.overhang, t.length_offset)
+                == (tool.number, tool.diameter, tool.corner_radius, tool.overhang, tool.length_offset)
         };
         let tools = &mut self.out.program.tools;
         self.tool = tools.iter().position(same);
@@ -373,6 +374,7 @@ impl<'a> NcState<'a> {
                         overhang: value("L"),
                         feed_mm_per_min: None,
                         spindle_rpm: None,
+                        length_offset: value("H").map(|number| number as u32),
                     });
                 }
             }
