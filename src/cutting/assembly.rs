@@ -125,7 +125,7 @@ impl<'a> AssemblySurroundings<'a> {
         cap: f64,
     ) -> PartClearance {
         let frustum = segment.placed(&pose.0, &pose.1);
-        let PartClearance { distance, mut missing } = self.from_part(&frustum, segment.part, cap);
+        let PartClearance { distance, mut missing } = self.clearance_from_part(&frustum, segment.part, cap);
         let widest = frustum.radii[0].max(frustum.radii[1]);
         // A shank no wider than its cutter moves where the cutter has cut.
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
@@ -139,7 +139,7 @@ impl<'a> AssemblySurroundings<'a> {
     }
 
     /// Clearance of a piece of a tool from the finished part; distances are measured up to `cap` mm.
-    fn from_part(&self, frustum: &Frustum, part: AssemblyPart, cap: f64) -> PartClearance {
+    fn clearance_from_part(&self, frustum: &Frustum, part: AssemblyPart, cap: f64) -> PartClearance {
         let required = self.allowances.map(|allowance| allowance + self.clearances.of_part(part));
         let cap = cap.max(required[0]).max(required[1]);
         let hub = hub_distance(self.finished, frustum, cap);
@@ -166,7 +166,7 @@ impl<'a> AssemblySurroundings<'a> {
                 AssemblyPart::Shank => &mut least.shank,
                 AssemblyPart::Holder => &mut least.holder,
             };
-            *of = of.worst_of(self.from_part(&frustum, part, cap.min(of.distance)));
+            *of = of.worst_of(self.clearance_from_part(&frustum, part, cap.min(of.distance)));
             if of.collides() {
                 return None;
             }

@@ -349,9 +349,8 @@ fn faults_as_written(
     Ok(judged.faults.iter().filter_map(|fault| move_fault(fault, index(fault.line)?, setup)).collect())
 }
 
-/// The faults in standing stock of the program of several channels, as those of the moves of the passes of
-/// one, `channel`. Retracts that meet stock are not among them: the program is written with such ones under
-/// feed.
+/// The faults of the program of several channels, as those of the moves of the passes of one, `channel`.
+/// Retracts that meet stock are not among them: the program is written with such ones under feed.
 fn faults_of_channels(
     verifier: &mut FlankVerifier,
     several: &FlankChannels,
@@ -360,7 +359,7 @@ fn faults_of_channels(
     monitor: &Monitor,
 ) -> Result<JudgedChannels, Cancelled> {
     let Some(program) = as_written(&several.program) else { return Ok(JudgedChannels::default()) };
-    let found = match verifier.faults_in_stock(&program, monitor) {
+    let found = match verifier.faults(&program, monitor) {
         Ok(faults) => faults,
         Err(VerifyError::Cancelled(cancelled)) => return Err(cancelled),
         Err(VerifyError::Program(_)) => return Ok(JudgedChannels::default()),

@@ -1,10 +1,7 @@
 //! What a verifier knows of the last program, and what that tells of the next one.
 
 use super::{FlankVerifier, LastProgram, StepKey, keys_of};
-use crate::monitor::Monitor;
 use crate::stock::solid::{Contact, ToolPart};
-use crate::toolpath::ClProgram;
-use crate::verify::fault::{Fault, VerifyError};
 
 impl FlankVerifier<'_> {
     /// This verifier with what a planner's knows, one of the same workpiece and setup but for tools: the
@@ -29,23 +26,6 @@ impl FlankVerifier<'_> {
     /// hardly less than what is a fault: rounding may make it one.
     pub fn grazing_rapids(&self) -> &[usize] {
         &self.grazing
-    }
-
-    /// The faults of `program` in standing stock alone, by line. For planners that repeat what has no other
-    /// faults: turned by the pitch it has none either.
-    ///
-    /// # Errors
-    /// As [`Self::faults`].
-    pub fn faults_in_stock(
-        &mut self,
-        program: &ClProgram,
-        monitor: &Monitor,
-    ) -> Result<Vec<Fault>, VerifyError> {
-        let steps = self.steps_of(program)?;
-        let keys = keys_of(&steps);
-        let contacts = self.known_contacts(&keys);
-        self.last = Some(LastProgram { steps: keys, floors: None, contacts });
-        Ok(self.faults_in_standing_stock(&steps, &monitor.silent())?)
     }
 
     /// The contacts with standing stock of a program with these steps, as far as the last program tells them:
