@@ -1,6 +1,6 @@
 //! What a verifier knows of the last program, and what that tells of the next one.
 
-use super::{FlankVerifier, LastProgram, StepKey, keys_of};
+use super::{FlankVerifier, LastProgram, StepKey};
 use crate::stock::solid::{Contact, ToolPart};
 
 impl FlankVerifier<'_> {
