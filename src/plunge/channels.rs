@@ -34,8 +34,7 @@ pub fn plan_channels(
     channels: usize,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
-    let plunges = order_plunges(one, part, setup.channels, channels);
-    let mut plan = repeat_plunges(one, part, &plunges, channels);
+    let (plunges, mut plan) = ordered_and_repeated(one, part, setup.channels, channels);
     if channels <= 1 {
         return Ok(plan);
     }
@@ -47,16 +46,22 @@ pub fn plan_channels(
         plan.positions.iter().map(|p| (p.evaluation.engagement, p.evaluation.motion)).collect();
     let measured = MeasuredPlunges { contacts, motions, retracts: retracts.clone() };
     let mut plan = evaluated(plan, measured, &columns, (part, blank), setup, monitor)?;
-    if setup.channels.sequence != ChannelSequence::Adjacent {
-        descend_after_links(&mut plan, &plunges, &retracts);
-    }
+    descend_after_links(&mut plan, &plunges, &retracts, setup.channels.sequence);
     Ok(plan)
 }
 
-/// Lets the plunges at both ends of a link from channel to channel come down in rapid to their own retract
-/// point, one of `retracts`. Links across the wheel raise these ends by half its diameter and more: at the
-/// feed rate of a plunge that would take minutes each.
-fn descend_after_links(plan: &mut PlungePlan, plunges: &[ChannelStep], retracts: &[Point]) {
+/// Lets the plunges at both ends of a link between channels that are no neighbours come down in rapid to
+/// their own retract point, one of `retracts`. Links across the wheel raise these ends by half its diameter
+/// and more: at the feed rate of a plunge that would take minutes each.
+fn descend_after_links(
+    plan: &mut PlungePlan,
+    plunges: &[ChannelStep],
+    retracts: &[Point],
+    sequence: ChannelSequence,
+) {
+    if sequence == ChannelSequence::Adjacent {
+        return;
+    }
     let crosses = |k: usize| plunges.get(k + 1).is_some_and(|next| next.channel != plunges[k].channel);
     for (k, (position, own)) in plan.positions.iter_mut().zip(retracts).enumerate() {
         if !crosses(k) && !k.checked_sub(1).is_some_and(crosses) {
@@ -99,7 +104,19 @@ pub fn repeat_for_channels(
     order: ChannelSetup,
     channels: usize,
 ) -> PlungePlan {
-    repeat_plunges(one, part, &order_plunges(one, part, order, channels), channels)
+    ordered_and_repeated(one, part, order, channels).1
+}
+
+/// The plunges of [`order_plunges`], with the plan of [`repeat_for_channels`] that they make.
+fn ordered_and_repeated(
+    one: &PlungePlan,
+    part: &Impeller,
+    order: ChannelSetup,
+    channels: usize,
+) -> (Vec<ChannelStep>, PlungePlan) {
+    let plunges = order_plunges(one, part, order, channels);
+    let plan = repeat_plunges(one, part, &plunges, channels);
+    (plunges, plan)
 }
 
 /// As [`plan_channels`], but plunges whose cores meet stock only in the order of several channels are not
@@ -116,8 +133,7 @@ pub fn link_channels(
     channels: usize,
     monitor: &Monitor,
 ) -> Result<PlungePlan, Cancelled> {
-    let plunges = order_plunges(one, part, setup.channels, channels);
-    let mut plan = repeat_plunges(one, part, &plunges, channels);
+    let (plunges, mut plan) = ordered_and_repeated(one, part, setup.channels, channels);
     let retracts: Vec<Point> = plan.positions.iter().map(|p| p.evaluation.retract).collect();
     let mut pair = PlungePlan { positions: Vec::new(), ..one.clone() };
     for k in 0..plunges.len().saturating_sub(1) {
@@ -132,9 +148,7 @@ pub fn link_channels(
             position.evaluation.retract = retract;
         }
     }
-    if setup.channels.sequence != ChannelSequence::Adjacent {
-        descend_after_links(&mut plan, &plunges, &retracts);
-    }
+    descend_after_links(&mut plan, &plunges, &retracts, setup.channels.sequence);
     Ok(plan)
 }
 

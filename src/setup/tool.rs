@@ -116,6 +116,11 @@ impl Tool {
         (length > 0.0).then(|| (from, length, [lower, lower + length * taper.tan()]))
     }
 
+    /// Number of its length offset in the control: without another one that of the tool.
+    pub fn length_offset_number(&self) -> u32 {
+        self.assembly.length_offset.unwrap_or(self.number)
+    }
+
     /// Largest diameter of the holder, mm; where none is given it is assumed to be twice the cutter's. The
     /// holder begins at the end of the overhang.
     pub fn holder_diameter(&self) -> f64 {

@@ -335,10 +335,8 @@ impl<'a> FlankVerifier<'a> {
         for (step, look) in steps.iter().zip(&looks) {
             faults.extend(self.faults_of(step, look));
         }
-        let moves: Vec<(AssemblyStep, usize)> =
-            steps.iter().map(|step| (step.assembly_step(), step.line)).collect();
         faults.extend(judge_tapers(
-            &moves,
+            steps.iter().map(|step| (step.assembly_step(), step.line)),
             &self.tools,
             (&self.workpiece.finished, self.setup),
             [HUB_TOLERANCE, self.blade_tolerance],

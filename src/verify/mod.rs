@@ -207,12 +207,11 @@ pub fn verify(
     let around = AssemblySurroundings::new(finished, setup);
     let (assembly, found) = judge_moves(program, setup, &around, &monitor.span(CUTS_DONE, 1.0))?;
     faults.extend(found);
-    let steps: Vec<_> = (0..program.moves.len())
-        .filter_map(|k| Some((step_to(&program.moves, k)?, program.moves[k].line)))
-        .collect();
+    let steps =
+        (0..program.moves.len()).filter_map(|k| Some((step_to(&program.moves, k)?, program.moves[k].line)));
     let tools: Vec<Tool> = program.tools.iter().map(|tool| tool.completed(setup)).collect();
     let tolerances = [TAPER_TOLERANCE; 2];
-    faults.extend(judge_tapers(&steps, &tools, (finished, setup), tolerances, &monitor.silent())?);
+    faults.extend(judge_tapers(steps, &tools, (finished, setup), tolerances, &monitor.silent())?);
     faults.sort_by_key(|fault| fault.line);
     let deepest_plunge = measured.iter().map(|seen| seen.top).fold(0.0, f64::max);
     let channels = turns.iter().collect::<BTreeSet<_>>().len();

@@ -23,18 +23,18 @@ fn cones_of(tools: &[Tool]) -> Vec<Vec<AssemblySegment>> {
 /// # Errors
 /// When cancelled.
 pub(super) fn judge_tapers(
-    steps: &[(AssemblyStep, usize)],
+    steps: impl Iterator<Item = (AssemblyStep, usize)>,
     tools: &[Tool],
     (finished, setup): (&FinishedPart, &Setup),
     [of_hub, of_blade]: [f64; 2],
     monitor: &Monitor,
 ) -> Result<Vec<Fault>, Cancelled> {
     let cones = cones_of(tools);
-    let tapered: Vec<(AssemblyStep, usize)> =
-        steps.iter().filter(|(step, _)| !cones[step.tool].is_empty()).copied().collect();
-    if tapered.is_empty() {
+    if cones.iter().all(Vec::is_empty) {
         return Ok(Vec::new());
     }
+    let tapered: Vec<(AssemblyStep, usize)> =
+        steps.filter(|(step, _)| !cones[step.tool].is_empty()).collect();
     let none = ClearanceSetup { shank: 0.0, holder: 0.0 };
     let around = AssemblySurroundings { clearances: none, ..AssemblySurroundings::new(finished, setup) };
     let moves: Vec<AssemblyStep> = tapered.iter().map(|(step, _)| *step).collect();

@@ -96,7 +96,7 @@ pub(super) fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value
         "post-process": {
             "number": tool.number,
             "comment": more.description.as_deref().unwrap_or_default(),
-            "length-offset": more.length_offset.unwrap_or(tool.number),
+            "length-offset": tool.length_offset_number(),
             "diameter-offset": more.diameter_offset.unwrap_or(tool.number),
         },
         "start-values": {"presets": [{

@@ -234,8 +234,7 @@ fn tools_text(input: &SheetInput) -> String {
 /// A tool with its drawing and the feed rates of what it cuts.
 fn tool_card(tool: &Tool, feed_rates: &str) -> String {
     let rest = &tool.assembly;
-    // As posts write it: without another number that of the tool.
-    let length_offset = rest.length_offset.unwrap_or(tool.number);
+    let length_offset = tool.length_offset_number();
     let diameter_offset = rest.diameter_offset.map_or(String::new(), |number| format!(", D{number}"));
     format!(
         "<div class=\"tool\">{}<br><b>T{}</b> {}<br>⌀{} R{} mm, insert width {} mm<br>overhang {} mm<br>\

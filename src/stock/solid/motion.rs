@@ -61,10 +61,20 @@ impl SolidMove {
         self.from.axis.angle(&self.to.axis)
     }
 
+    /// How far up it goes, mm; `None` where it does not go along its axis.
+    fn height_along_axis(&self) -> Option<f64> {
+        let travel = self.to.tip - self.from.tip;
+        is_axial(&travel, &self.from.axis, &self.to.axis).then(|| travel.dot(&self.to.axis))
+    }
+
     /// Whether it goes down along its axis under feed.
     fn goes_in(&self) -> bool {
-        let travel = self.to.tip - self.from.tip;
-        !self.rapid && is_axial(&travel, &self.from.axis, &self.to.axis) && travel.dot(&self.to.axis) < 0.0
+        !self.rapid && self.height_along_axis().is_some_and(|height| height < 0.0)
+    }
+
+    /// Whether it goes up along its axis in rapid.
+    pub fn is_retract(&self) -> bool {
+        self.rapid && self.height_along_axis().is_some_and(|height| height > 0.0)
     }
 
     /// Whether it ends a plunge before it: a rapid, or a cut that mainly goes up along the axis.

@@ -17,7 +17,6 @@ use crate::stock::solid::{
     Contact, MAX_RUN, SolidBlank, SolidError, SolidMove, SolidStock, SolidTool, ToolPart, ToolPose,
     tell_plunges_from_approaches,
 };
-use crate::toolpath::is_axial;
 
 /// Spacing of the rays as a share of the largest diameter of the blank.
 const SPACING_SHARE: f64 = 1.0 / 400.0;
@@ -104,7 +103,7 @@ impl StandingStock {
         }
         let last = contact.number as usize;
         let mut retract = &self.moves[last];
-        if !is_retract(retract) {
+        if !retract.is_retract() {
             return false;
         }
         for before in self.moves[..last].iter().rev() {
@@ -119,7 +118,7 @@ impl StandingStock {
                 let height = (contact.point - end.tip).dot(&end.axis);
                 return height < SolidTool::from_tool(&tools[before.tool]).cutting_length;
             }
-            if !is_retract(before) {
+            if !before.is_retract() {
                 return false;
             }
             retract = before;
@@ -164,12 +163,6 @@ impl StandingStock {
         contacts.extend(stock.make_moves_from(made, &solid_tools, &self.moves, monitor, keep)?);
         Ok(contacts)
     }
-}
-
-/// Whether a move is a rapid up along the axis.
-fn is_retract(step: &SolidMove) -> bool {
-    let travel = step.to.tip - step.from.tip;
-    step.rapid && is_axial(&travel, &step.from.axis, &step.to.axis) && travel.dot(&step.to.axis) > 0.0
 }
 
 /// `tool` with its holder thicker by `margin` mm all around.
