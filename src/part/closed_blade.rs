@@ -1,5 +1,6 @@
 //! A blade as a closed body: its sides, and the ruled faces between them at its tip and its ends.
 
+use super::closed_surface::ClosedSurface;
 use super::probe::{NearestOnSide, SideProbe};
 use super::side::BladeSide;
 use crate::geometry::{Point, Vector};
@@ -35,8 +36,8 @@ pub struct ClosedBlade {
     /// Ball around it: centre and radius, mm.
     ball: (Point, f64),
     half_thickness: f64,
-    /// Its surface, all triangles in one sense, and how far [`MOST`] of them are from it at most, mm.
-    triangles: Vec<[Point; 3]>,
+    /// Its triangulated surface, and how far [`MOST`] of the triangles are from it at most, mm.
+    surface: ClosedSurface,
     chord_error: f64,
 }
 
@@ -68,7 +69,8 @@ impl ClosedBlade {
         let places = (0..=ALONG).flat_map(|i| (0..=ACROSS).map(move |j| (along(i), across(j))));
         let thickness = places.map(|(u, v)| (at(0, u, v) - at(1, u, v)).norm()).fold(0.0, f64::max);
         let (triangles, chord_error) = triangulated(sides);
-        Self { faces, ball: (centre, radius), half_thickness: 0.5 * thickness, triangles, chord_error }
+        let surface = ClosedSurface::new(triangles);
+        Self { faces, ball: (centre, radius), half_thickness: 0.5 * thickness, surface, chord_error }
     }
 
     /// Signed distance of `point` to the surface of the blade above the hub, mm; negative inside. `None` when
@@ -98,15 +100,9 @@ impl ClosedBlade {
         let is_outside = if is_beside && (height > 0.0 || near.distance <= self.chord_error) {
             height > 0.0
         } else {
-            !self.contains(point)
+            !self.surface.contains(point)
         };
         Some(if is_outside { near.distance } else { -near.distance })
-    }
-
-    /// Whether `point` is inside: the solid angle of the triangulated surface is a full one there.
-    fn contains(&self, point: &Point) -> bool {
-        let turned: f64 = self.triangles.iter().map(|corners| solid_angle(point, corners)).sum();
-        turned.abs() > 2.0 * std::f64::consts::PI
     }
 }
 
@@ -154,13 +150,6 @@ fn triangulated(sides: [&BladeSide; 2]) -> (Vec<[Point; 3]>, f64) {
     chord_errors.sort_by(f64::total_cmp);
     let kept = (MOST * chord_errors.len() as f64) as usize;
     (triangles, chord_errors[kept])
-}
-
-/// Solid angle of a triangle seen from `point` (Van Oosterom and Strackee, 1983).
-fn solid_angle(point: &Point, corners: &[Point; 3]) -> f64 {
-    let [a, b, c] = corners.map(|corner| corner - point);
-    let (x, y, z) = (a.norm(), b.norm(), c.norm());
-    2.0 * a.dot(&b.cross(&c)).atan2(x * y * z + a.dot(&b) * z + b.dot(&c) * x + c.dot(&a) * y)
 }
 
 /// The values of both lists, with some between them.

@@ -9,6 +9,7 @@ pub mod body;
 mod camber;
 pub mod channel;
 mod closed_blade;
+mod closed_surface;
 mod curve_order;
 pub mod description;
 mod end_face;
