@@ -187,6 +187,7 @@ pub fn comparison_object(figures: &PlungeFigures, reasons: &[Option<String>]) ->
     let mut map = residual_keys(&figures.summary);
     map.insert("positions".into(), json!(figures.summary.positions));
     map.insert("blocked".into(), json!(figures.summary.blocked));
+    map.insert("time_estimate".into(), number(figures.summary.time_estimate));
     map.append(&mut machine_time_key(&figures.summary));
     map.insert("by_section".into(), by_section(figures, reasons));
     Value::Object(map)
