@@ -28,6 +28,8 @@ pub struct LinkMove<'a> {
 
 /// Depth of the tool in the blank above which a link is raised, mm.
 const MAX_TOOL_DEPTH: f64 = 1e-3;
+/// Cosine of the turn up to which the axis certainly turns the shorter way round.
+const MIN_TURN_COS: f64 = -0.99;
 /// Maximum turn of the axis between two samples, rad.
 const SAMPLE_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
@@ -55,6 +57,23 @@ impl AxisTurn {
 }
 
 impl LinkMove<'_> {
+    /// Whether the tool, taken as an endless cylinder, is more than `distance` mm away from a ball about the
+    /// blank all the way. Where that takes a search, false.
+    pub fn is_far(&self, distance: f64) -> bool {
+        let (centre, radius) = self.blank.ball();
+        let tips = [self.from.0 - centre, self.to.0 - centre];
+        let axes = [self.from.1, self.to.1];
+        // Where no way from the centre to the tip points against the axis, no place of the tool's axis is
+        // nearer than the tip. An axis between both is a sum of them with positive shares.
+        let is_outward = tips.iter().all(|tip| axes.iter().all(|axis| tip.dot(axis) >= 0.0));
+        if !is_outward || axes[0].dot(&axes[1]) < MIN_TURN_COS {
+            return false;
+        }
+        let way = tips[1] - tips[0];
+        let share = (-tips[0].dot(&way) / way.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (tips[0] + way * share).norm() > radius + self.tool.radius() + distance
+    }
+
     /// Number of samples between both ends for at most `spacing` mm between them.
     fn samples(&self, turn: &AxisTurn, spacing: f64) -> usize {
         let looks = ((self.to.0 - self.from.0).norm() / spacing).max(turn.angle / SAMPLE_TURN);

@@ -8,7 +8,7 @@ use super::machine_file::read_machine;
 use super::nc::{AxisOverrun, ReadContext, is_apt, read_nc, read_post};
 use super::tool_library::{flank_cutters, plunge_cutters};
 use crate::error::ErrorCode;
-use crate::machine::{MachineTool, PlacedPart};
+use crate::machine::{MachineTool, MoveAngles, PlacedPart};
 use crate::part::Impeller;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::ClProgram;
@@ -41,8 +41,8 @@ pub struct NcMachine {
     pub machine: MachineTool,
     /// How the part lies on it.
     pub placed: PlacedPart,
-    /// Rotary positions (rad) that the code names, one for each move.
-    pub angles: Vec<Option<[f64; 2]>>,
+    /// Rotary positions, one for each move.
+    pub angles: Vec<MoveAngles>,
 }
 
 /// Reads the program `bytes` of file `name` for `part`: APT, or with a `target` the NC code that was posted

@@ -2,8 +2,8 @@
 //! names, or by those that `post` chooses.
 
 use crate::machine::{
-    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, OutputKind, PlacedPart, Pose,
-    machine_program,
+    BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, MoveAngles, OutputKind, PlacedPart,
+    Pose, machine_program,
 };
 use crate::monitor::Monitor;
 use crate::toolpath::{ClProgram, Move};
@@ -21,23 +21,20 @@ pub struct MachineRun {
 }
 
 impl MachineRun {
-    /// The motion by the rotary positions (rad) that the program names, one for each move; `None` where it
-    /// names none at all, since the control chooses them.
-    pub fn by_angles(placed: &PlacedPart, program: &ClProgram, angles: &[Option<[f64; 2]>]) -> Option<Self> {
-        if angles.iter().all(Option::is_none) {
+    /// The motion by the rotary positions that the program names, one for each move; `None` where it names
+    /// none at all, since the control chooses them. Moves of the retract position are no blocks of it.
+    pub fn by_angles(placed: &PlacedPart, program: &ClProgram, angles: &[MoveAngles]) -> Option<Self> {
+        if !angles.iter().any(|angles| matches!(angles, MoveAngles::Named(_))) {
             return None;
         }
-        let pose = |(step, angles): (&Move, &Option<[f64; 2]>)| {
-            let (tip, axis) = (placed.point_in_program(&step.tip), placed.vector_in_program(&step.axis));
-            angles.map(|angles| Pose { tip, axis, angles })
-        };
-        let poses: Vec<_> = program.moves.iter().zip(angles).map(pose).collect();
-        let motion = MachineProgram::of_poses(program, &poses);
+        let poses = known_poses(placed, program, angles);
+        let kept = poses.iter().zip(angles).map(|(pose, angles)| pose.filter(|_| !angles.is_retract()));
+        let motion = MachineProgram::of_poses(program, &kept.collect::<Vec<_>>());
         Some(Self { poses, motion })
     }
 
-    /// The motion of NC code that was read: by the rotary positions (rad) that it names, one for each move;
-    /// where it leaves them to the control, by those that `post` would choose for tool vectors.
+    /// The motion of NC code that was read: by the rotary positions that it names, one for each move; where
+    /// it leaves them to the control, by those that `post` would choose for tool vectors.
     ///
     /// # Errors
     /// When the code names no positions and the machine cannot run it, or on a cancel.
@@ -45,7 +42,7 @@ impl MachineRun {
         machine: &MachineTool,
         placed: &PlacedPart,
         program: &ClProgram,
-        angles: &[Option<[f64; 2]>],
+        angles: &[MoveAngles],
         blank: BlankSize,
         monitor: &Monitor,
     ) -> Result<Self, MotionFault> {
@@ -54,7 +51,19 @@ impl MachineRun {
         }
         let mut options = MotionOptions::new(OutputKind::TcpVectors, CHOSEN_DECIMALS);
         options.blank = Some(blank);
-        Self::chosen(machine, placed, program, &options, monitor)
+        let is_retract = |index: &usize| angles.get(*index).is_some_and(|angles| angles.is_retract());
+        let kept: Vec<usize> = (0..program.moves.len()).filter(|index| !is_retract(index)).collect();
+        let moves = kept.iter().filter_map(|&index| program.moves.get(index).cloned()).collect();
+        let without = ClProgram { moves, ..program.clone() };
+        let mut run = Self::chosen(machine, placed, &without, &options, monitor)?;
+        let mut poses = known_poses(placed, program, angles);
+        for (&index, pose) in kept.iter().zip(&run.poses) {
+            poses[index] = *pose;
+        }
+        for step in &mut run.motion.steps {
+            step.source = kept.get(step.source).copied().unwrap_or(step.source);
+        }
+        Ok(Self { poses, ..run })
     }
 
     /// The motion that `post` makes with `options`.
@@ -81,4 +90,13 @@ impl MachineRun {
         }
         Ok(Self { poses, motion })
     }
+}
+
+/// The pose at the end of each move whose rotary positions are known.
+fn known_poses(placed: &PlacedPart, program: &ClProgram, angles: &[MoveAngles]) -> Vec<Option<Pose>> {
+    let pose = |(step, angles): (&Move, &MoveAngles)| {
+        let (tip, axis) = (placed.point_in_program(&step.tip), placed.vector_in_program(&step.axis));
+        angles.known().map(|angles| Pose { tip, axis, angles })
+    };
+    program.moves.iter().zip(angles).map(pose).collect()
 }

@@ -50,5 +50,5 @@ pub use model::{
 };
 pub use motion::{MachineProgram, MotionOptions, gauge_length, machine_program};
 pub use placement::PlacedPart;
-pub use step::{MachineStep, StepMotion};
+pub use step::{MachineStep, MoveAngles, StepMotion};
 pub use time::{MachineTime, SectionTime, block_times, move_clock, section_times};

@@ -110,6 +110,16 @@ impl Blank {
         (self.r_max, self.z_range)
     }
 
+    /// Centre and radius of a ball, mm, that holds all that is solid before the first cut.
+    pub fn ball(&self) -> (Point, f64) {
+        let (mut radius, (mut low, mut high)) = self.extent();
+        if let Some(nose) = &self.nose {
+            let (of_nose, (from, to)) = nose.extent();
+            (radius, low, high) = (radius.max(of_nose), low.min(from), high.max(to));
+        }
+        (Point::new(0.0, 0.0, 0.5 * (low + high)), norm2(radius, 0.5 * (high - low)))
+    }
+
     /// Points along the leading-edge line and the rim line; revolved about Z they are circles that a cutter
     /// above the blank may touch.
     pub fn end_circles(&self) -> Vec<Meridional> {

@@ -46,6 +46,11 @@ impl HubNose {
         (is_inside || nearest.0 < limit).then_some(if is_inside { (-nearest.0, nearest.1) } else { nearest })
     }
 
+    /// Largest radius and range of heights, mm.
+    pub(super) fn extent(&self) -> (f64, (f64, f64)) {
+        (self.r_max, self.z_range)
+    }
+
     /// Whether `point` is `distance` mm or more from the box around the nose.
     pub(super) fn is_beyond(&self, point: Meridional, distance: f64) -> bool {
         let dz = (self.z_range.0 - point.z).max(point.z - self.z_range.1).max(0.0);

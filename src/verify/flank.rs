@@ -377,6 +377,7 @@ impl<'a> FlankVerifier<'a> {
             blade_allowance: self.setup.allowances.blade_allowance,
         };
         let (seen, blank) = (&self.cache, &self.workpiece.blank);
+        let safety = self.setup.allowances.safety_distance;
         let known: Vec<Option<&StepResult>> =
             steps.par_iter().map(|step| seen.get(&step_key(step))).collect();
         // Each end is evaluated once: the next step begins there.
@@ -409,7 +410,7 @@ impl<'a> FlankVerifier<'a> {
             let before =
                 k.checked_sub(1).filter(|&b| steps[b].tool == steps[k].tool && steps[b].to == steps[k].from);
             let ends = [before.and_then(|b| ends[b]), ends[k]];
-            Ok(examine_step(&steps[k], ends, assemblies[k], &around, blank))
+            Ok(examine_step(&steps[k], ends, assemblies[k], &around, (blank, safety)))
         };
         let looks: Vec<StepResult> =
             (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;

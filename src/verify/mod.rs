@@ -251,6 +251,10 @@ fn check_rapids(
     let mut least: Option<f64> = None;
     let mut faults = Vec::new();
     for rapid in &cut.rapids {
+        let link = LinkMove { tool: &cut.tool, blank, from: rapid.from.unwrap_or(rapid.to), to: rapid.to };
+        if link.is_far(stock.safety_distance) {
+            continue;
+        }
         let near = |(tip, axis): (Point, Vector)| NearBottom::from_cutter(&cut.tool.placed(tip, axis), blank);
         let end = near(rapid.to);
         let mut clearance = end.clearance;
@@ -271,7 +275,6 @@ fn check_rapids(
             continue;
         }
         if let Some(from) = rapid.from.filter(|_| !rapid.is_retract()) {
-            let link = LinkMove { tool: &cut.tool, blank, from, to: rapid.to };
             clearance = clearance.min(link.clearance([&near(from), &end], stock.safety_distance));
             let (turn, depth) = (from.1.angle(&rapid.to.1), link.max_tool_depth(&surface));
             let found = [

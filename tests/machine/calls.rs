@@ -111,7 +111,7 @@ fn nothing_moves_in_the_turned_offset_before_the_tip_is_held() {
         let place = super::programs::placed(&machine);
         let [first, second] = [0, 1].map(|k| {
             let step = &reading.program.moves[k];
-            machine.joints(&place.point_in_program(&step.tip), &reading.angles[k].unwrap(), length)
+            machine.joints(&place.point_in_program(&step.tip), &reading.angles[k].known().unwrap(), length)
         });
         assert!((first[2] - machine.linear[2].limits.1).abs() < 1e-3, "{control}: Z {}", first[2]);
         assert!((first[0] - second[0]).abs() < 1e-3 && (first[1] - second[1]).abs() < 1e-3, "{control}");

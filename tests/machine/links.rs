@@ -10,7 +10,12 @@ use super::figures::{CELLS, PLUNGED, figures_of, kinds_of};
 use super::programs::{MACHINES, largest_difference, machine, moved, placed, plunges};
 
 /// By what a changed program is seen to be another one; `None` where nothing tells.
-fn found_by(machine: &MachineTool, control: &str, text: &str, meant: &PlungeReport) -> Option<&'static str> {
+pub fn found_by(
+    machine: &MachineTool,
+    control: &str,
+    text: &str,
+    meant: &PlungeReport,
+) -> Option<&'static str> {
     let planned = &*PLUNGED;
     let placed = PlacedPart::from_placement(&machine.part, &planned.workpiece.part);
     let context = ReadContext { machine, placed, tools: &planned.setup.tools };

@@ -12,6 +12,7 @@ mod links;
 mod placement;
 mod planned;
 mod programs;
+mod retract;
 mod round_trips;
 mod table;
 mod times;

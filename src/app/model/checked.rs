@@ -9,6 +9,7 @@ use super::preview::ShownCutters;
 use super::units::DisplayUnits;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
+use crate::machine::MoveAngles;
 use crate::part::Impeller;
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
@@ -112,7 +113,7 @@ pub struct CheckedProgram {
     /// The program itself.
     pub program: ClProgram,
     /// Rotary positions (rad) that NC code names, one for each move; `None` for APT.
-    pub angles: Option<Vec<Option<[f64; 2]>>>,
+    pub angles: Option<Vec<MoveAngles>>,
     /// Its text, with the line of each move.
     pub listing: Arc<ProgramListing>,
     /// Time from the start to the end of each move, s.

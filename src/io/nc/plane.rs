@@ -20,19 +20,22 @@ impl Default for TiltedPlane {
 }
 
 impl TiltedPlane {
-    /// The plane across `axis`, by the angles that a control of this dialect takes.
-    pub fn across(dialect: Dialect, axis: &Vector) -> Self {
-        let tilt = axis.z.clamp(-1.0, 1.0).acos();
+    /// The plane across `axis`, by the angles that a control of this dialect takes, rounded to `decimals` of
+    /// a degree: positions in it are those in the plane that the control makes of them.
+    pub fn across(dialect: Dialect, axis: &Vector, decimals: usize) -> Self {
+        let scale = 10f64.powi(decimals as i32);
+        let grid = |angle: f64| ((angle.to_degrees() * scale).round() / scale).to_radians();
+        let tilt = grid(axis.z.clamp(-1.0, 1.0).acos());
         let (angles, turns) = match dialect {
             // Spatial angles: about Z, then the new Y, then the new X.
             Dialect::Heidenhain => {
-                let about_z = axis.y.atan2(axis.x);
+                let about_z = grid(axis.y.atan2(axis.x));
                 ([0.0, tilt, about_z], [(Vector::z(), about_z), (Vector::y(), tilt), (Vector::z(), 0.0)])
             }
             // Axis by axis: about X, then the new Y, then the new Z.
             Dialect::Siemens => {
-                let about_y = axis.x.clamp(-1.0, 1.0).asin();
-                let about_x = (-axis.y).atan2(axis.z);
+                let about_y = grid(axis.x.clamp(-1.0, 1.0).asin());
+                let about_x = grid((-axis.y).atan2(axis.z));
                 (
                     [about_x, about_y, 0.0],
                     [(Vector::x(), about_x), (Vector::y(), about_y), (Vector::z(), 0.0)],
@@ -40,7 +43,7 @@ impl TiltedPlane {
             }
             // Euler angles: about Z, the new X, the new Z.
             _ => {
-                let about_z = axis.x.atan2(-axis.y);
+                let about_z = grid(axis.x.atan2(-axis.y));
                 let turns = [(Vector::z(), about_z), (Vector::x(), tilt), (Vector::z(), -about_z)];
                 ([about_z, tilt, -about_z], turns)
             }

@@ -78,6 +78,7 @@ pub fn write_nc(
         positions: 0,
         said: Modal::default(),
         plane: TiltedPlane::default(),
+        is_plane_on: false,
         rounding_error: 0.0,
         row: 0,
     };
@@ -153,6 +154,7 @@ struct NcWriter<'a> {
     positions: usize,
     said: Modal,
     plane: TiltedPlane,
+    is_plane_on: bool,
     rounding_error: f64,
     /// Rows of the plan already named.
     row: usize,
@@ -239,12 +241,14 @@ impl NcWriter<'_> {
                 }
             }
             self.line(&filled);
+            self.is_plane_on |= line.contains("{p1}");
         }
     }
 
-    /// Where X and Y stand above the approach: in the plane, or of the joints.
+    /// Where X and Y stand above the approach, as the control takes them there: of the joints, or once a
+    /// plane is on, in the plane.
     fn above(&self, step: &MachineStep) -> [f64; 3] {
-        if self.output == OutputKind::Plane {
+        if self.is_plane_on {
             return self.plane.coordinates(&step.pose.tip).coords.into();
         }
         self.joints(step)
@@ -311,8 +315,9 @@ impl NcWriter<'_> {
             self.group("tool", Some(step), None);
         }
         if self.output == OutputKind::Plane {
-            self.plane = TiltedPlane::across(post.dialect, &step.pose.axis);
+            self.plane = TiltedPlane::across(post.dialect, &step.pose.axis, post.format.angle_decimals);
         }
+        self.is_plane_on = false;
         let on = post.on.get(&self.output).map(Vec::as_slice).unwrap_or_default();
         if let Some(above) = self.above_when_called(step) {
             let turns_not = |line: &&String| !line.contains("{x}") && !line.contains("{y}");
@@ -329,11 +334,11 @@ impl NcWriter<'_> {
         self.group("ready", Some(step), None);
     }
 
-    /// Where a called program whose control holds the tip begins: above the approach, at the upper limit of
-    /// Z. The offset turns from call to call, and positions of the axes in X and Y before TCP is on would
-    /// turn with it.
+    /// Where a called program begins, unless it gives joints: above the approach, at the upper limit of Z.
+    /// The offset turns from call to call, and positions of the axes in X and Y before TCP or a plane is on
+    /// would turn with it.
     fn above_when_called(&self, step: &MachineStep) -> Option<MachineStep> {
-        if !self.post.is_called || !matches!(self.output, OutputKind::TcpAngles | OutputKind::TcpVectors) {
+        if !self.post.is_called || self.output == OutputKind::Joints {
             return None;
         }
         let length = gauge_length(self.machine, &self.tool(step));

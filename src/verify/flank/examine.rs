@@ -3,6 +3,7 @@
 use super::gouge::{StepClearance, StepSurroundings};
 use super::steps::CutterStep;
 use crate::cutting::assembly::AssemblyClearance;
+use crate::cutting::link::LinkMove;
 use crate::cutting::retract::{bottom_clearance, bottom_is_inside};
 use crate::part::Blank;
 
@@ -24,13 +25,14 @@ pub(super) struct StepResult {
 }
 
 /// Examines a step: under feed for the clearance of the cut, in rapid for collisions. `ends` are the
-/// clearances at both ends, where they are known, `assembly` that of shank and holder.
+/// clearances at both ends, where they are known, `assembly` that of shank and holder. A rapid that is
+/// further than `safety` mm from the blank all the way is not looked at.
 pub(super) fn examine_step(
     step: &CutterStep,
     ends: [Option<StepClearance>; 2],
     assembly: AssemblyClearance,
     around: &StepSurroundings,
-    blank: &Blank,
+    (blank, safety): (&Blank, f64),
 ) -> StepResult {
     let mut look = StepResult {
         clearance: StepClearance::FAR,
@@ -55,7 +57,11 @@ pub(super) fn examine_step(
     if step.length() == 0.0 && step.turn() == 0.0 || step.is_retract() {
         return look;
     }
-    let radius = around.tools[step.tool].radius();
+    let tool = &around.tools[step.tool];
+    if (LinkMove { tool, blank, from: step.from, to: step.to }).is_far(safety) {
+        return look;
+    }
+    let radius = tool.radius();
     let samples = (step.length() / (0.5 * radius)).max(step.turn() / 0.02).ceil().clamp(1.0, 400.0);
     let axial = step.is_axial();
     for k in 0..=samples as usize {

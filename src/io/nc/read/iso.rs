@@ -1,6 +1,6 @@
 //! Words of Fanuc, Haas and LinuxCNC: a letter and a number each, comments in parentheses.
 
-use super::words::{NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
+use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
 use crate::geometry::Vector;
 use crate::io::nc::post::Dialect;
 use crate::io::source::quote_for_message;
@@ -14,7 +14,7 @@ pub(super) fn words(dialect: Dialect, line: &str, out: &mut Vec<NcWord>) -> Resu
     let mut letters: Vec<Letter> = Vec::with_capacity(12);
     let mut rest = line.trim();
     if rest.starts_with('%') || dialect == Dialect::LinuxCnc && is_frame_of_sub(rest) {
-        out.push(NcWord::Nothing);
+        out.push(if rest.starts_with('%') { NcWord::Nothing } else { NcWord::IsCalled });
         return Ok(());
     }
     while let Some(first) = rest.chars().next() {
@@ -101,7 +101,7 @@ fn g_code(dialect: Dialect, x: f64, out: &mut Vec<NcWord>) -> Result<(), NcFault
     out.push(match (dialect, code) {
         (_, 0) => NcWord::Rapid,
         (_, 10) => NcWord::Feed,
-        (_, 280) => NcWord::Home,
+        (Fanuc | Haas, 280) => NcWord::HomeOver,
         (_, 530) => NcWord::Home,
         (_, 430) => NcWord::Length(true),
         (_, 490) if dialect == LinuxCnc => NcWord::Length(false),
@@ -113,8 +113,11 @@ fn g_code(dialect: Dialect, x: f64, out: &mut Vec<NcWord>) -> Result<(), NcFault
         (_, 910) => NcWord::Incremental(true),
         (_, 930) => NcWord::InverseTime(true),
         (_, 940) => NcWord::InverseTime(false),
-        (_, 170 | 210 | 400 | 800) | (_, 540..=590) => NcWord::Nothing,
-        (LinuxCnc, 610 | 640) | (Haas, 1870) | (Fanuc, 531 | 51) => NcWord::Nothing,
+        (Fanuc, 531) => NcWord::Swivel,
+        (_, 210) => NcWord::Millimetres,
+        (_, 540..=599) => NcWord::Offset(Some(x)),
+        (_, 170 | 400 | 800) => NcWord::Nothing,
+        (LinuxCnc, 610 | 640) | (Haas, 1870) | (Fanuc, 51) => NcWord::Nothing,
         (_, 200) => return fault("the program is in inches", "give a program in mm, G21"),
         (_, 20 | 30) => return fault("arcs are not read", "give straight moves, G1"),
         _ => return fault(format!("G{x} is not read"), UNKNOWN),
@@ -124,12 +127,13 @@ fn g_code(dialect: Dialect, x: f64, out: &mut Vec<NcWord>) -> Result<(), NcFault
 
 fn m_code(dialect: Dialect, x: f64, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
     out.push(match x as i64 {
-        3 | 4 => NcWord::Spindle(true),
+        3 => NcWord::Spindle(true),
+        4 => return fault("the spindle turns backwards", FORWARDS),
         5 => NcWord::Spindle(false),
         6 => NcWord::Change,
         7..=9 | 0 | 1 | 10..=13 => NcWord::Nothing,
-        2 | 30 => NcWord::End,
-        99 if dialect != Dialect::LinuxCnc => NcWord::End,
+        2 | 30 => NcWord::MainEnd,
+        99 if dialect != Dialect::LinuxCnc => NcWord::Return,
         428 if dialect == Dialect::LinuxCnc => NcWord::TipByAngles,
         429 if dialect == Dialect::LinuxCnc => NcWord::TipOff,
         _ => return fault(format!("M{x} is not read"), UNKNOWN),

@@ -1,6 +1,6 @@
 //! Words of Klartext: a block number, a keyword, addresses with signed numbers; comments after `;` or `*`.
 
-use super::words::{NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
+use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
 use crate::geometry::Vector;
 use crate::io::source::quote_for_message;
 use crate::machine::turned;
@@ -28,12 +28,19 @@ pub(super) fn words(line: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
             Ok(())
         }
         "BEGIN" if block.ends_with("INCH") => fault("the program is in inches", "give a program in MM"),
-        "BEGIN" => Ok(()),
+        "BEGIN" => {
+            // A straight block is absolute, and under feed per minute.
+            out.extend([NcWord::Incremental(false), NcWord::InverseTime(false)]);
+            if block.ends_with(" MM") {
+                out.push(NcWord::Millimetres);
+            }
+            Ok(())
+        }
         "END" => {
             out.push(NcWord::End);
             Ok(())
         }
-        "CYCL" => cycle(&mut tokens),
+        "CYCL" => cycle(&mut tokens, out),
         "TOOL" => tool(&mut tokens, out),
         "PLANE" => plane(&mut tokens, out),
         "FUNCTION" => function(block, out),
@@ -52,10 +59,14 @@ pub(super) fn words(line: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
 type Tokens<'a> = std::str::SplitWhitespace<'a>;
 
 /// `CYCL DEF n`: 247 (preset) and 32 (tolerance) do not move anything.
-fn cycle(tokens: &mut Tokens<'_>) -> Result<(), NcFault> {
+fn cycle(tokens: &mut Tokens<'_>, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
     let number = tokens.nth(1).unwrap_or_default();
     match number.split('.').next() {
-        Some("247" | "32") => Ok(()),
+        Some("32") => Ok(()),
+        Some("247") => {
+            out.push(NcWord::Offset(None));
+            Ok(())
+        }
         _ => fault(format!("CYCL DEF {} is not read", quote_for_message(number)), UNKNOWN),
     }
 }
@@ -94,7 +105,9 @@ fn plane(tokens: &mut Tokens<'_>, out: &mut Vec<NcWord>) -> Result<(), NcFault> 
         _ => return fault("only PLANE SPATIAL and PLANE RESET are read", UNKNOWN),
     }
     let mut angles = [None; 3];
+    let mut turns = false;
     for token in tokens {
+        turns |= token == "TURN" || token == "MOVE";
         for (name, angle) in ["SPA", "SPB", "SPC"].into_iter().zip(&mut angles) {
             if let Some(value) = token.strip_prefix(name) {
                 *angle = Some(leading_number(value, true)?.0.to_radians());
@@ -110,6 +123,9 @@ fn plane(tokens: &mut Tokens<'_>, out: &mut Vec<NcWord>) -> Result<(), NcFault> 
         turned(&Vector::z(), c, &v)
     };
     out.push(NcWord::Plane([turn(Vector::x()), turn(Vector::y()), turn(Vector::z())]));
+    if turns {
+        out.push(NcWord::Swivel);
+    }
     Ok(())
 }
 
@@ -160,11 +176,12 @@ fn m_word(token: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
         };
     };
     out.push(match number {
-        "3" | "4" | "13" | "14" => NcWord::Spindle(true),
+        "3" | "13" => NcWord::Spindle(true),
+        "4" | "14" => return fault("the spindle turns backwards", FORWARDS),
         "5" => NcWord::Spindle(false),
         "8" | "9" | "126" | "127" => NcWord::Nothing,
         // The program ends with END PGM.
-        "2" | "30" => NcWord::Spindle(false),
+        "2" | "30" => NcWord::IsMain,
         "91" => NcWord::Home,
         "128" => NcWord::TipByAngles,
         "129" => NcWord::TipOff,

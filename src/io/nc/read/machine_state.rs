@@ -1,41 +1,33 @@
 //! Executes the words of an NC program and runs the positions through the machine's chain of axes.
 
 mod motion;
+mod place;
+mod retract;
 
-use super::words::NcWord;
+use super::words::{NcWord, leading_number};
 use super::{Dialect, NcReading, ReadContext};
 use crate::error::ErrorCode;
 use crate::geometry::Vector;
 use crate::io::InputError;
 use crate::io::source::{self, Source};
-use crate::machine::{MachineTool, Pose};
+use crate::machine::MachineTool;
 use crate::setup::{CutDirection, SectionKind};
 use crate::toolpath::{ClProgram, ClRow, ClSection, ClTool};
+use place::{CoordinateMode, Place, RetractedTool};
 
 /// Rounding of distances by four decimals of mm and degrees, mm.
 const ROUNDING: f64 = 1e-3;
 /// Largest number of tools, sections and rows.
 const MAX_LISTED: usize = 10_000;
 
-/// What the coordinates of a block mean.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum CoordinateMode {
-    /// Positions of the axes, counted from the program's zero.
-    Joints,
-    /// The tip in program coordinates.
-    Tip,
-    /// The tip in a tilted plane, by the directions of its X, Y, Z.
-    Plane([Vector; 3]),
-}
-
-/// A position with what is needed to go on from it.
-#[derive(Clone, Copy)]
-struct Place {
-    pose: Pose,
-    /// Whether `pose.angles` are known.
-    by_angles: bool,
-    joints: [f64; 3],
-    frame_is_joints: bool,
+/// What a program has said, once and for all that follows.
+#[derive(Clone, Copy, Default)]
+struct Said {
+    millimetres: bool,
+    offset: bool,
+    is_called: bool,
+    orientation: bool,
+    interpolation: bool,
 }
 
 /// The state of a control.
@@ -50,8 +42,8 @@ pub(super) struct NcState<'a> {
     vector: Option<Vector>,
     rapid: Option<bool>,
     rate: Option<f64>,
-    inverse: bool,
-    incremental: bool,
+    inverse: Option<bool>,
+    incremental: Option<bool>,
     length_on: bool,
     spindle_on: bool,
     speed: Option<f64>,
@@ -59,7 +51,12 @@ pub(super) struct NcState<'a> {
     tool: Option<usize>,
     /// Tools that comments describe.
     described: Vec<ClTool>,
+    /// Where the tool stands, unless it is retracted or that is not known.
     before: Option<Place>,
+    retracted: Option<RetractedTool>,
+    /// Whether the axes still have to turn into the tilted plane.
+    awaits_swivel: bool,
+    said: Said,
     ended: bool,
 }
 
@@ -80,8 +77,8 @@ impl<'a> NcState<'a> {
             vector: None,
             rapid: None,
             rate: None,
-            inverse: false,
-            incremental: false,
+            inverse: None,
+            incremental: None,
             length_on: false,
             spindle_on: false,
             speed: None,
@@ -89,6 +86,9 @@ impl<'a> NcState<'a> {
             tool: None,
             described: Vec::new(),
             before: None,
+            retracted: None,
+            awaits_swivel: false,
+            said: Said::default(),
             ended: false,
         }
     }
@@ -124,7 +124,7 @@ impl<'a> NcState<'a> {
                 "give one program a file",
             ));
         }
-        let home = words.contains(&NcWord::Home);
+        let home = words.iter().any(|word| matches!(word, NcWord::Home | NcWord::HomeOver));
         let mut moved = false;
         let mut rate_here = false;
         let mut direction = [None; 3];
@@ -132,8 +132,19 @@ impl<'a> NcState<'a> {
         for word in words {
             match word {
                 NcWord::Linear(axis, x) if !home => {
-                    if self.incremental {
-                        return Err(self.source.fault(line, "incremental moves are not read", "use G90"));
+                    if self.incremental != Some(false) {
+                        return Err(self.source.fault(
+                            line,
+                            "the move is not absolute",
+                            "give G90 before it",
+                        ));
+                    }
+                    if !self.said.millimetres {
+                        return Err(self.source.fault(
+                            line,
+                            "the unit of lengths is not said",
+                            "give mm: G21 or G71",
+                        ));
                     }
                     (self.at[*axis], moved) = (Some(*x), true);
                 }
@@ -147,6 +158,13 @@ impl<'a> NcState<'a> {
                             "verify with the machine it is posted for",
                         ));
                     };
+                    if self.incremental != Some(false) {
+                        return Err(self.source.fault(
+                            line,
+                            "the turn is not absolute",
+                            "give G90 before it",
+                        ));
+                    }
                     (self.angles[axis], moved) = (Some(degrees.to_radians()), true);
                     self.vector = None;
                 }
@@ -162,12 +180,13 @@ impl<'a> NcState<'a> {
             return Err(self.source.fault(line, what, "give all three components"));
         }
         if home {
-            self.go_home(line)?;
+            self.go_home(line, words)?;
         } else if moved {
             self.motion(line, rate_here)?;
         }
-        if words.contains(&NcWord::End) {
+        if words.iter().any(|word| matches!(word, NcWord::End | NcWord::MainEnd | NcWord::Return)) {
             self.check_free(line, "the program ends")?;
+            self.check_retracted(line, "the program ends")?;
             self.ended = true;
         }
         Ok(())
@@ -198,12 +217,18 @@ impl<'a> NcState<'a> {
                 NcWord::Rapid => self.rapid = Some(true),
                 NcWord::Feed => self.rapid = Some(false),
                 NcWord::InverseTime(on) => {
-                    if *on != self.inverse {
+                    if self.inverse.is_some_and(|before| before != *on) {
                         self.rate = None;
                     }
-                    self.inverse = *on;
+                    self.inverse = Some(*on);
                 }
-                NcWord::Incremental(on) => self.incremental = *on,
+                NcWord::Incremental(on) => self.incremental = Some(*on),
+                NcWord::Millimetres => self.said.millimetres = true,
+                NcWord::Offset(number) => self.offset(line, *number)?,
+                NcWord::Orientation => self.said.orientation = true,
+                NcWord::Interpolation => self.said.interpolation = true,
+                NcWord::IsCalled | NcWord::Return => self.said.is_called = true,
+                NcWord::MainEnd | NcWord::IsMain => self.end_main(line)?,
                 NcWord::Length(on) => self.set_length(*on),
                 NcWord::LengthOffset(number) => self.length_offset(line, *number)?,
                 NcWord::TipByAngles => {
@@ -235,14 +260,28 @@ impl<'a> NcState<'a> {
                     }
                 }
                 NcWord::Plane(frame) => {
+                    self.check_retracted(line, "the plane is tilted")?;
                     self.set_frame(CoordinateMode::Plane(*frame));
                     self.angles = [None; 2];
+                    self.awaits_swivel = true;
+                }
+                NcWord::Swivel => {
+                    if let CoordinateMode::Plane([_, _, z]) = self.frame {
+                        self.awaits_swivel = false;
+                        self.swivel(line, &z)?;
+                    }
                 }
                 NcWord::PlaneOff if matches!(self.frame, CoordinateMode::Plane(_)) => {
                     self.set_frame(CoordinateMode::Joints);
                 }
                 NcWord::Tool(number) => self.next_tool = Some(*number),
-                NcWord::Change => self.change_tool(line)?,
+                NcWord::Change => {
+                    self.change_tool(line)?;
+                    // The speed may stand before the change in its block.
+                    if !words.iter().any(|word| matches!(word, NcWord::Speed(_))) {
+                        self.speed = None;
+                    }
+                }
                 NcWord::Speed(speed) => {
                     self.speed = Some(*speed);
                     if let Some(tool) = self.tool.and_then(|tool| self.out.program.tools.get_mut(tool)) {
@@ -256,13 +295,36 @@ impl<'a> NcState<'a> {
         Ok(())
     }
 
+    /// What coordinates mean from here on; the axes stay where they are.
     fn set_frame(&mut self, frame: CoordinateMode) {
-        let retracted = self.at[2].is_none();
         self.frame = frame;
         self.at = [None; 3];
         self.vector = None;
-        if !retracted {
-            self.before = None;
+        self.awaits_swivel = false;
+        (self.said.orientation, self.said.interpolation) = (false, false);
+    }
+
+    /// The spindle stops, and a program that no other one calls has chosen the work offset itself.
+    fn end_main(&mut self, line: usize) -> Result<(), InputError> {
+        self.spindle_on = false;
+        if self.said.offset || self.said.is_called {
+            return Ok(());
+        }
+        let what = "the program chooses no work offset";
+        Err(self.source.fault(line, what, "give that of the machine file before the first move"))
+    }
+
+    /// The work offset has to be that of the machine file.
+    fn offset(&mut self, line: usize, number: Option<f64>) -> Result<(), InputError> {
+        self.said.offset = true;
+        let name = self.machine().part.offset_name.trim();
+        let wanted = name.strip_prefix(['G', 'g']).and_then(|rest| leading_number(rest, false).ok());
+        match wanted.map(|(wanted, _)| wanted).zip(number) {
+            Some((wanted, number)) if (wanted - number).abs() > 1e-6 => {
+                let what = format!("G{number} is not the work offset {name} of the machine file");
+                Err(self.source.fault(line, what, "give that, or correct `offset` of the machine file"))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -299,19 +361,9 @@ impl<'a> NcState<'a> {
         }
     }
 
-    fn go_home(&mut self, line: usize) -> Result<(), InputError> {
-        self.check_free(line, "the tool goes to its retract position")?;
-        self.at = [None; 3];
-        self.before = None;
-        Ok(())
-    }
-
     fn change_tool(&mut self, line: usize) -> Result<(), InputError> {
         self.check_free(line, "the tool is changed")?;
-        if self.at[2].is_some() {
-            let what = "the tool is changed where it stands";
-            return Err(self.source.fault(line, what, "retract it before"));
-        }
+        self.check_retracted(line, "the tool is changed")?;
         let Some(number) = self.next_tool.filter(|number| *number > 0) else {
             return Err(self
                 .source

@@ -1,6 +1,6 @@
 //! What reading a program needs, and what comes of it.
 
-use crate::machine::{MachineTool, PlacedPart};
+use crate::machine::{MachineTool, MoveAngles, PlacedPart};
 use crate::setup::Tool;
 use crate::toolpath::ClProgram;
 
@@ -25,8 +25,8 @@ pub struct NcReading {
     pub program: ClProgram,
     /// Positions beyond limits; at most `MAX_OVERRUNS`.
     pub overruns: Vec<AxisOverrun>,
-    /// Rotary positions (rad) at each move, where the program names them.
-    pub angles: Vec<Option<[f64; 2]>>,
+    /// Rotary positions at each move.
+    pub angles: Vec<MoveAngles>,
 }
 
 /// What a program does not say itself.

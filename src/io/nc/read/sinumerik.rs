@@ -1,6 +1,6 @@
 //! Words of the Sinumerik: letters, addresses with `=`, names, calls of cycles; comments after `;`.
 
-use super::words::{NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
+use super::words::{FORWARDS, NcFault, NcWord, UNKNOWN, fault, leading_number, whole};
 use crate::geometry::Vector;
 use crate::io::source::quote_for_message;
 use crate::machine::turned;
@@ -24,8 +24,12 @@ pub(super) fn words(line: &str, out: &mut Vec<NcWord>) -> Result<(), NcFault> {
             "TRAORI" => say(out, NcWord::TipByAngles, after),
             "TRAFOOF" => say(out, NcWord::TipOff, after),
             "SUPA" => say(out, NcWord::Home, after),
-            "ORIVECT" => say(out, NcWord::TipByVector, after),
-            "ORIWKS" | "ORIAXES" => after,
+            "ORIVECT" => {
+                out.push(NcWord::TipByVector);
+                say(out, NcWord::Interpolation, after)
+            }
+            "ORIAXES" => say(out, NcWord::Interpolation, after),
+            "ORIWKS" => say(out, NcWord::Orientation, after),
             letter if letter.len() == 1 => word(letter.chars().next().unwrap_or(' '), after, out)?,
             other => return fault(format!("{} is not read", quote_for_message(other)), UNKNOWN),
         }
@@ -70,16 +74,20 @@ fn word<'a>(letter: char, after: &'a str, out: &mut Vec<NcWord>) -> Result<&'a s
             91 => NcWord::Incremental(true),
             93 => NcWord::InverseTime(true),
             94 => NcWord::InverseTime(false),
-            17 | 40 | 54..=57 | 64 | 71 | 505..=599 => NcWord::Nothing,
+            71 => NcWord::Millimetres,
+            54..=57 | 505..=599 => NcWord::Offset(Some(x)),
+            17 | 40 | 64 => NcWord::Nothing,
             70 => return fault("the program is in inches", "give a program in mm, G71"),
             _ => return fault(format!("G{x} is not read"), UNKNOWN),
         }),
         'M' => out.push(match x as i64 {
-            3 | 4 => NcWord::Spindle(true),
+            3 => NcWord::Spindle(true),
+            4 => return fault("the spindle turns backwards", FORWARDS),
             5 => NcWord::Spindle(false),
             6 => NcWord::Change,
             7..=9 | 0 | 1 => NcWord::Nothing,
-            2 | 17 | 30 => NcWord::End,
+            17 => NcWord::Return,
+            2 | 30 => NcWord::MainEnd,
             _ => return fault(format!("M{x} is not read"), UNKNOWN),
         }),
         _ => return fault(format!("the word {letter}{x} is not read"), UNKNOWN),
@@ -96,7 +104,7 @@ fn cycle<'a>(after: &'a str, out: &mut Vec<NcWord>) -> Result<&'a str, NcFault> 
     match number as i64 {
         832 => {}
         800 if list.trim().is_empty() => out.push(NcWord::PlaneOff),
-        800 => out.push(NcWord::Plane(swivelled(list)?)),
+        800 => out.extend([NcWord::Plane(swivelled(list)?), NcWord::Swivel]),
         _ => return fault(format!("CYCLE{number} is not read"), UNKNOWN),
     }
     Ok(rest)
@@ -113,6 +121,12 @@ fn swivelled(list: &str) -> Result<[Vector; 3], NcFault> {
     };
     if value(3)? != 57.0 {
         return fault("CYCLE800 has another mode than 57", "swivel axis by axis, X, Y, Z: mode 57");
+    }
+    if value(2)? % 10.0 != 0.0 {
+        return fault("the plane of CYCLE800 is turned from the one before", "give _ST 100000");
+    }
+    if value(13)?.abs() != 1.0 {
+        return fault("CYCLE800 does not turn the axes", "give _DIR -1 or 1");
     }
     for index in [4, 5, 6, 10, 11, 12] {
         if value(index)? != 0.0 {

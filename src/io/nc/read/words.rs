@@ -32,16 +32,28 @@ pub(super) enum NcWord {
     LengthOffset(f64),
     /// A tilted plane: directions of its X, Y, Z.
     Plane([Vector; 3]),
+    /// The rotary axes turn the tool square to the tilted plane.
+    Swivel,
     /// No tilted plane.
     PlaneOff,
     /// The axis words of this block are machine coordinates: the tool goes to its retract position.
     Home,
+    /// The same by way of the position that the axis words name (G28).
+    HomeOver,
     /// Incremental (true) or absolute coordinates.
     Incremental(bool),
     /// Tool by number, in the spindle after the next change.
     Tool(u32),
     /// The tool is changed.
     Change,
+    /// Lengths are in mm.
+    Millimetres,
+    /// The work offset by its number, `None` where that says nothing.
+    Offset(Option<f64>),
+    /// The tool turns as its rotary axes do, or as a vector does; said of the coordinates that count.
+    Orientation,
+    /// The same of how it turns from one position to the next.
+    Interpolation,
     /// Spindle speed, rev/min.
     Speed(f64),
     /// The spindle turns, or stands.
@@ -50,6 +62,14 @@ pub(super) enum NcWord {
     Comment(String),
     /// End of the program.
     End,
+    /// End of a program that no other one calls; `IsMain` where its last block is still to come.
+    MainEnd,
+    /// See `MainEnd`.
+    IsMain,
+    /// The program returns to the one that calls it, and ends; `IsCalled` where it goes on.
+    Return,
+    /// See `Return`.
+    IsCalled,
     /// A block whose contents do not move anything.
     Nothing,
 }
@@ -68,6 +88,9 @@ pub(super) fn fault<T>(what: impl Into<String>, help: &'static str) -> Result<T,
 
 /// What to do about a word that is not read.
 pub(super) const UNKNOWN: &str = "give a program as `vanecut post` writes it, or APT";
+
+/// What to do about a spindle that turns backwards.
+pub(super) const FORWARDS: &str = "start it with M3";
 
 /// A number at the start of `text`, and what follows it. A comma is taken as a point where `comma`.
 pub(super) fn leading_number(text: &str, comma: bool) -> Result<(f64, &str), NcFault> {

@@ -1,12 +1,16 @@
 //! Blocks that move: where tip and axis get to, and what the reader adds between two positions.
 
-use super::{CoordinateMode, NcState, Place};
+use std::f64::consts::TAU;
+
+use super::place::{CoordinateMode, Place};
+use super::{NcState, Said};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
+use crate::io::nc::post::Dialect;
 use crate::io::nc::read::{AxisOverrun, MAX_OVERRUNS};
 use crate::io::source;
-use crate::machine::{LINEAR_NAMES, Pose, gauge_length, mixed_angles};
+use crate::machine::{LINEAR_NAMES, MoveAngles, Pose, gauge_length, mixed_angles};
 use crate::toolpath::{Motion, Move};
 
 /// A rate this near to that of links, or a block this near to the machine's fastest, is a rapid.
@@ -26,14 +30,11 @@ impl NcState<'_> {
         let Some(rapid) = self.rapid else {
             return Err(self.source.fault(line, "a move without G0 or G1 before it", "give one of them"));
         };
-        let [Some(x), Some(y), Some(z)] = self.at else {
-            // Above the part only single axes may be positioned, and not while the control holds the tip.
-            if self.frame == CoordinateMode::Tip && self.at != [None; 3] {
-                let what = "the first position after TCP is on is not given whole";
-                return Err(self.source.fault(line, what, "give X, Y and Z in one block"));
-            }
-            return Ok(());
-        };
+        if self.awaits_swivel {
+            let what = "a move in a tilted plane that the axes did not turn to";
+            return Err(self.source.fault(line, what, "have them turn: G53.1, TURN"));
+        }
+        let [Some(x), Some(y), Some(z)] = self.at else { return self.partly(line) };
         let Some(tool) = self.tool else {
             return Err(self
                 .source
@@ -43,29 +44,45 @@ impl NcState<'_> {
         if !self.length_on {
             return Err(self.source.fault(line, "a move without the tool's length", "give G43 or D1 before"));
         }
-        if self.inverse && !rapid && !rate_here {
+        if self.dialect == Dialect::Siemens && self.frame == CoordinateMode::Tip {
+            let Said { orientation, interpolation, .. } = self.said;
+            if !orientation || !interpolation {
+                let what = "how the tool turns is not said";
+                return Err(self.source.fault(line, what, "give ORIWKS and ORIAXES or ORIVECT after TRAORI"));
+            }
+        }
+        if self.inverse == Some(true) && !rapid && !rate_here {
             return Err(self.source.fault(line, "no F in a block of inverse time", "give F in each block"));
         }
+        if self.inverse.is_none() && !rapid {
+            return Err(self.source.fault(line, "what F means is not said", "give G94 before"));
+        }
         let place = self.place(line, [x, y, z], tool)?;
+        self.come_down(line, &place, tool)?;
         let rapid = rapid || self.is_fast(&place);
-        if !rapid && !self.spindle_on {
-            return Err(self.source.fault(line, "a cut while the spindle stands", "start it with M3"));
+        if !rapid && (!self.spindle_on || self.speed.is_none()) {
+            let (what, help) = if self.spindle_on {
+                ("a cut without a spindle speed", "give S after the tool change")
+            } else {
+                ("a cut while the spindle stands", "start it with M3")
+            };
+            return Err(self.source.fault(line, what, help));
         }
         let rate = match (self.inverse, self.rate) {
-            (true, Some(per_minute)) => {
+            (Some(true), Some(per_minute)) => {
                 let travel = self.before.map_or(0.0, |b| (place.pose.tip - b.pose.tip).norm());
                 Some(travel * per_minute).filter(|rate| *rate > 0.0)
             }
             (_, rate) => rate.filter(|rate| *rate > 0.0),
         };
         let motion = if rapid { Motion::Rapid } else { Motion::Feed(rate) };
-        self.add(line, motion, place, tool)
+        self.add(line, motion, place, tool, false)
     }
 
     /// The pose of a block, checked against the limits.
     fn place(&mut self, line: usize, at: [f64; 3], tool: usize) -> Result<Place, InputError> {
         let machine = self.machine();
-        let length = self.out.program.tools.get(tool).map_or(0.0, |tool| gauge_length(machine, tool));
+        let length = self.length_of(tool);
         let whole = || self.source.fault(line, "the position of a rotary axis is not known", "give both");
         let angles = match self.angles {
             [Some(a), Some(b)] => Some([a, b]),
@@ -77,29 +94,61 @@ impl NcState<'_> {
                 let zero = machine.zero(length);
                 let joints: [f64; 3] = std::array::from_fn(|i| at[i] + zero[i]);
                 let tip = machine.tip(&joints, &angles, length);
-                (Pose { tip, axis: machine.tool_axis(&angles), angles }, joints, true)
+                (Pose { tip, axis: machine.tool_axis(&angles), angles }, Some(joints), true)
             }
             (CoordinateMode::Tip, Some(angles)) => {
                 let tip = Point::from(Vector::from(at));
                 let joints = machine.joints(&tip, &angles, length);
-                (Pose { tip, axis: machine.tool_axis(&angles), angles }, joints, true)
+                (Pose { tip, axis: machine.tool_axis(&angles), angles }, Some(joints), true)
             }
-            (CoordinateMode::Tip, None) => {
-                let axis = self.vector.ok_or_else(whole)?;
-                (Pose { tip: Point::from(Vector::from(at)), axis, angles: [0.0; 2] }, [0.0; 3], false)
-            }
-            (CoordinateMode::Plane([x, y, z]), _) => {
-                let tip = Point::from(x * at[0] + y * at[1] + z * at[2]);
-                (Pose { tip, axis: z, angles: [0.0; 2] }, [0.0; 3], false)
+            (frame, _) => {
+                let (tip, axis) = match frame {
+                    CoordinateMode::Plane([x, y, z]) => (Point::from(x * at[0] + y * at[1] + z * at[2]), z),
+                    _ => (Point::from(Vector::from(at)), self.vector.ok_or_else(whole)?),
+                };
+                let chosen = self.chosen_angles(&axis);
+                let joints = chosen.map(|angles| machine.joints(&tip, &angles, length));
+                (Pose { tip, axis, angles: chosen.unwrap_or_default() }, joints, false)
             }
         };
-        if by_angles {
+        if let Some(joints) = joints.filter(|_| by_angles) {
             self.check_limits(line, &joints, &pose.angles);
         }
-        Ok(Place { pose, by_angles, joints, frame_is_joints: self.frame == CoordinateMode::Joints })
+        Ok(Place { pose, by_angles, joints, is_joint_move: self.frame == CoordinateMode::Joints })
     }
 
-    fn check_limits(&mut self, line: usize, joints: &[f64; 3], angles: &[f64; 2]) {
+    /// Length of a tool from the gauge point, mm.
+    pub(super) fn length_of(&self, tool: usize) -> f64 {
+        self.out.program.tools.get(tool).map_or(0.0, |tool| gauge_length(self.machine(), tool))
+    }
+
+    /// Rotary positions that a control chooses for a direction: within the limits, the nearest to where the
+    /// axes stand.
+    pub(super) fn chosen_angles(&self, axis: &Vector) -> Option<[f64; 2]> {
+        let machine = self.machine();
+        let now = match (self.before, self.retracted) {
+            (Some(Place { pose, joints: Some(_), .. }), _) => pose.angles,
+            (_, Some(retracted)) => retracted.angles.map(Option::unwrap_or_default),
+            _ => [0.0; 2],
+        };
+        let (solutions, count) = machine.solve(axis);
+        let near = |axis: usize, angle: f64| {
+            let turned = angle + TAU * ((now[axis] - angle) / TAU).round();
+            let axis = &machine.rotary[axis];
+            if axis.allows(turned) {
+                return Some(turned);
+            }
+            let away = |a: &f64| (a - turned).abs();
+            axis.turns_within_limits(angle).min_by(|a, b| away(a).total_cmp(&away(b)))
+        };
+        let solutions = solutions.iter().take(count).filter_map(|solution| {
+            Some([near(0, solution.first.unwrap_or(now[0]))?, near(1, solution.second)?])
+        });
+        let turn = |angles: &[f64; 2]| (0..2).map(|i| (angles[i] - now[i]).abs()).fold(0.0, f64::max);
+        solutions.min_by(|a, b| turn(a).total_cmp(&turn(b)))
+    }
+
+    pub(super) fn check_limits(&mut self, line: usize, joints: &[f64; 3], angles: &[f64; 2]) {
         let machine = self.machine();
         let mut found = Vec::new();
         if let Some(axis) = machine.linear_axis_beyond(joints) {
@@ -121,24 +170,38 @@ impl NcState<'_> {
     fn is_fast(&self, place: &Place) -> bool {
         let machine = self.machine();
         let Some(rate) = self.rate else { return false };
-        if !self.inverse {
-            return rate >= RAPID_SHARE * machine.links.rate;
+        if self.inverse != Some(true) {
+            return self.is_link_rate();
         }
         let Some(before) = self.before.filter(|b| b.by_angles && place.by_angles) else { return false };
-        let linear =
-            (0..3).map(|i| 60.0 * (place.joints[i] - before.joints[i]).abs() / machine.linear[i].rapid);
+        let (Some(from), Some(to)) = (before.joints, place.joints) else { return false };
+        let linear = (0..3).map(|i| 60.0 * (to[i] - from[i]).abs() / machine.linear[i].rapid);
         let turn = |i: usize| (place.pose.angles[i] - before.pose.angles[i]).abs();
         let rotary = (0..2).map(|i| turn(i) / machine.rotary[i].rapid_rad_per_s);
         60.0 / rate.max(1e-9) <= RAPID_TIME * linear.chain(rotary).fold(1e-6, f64::max)
     }
 
+    /// Whether the feed rate is that of links.
+    pub(super) fn is_link_rate(&self) -> bool {
+        let limit = RAPID_SHARE * self.machine().links.rate;
+        self.inverse != Some(true) && self.rate.is_some_and(|rate| rate >= limit)
+    }
+
     /// Adds a move, and positions before it where the axes leave the even course between two blocks.
-    fn add(&mut self, line: usize, motion: Motion, place: Place, tool: usize) -> Result<(), InputError> {
+    pub(super) fn add(
+        &mut self,
+        line: usize,
+        motion: Motion,
+        place: Place,
+        tool: usize,
+        is_retract: bool,
+    ) -> Result<(), InputError> {
         if let Some(before) = self.before.filter(|b| b.by_angles && place.by_angles) {
             let machine = self.machine();
-            let length = self.out.program.tools.get(tool).map_or(0.0, |tool| gauge_length(machine, tool));
+            let length = self.length_of(tool);
             let (a, b) = (&before.pose, &place.pose);
-            let joints = place.frame_is_joints && before.frame_is_joints;
+            let ends = before.joints.zip(place.joints).filter(|_| place.is_joint_move);
+            let joints = ends.is_some();
             let strays = machine.axis_stray((&a.axis, a.angles), (&b.axis, b.angles)) > MAX_STRAY
                 || joints && machine.tip_stray(a, b, length) > MAX_TIP_STRAY;
             if strays {
@@ -147,32 +210,34 @@ impl NcState<'_> {
                 for k in 1..steps {
                     let share = k as f64 / steps as f64;
                     let angles = mixed_angles(&a.angles, &b.angles, share);
-                    let tip = if joints {
-                        let at = std::array::from_fn(|i| {
-                            before.joints[i] + (place.joints[i] - before.joints[i]) * share
-                        });
+                    let tip = if let Some((from, to)) = ends {
+                        let at = std::array::from_fn(|i| from[i] + (to[i] - from[i]) * share);
                         machine.tip(&at, &angles, length)
                     } else {
                         a.tip + (b.tip - a.tip) * share
                     };
-                    self.push(line, motion, tip, machine.tool_axis(&angles), tool, Some(angles))?;
+                    let pose = Pose { tip, axis: machine.tool_axis(&angles), angles };
+                    self.push(line, motion, &pose, tool, named(is_retract, angles))?;
                 }
             }
         }
-        let angles = place.by_angles.then_some(place.pose.angles);
-        self.push(line, motion, place.pose.tip, place.pose.axis, tool, angles)?;
+        let angles = match (is_retract, place.by_angles) {
+            (false, false) => MoveAngles::Chosen,
+            _ => named(is_retract, place.pose.angles),
+        };
+        self.push(line, motion, &place.pose, tool, angles)?;
         self.before = Some(place);
+        self.retracted = None;
         Ok(())
     }
 
-    fn push(
+    pub(super) fn push(
         &mut self,
         line: usize,
         motion: Motion,
-        tip: Point,
-        axis: Vector,
+        pose: &Pose,
         tool: usize,
-        angles: Option<[f64; 2]>,
+        angles: MoveAngles,
     ) -> Result<(), InputError> {
         if self.out.program.moves.len() >= source::MAX_MOVES {
             return Err(self
@@ -186,12 +251,17 @@ impl NcState<'_> {
         }
         self.out.program.moves.push(Move {
             motion,
-            tip: placed.point_in_part(&tip),
-            axis: placed.vector_in_part(&axis),
+            tip: placed.point_in_part(&pose.tip),
+            axis: placed.vector_in_part(&pose.axis),
             tool: Some(tool),
             line,
         });
         self.out.angles.push(angles);
         Ok(())
     }
+}
+
+/// Rotary positions of a move that is known.
+fn named(is_retract: bool, angles: [f64; 2]) -> MoveAngles {
+    if is_retract { MoveAngles::Retract(angles) } else { MoveAngles::Named(angles) }
 }
