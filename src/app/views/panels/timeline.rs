@@ -7,6 +7,7 @@ use super::flank_passes::describe;
 use super::positions::cutter_tooltip;
 use crate::app::model::figures::{format_clock, format_duration};
 use crate::app::model::look::{Look, Operation};
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
@@ -95,7 +96,7 @@ fn axes(ui: &mut Ui, state: &AppState) {
             (None, Some(at)) => {
                 // Padded, so that nothing jumps while the axes move.
                 let values = plan.named(at).map(|(name, value, unit)| match unit {
-                    "°" => format!("{name} {value:>8.3}{unit}"),
+                    "°" => with_minus_signs(&format!("{name} {value:>8.3}{unit}")),
                     _ => format!("{name} {:>8}", state.look.units.number(value, 3)),
                 });
                 let text = RichText::new(format!("{}  {}", values.join("  "), plan.machine.name));
