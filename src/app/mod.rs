@@ -82,6 +82,8 @@ pub struct App {
     /// The text of the shown program.
     listing: ListingWork,
     judged_flank: Arc<JudgedFlank>,
+    /// Whether the file that is being asked for is written in spite of the faults of its program.
+    accepts_faults: bool,
     /// The machinability of the part.
     assessing: AssessWork,
     /// Time against stock of the plan.
@@ -145,6 +147,7 @@ impl App {
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
             judged_flank: Arc::default(),
+            accepts_faults: false,
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
             weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
             timeline_tool: TimelineTool::default(),
@@ -243,6 +246,11 @@ impl App {
             || self.assessing.is_busy()
             || self.weighing.is_busy()
             || self.solids.iter().any(SolidWork::is_busy)
+    }
+
+    /// Whether the flank program that was judged last is kept.
+    pub fn keeps_judged_flank(&self) -> bool {
+        self.judged_flank.is_kept()
     }
 
     /// Time from start to the first picture of a part; `None` before it.
@@ -348,9 +356,12 @@ impl eframe::App for App {
             ctx.request_repaint_after(Duration::from_secs_f64(wait));
         }
         self.state.follow_channels();
+        self.state.follow_flank_channels();
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
         self.state.results.flank_is_running = self.work.is_calculating(Operation::Flank);
+        self.judged_flank.forget_replaced();
+        self.state.results.check_is_running = self.work.is_calculating(Operation::Program);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
         self.assessing.follow(&self.state, self.is_in_view(DockPanel::Machinability));

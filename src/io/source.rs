@@ -129,7 +129,14 @@ pub fn number(token: &str) -> Result<f64, String> {
 
 /// Quotes file contents for a message: one line, at most 40 characters, in backquotes.
 pub fn quote_for_message(token: &str) -> String {
-    let mut text: String = token.chars().take(40).flat_map(char::escape_debug).collect();
+    let mut text = String::new();
+    for c in token.chars().take(40) {
+        match c {
+            // Inches, as tools are named; the backquotes end the text.
+            '"' | '\'' => text.push(c),
+            _ => text.extend(c.escape_debug()),
+        }
+    }
     if token.chars().nth(40).is_some() {
         text.push('…');
     }

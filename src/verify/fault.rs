@@ -54,28 +54,31 @@ pub enum FaultKind {
 }
 
 impl FaultKind {
-    /// Noun phrase for a number of faults of this kind.
-    pub fn plural_phrase(self) -> &'static str {
-        match self {
-            Self::CoreContact => "plunges whose core meets stock",
-            Self::HubAllowance => "cuts below the hub's allowance",
-            Self::BladeAllowance => "cuts below a blade's allowance",
-            Self::RapidClearance => "rapids too near to the blank",
-            Self::RapidInStock => "rapids through stock",
-            Self::ToolInBlank => "rapids with the tool in the blank",
-            Self::ShankCollision => "moves with the shank in the part",
-            Self::HolderCollision => "moves with the holder in the part",
-            Self::HolderInStock => "moves with the holder in stock",
-            Self::AxisTilt => "axes beyond the machine's tilt",
-            Self::AxisLimit => "positions beyond an axis limit",
-            Self::AxisTurn => "moves that turn the axis too far",
-            Self::TooDeep => "cuts deeper than the tool is long",
-            Self::NoFeed => "cuts without a feed rate",
-            Self::SpindleStopped => "cuts with the spindle stopped",
-            Self::CutsNothing => "programs that cut nothing",
-            Self::ToolDiffers => "tools that differ from the setup",
-            Self::NotJudged => "cuts that cannot be judged",
-        }
+    /// Noun phrase for `count` faults of this kind.
+    pub fn phrase(self, count: usize) -> &'static str {
+        let (one, many) = match self {
+            Self::CoreContact => ("plunge whose core meets stock", "plunges whose core meets stock"),
+            Self::HubAllowance => ("cut below the hub's allowance", "cuts below the hub's allowance"),
+            Self::BladeAllowance => ("cut below a blade's allowance", "cuts below a blade's allowance"),
+            Self::RapidClearance => ("rapid too near to the blank", "rapids too near to the blank"),
+            Self::RapidInStock => ("rapid through stock", "rapids through stock"),
+            Self::ToolInBlank => ("rapid with the tool in the blank", "rapids with the tool in the blank"),
+            Self::ShankCollision => ("move with the shank in the part", "moves with the shank in the part"),
+            Self::HolderCollision => {
+                ("move with the holder in the part", "moves with the holder in the part")
+            }
+            Self::HolderInStock => ("move with the holder in stock", "moves with the holder in stock"),
+            Self::AxisTilt => ("axis beyond the machine's tilt", "axes beyond the machine's tilt"),
+            Self::AxisLimit => ("position beyond an axis limit", "positions beyond an axis limit"),
+            Self::AxisTurn => ("move that turns the axis too far", "moves that turn the axis too far"),
+            Self::TooDeep => ("cut deeper than the tool is long", "cuts deeper than the tool is long"),
+            Self::NoFeed => ("cut without a feed rate", "cuts without a feed rate"),
+            Self::SpindleStopped => ("cut with the spindle stopped", "cuts with the spindle stopped"),
+            Self::CutsNothing => ("program that cuts nothing", "programs that cut nothing"),
+            Self::ToolDiffers => ("tool that differs from the setup", "tools that differ from the setup"),
+            Self::NotJudged => ("cut that cannot be judged", "cuts that cannot be judged"),
+        };
+        if count == 1 { one } else { many }
     }
 }
 
@@ -199,7 +202,7 @@ pub fn count_by_kind(faults: &[Fault]) -> String {
     let mut kinds: Vec<FaultKind> = faults.iter().map(|fault| fault.kind).collect();
     kinds.sort_unstable();
     let words =
-        kinds.chunk_by(|a, b| a == b).map(|same| format!("{} {}", same.len(), same[0].plural_phrase()));
+        kinds.chunk_by(|a, b| a == b).map(|same| format!("{} {}", same.len(), same[0].phrase(same.len())));
     words.collect::<Vec<_>>().join(", ")
 }
 
@@ -308,4 +311,22 @@ pub(super) fn tool_mismatch(line: usize, tool: &Tool, setup: &Setup) -> Option<F
         );
         Finding::new(FaultKind::ToolDiffers, tool.diameter, what).with_help("correct one of them").at(line)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Fault, FaultKind, count_by_kind};
+
+    #[test]
+    fn one_fault_is_named_in_the_singular() {
+        let fault = |kind: FaultKind| Fault {
+            line: 1,
+            kind,
+            value: None,
+            message: String::new(),
+            help: String::new(),
+        };
+        let faults = [FaultKind::CutsNothing, FaultKind::NoFeed, FaultKind::NoFeed].map(fault);
+        assert_eq!(count_by_kind(&faults), "2 cuts without a feed rate, 1 program that cuts nothing");
+    }
 }

@@ -33,7 +33,7 @@ fn choose(window: &mut Window, list: &str, entry: &str) {
 }
 
 /// Shows so many channels, by the menu of layers.
-fn show_channels(window: &mut Window, count: f64) {
+pub fn show_channels(window: &mut Window, count: f64) {
     window.get_by_role_and_label(Role::Button, "Layers").click();
     window.run_steps(2);
     window.get_by_role_and_label(Role::SpinButton, "Channels shown").set_value_accesskit(count);

@@ -13,12 +13,17 @@ use vanecut::job::JobError;
 use vanecut::job::flank::FlankRequest;
 use vanecut::monitor::Monitor;
 use vanecut::setup::FlankStrategy;
+use vanecut::toolpath::Travel;
 
+use crate::channels::show_channels;
 use crate::fake;
-use crate::harness::{Window, labels, settle, snapshot_view, with_sample, words};
+use crate::harness::{
+    Window, choose_in_file_menu, choose_in_list, click_enabled, labels, settle, snapshot_view, with_sample,
+    words,
+};
 
 /// Sets the depth of the layers in the panel of flank milling, mm.
-fn set_depth(window: &mut Window, depth: f64) {
+pub fn set_depth(window: &mut Window, depth: f64) {
     let field = window.get_by_role_and_label(Role::Slider, "Layer depth");
     field.set_value_accesskit(depth);
     window.run_steps(4);
@@ -89,7 +94,13 @@ fn flank_curves_are_planned_shown_and_written() {
     window.event(egui::Event::PointerGone);
     window.run_steps(2);
     assert!(above > 0 && below > 0, "both signs are found: {above} above, {below} below");
-    window.get_by_label("layer").click_accesskit();
+    // The menu of layers colours the passes while they are shown, not the cutters of the plunges.
+    window.get_by_role_and_label(Role::Button, "Layers").click();
+    window.run_steps(2);
+    assert!(window.query_by_label("Cutters by").is_none());
+    window.get_by_role_and_label(Role::RadioButton, "Layer").click();
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
     window.run_steps(4);
     window.get_by_label_contains("layer 1, at the hub");
     snapshot_view(&mut window, "flank_layers");
@@ -206,6 +217,56 @@ fn passes_of_the_flank_plan_are_a_table_and_moves_a_timeline() {
     window.get_by_role_and_label(Role::Button, "Go to end").click();
     window.run_steps(3);
     assert_eq!(window.state().state().look.flank.cut, None);
+}
+
+/// What is seen of the wheel is what its program mills.
+#[test]
+fn the_flank_plan_is_shown_in_several_channels_in_the_order_of_their_program() {
+    let mut window = with_plan();
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    let (of_one, passes) = (outcome.plan.moves.len(), window.state().state().results.passes.passes.len());
+    show_channels(&mut window, 2.0);
+    let run = window.state().state().results.flank_run.clone().expect("shown");
+    let program = outcome.in_channels(2, &Monitor::default()).expect("not cancelled").program;
+    assert_eq!(*run.program().0, program, "as it is exported");
+    let steps = run.moves();
+    assert!(steps.len() >= 2 * of_one, "passes, and links from channel to channel: {}", steps.len());
+    window.get_by_label(&format!("all {}", steps.len()));
+    let shown = window.state().state().results.passes.clone();
+    assert_eq!(shown.passes.len(), 2 * passes, "the same passes in each");
+    let layout = &outcome.plan.layout;
+    let count = 2 * layout.totals[layout.strategy as usize].passes;
+    window.get_by_label(&format!("{} cuts of {count} passes", shown.passes.len()));
+    let whole = Travel::from_program(&program).time;
+    assert!((shown.time_after(steps.len()) - whole).abs() < 1e-6 * whole, "the time of the program");
+    window.key_press(egui::Key::Num3);
+    window.run_steps(4);
+    settle(&mut window);
+    snapshot_view(&mut window, "flank_channels");
+
+    // The timeline goes on in the next channel; table and line of the program follow.
+    let pass = &shown.passes[passes + 2];
+    assert_eq!(run.channel_of(pass.from), 1);
+    let line = window.get_by_role_and_label(Role::Slider, "Timeline");
+    line.set_value_accesskit(pass.end as f64);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(window.state().state().look.flank.pass, Some(passes + 2));
+    let step = &program.moves[run.program().1[pass.end - 1]];
+    let [x, y, z] = [step.tip.x, step.tip.y, step.tip.z];
+    window.get_by_label_contains(&format!(": GOTO/{x:.6},{y:.6},{z:.6}"));
+    let solid = window.state().state().solid_source(Side::After).expect("planned");
+    assert_eq!((solid.channels, solid.flank.map(|run| run.count())), (2, Some(2)), "the solid stock, too");
+
+    // Another order is another program.
+    choose_in_file_menu(&mut window, "Export NC program…");
+    choose_in_list(&mut window, "Channel sequence", "Opposite");
+    click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    settle(&mut window);
+    let other = window.state().state().results.flank_run.clone().expect("shown");
+    assert!(*other.program().0 != program && other.moves().len() >= steps.len());
+    assert_eq!(window.state().state().look.flank.cut, None, "its timeline begins anew");
 }
 
 #[test]

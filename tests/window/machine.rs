@@ -43,7 +43,7 @@ fn line_of_axes(window: &Window) -> Option<String> {
 
 /// The line of the axes, as pairs of a letter and a number.
 pub fn axes(window: &Window) -> Vec<(char, f64)> {
-    let text = line_of_axes(window).expect("a line");
+    let text = line_of_axes(window).expect("a line").replace('−', "-");
     let words: Vec<&str> = text.split_whitespace().collect();
     let pair = |pair: &[&str]| Some((pair[0].chars().next()?, pair[1].trim_end_matches('°').parse().ok()?));
     words.chunks_exact(2).map_while(pair).collect()
@@ -289,7 +289,8 @@ fn the_axes_of_a_position_are_shown_under_the_pointer() {
     let values = |window: &Window, k: usize| {
         let machine = on_machine(window);
         let at = machine.at(Some(k + 1)).expect("it runs");
-        machine.named(at).map(|(name, value, unit)| format!("{name} {value:.3}{unit}")).join("  ")
+        let axes = machine.named(at).map(|(name, value, unit)| format!("{name} {value:.3}{unit}"));
+        axes.join("  ").replace('-', "−")
     };
     let third = values(&window, 2);
     assert!(third.contains("A ") && third.contains("C "), "{third}");

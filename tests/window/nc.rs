@@ -1,16 +1,20 @@
 //! NC programs leave the window as `vanecut post` writes them.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::flank::{FlankMove, MoveKind};
 use vanecut::io::apt::write_apt;
 use vanecut::io::flank_file::{read_flank_bytes, stored_program, write_flank};
 use vanecut::io::machine_file::read_machine;
 use vanecut::io::nc::read_post;
 use vanecut::io::part_file::read_part;
+use vanecut::job::flank::FlankRequest;
 use vanecut::job::post::{PostRequest, post_program};
 use vanecut::machine::{BlankSize, ChannelCalls, OutputKind};
 use vanecut::monitor::Monitor;
@@ -19,9 +23,10 @@ use vanecut::toolpath::ClProgram;
 
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
-use crate::flank::with_plan;
+use crate::flank::{plan_flank, set_depth, with_plan};
 use crate::harness::{
-    Window, choose_in_file_menu, choose_in_list, click_enabled, press, settle, snapshot_ui, with_sample,
+    Window, choose_in_file_menu, choose_in_list, click_enabled, labels, press, settle, snapshot_ui,
+    with_sample,
 };
 use crate::machine::{open_narrow_machine, with_machine};
 
@@ -347,15 +352,22 @@ fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
     window.get_by_role_and_label(Role::SpinButton, "Channels").set_value_accesskit(2.0);
     window.run_steps(2);
     choose_in_list(&mut window, "Channel sequence", "Opposite");
+    for _ in 0..2 {
+        window.get_by_label("Subprogram").click();
+        window.run_steps(2);
+        let calls = window.query_by_label("Subprogram to be called once, for its 2 channels");
+        let is_chosen = window.get_by_label("Subprogram").accesskit_node().toggled() == Some(Toggled::True);
+        assert_eq!(calls.is_some(), is_chosen, "as the program says itself");
+    }
     let path = folder.path().join("two.h");
     save(&mut window, &path);
     let text = std::fs::read_to_string(&path).expect("written");
     let mut outcome = (*window.state().state().results.flank.clone().expect("planned")).clone();
     outcome.setup.channels.sequence = ChannelSequence::Opposite;
-    let judged = outcome.program_for_channels(2, &Monitor::default()).expect("judged");
-    assert_eq!(judged.faults, []);
+    let notice = &window.state().state().notice.as_ref().expect("a message").text;
+    assert!(!notice.contains("fault"), "{notice}");
     let (workpiece, setup) = (&outcome.workpiece, &outcome.setup);
-    let program = stored_program(workpiece, setup, &judged.plan, 2, &Monitor::default()).expect("written");
+    let program = stored_program(workpiece, setup, &outcome.plan, 2, &Monitor::default()).expect("written");
     let target = read_machine(Path::new("ac-trunnion")).unwrap();
     assert_eq!(text, posted(&window, &program, "ac-trunnion", &target.control, target.output));
 
@@ -363,7 +375,9 @@ fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels: 2 }, path.clone());
     settle(&mut window);
-    assert_eq!(std::fs::read_to_string(&path).expect("written"), write_apt(&judged.program));
+    // No retract of this plan needs another feed rate in another channel.
+    let program = outcome.in_channels(2, &Monitor::default()).expect("not cancelled").program;
+    assert_eq!(std::fs::read_to_string(&path).expect("written"), write_apt(&program));
 
     // The setup sheet is for as many channels.
     window.state_mut().look_mut().operation = Operation::Flank;
@@ -376,4 +390,60 @@ fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
     window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels: 1 }, path.clone());
     settle(&mut window);
     assert_eq!(std::fs::read_to_string(&path).expect("written"), write_apt(&outcome.program()));
+}
+
+/// The fake engine, whose flank plans have a pass that ends in the hub, which their verdict does not know of.
+fn engine_that_gouges() -> Engine {
+    let (engine, _) = fake::engine();
+    let inner = Arc::clone(&engine.flank);
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        let mut outcome = inner(request, monitor)?;
+        let is_deepest = |step: &&mut FlankMove| step.kind == MoveKind::Cut && step.layer == 0;
+        let step = outcome.plan.moves.iter_mut().rfind(is_deepest).expect("a pass at the hub");
+        step.tip -= 3.0 * step.axis;
+        Ok(outcome)
+    };
+    Engine { flank: Arc::new(flank), ..engine }
+}
+
+/// A program of several channels is judged as it is written: what speaks against it is not known before.
+#[test]
+fn faults_of_a_flank_program_of_several_channels_are_asked_about_and_judging_can_be_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = with_sample(engine_that_gouges());
+    plan_flank(&mut window, 10.0);
+    let ctx = window.ctx.clone();
+    let export = |window: &mut Window, channels: usize| {
+        let path = folder.path().join(format!("{channels}.apt"));
+        window.state_mut().file_chosen(&ctx, Purpose::ExportFlank { channels }, path.clone());
+        path
+    };
+    let cancelled = export(&mut window, 17);
+    window.run_steps(2);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_label("Writing cancelled");
+    assert!(!cancelled.exists());
+
+    let path = export(&mut window, 2);
+    settle(&mut window);
+    window.get_by_label("Export this program?");
+    assert!(!labels(&window, "• Move ").is_empty(), "what they are");
+    assert!(!path.exists(), "not before the answer");
+    assert!(window.state().keeps_judged_flank(), "it is not judged again");
+    click_enabled(&window, "Export anyway");
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists());
+    assert!(window.get_by_label_contains("Wrote ").value().is_some_and(|text| text.contains("fault")));
+
+    // The next file is asked about anew, and a plan that is replaced is not kept.
+    assert_eq!(export(&mut window, 2), path);
+    settle(&mut window);
+    window.get_by_label("Export this program?");
+    click_enabled(&window, "Cancel");
+    window.run_steps(2);
+    set_depth(&mut window, 8.0);
+    assert!(!window.state().keeps_judged_flank(), "the plan of the edited setup takes its place");
 }

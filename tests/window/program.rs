@@ -21,7 +21,7 @@ use vanecut::verify::{Fault, FaultKind, verify};
 
 use crate::drop::drop_on;
 use crate::fake;
-use crate::harness::{HANG, Window, click_enabled, pixels_in, settle, snapshot_view, with_sample};
+use crate::harness::{HANG, Window, click_enabled, labels, pixels_in, settle, snapshot_view, with_sample};
 use crate::machine::{axes, choose, held_by_trunnion, with_machine};
 
 /// The first plunges of the plan as a program; the fourth goes 3 mm too deep.
@@ -463,6 +463,7 @@ fn a_check_shows_its_progress_and_can_be_cancelled() {
         }
         assert!(start.elapsed() < HANG, "no progress");
     }
+    assert!(labels(&window, "Checking").len() > 2, "verdict, list and status bar say it");
     click_enabled(&window, "Cancel");
     window.run_steps(2);
     assert!(!window.state().is_busy(), "the window does not wait");

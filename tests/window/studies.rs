@@ -290,6 +290,12 @@ fn a_merged_table_leads_to_its_runs_and_a_damaged_one_is_refused() {
     let said = &window.state().state().problems;
     assert!(said.iter().any(|p| p.message.contains("parts/impeller532.toml, is not found")), "{said:?}");
 
+    // The message stands over the table, which is as large as the window.
+    let dismiss = window.get_by_role_and_label(Role::Button, "Dismiss").rect().center();
+    press(&mut window, dismiss);
+    window.run_steps(3);
+    assert!(window.state().state().problems.is_empty(), "the message is in view");
+
     let damaged = folder.path().join("damaged.csv");
     std::fs::write(&damaged, "a,b\n1\n").expect("writes");
     open(&mut window, damaged);

@@ -5,6 +5,7 @@ use egui_kittest::kittest::Queryable;
 use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
 
+use crate::dialogs::press_enter;
 use crate::fake;
 use crate::harness::{Window, click_enabled, press, settle, with_sample};
 
@@ -289,7 +290,8 @@ fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
     let write = |window: &mut Window| {
         click(window, "Save library…");
         name_file(window, &shop);
-        click(window, "Replace");
+        press_enter(window);
+        assert!(window.query_by_label("Replace").is_none(), "nothing in it is replaced");
     };
     write(&mut window);
     window.get_by_label("Write into the Fusion library?");

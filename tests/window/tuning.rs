@@ -8,7 +8,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::setup::Setup;
 
 use crate::fake;
-use crate::harness::{Window, settle, snapshot_view, with_sample};
+use crate::harness::{Window, press, settle, snapshot_view, with_sample};
 
 #[test]
 fn a_slider_is_followed_live_and_stale_results_say_so() {
@@ -152,6 +152,16 @@ fn the_empty_palette_proposes_nothing_that_closes_the_project() {
     window.run_steps(3);
     settle(&mut window);
     assert!(window.state().state().document.part.is_some(), "the project is still open");
+    // A dozen commands can be clicked without scrolling.
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(3);
+    let shown = window.state().state().look.layers.stock;
+    let is_it = |label: String| label.starts_with("Stock");
+    let seventh =
+        window.get_by(|node| node.role() == Role::Button && node.label().is_some_and(is_it)).rect().center();
+    press(&mut window, seventh);
+    window.run_steps(3);
+    assert_ne!(window.state().state().look.layers.stock, shown, "the seventh command is in view");
     for (typed, found) in [("simulate", "Simulate to here"), ("gcode", "Export NC program…")] {
         window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
         window.run_steps(3);

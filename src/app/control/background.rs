@@ -16,7 +16,7 @@ use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::role_choices::hint_for_dialog;
 use crate::app::model::shop_library::ShopLibrary;
 use crate::app::tasks::engine::PlanTask;
-use crate::app::tasks::files::{self, WriteError, WriteTask};
+use crate::app::tasks::files::{self, WriteTask};
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::opening::Opened;
 use crate::app::tasks::project::{edited_of, source_of};
@@ -162,7 +162,7 @@ impl App {
     }
 
     /// Stops opening and planning; the planner returns its best plan so far, or nothing at the second call.
-    /// Writing takes a moment and is not cancelled.
+    /// What is written in a moment is not cancelled.
     pub(in crate::app) fn cancel(&mut self) {
         // The curve goes on while what the status bar shows is cancelled.
         if self.work.running().is_none() {
@@ -172,6 +172,7 @@ impl App {
         self.work.planner.stop();
         self.work.flanker.cancel();
         self.work.checker.cancel();
+        self.work.cancel_judging();
     }
 
     /// Plans flank milling passes with the current setup.
@@ -266,29 +267,8 @@ impl App {
         if let Some((_, end)) = self.work.checker.take_outcome() {
             self.take_checked(end);
         }
-        if let Some((_, end)) = self.work.writer.take_outcome() {
-            match end {
-                Outcome::Done(written) => {
-                    self.state.report_done(written.text);
-                    if let Some((plan, file)) = written.program {
-                        self.state.results.exported.note(plan, file);
-                    }
-                    if let Some(project) = written.project {
-                        self.note_saved(ctx, project);
-                    }
-                    if let Some((path, content)) = written.library {
-                        self.note_saved_library(ctx, path, content);
-                    }
-                }
-                Outcome::Cancelled => {}
-                Outcome::Failed(WriteError::ChangedOnDisk(path)) => self.session.changed_on_disk = Some(path),
-                Outcome::Failed(WriteError::Failed(error)) => {
-                    self.state.report_problem(Problem::from(&error));
-                }
-                Outcome::Panicked(what) => {
-                    self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));
-                }
-            }
+        for end in self.work.take_written() {
+            self.take_written(ctx, end);
         }
         self.collect_device_faults(ctx);
     }
@@ -478,12 +458,12 @@ impl App {
     }
 
     pub(in crate::app) fn write(&mut self, task: WriteTask) {
-        self.work.writer.submit(task);
+        self.work.write(task);
     }
 }
 
 /// Problem message for a panic of a background task.
-fn panic_problem(topic: Topic, what: &str, message: &str) -> Problem {
+pub(super) fn panic_problem(topic: Topic, what: &str, message: &str) -> Problem {
     Problem::about(
         topic,
         &format!("{what} failed unexpectedly ({message})"),

@@ -6,15 +6,16 @@ use std::sync::Arc;
 
 use egui::Ui;
 
+use super::background::panic_problem;
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{DEFAULT_MACHINE, Operation};
 use crate::app::model::post_target::PostTarget;
-use crate::app::model::problem::{Problem, without_markdown};
-use crate::app::model::release::concerns;
+use crate::app::model::problem::{Problem, Topic, without_markdown};
+use crate::app::model::release::{concerns, fault_lines};
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
-use crate::app::tasks::files::{SceneTask, WriteTask};
+use crate::app::tasks::files::{SceneTask, WriteError, WriteTask, Written};
 use crate::app::tasks::programs::{FlankSource, NcTask, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
@@ -24,6 +25,8 @@ use crate::gpu::SceneOptions;
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
+use crate::job::worker::Outcome;
+use crate::verify::Fault;
 
 /// Maximum number of remarks on a library that are repeated when it is written.
 const MAX_NOTES: usize = 4;
@@ -35,6 +38,8 @@ pub(in crate::app) struct ReleaseQuestion {
     path: PathBuf,
     concerns: Vec<String>,
     words: &'static ReleaseWords,
+    /// Whether it is about the faults of a flank program of several channels, which was judged.
+    is_judged: bool,
 }
 
 impl App {
@@ -52,7 +57,44 @@ impl App {
                 Purpose::SaveLibrary => &release::LIBRARY,
                 _ => &release::PROGRAM,
             };
-            self.release = Some(ReleaseQuestion { purpose, path, concerns, words });
+            self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: false });
+        }
+    }
+
+    /// Asks about a flank program of several channels that has faults as it would be written.
+    pub(in crate::app) fn ask_about_faults(&mut self, purpose: Purpose, path: PathBuf, faults: &[Fault]) {
+        let (concerns, words) = (fault_lines(faults), &release::PROGRAM);
+        self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: true });
+    }
+
+    /// Handles the end of a file that was to be written.
+    pub(super) fn take_written(&mut self, ctx: &egui::Context, end: Outcome<Written, WriteError>) {
+        match end {
+            Outcome::Done(written) => {
+                self.state.report_done(written.text);
+                if let Some((plan, file)) = written.program {
+                    self.state.results.exported.note(plan, file);
+                }
+                if let Some(project) = written.project {
+                    self.note_saved(ctx, project);
+                }
+                if let Some((path, content)) = written.library {
+                    self.note_saved_library(ctx, path, content);
+                }
+            }
+            Outcome::Cancelled | Outcome::Failed(WriteError::Cancelled) => {
+                self.state.report_done("Writing cancelled");
+            }
+            Outcome::Failed(WriteError::Faulty { purpose, path, faults }) => {
+                self.ask_about_faults(purpose, path, &faults);
+            }
+            Outcome::Failed(WriteError::ChangedOnDisk(path)) => self.session.changed_on_disk = Some(path),
+            Outcome::Failed(WriteError::Failed(error)) => {
+                self.state.report_problem(Problem::from(&error));
+            }
+            Outcome::Panicked(what) => {
+                self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));
+            }
         }
     }
 
@@ -81,14 +123,18 @@ impl App {
             release::ask(ui, question.words, &question.concerns, can_change)
         });
         let Some(answer) = answer else { return };
-        let Some(ReleaseQuestion { purpose, path, .. }) = self.release.take() else { return };
+        let Some(ReleaseQuestion { purpose, path, is_judged, .. }) = self.release.take() else { return };
         match answer {
             ReleaseAnswer::Recalculate => {
                 let is_flank = purpose.planned_operation() == Some(Operation::Flank);
                 let command = if is_flank { Command::PlanFlank } else { Command::Plan };
                 self.run_command(ui.ctx(), command);
             }
-            ReleaseAnswer::Export => self.use_file(ui.ctx(), purpose, path),
+            ReleaseAnswer::Export => {
+                self.accepts_faults = is_judged;
+                self.use_file(ui.ctx(), purpose, path);
+                self.accepts_faults = false;
+            }
             ReleaseAnswer::Cancel => {}
         }
     }
@@ -119,7 +165,8 @@ impl App {
     pub(in crate::app) fn flank_source(&self, channels: usize) -> Option<FlankSource> {
         let outcome = self.state.results.flank.clone()?;
         let order = self.state.document.edited.setup.channels;
-        Some(FlankSource { outcome, channels, order, judged: Arc::clone(&self.judged_flank) })
+        let (judged, accepts_faults) = (Arc::clone(&self.judged_flank), self.accepts_faults);
+        Some(FlankSource { outcome, channels, order, judged, accepts_faults })
     }
 
     /// Operations that have a plan to write.

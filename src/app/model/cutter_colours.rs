@@ -1,5 +1,6 @@
 //! What the cutters in the 3D view are coloured by, and the classes of that which can be hidden.
 
+use super::number::with_minus_signs;
 use super::planned::ShownPlan;
 use super::units::DisplayUnits;
 use crate::palette::{self, ColourMap, Rgb, TABLE_LEN, category};
@@ -142,7 +143,8 @@ impl CutterColours {
                 CutterLegend::Classes(self.class_shares(&classes, in_view, units))
             }
             (Self::LeadAngle, CutterKey::Range(low, high)) => {
-                CutterLegend::Scale(format!("{low:.1}°"), format!("{high:.1}°"))
+                let text = |degrees: f64| with_minus_signs(&format!("{degrees:.1}°"));
+                CutterLegend::Scale(text(low), text(high))
             }
             (Self::FeedRate, CutterKey::Range(low, high)) => {
                 CutterLegend::Scale(units.number(low, 0), units.feed(high))

@@ -43,22 +43,20 @@ impl FlankPasses {
     /// The passes of `plan`. The plunges that open the stock come before them.
     pub fn from_plan(plan: &FlankPlan) -> Self {
         let opening = ClProgram::default().after_opening(plan.opening.as_ref());
-        Self::of_moves(&plan.moves, Travel::from_program(&opening).time)
+        Self::of_moves(&plan.moves, clock_of(&plan.moves, Travel::from_program(&opening).time))
     }
 
-    /// The passes of `moves`, which begin `start` (s) after the program.
-    fn of_moves(moves: &[FlankMove], start: f64) -> Self {
+    /// The passes of `moves`, with the time from the start of the program to the end of each, s.
+    pub fn of_moves(moves: &[FlankMove], clock: Vec<f64>) -> Self {
         let mut found = Self::default();
-        let mut time = start;
         for (index, step) in moves.iter().enumerate() {
             let before = index.checked_sub(1).map(|before| &moves[before]);
             if before.is_none_or(|before| before.layer != step.layer) {
                 found.layer_starts.push(index);
             }
             let length = before.map_or(0.0, |before| (step.tip - before.tip).norm());
-            let duration = 60.0 * length / step.feed_mm_per_min.max(1e-6);
-            time += duration;
-            found.clock.push(time);
+            let ends = |index: usize| clock.get(index).copied().unwrap_or(0.0);
+            let duration = ends(index) - index.checked_sub(1).map_or(0.0, ends);
             let Some(from) = index.checked_sub(1).filter(|_| step.kind == MoveKind::Cut) else { continue };
             let goes_on = |pass: &&mut FlankPass| {
                 pass.end == index
@@ -91,7 +89,7 @@ impl FlankPasses {
             pass.feeds = [low.min(step.feed_mm_per_min), high.max(step.feed_mm_per_min)];
             pass.turn = pass.turn.max(moves[pass.from].axis.angle(&step.axis));
         }
-        found
+        Self { clock, ..found }
     }
 
     /// Time after the first `count` moves, s.
@@ -105,6 +103,18 @@ impl FlankPasses {
         // The pass begins with the move after `from`.
         self.passes.partition_point(|pass| pass.from + 1 < count).checked_sub(1)
     }
+}
+
+/// Time from the start of the program to the end of each of `moves`, which begin `start` (s) after it, s.
+fn clock_of(moves: &[FlankMove], start: f64) -> Vec<f64> {
+    let mut time = start;
+    let ends = moves.iter().enumerate().map(|(index, step)| {
+        let before = index.checked_sub(1).map(|before| &moves[before]);
+        let length = before.map_or(0.0, |before| (step.tip - before.tip).norm());
+        time += 60.0 * length / step.feed_mm_per_min.max(1e-6);
+        time
+    });
+    ends.collect()
 }
 
 /// Middle of the moves of a pass, half of its extent, mm, and its axis there.
@@ -146,7 +156,7 @@ mod tests {
             step(Rapid, 0.0, 0, false),
             step(Cut, 30.0, 0, false),
         ];
-        let found = FlankPasses::of_moves(&moves, 0.0);
+        let found = FlankPasses::of_moves(&moves, clock_of(&moves, 0.0));
         let ends: Vec<_> = found.passes.iter().map(|pass| (pass.from, pass.end, pass.length)).collect();
         assert_eq!(ends, [(1, 4, 30.0), (4, 6, 10.0), (5, 7, 10.0), (7, 9, 30.0)]);
         assert_eq!(found.layer_starts, [0, 7]);

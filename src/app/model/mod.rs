@@ -11,6 +11,7 @@ pub mod field_faults;
 pub mod figures;
 pub mod file_purpose;
 pub mod flank_passes;
+pub mod flank_run;
 pub mod history;
 pub mod known_goals;
 pub mod layout;

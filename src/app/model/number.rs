@@ -66,6 +66,19 @@ pub fn parse(text: &str, quantity: Quantity) -> Option<f64> {
     (is_one && (quantity != Quantity::Count || value.fract() == 0.0)).then_some(value)
 }
 
+/// `text` with minus signs before its numbers instead of hyphens: a hyphen is short, and lines break after
+/// it, so that it would be parted from its number.
+pub fn with_minus_signs(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    let mut chars = text.chars().peekable();
+    while let Some(c) = chars.next() {
+        let begins = shown.chars().last().is_none_or(|before| !before.is_alphanumeric());
+        let is_sign = c == '-' && begins && chars.peek().is_some_and(char::is_ascii_digit);
+        shown.push(if is_sign { '−' } else { c });
+    }
+    shown
+}
+
 /// Maximum nesting depth; deeper input is rejected, so that it cannot exhaust the stack.
 const MAX_DEPTH: usize = 32;
 
@@ -126,7 +139,13 @@ fn skip<'a, 'b>(rest: &'a mut &'b [u8]) -> &'a mut &'b [u8] {
 #[cfg(test)]
 mod tests {
     use super::Quantity::{Angle, Count, FeedRate, Length, Plain, SpindleSpeed};
-    use super::parse;
+    use super::{parse, with_minus_signs};
+
+    #[test]
+    fn only_signs_of_numbers_become_minus_signs() {
+        let text = "comes within -5.7 mm (-3) of a semi-finished 2-1 hub - no";
+        assert_eq!(with_minus_signs(text), "comes within −5.7 mm (−3) of a semi-finished 2-1 hub - no");
+    }
 
     #[test]
     fn typed_numbers() {

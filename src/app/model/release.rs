@@ -7,6 +7,7 @@ use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, skipped_l
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::state::AppState;
+use crate::verify::Fault;
 
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
@@ -70,13 +71,21 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     found
 }
 
+/// The first faults of a flank program, and how many more there are.
+pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
+    let mut lines: Vec<String> =
+        faults.iter().take(3).map(|fault| format!("Move {}: {fault}", fault.line)).collect();
+    match faults.len() - lines.len() {
+        0 => {}
+        1 => lines.push("1 more fault".to_owned()),
+        more => lines.push(format!("{more} more faults")),
+    }
+    lines
+}
+
 fn flank_concerns(state: &AppState) -> Vec<String> {
     let Some(outcome) = &state.results.flank else { return Vec::new() };
-    let mut found: Vec<String> =
-        outcome.faults.iter().take(3).map(|fault| format!("Move {}: {fault}", fault.line)).collect();
-    if outcome.faults.len() > found.len() {
-        found.push(format!("{} more faults", outcome.faults.len() - found.len()));
-    }
+    let mut found = fault_lines(&outcome.faults);
     if outcome.verdict.is_none() {
         found.push("The program could not be verified".to_owned());
     }

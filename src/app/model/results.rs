@@ -11,6 +11,7 @@ use crate::setup::Setup;
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::exported::ExportedPrograms;
 use crate::app::model::flank_passes::FlankPasses;
+use crate::app::model::flank_run::FlankRun;
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::machine::ProgramOnMachine;
 use crate::app::model::planned::DisplayPlan;
@@ -52,6 +53,10 @@ pub struct Results {
     pub flank: Option<Arc<FlankOutcome>>,
     /// Whether one is being calculated.
     pub flank_is_running: bool,
+    /// Whether a program is being checked.
+    pub check_is_running: bool,
+    /// The flank plan in the shown channels.
+    pub flank_run: Option<Arc<FlankRun>>,
     /// Its passes; empty without one.
     pub passes: Arc<FlankPasses>,
     /// The program that was checked last.

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::app::model::flank_run::FlankRun;
 use crate::app::model::planned::DisplayPlan;
-use crate::job::flank::FlankOutcome;
 use crate::setup::AxisPolicy;
 
 /// What the colours of the solid show.
@@ -44,8 +44,8 @@ pub struct SolidSource {
     pub policy: AxisPolicy,
     /// Number of channels that it mills.
     pub channels: usize,
-    /// The flank plan that follows it.
-    pub flank: Option<Arc<FlankOutcome>>,
+    /// The flank plan that follows it, in its channels.
+    pub flank: Option<Arc<FlankRun>>,
 }
 
 impl PartialEq for SolidSource {

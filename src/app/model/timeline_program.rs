@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::checked::CheckedProgram;
+use super::flank_run::FlankRun;
 use super::planned::DisplayPlan;
-use crate::job::flank::FlankOutcome;
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Impeller;
 use crate::setup::{AllowanceSetup, AxisPolicy};
@@ -16,8 +16,8 @@ use crate::toolpath::ClProgram;
 pub enum TimelineProgram {
     /// The plunge plan of a policy for that number of channels, plunge by plunge.
     Plunges(Arc<DisplayPlan>, AxisPolicy, usize),
-    /// A flank plan, move by move.
-    Flank(Arc<FlankOutcome>),
+    /// A flank plan in the shown channels, move by move.
+    Flank(Arc<FlankRun>),
     /// A checked program, move by move.
     Checked(Arc<CheckedProgram>),
 }
@@ -50,12 +50,10 @@ impl TimelineProgram {
                 let bottoms = program.bottoms_of(&plan);
                 (Cow::Owned(program), bottoms)
             }
-            Self::Flank(outcome) => {
-                let program = outcome.program();
-                let count = program.moves.len();
+            Self::Flank(run) => {
                 // The timeline does not include the plunges that open the stock before the passes.
-                let passes = count - outcome.plan.moves.len()..count;
-                (Cow::Owned(program), passes.map(Some).collect())
+                let (program, passes) = run.program();
+                (program, passes.into_iter().map(Some).collect())
             }
             Self::Checked(checked) => {
                 (Cow::Borrowed(&checked.program), (0..checked.program.moves.len()).map(Some).collect())
@@ -69,7 +67,7 @@ impl TimelineProgram {
             Self::Plunges(planned, ..) => {
                 (&planned.outcome.workpiece.part, &planned.outcome.setup.allowances)
             }
-            Self::Flank(outcome) => (&outcome.workpiece.part, &outcome.setup.allowances),
+            Self::Flank(run) => (&run.outcome.workpiece.part, &run.outcome.setup.allowances),
             Self::Checked(checked) => (&checked.request.part, &checked.request.setup.allowances),
         }
     }

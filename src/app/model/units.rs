@@ -1,7 +1,7 @@
 //! Units in which the window shows lengths and feed rates, and takes them. Files and everything inside stay
 //! in mm and mm/min. All texts with a length or a feed rate come from here.
 
-use super::number::{self, Quantity};
+use super::number::{self, Quantity, with_minus_signs};
 
 /// Length of an inch, mm.
 const INCH_MM: f64 = 25.4;
@@ -62,7 +62,7 @@ impl DisplayUnits {
     /// A length without its unit; `decimals` are those of mm.
     pub fn number(self, mm: f64, decimals: usize) -> String {
         let decimals = self.decimals(decimals);
-        format!("{:.decimals$}", self.of_mm(mm))
+        with_minus_signs(&format!("{:.decimals$}", self.of_mm(mm)))
     }
 
     /// As [`Self::number`], without zeros at its end.
@@ -144,6 +144,12 @@ impl DisplayUnits {
 mod tests {
     use super::DisplayUnits::{Inch, Metric};
     use super::Quantity;
+
+    #[test]
+    fn negative_lengths_have_a_minus_sign_that_is_read_again() {
+        assert_eq!((Metric.number(-1.5, 1), Metric.length(-12.0, 0)), ("−1.5".into(), "−12 mm".into()));
+        assert_eq!(Metric.parse("−1.5", Quantity::Length), Some(-1.5));
+    }
 
     #[test]
     fn lengths_and_feed_rates_have_the_unit_of_the_window() {

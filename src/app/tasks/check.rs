@@ -123,7 +123,7 @@ impl Judged {
             ("Plunges", count(summary.positions), "Moves under feed"),
             ("Channels", count(verdict.channels), "Channels with cuts"),
             ("Core contact", count(summary.interfering), "Plunges whose core meets stock"),
-            ("Residual", FigureValue::Residual(summary.residual_mean, summary.residual_p95), RESIDUAL_TIP),
+            residual(summary.uncut_share, summary.residual_mean, summary.residual_p95),
             ("Not machined", FigureValue::Text(format_percent(summary.uncut_share)), UNCUT_TIP),
             (
                 "Hub clearance",
@@ -166,11 +166,7 @@ impl Judged {
                 FigureValue::Length(verdict.max_undercut),
                 "Stock left above the allowance of the blades",
             ),
-            (
-                "Residual",
-                FigureValue::Residual(verdict.layer.mean.into(), verdict.layer.p95.into()),
-                RESIDUAL_TIP,
-            ),
+            residual(uncut, verdict.layer.mean.into(), verdict.layer.p95.into()),
             ("Not machined", FigureValue::Text(format_percent(uncut)), UNCUT_TIP),
             (
                 "Hub clearance",
@@ -196,6 +192,12 @@ impl Judged {
 
 const RESIDUAL_TIP: &str = "Residual stock on the hub: mean and 95th percentile";
 const UNCUT_TIP: &str = "Share of the accessible floor that is not cut";
+
+/// The residual stock on the hub, which is that of what is cut: where nothing is, there is none to name.
+fn residual(uncut_share: f64, mean: f64, p95: f64) -> ProgramFigure {
+    let [mean, p95] = [mean, p95].map(|mm| if uncut_share < 1.0 { mm } else { f64::NAN });
+    ("Residual", FigureValue::Residual(mean, p95), RESIDUAL_TIP)
+}
 
 fn count(number: usize) -> FigureValue {
     FigureValue::Text(number.to_string())
@@ -250,4 +252,16 @@ fn place_of(step: &Move, tool: &Tool) -> FaultPlace {
     let cutter = single_cutter(tool, step.tip, step.axis, CutterState::Interfering);
     let cutter = ShownCutters { cutters: [cutter].into(), program: None };
     FaultPlace { tip: step.tip, axis: step.axis, radius: tool.radius(), cutter }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::residual;
+    use crate::app::model::units::DisplayUnits::Metric;
+
+    #[test]
+    fn what_is_not_cut_has_no_residual() {
+        let text = |uncut_share: f64| residual(uncut_share, 0.4, 0.7).1.text(Metric);
+        assert_eq!((text(0.2), text(1.0)), ("0.40/0.70 mm".into(), "-".into()));
+    }
 }

@@ -36,7 +36,7 @@ pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputEr
         ProgramSource::Flank(source) => {
             let outcome = &source.ordered();
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
-            let program = &source.program().map_err(|error| fault(error.into()))?;
+            let program = &source.program(&Monitor::default()).map_err(|error| fault(error.into()))?;
             return Ok(flank_sheet(&FlankSheetInput { outcome, program, files: &task.files }, pictures));
         }
     };

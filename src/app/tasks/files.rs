@@ -18,21 +18,25 @@ use crate::io::source::read_bytes;
 use crate::io::write::{write_all_atomically, write_atomically};
 use crate::job::assess::AssessedPart;
 use crate::mesh::tessellate::{Fineness, Tessellation};
+use crate::monitor::Monitor;
 use crate::palette::ColourMap;
 use crate::part::{Impeller, PartDescription};
 use crate::report::ReportPage;
 use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, Setup};
+use crate::verify::Fault;
 
 use crate::app::model::document::Edited;
 use crate::app::model::exported::ProgramPlan;
-use crate::app::model::file_purpose::PROGRAM_ENDINGS;
+use crate::app::model::file_purpose::{PROGRAM_ENDINGS, Purpose};
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
 use crate::app::tasks::documents::{SheetTask, assessment, sheet};
-use crate::app::tasks::programs::{FlankSource, NcTask, PlungeSource, cl_text, flank_text, nc_text};
+use crate::app::tasks::programs::{
+    FlankSource, NcTask, PlungeSource, ProgramSource, UnwrittenProgram, cl_text, flank_text, nc_text,
+};
 use crate::app::tasks::solid::solid_bytes;
 
 /// Name, description and file text of a sample part.
@@ -217,6 +221,28 @@ pub enum WriteError {
     ChangedOnDisk(PathBuf),
     /// It cannot be written.
     Failed(InputError),
+    /// A program of several channels has faults, which are asked about first.
+    Faulty {
+        /// What the file is for.
+        purpose: Purpose,
+        /// The file.
+        path: PathBuf,
+        /// The faults.
+        faults: Vec<Fault>,
+    },
+    /// The program was cancelled while it was judged.
+    Cancelled,
+}
+
+impl WriteError {
+    /// Of a program for the file `path`.
+    fn of_program(unwritten: UnwrittenProgram, purpose: Purpose, path: &Path) -> Self {
+        match unwritten {
+            UnwrittenProgram::Cancelled => Self::Cancelled,
+            UnwrittenProgram::Faulty(faults) => Self::Faulty { purpose, path: path.to_owned(), faults },
+            UnwrittenProgram::Failed(error) => Self::Failed(error),
+        }
+    }
 }
 
 impl From<InputError> for WriteError {
@@ -266,11 +292,26 @@ pub enum WriteTask {
     Picture(PathBuf, u32, u32, Vec<u8>),
 }
 
+impl WriteTask {
+    /// Whether it is a flank program of several channels, which is judged first: that takes as long as to
+    /// plan it, and can be cancelled. Everything else takes a moment.
+    pub fn is_judged_first(&self) -> bool {
+        match self {
+            Self::Flank(_, source) => source.channels > 1,
+            Self::Nc(_, content) => {
+                matches!(&content.source, ProgramSource::Flank(source) if source.channels > 1)
+            }
+            _ => false,
+        }
+    }
+}
+
 /// Writes a file atomically.
 ///
 /// # Errors
-/// [`WriteError`] when the file cannot be made or written, or is a project that was changed on disk.
-pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
+/// [`WriteError`] when the file cannot be made or written, is a project that was changed on disk, or a
+/// program that is asked about first; when `monitor` is cancelled.
+pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError> {
     // What the message says beside the path.
     let mut about = String::new();
     let (path, bytes) = match task {
@@ -286,12 +327,17 @@ pub fn write(task: &WriteTask) -> Result<Written, WriteError> {
         }
         WriteTask::Cl(path, content) => (path, cl_text(content).into_bytes()),
         WriteTask::Nc(path, content) => {
-            let (text, words) = nc_text(path, content)?;
+            let operation = content.source.operation();
+            let purpose = Purpose::ExportNc { operation, dialect: content.target.dialect };
+            let (text, words) = nc_text(path, content, monitor)
+                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
             about = words;
             (path, text.into_bytes())
         }
         WriteTask::Flank(path, source) => {
-            let (text, words) = flank_text(source);
+            let purpose = Purpose::ExportFlank { channels: source.channels };
+            let (text, words) = flank_text(source, monitor)
+                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
             about = words;
             (path, text.into_bytes())
         }

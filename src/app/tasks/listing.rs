@@ -42,7 +42,7 @@ fn listing_of(listed: &TimelineProgram) -> Arc<ProgramListing> {
             let (planned, policy, channels) = (Arc::clone(planned), *policy, *channels);
             cl_text(&PlungeSource { planned, policy, channels })
         }
-        TimelineProgram::Flank(outcome) => write_apt(&outcome.program()),
+        TimelineProgram::Flank(run) => write_apt(&run.program().0),
         TimelineProgram::Checked(checked) => return Arc::clone(&checked.listing),
     };
     let read = read_apt_bytes("", text.as_bytes());

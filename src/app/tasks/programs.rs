@@ -1,10 +1,11 @@
 //! Programs as they leave the window: APT text and NC code.
 
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use crate::app::model::exported::ProgramPlan;
 use crate::app::model::figures::format_duration;
+use crate::app::model::look::Operation;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::post_target::PostTarget;
 use crate::error::UserError;
@@ -21,9 +22,32 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::report::sheet::ProgramFile;
 use crate::setup::{AxisPolicy, ChannelSetup};
 use crate::toolpath::ClProgram;
+use crate::verify::Fault;
 
 /// What to do instead of a subprogram, in the words of the dialog.
 const INSTEAD_OF_SUBPROGRAM: &str = "export all channels, without Subprogram";
+
+/// Why a program is not written.
+pub(super) enum UnwrittenProgram {
+    /// Cancelled while it was judged.
+    Cancelled,
+    /// It has these faults, which nobody was asked about.
+    Faulty(Vec<Fault>),
+    /// Machine or post cannot be read, or the machine cannot run it.
+    Failed(InputError),
+}
+
+impl From<Cancelled> for UnwrittenProgram {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<InputError> for UnwrittenProgram {
+    fn from(error: InputError) -> Self {
+        Self::Failed(error)
+    }
+}
 
 /// A plunge program to write.
 pub struct PlungeSource {
@@ -52,6 +76,8 @@ pub struct FlankSource {
     pub order: ChannelSetup,
     /// Where the judged program is kept.
     pub judged: Arc<JudgedFlank>,
+    /// Whether it is written in spite of faults of several channels.
+    pub accepts_faults: bool,
 }
 
 impl FlankSource {
@@ -70,20 +96,33 @@ impl FlankSource {
     /// The program, judged as a whole where it is of several channels.
     ///
     /// # Errors
-    /// When cancelled, which nothing does with a file that is being written.
-    pub(super) fn program(&self) -> Result<Arc<FlankProgram>, Cancelled> {
+    /// When `monitor` is cancelled.
+    pub(super) fn program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, Cancelled> {
         let channels = self.channels.clamp(1, self.outcome.workpiece.part.blade_count.max(1));
         let (outcome, order) = (Arc::downgrade(&self.outcome), self.order);
         // Locked while it is judged: another file of the same program waits for it.
-        let mut last = self.judged.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut last = self.judged.lock();
         if let Some(last) = last.as_ref()
             && (last.channels, last.order) == (channels, order)
             && last.outcome.ptr_eq(&outcome)
         {
             return Ok(Arc::clone(&last.program));
         }
-        let program = Arc::new(self.ordered().program_for_channels(channels, &Monitor::default())?);
+        let program = Arc::new(self.ordered().program_for_channels(channels, monitor)?);
         *last = Some(LastJudged { outcome, channels, order, program: Arc::clone(&program) });
+        Ok(program)
+    }
+
+    /// The program, to be written: with faults only once they are accepted.
+    ///
+    /// # Errors
+    /// When `monitor` is cancelled, or the program of several channels has faults that nobody was asked
+    /// about: those of one channel are known before.
+    fn accepted_program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, UnwrittenProgram> {
+        let program = self.program(monitor)?;
+        if program.channels > 1 && !program.faults.is_empty() && !self.accepts_faults {
+            return Err(UnwrittenProgram::Faulty(program.faults.clone()));
+        }
         Ok(program)
     }
 }
@@ -100,7 +139,34 @@ struct LastJudged {
     program: Arc<FlankProgram>,
 }
 
+impl JudgedFlank {
+    fn lock(&self) -> MutexGuard<'_, Option<LastJudged>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Whether there is one.
+    pub fn is_kept(&self) -> bool {
+        self.lock().is_some()
+    }
+
+    /// Drops the program of a plan that is no longer shown: it may be as large as the wheel.
+    pub fn forget_replaced(&self) {
+        // While a program is judged it is locked, and of the plan that was asked for.
+        if let Ok(mut last) = self.0.try_lock() {
+            last.take_if(|last| last.outcome.strong_count() == 0);
+        }
+    }
+}
+
 impl ProgramSource {
+    /// The operation of the program.
+    pub(super) fn operation(&self) -> Operation {
+        match self {
+            Self::Plunges(_) => Operation::Roughing,
+            Self::Flank(_) => Operation::Flank,
+        }
+    }
+
     /// The plan of the program.
     pub(super) fn plan(&self) -> ProgramPlan {
         match self {
@@ -171,9 +237,14 @@ pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
 /// NC code of a program for the file `path`, and what to say of it.
 ///
 /// # Errors
-/// When machine or post cannot be read, or the machine cannot run the program.
-pub(super) fn nc_text(path: &Path, content: &NcTask) -> Result<(String, String), InputError> {
-    let (posted, faults) = post(path, content)?;
+/// When machine or post cannot be read, the machine cannot run the program, or that has faults that nobody
+/// was asked about; when cancelled.
+pub(super) fn nc_text(
+    path: &Path,
+    content: &NcTask,
+    monitor: &Monitor,
+) -> Result<(String, String), UnwrittenProgram> {
+    let (posted, faults) = post(path, content, monitor)?;
     let (blocks, time) = (posted.written.blocks, format_duration(posted.time_s()));
     let calls = content.calls().and_then(ChannelCalls::words);
     let calls = calls.map_or_else(String::new, |words| format!("; {words}"));
@@ -183,7 +254,11 @@ pub(super) fn nc_text(path: &Path, content: &NcTask) -> Result<(String, String),
 }
 
 /// Posts a program, with what to say of its faults. Moves are named in messages by their numbers.
-fn post(path: &Path, content: &NcTask) -> Result<(PostedProgram, String), InputError> {
+fn post(
+    path: &Path,
+    content: &NcTask,
+    monitor: &Monitor,
+) -> Result<(PostedProgram, String), UnwrittenProgram> {
     let PostTarget { machine, control, output, is_subprogram, .. } = &content.target;
     let mut faults = String::new();
     let (mut program, workpiece, setup) = match &content.source {
@@ -193,7 +268,7 @@ fn post(path: &Path, content: &NcTask) -> Result<(PostedProgram, String), InputE
         }
         ProgramSource::Flank(source) => {
             let FlankOutcome { workpiece, setup, .. } = &*source.outcome;
-            let (program, about) = posted_flank(source).unwrap_or_else(|Cancelled| Default::default());
+            let (program, about) = posted_flank(source, monitor)?;
             faults = about;
             (program, workpiece, setup)
         }
@@ -235,11 +310,11 @@ fn short_name(machine: &str) -> String {
 }
 
 /// The program of a flank plan as `vanecut post` reads it from a flank.json.
-fn posted_flank(source: &FlankSource) -> Result<(ClProgram, String), Cancelled> {
-    let judged = source.program()?;
-    let (outcome, monitor) = (source.ordered(), Monitor::default());
+fn posted_flank(source: &FlankSource, monitor: &Monitor) -> Result<(ClProgram, String), UnwrittenProgram> {
+    let judged = source.accepted_program(monitor)?;
+    let outcome = source.ordered();
     let program =
-        stored_program(&outcome.workpiece, &outcome.setup, &judged.plan, judged.channels, &monitor)?;
+        stored_program(&outcome.workpiece, &outcome.setup, &judged.plan, judged.channels, &monitor.silent())?;
     Ok((program, fault_words(&judged)))
 }
 
@@ -254,9 +329,13 @@ fn fault_words(program: &FlankProgram) -> String {
 }
 
 /// A flank plan as it is exported, and what to say of the file.
-pub fn flank_text(source: &FlankSource) -> (String, String) {
-    match source.program() {
-        Ok(judged) => (write_apt(&judged.program), fault_words(&judged)),
-        Err(Cancelled) => Default::default(),
-    }
+///
+/// # Errors
+/// When cancelled, or when the program has faults that nobody was asked about.
+pub(super) fn flank_text(
+    source: &FlankSource,
+    monitor: &Monitor,
+) -> Result<(String, String), UnwrittenProgram> {
+    let judged = source.accepted_program(monitor)?;
+    Ok((write_apt(&judged.program), fault_words(&judged)))
 }

@@ -63,7 +63,7 @@ impl SolidSource {
     fn program(&self, plan: &PlungePlan) -> ClProgram {
         let mut program = ClProgram::of_plan(&self.part().name, plan);
         if let Some(flank) = &self.flank {
-            let after = ClProgram::of_flank(&self.part().name, &flank.plan.tool, &flank.plan.moves);
+            let after = ClProgram::of_flank(&self.part().name, &flank.outcome.plan.tool, flank.moves());
             let first = program.tools.len();
             program.tools.extend(after.tools);
             program.moves.extend(after.moves.into_iter().map(|mut step| {
@@ -86,7 +86,7 @@ impl SolidSource {
                 program.plunge_starts().get(plunges).copied().unwrap_or(all)
             }
             StockMoment::FlankMoves(made) => {
-                let of_flank = self.flank.as_ref().map_or(0, |flank| flank.plan.moves.len());
+                let of_flank = self.flank.as_ref().map_or(0, |flank| flank.moves().len());
                 all - of_flank.saturating_sub(made)
             }
         }

@@ -1,5 +1,6 @@
 //! The background threads of the window, with their latest requests.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,7 @@ use crate::app::model::preview::PreviewSlot;
 use crate::io::InputError;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
-use crate::job::worker::Worker;
+use crate::job::worker::{Outcome, Worker};
 use crate::monitor::Monitor;
 use crate::setup::Setup;
 
@@ -28,6 +29,10 @@ pub(in crate::app) struct Work {
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     pub checker: Worker<CheckRequest, CheckedProgram, CheckError>,
     pub writer: Worker<WriteTask, Written, WriteError>,
+    /// Writes programs that are judged first.
+    pub judge: Worker<WriteTask, Written, WriteError>,
+    /// Programs that wait for that, in turn: a worker knows one request.
+    pub to_judge: VecDeque<WriteTask>,
     /// Writes recovery copies of the tool library.
     pub copier: Worker<LibraryCopy, (), InputError>,
     /// Slot through which the planner passes its preview.
@@ -76,8 +81,10 @@ impl Work {
                 move |request, monitor| (to_check.check)(request, monitor),
                 repaint(),
             ),
-            writer: Worker::new("write", |task, _| files::write(task), repaint()),
+            writer: Worker::new("write", files::write, repaint()),
             copier: Worker::new("copy", |copy: &LibraryCopy, _| copy.write(), repaint()),
+            judge: Worker::new("judge", files::write, repaint()),
+            to_judge: VecDeque::new(),
             preview,
             asked: None,
             asked_flank: None,
@@ -127,9 +134,36 @@ impl Work {
         let what = if self.planner.is_stopping() { "Checking" } else { "Calculating" };
         let planning = || self.planner.progress().map(|fraction| (what, fraction));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
+        let judging = || self.judge.progress().map(|fraction| ("Checking export", fraction));
         let curves = || self.flanker.progress().map(|fraction| ("Calculating flank", fraction));
         let checking = || self.checker.progress().map(|fraction| ("Checking program", fraction));
-        opening.or_else(planning).or_else(curves).or_else(checking).or_else(writing)
+        opening.or_else(planning).or_else(curves).or_else(checking).or_else(judging).or_else(writing)
+    }
+
+    /// Writes a file. One that is judged first waits for those before it.
+    pub(in crate::app) fn write(&mut self, task: WriteTask) {
+        match task.is_judged_first() {
+            true if self.judge.is_busy() => self.to_judge.push_back(task),
+            true => drop(self.judge.submit(task)),
+            false => drop(self.writer.submit(task)),
+        }
+    }
+
+    /// What came of files that were to be written.
+    pub(in crate::app) fn take_written(&mut self) -> Vec<Outcome<Written, WriteError>> {
+        let judged = self.judge.take_outcome();
+        if judged.is_some()
+            && let Some(next) = self.to_judge.pop_front()
+        {
+            self.judge.submit(next);
+        }
+        [judged, self.writer.take_outcome()].into_iter().flatten().map(|(_, outcome)| outcome).collect()
+    }
+
+    /// Cancels programs that are judged before they are written.
+    pub(in crate::app) fn cancel_judging(&mut self) {
+        self.to_judge.clear();
+        self.judge.cancel();
     }
 }
 

@@ -35,8 +35,7 @@ pub struct NcQuestion {
 impl NcQuestion {
     /// How often another program calls the program, with channels in this sequence; `None`: not at all.
     fn calls(&self, sequence: ChannelSequence) -> Option<ChannelCalls> {
-        let channels = if self.operation == Operation::Roughing { self.channels } else { 1 };
-        let calls = || ChannelCalls::for_channels(channels, self.channel_count, sequence);
+        let calls = || ChannelCalls::for_channels(self.channels, self.channel_count, sequence);
         self.target.is_subprogram.then(calls)
     }
 }

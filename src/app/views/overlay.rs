@@ -8,7 +8,7 @@ use crate::gpu::scene::FloorColours;
 
 use crate::app::model::checked::ProgramFinding;
 use crate::app::model::cutter_colours::CutterColours;
-use crate::app::model::look::{Arrangement, Layers, Look, PlaneOrientation};
+use crate::app::model::look::{Arrangement, Layers, Look, Operation, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
@@ -18,6 +18,7 @@ use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::count_field;
+use crate::app::views::panels::flank;
 use crate::app::views::panels::setup::policy_label;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
@@ -137,7 +138,7 @@ const FLOORS: [(FloorColours, &str); 3] = [
     (FloorColours::Plain, "Plain"),
 ];
 
-const CHANNELS_TIP: &str = "Channels whose plunges are shown, from the first on in the channel sequence of the setup.\n\
+const CHANNELS_TIP: &str = "Channels whose plunges or passes are shown, from the first on in the channel sequence of the setup.\n\
      With more than one the timeline runs through all of them, in the order of their program";
 
 /// Distance of the menu of layers from the upper edge of the view: below the switch in a narrow view, points.
@@ -164,6 +165,9 @@ pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look, channels: usize) {
                 for colours in SolidColours::ALL {
                     ui.radio_value(&mut look.solid_colours, colours, colours.label());
                 }
+            } else if look.operation == Operation::Flank {
+                ui.label("Passes by");
+                flank::colour_radios(ui, &mut look.flank);
             } else {
                 ui.label("Floor");
                 for (floor, name) in FLOORS {

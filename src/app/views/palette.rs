@@ -65,7 +65,7 @@ impl Palette {
             if found.is_empty() {
                 ui.label(RichText::new("No matching command").weak());
             }
-            ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+            ScrollArea::vertical().max_height(LIST).min_scrolled_height(LIST).show(ui, |ui| {
                 for (k, &command) in found.iter().enumerate() {
                     let response = command_line(ui, command, k == self.chosen, can(command));
                     if k == self.chosen && (up || down) {
@@ -92,6 +92,9 @@ fn command_line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> e
     }
     ui.add_enabled(enabled, button).on_hover_text(command.tip())
 }
+
+/// Height of the list of commands, points.
+const LIST: f32 = 300.0;
 
 /// Commands that the empty search shows first, in this order.
 const FIRST: [Command; 13] = [

@@ -37,9 +37,9 @@ impl TimelineTool {
 fn tool_after(program: &TimelineProgram, index: usize) -> Option<(Tool, Point, Vector)> {
     match program {
         TimelineProgram::Plunges(..) => None,
-        TimelineProgram::Flank(outcome) => {
-            let step = outcome.plan.moves.get(index)?;
-            Some((outcome.plan.tool.clone(), step.tip, step.axis))
+        TimelineProgram::Flank(run) => {
+            let step = run.moves().get(index)?;
+            Some((run.outcome.plan.tool.clone(), step.tip, step.axis))
         }
         TimelineProgram::Checked(checked) => {
             let step = checked.program.moves.get(index)?;

@@ -380,9 +380,9 @@ impl App {
     pub(in crate::app) fn flank_content(&self) -> Option<ShownFlank> {
         let look = &self.state.look.flank;
         let pass = look.pass.and_then(|k| self.state.results.passes.passes.get(k));
-        self.state.shown_flank().map(|(outcome, colours)| ShownFlank {
-            outcome: Arc::clone(outcome),
-            colours,
+        self.state.shown_flank_run().map(|run| ShownFlank {
+            run: Arc::clone(run),
+            colours: look.colours,
             made: look.cut,
             selected: pass.map(|pass| [pass.from, pass.end]),
         })
@@ -409,7 +409,7 @@ impl App {
         }
         if self.state.look.operation == Operation::Flank {
             let pass = self.state.look.flank.pass.and_then(|k| self.state.results.passes.passes.get(k));
-            let moves = self.state.results.flank.as_ref().map(|outcome| &outcome.plan.moves);
+            let moves = self.state.results.flank_run.as_ref().map(|run| run.moves());
             if let Some((middle, reach, axis)) =
                 pass.zip(moves).and_then(|(pass, moves)| extent_of_pass(pass, moves))
             {

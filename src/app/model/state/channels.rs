@@ -1,6 +1,9 @@
 //! Several channels of the shown plan: which are shown, and how far each is cut.
 
+use std::sync::Arc;
+
 use super::AppState;
+use crate::app::model::flank_run::FlankRun;
 use crate::app::model::look::Operation;
 use crate::app::model::shown_channels::{ChannelProgress, ShownChannels};
 use crate::geometry::{Point, Vector, rotate_vector_z, rotate_z};
@@ -32,6 +35,26 @@ impl AppState {
             (Some(cut), Some(known)) if channels.cut_of_first(known) == cut => Some(known.min(len)),
             (Some(cut), _) => cut.checked_sub(1).map_or(Some(0), |last| channels.step_of(last, 0)),
         };
+    }
+
+    /// Keeps the shown flank program that of the flank plan in as many channels as are shown, in the order in
+    /// which they would be exported. Its timeline begins anew where that changes.
+    pub fn follow_flank_channels(&mut self) {
+        let Some(outcome) = &self.results.flank else {
+            self.results.flank_run = None;
+            return;
+        };
+        let (order, count) = (self.document.edited.setup.channels, self.look.shown_channels);
+        let known = self.results.flank_run.as_ref().filter(|run| Arc::ptr_eq(&run.outcome, outcome));
+        // Of a plan that is not in view the channels can wait.
+        let is_hidden = known.is_some() && self.look.operation != Operation::Flank;
+        if is_hidden || known.is_some_and(|run| run.is_of(outcome, order, count)) {
+            return;
+        }
+        let run = Arc::new(FlankRun::new(outcome, order, count));
+        self.results.passes = Arc::clone(&run.passes);
+        self.results.flank_run = Some(run);
+        (self.look.flank.cut, self.look.flank.pass, self.look.playing) = (None, None, None);
     }
 
     /// The shown channels of the shown plan; `None` while that is one.

@@ -17,7 +17,7 @@ use crate::setup::AxisPolicy;
 
 use crate::app::model::document::{Document, Edited, OpenPart};
 use crate::app::model::field_faults::{FaultyField, FieldFault};
-use crate::app::model::flank_passes::FlankPasses;
+use crate::app::model::flank_run::FlankRun;
 use crate::app::model::look::{Arrangement, Look, Operation};
 use crate::app::model::machine::{AxisDemand, ProgramOnMachine};
 use crate::app::model::part_source::PartSource;
@@ -188,11 +188,11 @@ impl AppState {
 
     /// Stores a flank plan and shows it.
     pub fn take_flank(&mut self, outcome: FlankOutcome) {
-        self.results.passes = Arc::new(FlankPasses::from_plan(&outcome.plan));
         (self.look.flank.cut, self.look.flank.pass, self.look.playing) = (None, None, None);
         self.results.flank = Some(Arc::new(outcome));
         self.look.flank.shown = true;
         self.look.operation = Operation::Flank;
+        self.follow_flank_channels();
         self.solve(Topic::Flank);
         self.notice = None;
     }
@@ -210,6 +210,11 @@ impl AppState {
         let look = self.look.flank;
         let shown = self.look.operation == Operation::Flank && look.shown;
         self.results.flank.as_ref().filter(|_| shown).map(|outcome| (outcome, look.colours))
+    }
+
+    /// The flank plan that the views show, in the shown channels; `None` while it is hidden.
+    pub fn shown_flank_run(&self) -> Option<&Arc<FlankRun>> {
+        self.shown_flank().and(self.results.flank_run.as_ref())
     }
 
     /// Whether the selected operation is older than the setup.

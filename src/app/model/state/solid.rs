@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::AppState;
+use crate::app::model::flank_run::FlankRun;
 use crate::app::model::planned::Side;
 use crate::app::model::shown_channels::ShownChannels;
 use crate::app::model::solid::{SolidRequest, SolidSource, StockMoment};
-use crate::job::flank::FlankOutcome;
 
 impl AppState {
     /// The solid to show on a side; `None` if the layer is hidden or there is no plan.
@@ -34,11 +34,14 @@ impl AppState {
     /// shown.
     pub fn solid_source(&self, side: Side) -> Option<SolidSource> {
         let shown = self.last_whole_plan(side)?;
-        let same_part = |flank: &&Arc<FlankOutcome>| {
-            Arc::ptr_eq(&flank.workpiece.part, &shown.planned.outcome.workpiece.part)
+        let same_part = |flank: &&Arc<FlankRun>| {
+            Arc::ptr_eq(&flank.outcome.workpiece.part, &shown.planned.outcome.workpiece.part)
         };
-        let flank = self.shown_flank().map(|(outcome, _)| outcome).filter(same_part).cloned();
-        let channels = self.shown_channels().map_or(1, ShownChannels::count);
+        let flank = self.shown_flank_run().filter(same_part).cloned();
+        let channels = match &flank {
+            Some(flank) => flank.count(),
+            None => self.shown_channels().map_or(1, ShownChannels::count),
+        };
         Some(SolidSource { planned: Arc::clone(shown.planned), policy: shown.policy, channels, flank })
     }
 }

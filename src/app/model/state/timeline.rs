@@ -24,7 +24,7 @@ impl AppState {
                 let channels = self.shown_channels().map_or(1, ShownChannels::count);
                 Some(TimelineProgram::Plunges(Arc::clone(shown.planned), shown.policy, channels))
             }
-            Operation::Flank => self.results.flank.clone().map(TimelineProgram::Flank),
+            Operation::Flank => self.results.flank_run.clone().map(TimelineProgram::Flank),
             Operation::Program => self.results.checked.clone().map(TimelineProgram::Checked),
         }
     }

@@ -12,6 +12,7 @@ use crate::app::tasks::Repaint;
 use crate::app::tasks::latest::Latest;
 use crate::app::views::modal::is_dismissed;
 use crate::app::views::theme::{self, Condition};
+use crate::io::shop_tools::is_fusion_library;
 
 /// Maximum number of entries of a folder that are listed.
 const MAX_ENTRIES: usize = 2000;
@@ -143,7 +144,9 @@ impl Prompt {
             self.enter(path);
             return None;
         }
-        if self.purpose.saves() && path.exists() {
+        // Into a library of Fusion tools are added: it is asked about as that.
+        let adds = self.purpose == Purpose::SaveLibrary && is_fusion_library(&path);
+        if self.purpose.saves() && path.exists() && !adds {
             self.replacing = Some(path);
             return None;
         }

@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use super::cells::cell;
 use crate::app::model::machine::AxisDemand;
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::theme::Condition;
@@ -37,7 +38,7 @@ pub fn axis_warning(ui: &mut Ui, demand: Option<&AxisDemand>, units: DisplayUnit
 /// The position of an axis: its name, and its value with its unit: degrees, or mm without one.
 pub fn axis_text<N: std::fmt::Display>((name, value, unit): (N, f64, &str), units: DisplayUnits) -> String {
     match unit {
-        "°" => format!("{name} {value:.3}{unit}"),
+        "°" => with_minus_signs(&format!("{name} {value:.3}{unit}")),
         _ => format!("{name} {}", units.number(value, 3)),
     }
 }

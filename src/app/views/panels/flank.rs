@@ -127,6 +127,14 @@ pub fn display(ui: &mut Ui, look: &mut FlankLook) {
     });
 }
 
+/// What the passes are coloured by, in the menu of layers.
+pub fn colour_radios(ui: &mut Ui, look: &mut FlankLook) {
+    for (colours, name, tip) in COLOURS {
+        let label = name[..1].to_uppercase() + &name[1..];
+        ui.radio_value(&mut look.colours, colours, label).on_hover_text(tip);
+    }
+}
+
 /// Number of splitters that bound some of the `regions`.
 pub fn splitters_among(regions: impl Iterator<Item = Region>) -> usize {
     let numbers = regions.flat_map(|region| [region.low, region.high]).map(|wall| match wall {

@@ -26,7 +26,8 @@ const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
 pub fn show(ui: &mut Ui, state: &mut AppState) {
     let found = std::sync::Arc::clone(&state.results.passes);
     let layout = state.results.flank.as_ref().map(|outcome| &outcome.plan.layout);
-    let passes = layout.map_or(0, |layout| layout.totals[layout.strategy as usize].passes);
+    let of_one = layout.map_or(0, |layout| layout.totals[layout.strategy as usize].passes);
+    let passes = of_one * state.results.flank_run.as_ref().map_or(1, |run| run.count());
     let title = match passes == found.passes.len() {
         true => "Passes".to_owned(),
         false => format!("{} cuts of {passes} passes", found.passes.len()),
@@ -107,7 +108,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
 /// What pass `k` is, how fast it goes and when.
 pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
     let wall = if pass.along_wall { ", along a wall" } else { "" };
-    ui.label(RichText::new(format!("Pass {}: layer {}{wall}", k + 1, pass.layer + 1)).strong());
+    let several = state.results.flank_run.as_ref().filter(|run| run.count() > 1);
+    let channel =
+        several.map_or_else(String::new, |run| format!(" channel {},", run.channel_of(pass.from) + 1));
+    ui.label(RichText::new(format!("Pass {}:{channel} layer {}{wall}", k + 1, pass.layer + 1)).strong());
     let splitters = splitters_among(state.results.passes.passes.iter().map(|pass| pass.region));
     ui.label(region_words(pass.region, splitters));
     let [low, high] = pass.feeds;

@@ -15,8 +15,14 @@ use crate::app::views::typed::{self, TypedLimits};
 use crate::app::views::{tool_drawing, tool_form, units};
 use crate::setup::Setup;
 
-/// Size of the list, points.
-const LIST: (f32, f32) = (280.0, 380.0);
+/// Width of the list, and its least and greatest height, points.
+const LIST_WIDTH: f32 = 280.0;
+const LIST_HEIGHT: (f32, f32) = (275.0, 560.0);
+/// Height of the window of the program that the list leaves to what is around it, points.
+const AROUND_LIST: f32 = 260.0;
+/// Least height of the fields of a tool beside the list, and greatest height of those below it, points.
+const LOW_FORM: f32 = 75.0;
+const DOCKED_FORM: f32 = 400.0;
 /// Height of the list where the tool stands below it, points.
 const LOW_LIST: f32 = 160.0;
 /// Width of list and tool side by side, points.
@@ -115,19 +121,23 @@ impl LibraryPanel {
             filters(ui, library);
             list(ui, library, LOW_LIST);
             ui.separator();
-            selected(ui, library, setup, &mut answer);
+            selected(ui, library, setup, None, &mut answer);
             return answer;
         }
+        // As high as the window of the program allows: a tool has many fields.
+        let (least, most) = LIST_HEIGHT;
+        let height = (ui.ctx().content_rect().height() - AROUND_LIST).clamp(least, most);
         ui.horizontal_top(|ui| {
-            ui.vertical(|ui| {
-                ui.set_width(LIST.0);
+            let bottom = ui.vertical(|ui| {
+                ui.set_width(LIST_WIDTH);
                 filters(ui, library);
-                list(ui, library, LIST.1);
+                list(ui, library, height);
+                ui.cursor().top()
             });
             ui.separator();
             ui.vertical(|ui| {
                 ui.set_width(300.0);
-                selected(ui, library, setup, &mut answer);
+                selected(ui, library, setup, Some(bottom.inner), &mut answer);
             });
         });
         answer
@@ -233,30 +243,28 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let count = library.shown(units).len();
     ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
-    ScrollArea::vertical().max_height(height).auto_shrink([false, false]).show_rows(
-        ui,
-        row,
-        count,
-        |ui, range| {
-            let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
-            for index in shown {
-                let entry = &library.content().tools[index];
-                let button =
-                    egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
-                let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
-                if button.clicked() {
-                    library.selected = Some(index);
-                }
+    let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+    area.auto_shrink([false, false]).show_rows(ui, row, count, |ui, range| {
+        let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
+        for index in shown {
+            let entry = &library.content().tools[index];
+            let button =
+                egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
+            let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
+            if button.clicked() {
+                library.selected = Some(index);
             }
-        },
-    );
+        }
+    });
 }
 
-/// The selected tool: remarks of its import, drawing, fields, and what can be done with it.
+/// The selected tool: remarks of its import, drawing, fields, and what can be done with it. The fields end at
+/// `bottom`, if there is one.
 fn selected(
     ui: &mut Ui,
     library: &mut ShopLibrary,
     setup: Option<&mut Setup>,
+    bottom: Option<f32>,
     answer: &mut Option<LibraryAnswer>,
 ) {
     let Some(index) = library.selected.filter(|&index| index < library.content().tools.len()) else {
@@ -296,9 +304,13 @@ fn selected(
     let mut tool = entry.tool.clone();
     // It stays while the fields scroll, so that an edit is seen.
     tool_drawing::show(ui, &tool);
-    ScrollArea::vertical().id_salt("library tool").max_height(LIST.1 + 20.0).show(ui, |ui| {
-        ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool));
-    });
+    let room = bottom.map_or(DOCKED_FORM, |bottom| (bottom - ui.cursor().top()).max(LOW_FORM));
+    ScrollArea::vertical().id_salt("library tool").max_height(room).min_scrolled_height(room).show(
+        ui,
+        |ui| {
+            ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool));
+        },
+    );
     if tool != entry.tool {
         library.replace(index, tool);
     }

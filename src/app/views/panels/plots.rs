@@ -6,6 +6,7 @@ use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Response, Sense, St
 use crate::plunge::inspect::{row_of, step_before};
 
 use super::positions::position_menu;
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
@@ -220,7 +221,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
     let digits = |decimals: usize| curve.decimals.decimals(decimals + curve.more_decimals);
     let text = match value {
-        Some(v) => format!("{v:.*}{}", digits(2), curve.unit),
+        Some(v) => with_minus_signs(&format!("{v:.*}{}", digits(2), curve.unit)),
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
         None => Some(range_text(values_range, (low, high), digits(1), curve.unit))
@@ -234,12 +235,8 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
     let tip = response.hover_pos().map(|at| scale.near(at)).and_then(|k| Some((k, *curve.values.get(k)?)));
     if let Some((k, v)) = tip {
-        response.clone().on_hover_text_at_pointer(format!(
-            "{} of the row: {v:.*}{}",
-            k + 1,
-            digits(3),
-            curve.unit
-        ));
+        let value = with_minus_signs(&format!("{v:.*}{}", digits(3), curve.unit));
+        response.clone().on_hover_text_at_pointer(format!("{} of the row: {value}", k + 1));
     }
     scale.picked(ui, &response, curve.first)
 }
@@ -247,7 +244,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
 /// Ends of the scale of a plot; where all values, from the least to the greatest, read the same, that one:
 /// the scale goes on beyond it.
 fn range_text(values: (f64, f64), scale: (f64, f64), decimals: usize, unit: &str) -> String {
-    let text = |value: f64| format!("{value:.decimals$}");
+    let text = |value: f64| with_minus_signs(&format!("{value:.decimals$}"));
     if text(values.0) == text(values.1) {
         return format!("all {}{unit}", text(values.0));
     }

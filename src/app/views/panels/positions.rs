@@ -13,6 +13,7 @@ use crate::plunge::{Blocked, PlungeMark, Position};
 
 use crate::app::model::figures::format_clock;
 use crate::app::model::look::{Filter, REVEAL, TableColumn as Key};
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::planned::Side;
 use crate::app::model::state::{AppState, ShownPlan};
 use crate::app::model::units::DisplayUnits;
@@ -165,7 +166,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
                     (k + 1).to_string(),
                     (position.row + 1).to_string(),
                     tool.map_or(String::new(), |t| units.size(t.diameter)),
-                    format!("{:.1}", position.alpha_rad.to_degrees()),
+                    with_minus_signs(&format!("{:.1}", position.alpha_rad.to_degrees())),
                 ];
                 for (column, text) in cells.into_iter().enumerate() {
                     row.col(|ui| {
@@ -348,13 +349,13 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         let (tip, axis) = state.selected_in_channel().unwrap_or((position.tip, position.axis));
         fact("Tool tip X Y Z", point([tip.x, tip.y, tip.z]));
         let [i, j, l] = [axis.x, axis.y, axis.z];
-        fact("Tool axis I J K", format!("{i:.4} {j:.4} {l:.4}"));
+        fact("Tool axis I J K", with_minus_signs(&format!("{i:.4} {j:.4} {l:.4}")));
         let step = state.step_of_position(k, state.look.selected_channel);
         if let Some((plan, at)) = state.on_machine().and_then(|plan| Some((plan, plan.at(Some(step))?))) {
             let [x, y, z, a, b] = plan.named(at);
             fact("Machine X Y Z", point([x, y, z].map(|(_, value, _)| value)));
             let angles = [a, b].map(|(letter, value, unit)| format!("{letter} {value:.3}{unit}"));
-            fact("Rotary axes", angles.join(" "));
+            fact("Rotary axes", with_minus_signs(&angles.join(" ")));
         }
         let spindle = section.map_or(0.0, |section| section.tool.spindle);
         fact("Feed rate, speed", format!("{}, {spindle:.0} rev/min", units.feed(plan.feed_of(k))));
@@ -423,11 +424,9 @@ fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
     let plan = shown.plan();
     let Some(position) = plan.positions.get(k) else { return };
     let spindle = plan.sections.get(position.section).map_or(0.0, |section| section.tool.spindle);
-    ui.label(format!(
-        "lead {:.1}°, {}, {spindle:.0} rev/min",
-        position.alpha_rad.to_degrees(),
-        state.look.units.feed(plan.feed_of(k)),
-    ));
+    let feed = state.look.units.feed(plan.feed_of(k));
+    let lead = with_minus_signs(&format!("{:.1}°", position.alpha_rad.to_degrees()));
+    ui.label(format!("lead {lead}, {feed}, {spindle:.0} rev/min"));
     if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
         ui.label(format!("Cut after {}", format_clock(time)));
     }

@@ -6,6 +6,7 @@ use super::fields;
 use super::figures::divided_figure;
 use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
@@ -24,10 +25,15 @@ fn condition(checked: &CheckedProgram) -> Condition {
     }
 }
 
+/// What stands where nothing is known of a program.
+fn words_without_program(state: &AppState) -> &'static str {
+    if state.results.check_is_running { "Checking…" } else { "No program is checked yet" }
+}
+
 /// Draws the verdict line.
 pub fn verdict(ui: &mut Ui, state: &AppState) {
     let Some(checked) = &state.results.checked else {
-        ui.label(RichText::new("No program is checked yet").weak());
+        ui.label(RichText::new(words_without_program(state)).weak());
         return;
     };
     if state.program_is_stale() {
@@ -82,7 +88,7 @@ pub fn form(ui: &mut Ui, state: &mut AppState) {
 pub fn faults(ui: &mut Ui, state: &mut AppState) {
     let Some(checked) = state.results.checked.clone() else {
         ui.label(RichText::new("Faults").strong());
-        ui.label(RichText::new("No program is checked yet").weak());
+        ui.label(RichText::new(words_without_program(state)).weak());
         return;
     };
     let selected = state.look.finding;
@@ -150,18 +156,6 @@ fn details(ui: &mut Ui, finding: &ProgramFinding) {
     }
 }
 
-/// `text` with minus signs before its numbers: lines break after a hyphen, which would stand alone then.
-fn with_minus_signs(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len());
-    let mut chars = text.chars().peekable();
-    while let Some(c) = chars.next() {
-        let begins = shown.chars().last().is_none_or(|before| !before.is_alphanumeric());
-        let is_sign = c == '-' && begins && chars.peek().is_some_and(char::is_ascii_digit);
-        shown.push(if is_sign { '−' } else { c });
-    }
-    shown
-}
-
 /// A line of a program as it is written, in as many lines as it needs.
 fn statement(ui: &mut Ui, text: &str) {
     let font = egui::TextStyle::Monospace.resolve(ui.style());
@@ -196,13 +190,7 @@ fn break_between_words(text: &str, columns: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{break_between_words, with_minus_signs};
-
-    #[test]
-    fn only_signs_of_numbers_become_minus_signs() {
-        let text = "comes within -5.7 mm (-3) of a semi-finished 2-1 hub - no";
-        assert_eq!(with_minus_signs(text), "comes within −5.7 mm (−3) of a semi-finished 2-1 hub - no");
-    }
+    use super::break_between_words;
 
     #[test]
     fn no_number_is_parted_from_its_sign() {

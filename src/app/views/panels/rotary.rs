@@ -5,6 +5,7 @@ use egui::{Align2, Color32, FontId, Rect, Sense, Stroke, Ui};
 
 use super::plots::PositionScale;
 use crate::app::model::machine::{AxisPositions, ProgramOnMachine};
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
@@ -114,7 +115,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         }
         let swatch = Rect::from_min_size(at + egui::vec2(0.0, 2.0), egui::vec2(9.0, 9.0));
         painter.rect_filled(swatch, 2.0, curve.colour);
-        let text = format!("{} {low:.1}° to {high:.1}°", curve.letter);
+        let text = with_minus_signs(&format!("{} {low:.1}° to {high:.1}°", curve.letter));
         let ink = ui.visuals().text_color();
         let drawn = painter.text(at + egui::vec2(13.0, 0.0), Align2::LEFT_TOP, text, font.clone(), ink);
         at.x = drawn.right() + 16.0;
@@ -127,7 +128,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
             None => "Position",
         };
         let text = format!("{step} {}: {}", k + 1, values.collect::<Vec<_>>().join(", "));
-        response.clone().on_hover_text_at_pointer(text);
+        response.clone().on_hover_text_at_pointer(with_minus_signs(&text));
     }
     if let Some(k) = scale.clicked(&response) {
         state.look.playing = None;

@@ -4,6 +4,7 @@ use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Sense, Shape
 
 use super::positions::breach_words;
 use crate::app::model::look::SectionalLook;
+use crate::app::model::number::with_minus_signs;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
 use crate::plunge::Position;
@@ -354,7 +355,7 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
     if position.lift > 0.0 {
         facts.push(format!("ends {} above full depth", units.length(position.lift, 2)));
     }
-    ui.add(egui::Label::new(RichText::new(facts.join(", ")).small()).wrap());
+    ui.add(egui::Label::new(RichText::new(with_minus_signs(&facts.join(", "))).small()).wrap());
     if let Some(words) = breach_words(position) {
         let colour = Condition::Interfering.text(ui.visuals());
         ui.add(egui::Label::new(RichText::new(words).small().strong().color(colour)).wrap());
@@ -366,9 +367,11 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
         let colour = Condition::Interfering.text(ui.visuals());
         ui.add(egui::Label::new(RichText::new(text).small().strong().color(colour)).wrap());
         let beside = view.deepest_beside().abs();
-        if beside >= BESIDE {
-            let text = format!("The deepest contact lies {} beside this cut", units.length(beside, 1));
-            ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
-        }
+        // One line either way: the drawing stays where it is while cuts are compared.
+        let text = match beside >= BESIDE {
+            true => format!("The deepest contact lies {} beside this cut", units.length(beside, 1)),
+            false => "The deepest contact lies in this cut".to_owned(),
+        };
+        ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
     }
 }

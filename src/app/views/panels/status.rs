@@ -75,7 +75,10 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
                 (Tone::Fault, n) => RichText::new(format!("{n} problems: see the messages")).color(colour),
             }
         }
-        (None, _) if activity.running.is_some() => RichText::new("Calculating…").weak(),
+        (None, _) if activity.running.is_some() => {
+            let what = activity.running.map_or("Calculating", |(what, _)| what);
+            RichText::new(format!("{what}…")).weak()
+        }
         (None, _) if state.look.operation == Operation::Flank => flank_message(state),
         (None, _) if state.look.operation == Operation::Program => match &state.results.checked {
             None => RichText::new("No program is checked").weak(),

@@ -7,6 +7,7 @@ use super::flank_passes::describe;
 use super::positions::cutter_tooltip;
 use crate::app::model::figures::{format_clock, format_duration};
 use crate::app::model::look::{Look, Operation};
+use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::model::state::Boundary;
 use crate::app::views::command::Command;
@@ -95,7 +96,7 @@ fn axes(ui: &mut Ui, state: &AppState) {
             (None, Some(at)) => {
                 // Padded, so that nothing jumps while the axes move.
                 let values = plan.named(at).map(|(name, value, unit)| match unit {
-                    "°" => format!("{name} {value:>8.3}{unit}"),
+                    "°" => with_minus_signs(&format!("{name} {value:>8.3}{unit}")),
                     _ => format!("{name} {:>8}", state.look.units.number(value, 3)),
                 });
                 let text = RichText::new(format!("{}  {}", values.join("  "), plan.machine.name));
@@ -179,8 +180,11 @@ fn clock_tip(state: &AppState, whole: f64) -> String {
         }),
     };
     let wheel = wheel.unwrap_or(Some(whole)).map_or_else(|| NOT_ON_MACHINE.to_owned(), format_duration);
-    let of = match state.shown_channels() {
-        Some(channels) => format!("{} channels, {},", channels.count(), channels.order().words()),
+    let of_flank = state.results.flank_run.as_ref();
+    let of_flank = of_flank.filter(|run| state.look.operation == Operation::Flank && run.count() > 1);
+    let several = state.shown_channels().map(|channels| (channels.count(), channels.order()));
+    let of = match several.or_else(|| of_flank.map(|run| (run.count(), run.order()))) {
+        Some((count, order)) => format!("{count} channels, {},", order.words()),
         None => "one channel".to_owned(),
     };
     format!("Time of {of} up to here, {from}\nWhole wheel: {wheel}")
@@ -278,9 +282,9 @@ fn ticks(ui: &Ui, rect: Rect, state: &AppState) {
         let line = [egui::pos2(x, rect.top() - 2.0), egui::pos2(x, rect.top() + 3.0)];
         ui.painter().line_segment(line, Stroke::new(1.0, of.mark()));
     };
-    match (state.look.operation, state.shown(), &state.results.flank) {
-        (Operation::Flank, _, Some(outcome)) => {
-            outcome.plan.faults.iter().for_each(|fault| mark(fault.index, Condition::Interfering));
+    match (state.look.operation, state.shown(), &state.results.flank_run) {
+        (Operation::Flank, _, Some(run)) => {
+            run.faulty.iter().for_each(|&step| mark(step, Condition::Interfering));
         }
         (Operation::Roughing, Some(shown), _) => {
             let positions = &shown.plan().positions;

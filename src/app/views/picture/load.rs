@@ -120,7 +120,7 @@ impl SidePicture {
         let walls = |shown: Option<&ShownFlank>| {
             shown
                 .filter(|shown| shown.colours == FlankColours::Walls)
-                .map(|shown| Arc::as_ptr(&shown.outcome))
+                .map(|shown| Arc::as_ptr(&shown.run.outcome))
         };
         let same_walls = walls(self.flank.as_ref()) == walls(shown.as_ref());
         let lines = shown.as_ref().map(ShownFlank::lines);
@@ -132,7 +132,7 @@ impl SidePicture {
         }
         self.flank = shown;
         if let Some(flank) = self.flank.as_ref().filter(|_| self.shows_walls() && !same_walls) {
-            let outcome = &flank.outcome;
+            let outcome = &flank.run.outcome;
             let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &shown_walls(&outcome.plan));
             self.scene.set_values(&self.gpu, mesh);
         }

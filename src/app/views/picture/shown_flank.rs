@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
+use crate::app::model::flank_run::FlankRun;
 use crate::drawing::flank::{self, FlankColours};
+use crate::geometry::rotate_z;
 use crate::gpu::mesh::Segment;
-use crate::io::flank_file::shown_passes;
-use crate::job::flank::FlankOutcome;
+use crate::io::flank_file::{ShownPass, shown_passes};
 
 /// What is shown of a flank plan.
 #[derive(Clone)]
 pub struct ShownFlank {
-    /// The plan.
-    pub outcome: Arc<FlankOutcome>,
+    /// The plan, in the shown channels.
+    pub run: Arc<FlankRun>,
     /// What the colours show.
     pub colours: FlankColours,
     /// Number of moves made; `None`: all.
@@ -24,27 +25,34 @@ impl PartialEq for ShownFlank {
     /// Plans are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
         (self.colours, self.made, self.selected) == (other.colours, other.made, other.selected)
-            && Arc::ptr_eq(&self.outcome, &other.outcome)
+            && Arc::ptr_eq(&self.run, &other.run)
     }
 }
 
 impl ShownFlank {
     /// The whole plan as passes; until a moment of the timeline as moves; and the selected pass.
     pub(super) fn lines(&self) -> Vec<Segment> {
-        let plan = &self.outcome.plan;
+        let (plan, moves) = (&self.run.outcome.plan, self.run.moves());
         let layers = plan.layout.layers.len();
         let mut lines = match self.made {
-            None => flank::toolpath_lines(&shown_passes(plan), &plan.moves, layers, self.colours),
-            Some(made) => flank::move_lines(
-                &plan.moves[..made.min(plan.moves.len())],
-                &plan.moves,
-                layers,
-                self.colours,
-            ),
+            None => flank::toolpath_lines(&self.passes(), moves, layers, self.colours),
+            Some(made) => flank::move_lines(&moves[..made.min(moves.len())], moves, layers, self.colours),
         };
-        if let Some(moves) = self.selected.and_then(|[from, end]| plan.moves.get(from..end)) {
+        if let Some(moves) = self.selected.and_then(|[from, end]| moves.get(from..end)) {
             lines.extend(flank::selected_lines(moves));
         }
         lines
+    }
+
+    /// The passes in all channels.
+    fn passes(&self) -> Vec<ShownPass> {
+        let of_one = shown_passes(&self.run.outcome.plan);
+        let turned = |turn_rad: f64| {
+            of_one.iter().map(move |pass| {
+                let points = pass.points.iter().map(|point| rotate_z(point, turn_rad)).collect();
+                ShownPass { points, ..pass.clone() }
+            })
+        };
+        self.run.turns_rad().into_iter().flat_map(turned).collect()
     }
 }
