@@ -71,8 +71,9 @@ fn winding_above(point: &Point, corners: &[Point; 3]) -> i32 {
 }
 
 /// What the edge from `from` to `to` adds to the turns of a polygon in x and y around `point`: +1 where it
-/// crosses the ray along +x upwards, −1 downwards. Half-open in y, so that a common corner of two edges counts
-/// once. Both directions of an edge reckon with the same numbers, so that neighbours agree whatever is rounded.
+/// crosses the ray along +x upwards, −1 downwards. Half-open in y, so that a common corner of two edges
+/// counts once. Both directions of an edge reckon with the same numbers, so that neighbours agree whatever
+/// is rounded.
 fn crossing(point: &Point, from: &Point, to: &Point) -> i32 {
     if (from.y <= point.y) == (to.y <= point.y) {
         return 0;

@@ -121,11 +121,10 @@ impl SeveralChannels {
             let shown = match origin {
                 Some(of_one) => one
                     .index_of_pass(of_one.index)
-                    .map(|k| (FlankMove { tip, axis, ..plan.moves[k].clone() }, (Some(k), of_one.channel))),
+                    .map(|k| (FlankMove { tip, axis, ..plan.moves[k] }, (Some(k), of_one.channel))),
                 // A link from channel to channel. One between plunges above the shroud belongs to them.
                 None => found.moves.last().zip(found.origins.last()).map(|(last, &(_, channel))| {
-                    let link =
-                        FlankMove { kind: MoveKind::Rapid, tip, axis, along_wall: false, ..last.clone() };
+                    let link = FlankMove { kind: MoveKind::Rapid, tip, axis, along_wall: false, ..*last };
                     (link, (None, channel))
                 }),
             };
