@@ -124,6 +124,11 @@ impl Impeller {
         self.pitch
     }
 
+    /// The number of channels that is nearest to `count`: at least one, at most all.
+    pub fn channels_within(&self, count: usize) -> usize {
+        count.clamp(1, self.blade_count.max(1))
+    }
+
     /// Unit direction of the axis of rotation that points out of the inlet, away from the back of the wheel.
     pub fn out_of_inlet(&self) -> crate::geometry::Vector {
         crate::geometry::Vector::z() * if self.inlet_up() { 1.0 } else { -1.0 }

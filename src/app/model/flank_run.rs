@@ -41,7 +41,7 @@ struct SeveralChannels {
 impl FlankRun {
     /// A plan in its first `count` channels in this `order`.
     pub fn new(outcome: &Arc<FlankOutcome>, order: ChannelSetup, count: usize) -> Self {
-        let count = count.clamp(1, outcome.workpiece.part.blade_count.max(1));
+        let count = outcome.workpiece.part.channels_within(count);
         let plan = &outcome.plan;
         let several = (count > 1).then(|| SeveralChannels::new(outcome, order, count));
         let (passes, faulty) = match &several {
@@ -53,7 +53,7 @@ impl FlankRun {
 
     /// Whether it is this plan in its first `count` channels in this `order`.
     pub fn is_of(&self, outcome: &Arc<FlankOutcome>, order: ChannelSetup, count: usize) -> bool {
-        let count = count.clamp(1, outcome.workpiece.part.blade_count.max(1));
+        let count = outcome.workpiece.part.channels_within(count);
         // One channel has no order.
         let same = self.count == count && (count == 1 || self.order == order);
         same && Arc::ptr_eq(&self.outcome, outcome)

@@ -98,7 +98,7 @@ impl FlankSource {
     /// # Errors
     /// When `monitor` is cancelled.
     pub(super) fn program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, Cancelled> {
-        let channels = self.channels.clamp(1, self.outcome.workpiece.part.blade_count.max(1));
+        let channels = self.outcome.workpiece.part.channels_within(self.channels);
         let (outcome, order) = (Arc::downgrade(&self.outcome), self.order);
         // Locked while it is judged: another file of the same program waits for it.
         let mut last = self.judged.lock();
@@ -149,7 +149,7 @@ impl JudgedFlank {
         self.lock().is_some()
     }
 
-    /// Drops the program of a plan that is no longer shown: it may be as large as the wheel.
+    /// Drops the program once its plan has been replaced: it may hold the moves of a whole wheel.
     pub fn forget_replaced(&self) {
         // While a program is judged it is locked, and of the plan that was asked for.
         if let Ok(mut last) = self.0.try_lock() {
@@ -226,7 +226,7 @@ pub fn cl_text(content: &PlungeSource) -> String {
 /// The program of a plunge plan, for its channels.
 pub(super) fn plunge_program(content: &PlungeSource) -> ClProgram {
     let outcome = &content.planned.outcome;
-    let channels = content.channels.clamp(1, outcome.workpiece.part.blade_count.max(1));
+    let channels = outcome.workpiece.part.channels_within(content.channels);
     let result = content.planned.result(content.policy);
     // Nothing cancels a file that is being written.
     outcome

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{MenuBar, ScrollArea, TextWrapMode, Ui};
+use egui::{MenuBar, TextWrapMode, Ui};
 
 use super::command::Command;
 use super::dock::{PanelRequest, panel_menu};
@@ -11,6 +11,7 @@ use super::panels::part::name_in_list;
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
 use crate::app::model::panels::DockPanel;
+use crate::app::views::scroll_area;
 
 /// The menus: groups of commands, with separators between the groups.
 const MENUS: [(&str, &[&[Command]]); 3] = [
@@ -127,7 +128,7 @@ fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
             // The menu is as wide as its items: none breaks for the bar.
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             // A popup is as high as its content was in the frame before.
-            ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
+            scroll_area(room).show(ui, content);
         }
         false => content(ui),
     });

@@ -48,7 +48,14 @@ mod wide_table;
 
 use std::sync::Arc;
 
+use egui::ScrollArea;
+
 use super::tasks::Repaint;
+
+/// What scrolls beyond a `height` (points). Of its own an area in a popup or dialog takes no more than 64.
+fn scroll_area(height: f32) -> ScrollArea {
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height)
+}
 
 /// Draws the window of `ctx` again when called.
 pub fn repaint(ctx: &egui::Context) -> Repaint {

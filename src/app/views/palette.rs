@@ -1,8 +1,9 @@
 //! The command palette: search as you type over all commands.
 
-use egui::{Align2, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Align2, Key, Modal, RichText, TextEdit, Ui};
 
 use crate::app::views::command::Command;
+use crate::app::views::scroll_area;
 
 /// State of the command palette.
 #[derive(Debug, Default)]
@@ -65,7 +66,7 @@ impl Palette {
             if found.is_empty() {
                 ui.label(RichText::new("No matching command").weak());
             }
-            ScrollArea::vertical().max_height(LIST).min_scrolled_height(LIST).show(ui, |ui| {
+            scroll_area(LIST).show(ui, |ui| {
                 for (k, &command) in found.iter().enumerate() {
                     let response = command_line(ui, command, k == self.chosen, can(command));
                     if k == self.chosen && (up || down) {

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
-use egui::{Button, Color32, Key, Modal, Modifiers, RichText, ScrollArea, TextEdit, Ui};
+use egui::{Button, Color32, Key, Modal, Modifiers, RichText, TextEdit, Ui};
 
 use crate::app::model::file_purpose::Purpose;
 use crate::app::tasks::Repaint;
 use crate::app::tasks::latest::Latest;
 use crate::app::views::modal::is_dismissed;
+use crate::app::views::scroll_area;
 use crate::app::views::theme::{self, Condition};
 use crate::io::shop_tools::is_fusion_library;
 
@@ -174,29 +175,26 @@ impl Prompt {
         // A complete name, as proposed when saving, hides nothing.
         let typed = if typed.contains(['.', '/']) { "" } else { typed.as_str() };
         let begins = |name: &str| name.to_lowercase().starts_with(typed);
-        ScrollArea::vertical().max_height(160.0).min_scrolled_height(160.0).auto_shrink(false).show(
-            ui,
-            |ui| match reader.content(&self.folder) {
-                None => {
-                    ui.label(RichText::new("Reading…").weak());
-                }
-                Some(None) => {
-                    ui.label(RichText::new("This folder cannot be read").weak());
-                }
-                Some(Some(entries)) => {
-                    for entry in entries {
-                        let (name, text) = match entry {
-                            Entry::Folder(name) => (name, format!("{name}/")),
-                            Entry::File(name) if self.purpose.fits(Path::new(name)) => (name, name.clone()),
-                            Entry::File(_) => continue,
-                        };
-                        if begins(name) && ui.selectable_label(*name == self.name, text).clicked() {
-                            chosen = Some(entry.clone());
-                        }
+        scroll_area(160.0).auto_shrink(false).show(ui, |ui| match reader.content(&self.folder) {
+            None => {
+                ui.label(RichText::new("Reading…").weak());
+            }
+            Some(None) => {
+                ui.label(RichText::new("This folder cannot be read").weak());
+            }
+            Some(Some(entries)) => {
+                for entry in entries {
+                    let (name, text) = match entry {
+                        Entry::Folder(name) => (name, format!("{name}/")),
+                        Entry::File(name) if self.purpose.fits(Path::new(name)) => (name, name.clone()),
+                        Entry::File(_) => continue,
+                    };
+                    if begins(name) && ui.selectable_label(*name == self.name, text).clicked() {
+                        chosen = Some(entry.clone());
                     }
                 }
-            },
-        );
+            }
+        });
         match chosen {
             Some(Entry::Folder(name)) => self.enter(self.folder.join(name)),
             Some(Entry::File(name)) => self.name = name,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use egui::{ComboBox, Id, Rect, RichText, ScrollArea, TextEdit, Ui};
+use egui::{ComboBox, Id, Rect, RichText, TextEdit, Ui};
 
 use crate::app::model::document::Edited;
 use crate::app::model::library_state::LibraryState;
@@ -10,6 +10,7 @@ use crate::app::model::number::Quantity;
 use crate::app::model::problem::without_markdown;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
 use crate::app::views::command::Command;
+use crate::app::views::scroll_area;
 use crate::app::views::theme::Condition;
 use crate::app::views::typed::{self, TypedLimits};
 use crate::app::views::{tool_drawing, tool_form, units};
@@ -20,8 +21,8 @@ const LIST_WIDTH: f32 = 280.0;
 const LIST_HEIGHT: (f32, f32) = (275.0, 560.0);
 /// Height of the window of the program that the list leaves to what is around it, points.
 const AROUND_LIST: f32 = 260.0;
-/// Least height of the fields of a tool beside the list, and greatest height of those below it, points.
-const LOW_FORM: f32 = 75.0;
+/// Least height of the form of a tool beside the list, and greatest height of the one below the list, points.
+const MIN_FORM: f32 = 75.0;
 const DOCKED_FORM: f32 = 400.0;
 /// Height of the list where the tool stands below it, points.
 const LOW_LIST: f32 = 160.0;
@@ -243,7 +244,7 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let count = library.shown(units).len();
     ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
-    let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+    let area = scroll_area(height);
     area.auto_shrink([false, false]).show_rows(ui, row, count, |ui, range| {
         let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
         for index in shown {
@@ -304,13 +305,10 @@ fn selected(
     let mut tool = entry.tool.clone();
     // It stays while the fields scroll, so that an edit is seen.
     tool_drawing::show(ui, &tool);
-    let room = bottom.map_or(DOCKED_FORM, |bottom| (bottom - ui.cursor().top()).max(LOW_FORM));
-    ScrollArea::vertical().id_salt("library tool").max_height(room).min_scrolled_height(room).show(
-        ui,
-        |ui| {
-            ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool));
-        },
-    );
+    let height = bottom.map_or(DOCKED_FORM, |bottom| (bottom - ui.cursor().top()).max(MIN_FORM));
+    scroll_area(height).id_salt("library tool").show(ui, |ui| {
+        ui.push_id(("library tool", index), |ui| tool_form::show_fields(ui, &mut tool));
+    });
     if tool != entry.tool {
         library.replace(index, tool);
     }

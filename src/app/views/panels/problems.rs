@@ -1,10 +1,11 @@
 //! Problem messages with location and remedy, shown over the 3D view until they are dismissed or solved.
 
-use egui::{Align, Area, Frame, Id, Label, LayerId, Layout, Order, Rect, RichText, ScrollArea, Ui};
+use egui::{Align, Area, Frame, Id, Label, LayerId, Layout, Order, Rect, RichText, Ui};
 
 use crate::app::model::problem::{Problem, without_markdown};
 use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
+use crate::app::views::scroll_area;
 use crate::app::views::theme::Condition;
 
 /// Distance of the messages from the upper edge of the view, below its controls, points.
@@ -48,34 +49,28 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     let shown =
         Area::new(layer.id).order(layer.order).fixed_pos(at.min).movable(false).show(ui.ctx(), |ui| {
             ui.set_max_size(at.size());
-            ScrollArea::vertical().id_salt("problems").max_height(height).min_scrolled_height(height).show(
-                ui,
-                |ui| {
-                    ui.spacing_mut().item_spacing.y = 3.0;
-                    for (k, problem) in state.problems.iter().enumerate().rev() {
-                        let stroke = egui::Stroke::new(1.5, MARK.mark());
-                        Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(
-                            ui,
-                            |ui| {
-                                ui.set_width(width - 16.0);
-                                // Beside the text, not below it: messages then cover less of the view.
-                                ui.with_layout(Layout::right_to_left(Align::TOP), |ui| {
-                                    let dismiss = ui.small_button("Dismiss");
-                                    let tip = Command::DismissProblems.tip_with_keys(ui.ctx());
-                                    if dismiss.on_hover_text(tip).clicked() {
-                                        dismissed = Some(k);
-                                    }
-                                    let can_undo = problem.is_of_edit() && state.document.can_undo();
-                                    if can_undo && ui.small_button("Undo the edit").clicked() {
-                                        is_undone = true;
-                                    }
-                                    ui.with_layout(Layout::top_down(Align::LEFT), |ui| texts(ui, problem));
-                                });
-                            },
-                        );
-                    }
-                },
-            );
+            scroll_area(height).id_salt("problems").show(ui, |ui| {
+                ui.spacing_mut().item_spacing.y = 3.0;
+                for (k, problem) in state.problems.iter().enumerate().rev() {
+                    let stroke = egui::Stroke::new(1.5, MARK.mark());
+                    Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
+                        ui.set_width(width - 16.0);
+                        // Beside the text, not below it: messages then cover less of the view.
+                        ui.with_layout(Layout::right_to_left(Align::TOP), |ui| {
+                            let dismiss = ui.small_button("Dismiss");
+                            let tip = Command::DismissProblems.tip_with_keys(ui.ctx());
+                            if dismiss.on_hover_text(tip).clicked() {
+                                dismissed = Some(k);
+                            }
+                            let can_undo = problem.is_of_edit() && state.document.can_undo();
+                            if can_undo && ui.small_button("Undo the edit").clicked() {
+                                is_undone = true;
+                            }
+                            ui.with_layout(Layout::top_down(Align::LEFT), |ui| texts(ui, problem));
+                        });
+                    });
+                }
+            });
         });
     if let Some(k) = dismissed {
         state.dismiss_problem(k);

@@ -61,6 +61,7 @@ fn flank_message(state: &AppState) -> RichText {
 }
 
 fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
+    let running = activity.running.map(|(what, _)| what);
     let text = match (&state.notice, &state.results.planned) {
         (Some(notice), _) => {
             let colour = Condition::Interfering.text(ui.visuals());
@@ -75,10 +76,7 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
                 (Tone::Fault, n) => RichText::new(format!("{n} problems: see the messages")).color(colour),
             }
         }
-        (None, _) if activity.running.is_some() => {
-            let what = activity.running.map_or("Calculating", |(what, _)| what);
-            RichText::new(format!("{what}…")).weak()
-        }
+        (None, _) if running.is_some() => RichText::new(format!("{}…", running.unwrap_or_default())).weak(),
         (None, _) if state.look.operation == Operation::Flank => flank_message(state),
         (None, _) if state.look.operation == Operation::Program => match &state.results.checked {
             None => RichText::new("No program is checked").weak(),

@@ -2,8 +2,9 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Button, ComboBox, DragValue, Grid, RichText, ScrollArea, Ui};
+use egui::{Button, ComboBox, DragValue, Grid, RichText, Ui};
 
+use crate::app::views::scroll_area;
 use crate::mesh::axis::Axis;
 use crate::mesh::nodes::MeshNode;
 use crate::mesh::options::{FileUnit, likely_unit};
@@ -52,46 +53,42 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
         DisplayUnits::Metric => "Size, mm",
         DisplayUnits::Inch => "Size, in",
     };
-    ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
-        ui,
-        |ui| {
-            Grid::new("nodes").num_columns(4).striped(true).show(ui, |ui| {
-                for title in ["Node", "Triangles", size_title, "Role"] {
-                    ui.label(RichText::new(title).weak());
+    scroll_area(height).auto_shrink([false, true]).show(ui, |ui| {
+        Grid::new("nodes").num_columns(4).striped(true).show(ui, |ui| {
+            for title in ["Node", "Triangles", size_title, "Role"] {
+                ui.label(RichText::new(title).weak());
+            }
+            ui.end_row();
+            for (k, node) in nodes.iter().enumerate() {
+                let name = Button::selectable(choices.selected == Some(k), &node.name).truncate();
+                let name = ui
+                    .scope(|ui| {
+                        ui.set_width(NAME_WIDTH);
+                        ui.add(name.min_size(egui::vec2(NAME_WIDTH, 20.0)))
+                    })
+                    .inner
+                    .on_hover_text(&node.name);
+                if name.clicked() {
+                    choices.selected = Some(k);
+                }
+                if choices.scroll_to_selected && choices.selected == Some(k) {
+                    name.scroll_to_me(None);
+                }
+                ui.label(node.triangles.to_string());
+                let [x, y, z] = <[f64; 3]>::from((node.high - node.low) * scale).map(|mm| size(mm, units));
+                ui.label(format!("{x} × {y} × {z}"));
+                let all = Role::ALL.into_iter().map(Some).chain([None]);
+                let name = format!("Role of {}", node.key);
+                let are_found = choices.are_roles_found();
+                let role = list(ui, &name, choices.roles[k], all, |r| word(r, are_found).to_owned());
+                if let Some(role) = role {
+                    choices.selected = Some(k);
+                    choices.set_role(nodes, role);
                 }
                 ui.end_row();
-                for (k, node) in nodes.iter().enumerate() {
-                    let name = Button::selectable(choices.selected == Some(k), &node.name).truncate();
-                    let name = ui
-                        .scope(|ui| {
-                            ui.set_width(NAME_WIDTH);
-                            ui.add(name.min_size(egui::vec2(NAME_WIDTH, 20.0)))
-                        })
-                        .inner
-                        .on_hover_text(&node.name);
-                    if name.clicked() {
-                        choices.selected = Some(k);
-                    }
-                    if choices.scroll_to_selected && choices.selected == Some(k) {
-                        name.scroll_to_me(None);
-                    }
-                    ui.label(node.triangles.to_string());
-                    let [x, y, z] =
-                        <[f64; 3]>::from((node.high - node.low) * scale).map(|mm| size(mm, units));
-                    ui.label(format!("{x} × {y} × {z}"));
-                    let all = Role::ALL.into_iter().map(Some).chain([None]);
-                    let name = format!("Role of {}", node.key);
-                    let are_found = choices.are_roles_found();
-                    let role = list(ui, &name, choices.roles[k], all, |r| word(r, are_found).to_owned());
-                    if let Some(role) = role {
-                        choices.selected = Some(k);
-                        choices.set_role(nodes, role);
-                    }
-                    ui.end_row();
-                }
-            });
-        },
-    );
+            }
+        });
+    });
     choices.scroll_to_selected = false;
 }
 
