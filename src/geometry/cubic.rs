@@ -143,7 +143,15 @@ impl<const D: usize> Cubic<D> {
     /// Point at `t`.
     #[inline]
     pub fn point(&self, t: f64) -> [f64; D] {
-        self.derivatives(t).0
+        let (start, end) = self.domain();
+        let inside = t.clamp(start, end);
+        if t != inside {
+            return self.derivatives(t).0;
+        }
+        let i = self.segment(inside);
+        let x = inside - self.knots[i];
+        let c = &self.segments[i];
+        std::array::from_fn(|k| c[0][k] + x * (c[1][k] + x * (c[2][k] + x * c[3][k])))
     }
 
     /// Point, first and second derivative at `t`.

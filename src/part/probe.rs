@@ -243,9 +243,9 @@ impl SideProbe {
         let (low, high) = (low.max(self.u[0]), high.min(self.u[self.u.len() - 1]));
         let mut curve = self.side.line(v);
         let line = |u: f64| {
-            let (p, _, pv) = self.side.derivatives(u, v);
-            let (distance, gradient) = query.gradient(&p);
-            (p, LineMinimum { v, u, distance, slope: gradient.dot(&pv), height: query.height(&p) })
+            let (point, pv) = self.side.point_and_rise(u, v);
+            let (distance, gradient) = query.gradient(&point);
+            LineMinimum { v, u, point, distance, slope: gradient.dot(&pv), height: query.height(&point) }
         };
         let mut u = guess.clamp(low, high);
         for _ in 0..8 {
@@ -258,8 +258,8 @@ impl SideProbe {
             let moved = (next - u).abs();
             u = next;
             if moved < U_STEP {
-                let (p, line) = line(u);
-                if query.smooth_at(&p) {
+                let line = line(u);
+                if query.smooth_at(&line.point) {
                     return line;
                 }
                 break;
@@ -269,7 +269,7 @@ impl SideProbe {
         let inner = search::minimum(&mut at, low, high, U_TOLERANCE);
         let [inner, low, high] = [inner, (low, at(low)), (high, at(high))];
         let end = if low.1 < high.1 { low } else { high };
-        line(if end.1 < inner.1 { end.0 } else { inner.0 }).1
+        line(if end.1 < inner.1 { end.0 } else { inner.0 })
     }
 
     /// Nearest point over v from `v_from` to `v_to`; `None` when the side is certainly further away than
@@ -305,21 +305,12 @@ impl SideProbe {
         for (line, seed) in lines.iter_mut().zip(near) {
             let (found, shift) = self.line_near(query, seed);
             if found.distance < enough {
-                return Some(self.nearest_of_line(&found));
+                return Some(found.nearest());
             }
             *line = found;
             drift = drift.max(shift);
         }
         Some(self.nearest_between(query, &lines[..near.len()], drift))
-    }
-
-    fn nearest_of_line(&self, line: &LineMinimum) -> NearestOnSide {
-        NearestOnSide {
-            distance: line.distance,
-            u: line.u,
-            v: line.v,
-            point: self.side.point(line.u, line.v),
-        }
     }
 
     /// Start values on the lines of the grid between `v_from` and `v_to`, and on these two, given a lower
@@ -421,7 +412,7 @@ impl SideProbe {
                 self.search_between(query, (&a, &b), reach, &mut best);
             }
         }
-        self.nearest_of_line(&best)
+        best.nearest()
     }
 
     /// Searches between two lines for a point nearer than `best`, with u within `reach`.

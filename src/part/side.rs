@@ -62,44 +62,39 @@ impl BladeSide {
     /// Point at u (0 LE … 1 TE) and v (0 on the hub … 1 at the shroud).
     #[inline]
     pub fn point(&self, u: f64, v: f64) -> Point {
-        self.derivatives(u, v).0
+        self.point_and_rise(u, v).0
+    }
+
+    /// Point and derivative by v.
+    #[inline]
+    pub fn point_and_rise(&self, u: f64, v: f64) -> (Point, Vector) {
+        let between = self.between(v);
+        let slopes = self.slopes.get(between.span).map(|slopes| slopes.point(u));
+        let (point, rise) = between.blended(&self.spans[between.span].point(u), slopes.as_ref());
+        (Point::from(point), rise)
     }
 
     /// Point and derivatives by u and v.
     #[inline]
     pub fn derivatives(&self, u: f64, v: f64) -> (Point, Vector, Vector) {
+        let between = self.between(v);
+        let (c, cu, _) = self.spans[between.span].derivatives(u);
+        let slopes = self.slopes.get(between.span).map(|slopes| slopes.derivatives(u));
+        let (point, pv) = between.blended(&c, slopes.as_ref().map(|(m, ..)| m));
+        let (pu, _) = between.blended(&cu, slopes.as_ref().map(|(_, mu, _)| mu));
+        (Point::from(point), pu, pv)
+    }
+
+    /// The sections between which `v` lies.
+    #[inline]
+    fn between(&self, v: f64) -> Between {
         let inside = v.clamp(0.0, 1.0);
-        let mut j = 0;
-        while j + 1 < self.spans.len() && self.stations[j + 1] <= inside {
-            j += 1;
+        let mut span = 0;
+        while span + 1 < self.spans.len() && self.stations[span + 1] <= inside {
+            span += 1;
         }
-        let (v0, v1) = (self.stations[j], self.stations[j + 1]);
-        let h = v1 - v0;
-        let (c, cu, _) = self.spans[j].derivatives(u);
-        let split = |a: &[f64; 6]| (Vector::new(a[0], a[1], a[2]), Vector::new(a[3], a[4], a[5]));
-        let ((p0, p1), (p0u, p1u)) = (split(&c), split(&cu));
-        if self.slopes.is_empty() {
-            let x = (v - v0) / h;
-            let p = p0 + (p1 - p0) * x;
-            return (Point::from(p), p0u + (p1u - p0u) * x, (p1 - p0) / h);
-        }
-        let (m, mu, _) = self.slopes[j].derivatives(u);
-        let ((m0, m1), (m0u, m1u)) = (split(&m), split(&mu));
-        let x = (inside - v0) / h;
-        let (x2, x3) = (x * x, x * x * x);
-        let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
-        let (s0, s1) = (h * (x3 - 2.0 * x2 + x), h * (x3 - x2));
-        let mut p = p0 * b0 + p1 * b1 + m0 * s0 + m1 * s1;
-        let mut pu = p0u * b0 + p1u * b1 + m0u * s0 + m1u * s1;
-        let (d0, e0, e1) = (6.0 * (x2 - x) / h, 3.0 * x2 - 4.0 * x + 1.0, 3.0 * x2 - 2.0 * x);
-        let pv = (p0 - p1) * d0 + m0 * e0 + m1 * e1;
-        let beyond = v - inside;
-        if beyond != 0.0 {
-            let (d0u, e0u, e1u) = (d0, e0, e1);
-            p += pv * beyond;
-            pu += ((p0u - p1u) * d0u + m0u * e0u + m1u * e1u) * beyond;
-        }
-        (Point::from(p), pu, pv)
+        let (from, to) = (self.stations[span], self.stations[span + 1]);
+        Between { span, from, height: to - from, inside, v }
     }
 
     /// The curve of constant `v`, prepared for a search along it.
@@ -176,6 +171,45 @@ impl BladeSide {
             curves.collect()
         };
         Self { stations: self.stations.clone(), spans: cut(&self.spans), slopes: cut(&self.slopes) }
+    }
+}
+
+/// A value of v and the two sections it lies between, or beyond which it lies.
+struct Between {
+    /// Number of the lower section.
+    span: usize,
+    /// v of the lower section, and how much higher that of the upper one is.
+    from: f64,
+    height: f64,
+    /// `v` within 0…1.
+    inside: f64,
+    v: f64,
+}
+
+impl Between {
+    /// Value and derivative by v, given the values on both sections and, with three or more sections, their
+    /// derivatives by v.
+    #[inline]
+    fn blended(&self, values: &[f64; 6], slopes: Option<&[f64; 6]>) -> (Vector, Vector) {
+        let split = |a: &[f64; 6]| (Vector::new(a[0], a[1], a[2]), Vector::new(a[3], a[4], a[5]));
+        let (p0, p1) = split(values);
+        let h = self.height;
+        let Some(slopes) = slopes else {
+            return (p0 + (p1 - p0) * ((self.v - self.from) / h), (p1 - p0) / h);
+        };
+        let (m0, m1) = split(slopes);
+        let x = (self.inside - self.from) / h;
+        let (x2, x3) = (x * x, x * x * x);
+        let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
+        let (s0, s1) = (h * (x3 - 2.0 * x2 + x), h * (x3 - x2));
+        let mut value = p0 * b0 + p1 * b1 + m0 * s0 + m1 * s1;
+        let (d0, e0, e1) = (6.0 * (x2 - x) / h, 3.0 * x2 - 4.0 * x + 1.0, 3.0 * x2 - 2.0 * x);
+        let rise = (p0 - p1) * d0 + m0 * e0 + m1 * e1;
+        let beyond = self.v - self.inside;
+        if beyond != 0.0 {
+            value += rise * beyond;
+        }
+        (value, rise)
     }
 }
 

@@ -1,5 +1,8 @@
 //! Where the searches on the lines of a side begin, and what they find.
 
+use super::NearestOnSide;
+use crate::geometry::Point;
+
 /// Lines of v in the grid of a side that is not ruled; a ruled one bends only by its twist.
 pub(super) const MAX_V_LINES: usize = 9;
 /// Largest number of lines of a search: those of the grid, and the ends of the range.
@@ -64,6 +67,7 @@ impl Seeds {
 pub(super) struct LineMinimum {
     pub v: f64,
     pub u: f64,
+    pub point: Point,
     /// Signed distance, mm, and its derivative by v.
     pub distance: f64,
     pub slope: f64,
@@ -72,6 +76,11 @@ pub(super) struct LineMinimum {
 }
 
 impl LineMinimum {
+    /// What the search found, for its callers.
+    pub fn nearest(&self) -> NearestOnSide {
+        NearestOnSide { distance: self.distance, u: self.u, v: self.v, point: self.point }
+    }
+
     /// The nearer of two, this one if they are equally near.
     pub fn nearer_of(&self, other: &Self) -> Self {
         if other.distance < self.distance { *other } else { *self }
