@@ -77,9 +77,14 @@ fn part_setup_and_project_open_where_they_are_dropped() {
     drop_on(&mut second, &[&project]);
     assert_eq!((part_name(&second).as_deref(), step(&second)), (Some("pump6"), Some(6.5)), "the project");
 
+    let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cc_autoblade/cc_autoblade.geomTurbo");
     let mut third = window(engine);
     drop_on(&mut third, &[&setup, &part]);
-    assert_eq!((part_name(&third).as_deref(), step(&third)), (Some("pump6"), Some(6.5)), "both at once");
+    assert_eq!(
+        (part_name(&third).as_deref(), step(&third)),
+        (Some("cc_autoblade"), Some(6.5)),
+        "both at once"
+    );
 }
 
 #[test]

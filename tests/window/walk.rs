@@ -1,4 +1,4 @@
-//! A programmer's whole session with their own part: find interfering plunges, tune until there are none,
+//! A programmer's whole session with a part: find interfering plunges, tune until there are none,
 //! compare, plan flank milling, write files, and continue in a later session.
 
 use std::path::Path;
@@ -64,12 +64,12 @@ fn save(window: &mut Window, purpose: Purpose, path: &Path) {
 
 #[test]
 fn from_a_dropped_part_to_files_and_back_on_another_day() {
-    let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cc_autoblade/cc_autoblade.geomTurbo");
+    let part = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
     let folder = tempfile::tempdir().expect("a folder");
     let home = folder.path().join("home");
     let mut window = on_a_small_screen(&home);
     drop_on(&mut window, &[&part]);
-    window.get_by_label("cc_autoblade");
+    window.get_by_label("impeller532");
 
     // Conventional axes: find the worst plunge and its reason.
     choose(&mut window, "Axis strategy", "Isoparametric");
@@ -188,7 +188,7 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.get_by_label("tuning").click();
     window.run_steps(2);
     settle(&mut window);
-    window.get_by_label("cc_autoblade");
+    window.get_by_label("impeller532");
     window.get_by_label(&said);
     window.get_by_label(&format!("Sectional view through position {chosen}"));
     assert_eq!(interferential(&window), (before, 0));
