@@ -11,11 +11,21 @@ use crate::verify::Fault;
 
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
-    match purpose.planned_operation() {
+    let mut found = match purpose.planned_operation() {
         Some(Operation::Roughing) => plunge_concerns(state),
         Some(Operation::Flank) => flank_concerns(state),
-        Some(Operation::Program) | None => Vec::new(),
-    }
+        Some(Operation::Program) | None => return Vec::new(),
+    };
+    found.extend(match state.document.replaced.len() {
+        0 => None,
+        1 => {
+            Some("1 value of the setup in the project was faulty: the default stands in its place".to_owned())
+        }
+        n => {
+            Some(format!("{n} values of the setup in the project were faulty: defaults stand in their place"))
+        }
+    });
+    found
 }
 
 fn plunge_concerns(state: &AppState) -> Vec<String> {
