@@ -151,8 +151,8 @@ impl App {
         }
     }
 
-    /// Goes on with an export whose plan was calculated again; it ends if the setup is edited meanwhile, or if
-    /// the calculation is cancelled or fails.
+    /// Goes on with an export whose plan was calculated again; it ends if the setup is edited meanwhile, or
+    /// if the calculation is cancelled or fails.
     pub(in crate::app) fn go_on_with_export(&mut self, ctx: &egui::Context) {
         let Some(waiting) = &self.postponed else { return };
         let operation = waiting.purpose.planned_operation().unwrap_or(Operation::Roughing);

@@ -196,8 +196,8 @@ fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
     });
 }
 
-/// What the cutters are coloured by, and whether as text; `None` while they are hidden. The states, which table
-/// and verdict name too, have no text where that does not fit beside the scale of the floor.
+/// What the cutters are coloured by, and whether as text; `None` while they are hidden. The states, which
+/// table and verdict name too, have no text where that does not fit beside the scale of the floor.
 fn cutter_legend(ui: &Ui, state: &AppState) -> Option<(CutterLegend, bool)> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
