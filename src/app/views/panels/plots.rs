@@ -227,7 +227,7 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
             let number = with_minus_signs(&format!("{v:.*}", digits(2)));
             // The unit is that of all lengths: it goes before a digit does.
             let text = format!("{number}{}", curve.unit);
-            if width(&text) + 2.0 * SIDE_MARGIN <= rect.width() { text } else { number }
+            if width(&text) + SIDE_MARGIN <= rect.width() { text } else { number }
         }
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
