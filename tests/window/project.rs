@@ -110,6 +110,7 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     window.get_by_label("2 more faults in the setups of the project");
     let shown = |window: &Window| window.state().state().field_faults().len();
     assert_eq!(shown(&window), keys.len(), "all are shown at their fields");
+    window.get_by_label("Roughing: 6 faulty values");
     // What was read is not corrected.
     window.get_all_by_label("Dismiss").next().expect("a message").click();
     window.run_steps(3);

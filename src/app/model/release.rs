@@ -16,6 +16,13 @@ pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
         Some(Operation::Flank) => flank_concerns(state),
         Some(Operation::Program) | None => return Vec::new(),
     };
+    // The post refuses such a program by itself.
+    let is_apt = matches!(purpose, Purpose::ExportCl { .. } | Purpose::ExportFlank { .. });
+    if is_apt && purpose.planned_operation() == Some(state.look.operation) {
+        let on_machine = state.on_machine();
+        let fault = on_machine.and_then(|on_machine| Some((on_machine, on_machine.fault.as_ref()?)));
+        found.extend(fault.map(|(on, (what, _))| format!("{} cannot run it: {what}", on.machine.name)));
+    }
     found.extend(match state.document.replaced.len() {
         0 => None,
         1 => {

@@ -3,6 +3,7 @@
 use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::Condition;
+use crate::report::words::NOT_ON_MACHINE;
 
 use super::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use super::state::AppState;
@@ -22,6 +23,12 @@ pub fn count_skipped_stretches(count: usize) -> String {
     format!("{} skipped", counted(count, "stretch", "stretches"))
 }
 
+/// Number of faulty values of the setup in the file, in whose place defaults stand, in words.
+fn faulty_values(state: &AppState) -> Option<String> {
+    let count = state.document.replaced.len();
+    (count > 0).then(|| counted(count, "faulty value", "faulty values"))
+}
+
 /// The verdict on a plunge plan, and what is wrong with it, if anything is.
 pub fn of_plunges(state: &AppState, result: &PolicyResult) -> (Condition, Option<String>) {
     let PolicyResult { plan, summary, .. } = result;
@@ -30,6 +37,10 @@ pub fn of_plunges(state: &AppState, result: &PolicyResult) -> (Condition, Option
         "unfinished".to_owned()
     } else if interfering > 0 {
         count_faults(interfering)
+    } else if summary.is_refused {
+        NOT_ON_MACHINE.to_owned()
+    } else if let Some(words) = faulty_values(state) {
+        words
     } else if !plan.converged {
         "not converged".to_owned()
     } else if state.missed_goal().is_some() {
@@ -47,10 +58,12 @@ pub fn of_plunges(state: &AppState, result: &PolicyResult) -> (Condition, Option
 }
 
 /// The verdict on a flank plan, and what is wrong with it, if anything is.
-pub fn of_flank(outcome: &FlankOutcome) -> (Condition, Option<String>) {
+pub fn of_flank(state: &AppState, outcome: &FlankOutcome) -> (Condition, Option<String>) {
     let (faults, skipped) = (outcome.faults.len(), outcome.plan.uncut.len());
     if faults > 0 {
         (Condition::Interfering, Some(count_faults(faults)))
+    } else if let Some(words) = faulty_values(state) {
+        (Condition::Blocked, Some(words))
     } else if outcome.verdict.is_none() {
         (Condition::Blocked, Some("not verified".to_owned()))
     } else if skipped > 0 {

@@ -35,7 +35,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     }
     let faults = outcome.faults.len();
     let skipped = outcome.plan.uncut.len();
-    let (condition, _) = verdict::of_flank(outcome);
+    let (condition, _) = verdict::of_flank(state, outcome);
     let text = RichText::new(format!("Faults {faults}")).strong().color(condition.text(ui.visuals()));
     ui.label(text).on_hover_text("Overcut walls, collisions of shank and holder, rapids through stock");
     if outcome.verdict.is_none() {

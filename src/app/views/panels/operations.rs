@@ -9,7 +9,6 @@ use crate::app::model::state::AppState;
 use crate::app::model::verdict::{self, count_faults};
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
-use crate::report::words::NOT_ON_MACHINE;
 
 /// State of an operation, in words and as a condition.
 fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
@@ -19,10 +18,7 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
             let result = shown.planned.result(shown.policy);
             let summary = &result.summary;
-            let times = match summary.is_refused {
-                true => NOT_ON_MACHINE.to_owned(),
-                false => times(summary.time_s(), summary.time_of_channels_s(channels, channels)),
-            };
+            let times = times(summary.time_s(), summary.time_of_channels_s(channels, channels));
             (times, verdict::of_plunges(state, result), state.out_of_date())
         }
         Operation::Program => {
@@ -42,7 +38,7 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
                 Some(wheel) => times(outcome.time_s(), wheel),
                 None => format_duration(outcome.time_s()),
             };
-            (times, verdict::of_flank(outcome), state.flank_is_stale())
+            (times, verdict::of_flank(state, outcome), state.flank_is_stale())
         }
     };
     if running {
