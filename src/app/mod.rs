@@ -28,7 +28,7 @@ use egui::{CentralPanel, Panel, Ui};
 
 pub use run::{AppError, run};
 
-use control::export::ReleaseQuestion;
+use control::export::{PostponedExport, ReleaseQuestion};
 use control::handover::RecoverySlot;
 use control::project::Session;
 use control::unsaved::Pending;
@@ -113,6 +113,8 @@ pub struct App {
     dock: Dock,
     /// The question about a program with something against it, while it is open.
     release: Option<ReleaseQuestion>,
+    /// The program that is written once its plan is calculated again.
+    postponed: Option<PostponedExport>,
     roles: RolesDialog,
     device: String,
     /// Receives the window's state when the device is lost.
@@ -168,6 +170,7 @@ impl App {
             study: StudyPanel::default(),
             dock: Dock::default(),
             release: None,
+            postponed: None,
             roles: RolesDialog::default(),
             device,
             recovery_slot: None,
@@ -443,6 +446,7 @@ impl eframe::App for App {
         self.ask_changed(ui);
         self.ask_missing_part(ui);
         self.ask_recover(ui);
+        self.go_on_with_export(ui.ctx());
         self.ask_release(ui);
         self.ask_export(ui);
         self.ask_channels(ui);

@@ -175,6 +175,8 @@ pub struct Project {
     /// Faults in its setups when it was read: each faulty entry has its default. They are not written. Those
     /// of sets name no entry.
     pub setup_faults: Vec<SetupEntryFault>,
+    /// How many of them, from the first on, are in the current setup; the others are in variants.
+    pub current_faults: usize,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -269,20 +271,20 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let mut setup_faults = Vec::new();
     let mut read_setup = |what: &str, text: &str| {
         let TolerantSetup { setup, faults } = read_setup_tolerantly(&inside(&name, what), text)?;
-        // Figures are those of a setup as it was.
-        let is_whole = faults.is_empty();
+        let count = faults.len();
         setup_faults.extend(
             faults
                 .into_iter()
                 .map(|fault| SetupEntryFault { entry: fault.entry.filter(|_| what == CURRENT), ..fault }),
         );
-        Ok::<_, InputError>((setup, is_whole))
+        Ok::<_, InputError>((setup, count))
     };
-    let (setup, _) = read_setup(CURRENT, &file.setup)?;
+    let (setup, current_faults) = read_setup(CURRENT, &file.setup)?;
     let mut sets = Vec::with_capacity(file.sets.len());
     for set in file.sets {
-        let (setup, is_whole) = read_setup(&set.name, &set.setup)?;
-        sets.push(StoredSet { name: set.name, setup, figures: set.figures.filter(|_| is_whole) });
+        let (setup, faults) = read_setup(&set.name, &set.setup)?;
+        // Figures are those of a setup as it was.
+        sets.push(StoredSet { name: set.name, setup, figures: set.figures.filter(|_| faults == 0) });
     }
     let is_relative = |part: &Path| {
         let first = part.components().next();
@@ -301,6 +303,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         chosen: file.chosen,
         original: file.original,
         setup_faults,
+        current_faults,
     })
 }
 
@@ -355,6 +358,7 @@ mod tests {
             },
             original: None,
             setup_faults: Vec::new(),
+            current_faults: 0,
         }
     }
 
@@ -427,6 +431,7 @@ mod tests {
         assert!(named[1].starts_with("p.vanecut (Set 1):"), "{named:?}");
         let key = |k: usize| read.setup_faults[k].entry.as_ref().and_then(|entry| entry.key.clone());
         assert_eq!((key(0).as_deref(), key(1)), (Some("step"), None));
+        assert_eq!(read.current_faults, 1, "the other is in a variant");
         let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("opens");
         assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
     }

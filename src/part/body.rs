@@ -10,9 +10,9 @@ pub fn nose(path: &Flowpath) -> f64 {
     path.s_range().0.max(-0.12)
 }
 
-/// +1 when the hub's inlet has a larger z than its rim, else −1.
+/// +1 when the inlet is towards +Z, else −1.
 pub fn up_sign(part: &Impeller) -> f64 {
-    if part.hub.point(0.0).z >= part.hub.point(1.0).z { 1.0 } else { -1.0 }
+    part.out_of_inlet().z
 }
 
 /// The outline of the wheel without the hub: rim, back, bore and nose ring, from the rim of the hub back to

@@ -134,8 +134,11 @@ impl Impeller {
         crate::geometry::Vector::z() * if self.inlet_up() { 1.0 } else { -1.0 }
     }
 
+    /// Whether the inlet is towards +Z. The hub of a pump wheel may be a plane from the leading edge on,
+    /// whose ends differ by rounding only: its shroud says on which side it is open.
     fn inlet_up(&self) -> bool {
-        self.hub.point(0.0).z >= self.hub.point(1.0).z
+        let rim = self.hub.point(1.0).z;
+        (self.hub.point(0.0).z - rim) + (self.shroud.point(1.0).z - rim) >= 0.0
     }
 
     /// Sense of rotation of the wheel, in which its pressure sides lead.

@@ -206,6 +206,8 @@ fn a_hub_of_several_faces_is_one_curve() {
         );
         let part = built(&description);
         assert_eq!((part.blade_count, part.splitters.len()), (5, 0), "{name}");
+        // Along the blades the hub is a plane, whose ends differ by rounding.
+        assert_eq!(part.out_of_inlet().z, 1.0, "{name}");
         let off_hub = |p: Meridional| match (p.z > 40.0, p.r < 48.0) {
             (true, _) => p.r - 18.0,
             (_, true) => (p.r - 48.0).hypot(p.z - 40.0) - 30.0,

@@ -107,15 +107,20 @@ fn until_the_plan_follows_an_edit_the_next_one_waits_but_lifts_add_up() {
     window.run_steps(3);
     select(&mut window, 3);
     set(&mut window, "Move along", 1.0);
+    const BUTTONS: [&str; 5] = ["Move", "Delete", "Lock", "Earlier", "Later"];
+    let places =
+        |window: &Window| BUTTONS.map(|button| window.get_by_role_and_label(Role::Button, button).rect());
+    let before = places(&window);
     for _ in 0..2 {
         click(&mut window, "Lift");
     }
     let is_disabled = |window: &Window, button: &str| {
         window.get_by_role_and_label(Role::Button, button).accesskit_node().is_disabled()
     };
-    for button in ["Move", "Delete", "Lock", "Earlier", "Later"] {
+    for button in BUTTONS {
         assert!(is_disabled(&window, button), "{button}");
     }
+    assert_eq!(places(&window), before, "a second click meets what the first one met");
     window.key_press(egui::Key::Delete);
     window.run_steps(3);
     assert_eq!(count_edits(&window), 1, "the second lift adds to the first, nothing else is taken");
@@ -124,6 +129,16 @@ fn until_the_plan_follows_an_edit_the_next_one_waits_but_lifts_add_up() {
     let lifted = &positions(&window)[2];
     assert!((lifted.lift - found[2].lift - 1.0).abs() < 1e-9, "{} mm", lifted.lift);
     assert!(!is_disabled(&window, "Move"));
+
+    // An edit finds its plunge by where it is, and another setup may place others.
+    set(&mut window, "Step", 3.1);
+    for button in BUTTONS.into_iter().chain(["Lift"]) {
+        assert!(is_disabled(&window, button), "{button}");
+    }
+    window.key_press(egui::Key::Delete);
+    window.run_steps(3);
+    assert_eq!(count_edits(&window), 1, "it would not be applied");
+    window.get_by_label_contains("calculate it first");
 }
 
 #[test]

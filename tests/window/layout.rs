@@ -3,6 +3,7 @@
 use egui::accesskit::Role;
 use egui::{Color32, Theme};
 use egui_kittest::kittest::Queryable;
+use vanecut::app::model::figures::format_clock;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::panels::DockPanel;
 use vanecut::app::model::part_source::PartSource;
@@ -121,6 +122,16 @@ fn controls_over_the_picture_do_not_cover_each_other_from_80_to_200_percent() {
         };
         fits("Scale minimum");
         fits("Scale maximum");
+        // What the cutters' colours mean, and the clock, in text or without.
+        let inside = |text: &str| {
+            let found = window.query_all_by_label_contains(text).next();
+            let rect = found.unwrap_or_else(|| panic!("{text} at {size:?}")).rect();
+            let across = view(&window).x_range();
+            assert!(across.contains(rect.left()) && across.contains(rect.right()), "{text}: {rect}");
+        };
+        inside("OK, ");
+        let (now, _) = window.state().state().clock().expect("a time");
+        inside(&format_clock(now));
     }
 }
 

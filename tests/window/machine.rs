@@ -4,6 +4,7 @@ use std::path::Path;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::machine::ProgramOnMachine;
 use vanecut::geometry::{Vector, rotate_vector_z};
 use vanecut::machine::MachineTime;
@@ -193,6 +194,15 @@ fn a_machine_that_cannot_run_the_plan_says_why() {
     let fault = words(&window, "A would have to be").expect("the fault is shown");
     assert!(fault.starts_with("AC trunnion: "), "{fault}");
     assert!(on_machine(&window).ends.is_empty());
+    // Its post is not asked for an APT file.
+    let (ctx, path) = (window.ctx.clone(), folder.path().join("p.apt"));
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 1 }, path.clone());
+    window.run_steps(3);
+    window.get_by_label_contains("• AC trunnion cannot run it: ");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!path.exists());
     choose(&mut window, "None");
     assert!(window.state().state().results.on_machine.is_none());
     assert_eq!(words(&window, "A would have to be"), None);

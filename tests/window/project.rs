@@ -75,22 +75,79 @@ fn a_project_opens_as_it_was_saved() {
     assert_eq!(read_project(&path).expect("reads").setup.plunge.step, Some(9.0));
 }
 
+/// A window with a project, saved at `path`, whose setup has −3 for `keys`.
+fn with_faulty_setup(path: &Path, keys: &[&str]) -> Window {
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    edit_step(&mut first, 6.0);
+    save_as(&mut first, path);
+    let mut text = std::fs::read_to_string(path).expect("reads");
+    for key in keys {
+        let at = text.find(&format!("{key} = ")).expect("it is written");
+        let end = at + text[at..].find("\\n").expect("more lines follow");
+        text = format!("{}{key} = -3{}", &text[..at], &text[end..]);
+    }
+    std::fs::write(path, text).expect("writes");
+    let mut second = window(engine);
+    second.state_mut().open_path(path.to_owned());
+    settle(&mut second);
+    second
+}
+
+#[test]
+fn a_program_with_defaults_for_faulty_values_is_asked_about() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, program) = (folder.path().join("p.vanecut"), folder.path().join("p.apt"));
+    let keys = [
+        "hub_allowance",
+        "blade_allowance",
+        "safety_distance",
+        "wall_scallop",
+        "max_axis_change",
+        "max_tilt",
+    ];
+    let mut window = with_faulty_setup(&path, &keys);
+    window.get_by_label("2 more faults in the setups of the project");
+    let shown = |window: &Window| window.state().state().field_faults().len();
+    assert_eq!(shown(&window), keys.len(), "all are shown at their fields");
+    window.get_by_label("Roughing: 6 faulty values");
+    // What was read is not corrected.
+    window.get_all_by_label("Dismiss").next().expect("a message").click();
+    window.run_steps(3);
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    let ctx = window.ctx.clone();
+    let export = Purpose::ExportCl { channels: 1 };
+    window.state_mut().file_chosen(&ctx, export, program.clone());
+    window.run_steps(3);
+    window.get_by_label_contains("6 values of the setup in the project were faulty");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!program.exists(), "not without an answer");
+    // One that is edited is what the user wants, and what is saved is what stands there.
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(shown(&window), keys.len() - 1);
+    window.state_mut().file_chosen(&ctx, export, program.clone());
+    window.run_steps(3);
+    window.get_by_label_contains("5 values of the setup in the project were faulty");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    save_as(&mut window, &path);
+    assert_eq!(shown(&window), 0);
+    window.state_mut().file_chosen(&ctx, export, program.clone());
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(program.exists());
+}
+
 #[test]
 fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("p.vanecut");
-    let (engine, _) = fake::engine();
-    let mut first = with_sample(engine.clone());
-    edit_step(&mut first, 6.0);
-    save_as(&mut first, &path);
-    let text = std::fs::read_to_string(&path).expect("reads");
-    let at = text.find("hub_allowance = ").expect("the allowance is written");
-    let end = at + text[at..].find("\\n").expect("more lines follow");
-    std::fs::write(&path, format!("{}hub_allowance = -3{}", &text[..at], &text[end..])).expect("writes");
-
-    let mut second = window(engine);
-    second.state_mut().open_path(path.clone());
-    settle(&mut second);
+    let mut second = with_faulty_setup(&path, &["hub_allowance"]);
     let state = second.state().state();
     assert!(state.document.part.is_some(), "the part is open");
     assert_eq!(state.document.edited.setup.plunge.step, Some(6.0), "what is sound stays");

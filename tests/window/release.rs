@@ -34,12 +34,22 @@ fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {
     window.get_by_label("Recalculate").click();
     window.run_steps(2);
     settle(&mut window);
-    assert!(!path.exists() && !window.state().state().out_of_date(), "calculated, not written");
+    assert!(!window.state().state().out_of_date());
+    assert!(path.exists(), "nothing speaks against it any more");
+    let now = window.state().state().shown().expect("planned").planned.setup.plunge.step;
+    assert_eq!(now, Some(3.0), "what is written is the new plan");
 
+    // An edit while it is calculated ends the export.
+    std::fs::remove_file(&path).expect("is removed");
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(4.0);
+    window.run_steps(3);
     window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
     window.run_steps(2);
+    window.get_by_label("Recalculate").click();
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(5.0);
+    window.run_steps(3);
     settle(&mut window);
-    assert!(path.exists(), "nothing speaks against it any more");
+    assert!(window.state().state().out_of_date() && !path.exists(), "it was for another setup");
 }
 
 #[test]

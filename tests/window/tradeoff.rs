@@ -155,6 +155,7 @@ fn the_curve_has_progress_can_be_cancelled_and_is_kept() {
         "Goal cannot be met: the plan with the least stock leaves {left:.2} mm above the allowance (95 %), the \
          limit is 0.01 mm"
     ));
+    window.get_by_label("Roughing: goal cannot be met");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::setup::Setup;
 
@@ -113,6 +113,16 @@ fn the_palette_finds_and_runs_commands() {
     window.key_press(egui::Key::Escape);
     window.run_steps(2);
     assert!(window.query_by_role_and_label(Role::TextInput, "Search commands").is_none(), "Esc closes it");
+
+    // What cannot be done now comes last: Enter takes the first.
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::K);
+    window.run_steps(2);
+    window.event(egui::Event::Text("study".to_owned()));
+    window.run_steps(3);
+    let [open, shown] =
+        ["Open study results…", "Study results"].map(|name| window.get_by_role_and_label(Role::Button, name));
+    assert!(shown.accesskit_node().is_disabled(), "none is open");
+    assert!(open.rect().top() < shown.rect().top());
 }
 
 #[test]

@@ -143,6 +143,10 @@ fn from_a_dropped_part_to_files_and_back_on_another_day() {
     window.run_steps(2);
     settle(&mut window);
     let flank = window.state().state().results.flank.clone().expect("planned");
+    let skipped = flank.plan.uncut.len();
+    let word = if skipped == 1 { "stretch" } else { "stretches" };
+    assert!(skipped > 0, "this part has some");
+    window.get_by_label(&format!("Flank: {skipped} {word} skipped"));
     let figures = &flank.plan.layout.totals;
     let ratio = figures[flank.plan.layout.strategy as usize].length / figures[0].length;
     assert!(ratio < 0.5, "shorter than the isoparametric curves: {ratio}");

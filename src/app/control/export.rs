@@ -26,6 +26,7 @@ use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
 use crate::job::worker::Outcome;
+use crate::setup::Setup;
 use crate::verify::Fault;
 
 /// Maximum number of remarks on a library that are repeated when it is written.
@@ -40,6 +41,15 @@ pub(in crate::app) struct ReleaseQuestion {
     words: &'static ReleaseWords,
     /// Whether it is about the faults of a flank program of several channels, which was judged.
     is_judged: bool,
+}
+
+/// An export that goes on once the plan follows the setup.
+#[derive(Debug)]
+pub(in crate::app) struct PostponedExport {
+    purpose: Purpose,
+    path: PathBuf,
+    /// The setup that is calculated for it.
+    setup: Setup,
 }
 
 impl App {
@@ -129,6 +139,8 @@ impl App {
                 let is_flank = purpose.planned_operation() == Some(Operation::Flank);
                 let command = if is_flank { Command::PlanFlank } else { Command::Plan };
                 self.run_command(ui.ctx(), command);
+                let setup = self.state.document.edited.setup.clone();
+                self.postponed = Some(PostponedExport { purpose, path, setup });
             }
             ReleaseAnswer::Export => {
                 self.accepts_faults = is_judged;
@@ -136,6 +148,28 @@ impl App {
                 self.accepts_faults = false;
             }
             ReleaseAnswer::Cancel => {}
+        }
+    }
+
+    /// Goes on with an export whose plan was calculated again; it ends if the setup is edited meanwhile, or
+    /// if the calculation is cancelled or fails.
+    pub(in crate::app) fn go_on_with_export(&mut self, ctx: &egui::Context) {
+        let Some(waiting) = &self.postponed else { return };
+        let operation = waiting.purpose.planned_operation().unwrap_or(Operation::Roughing);
+        let goes_on = waiting.setup == self.state.document.edited.setup;
+        if goes_on && self.work.is_due(operation) {
+            return;
+        }
+        let Some(PostponedExport { purpose, path, .. }) = self.postponed.take() else { return };
+        let is_new = match operation {
+            Operation::Flank => self.state.results.flank.is_some() && !self.state.flank_is_stale(),
+            _ => {
+                let planned = self.state.results.planned.as_ref();
+                !self.state.out_of_date() && planned.is_some_and(|planned| !planned.is_unfinished())
+            }
+        };
+        if goes_on && is_new {
+            self.file_chosen(ctx, purpose, path);
         }
     }
 

@@ -250,19 +250,26 @@ impl App {
 
     /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults
     /// stand in place of what is faulty.
-    fn report_setup_faults(&mut self, faults: &[SetupEntryFault]) {
-        for SetupEntryFault { error: fault, entry } in faults.iter().take(MAX_REPORTED_FAULTS) {
+    fn report_setup_faults(&mut self, Project { setup_faults: faults, current_faults, .. }: &Project) {
+        let mut problems = faults.iter().map(|SetupEntryFault { error: fault, entry }| {
             let help = format!("{}; until then the default is used", fault.help);
             let problem =
                 Problem::about(Topic::Project, &format!("{}: {}", fault.place(), fault.message), &help);
             let field = entry.as_ref().and_then(FaultyField::of_entry);
-            self.state.report_problem(problem.with_code(fault.code).at_field(field, &fault.message));
+            problem.with_code(fault.code).at_field(field, &fault.message)
+        });
+        let shown: Vec<Problem> = problems.by_ref().take(MAX_REPORTED_FAULTS).collect();
+        let rest: Vec<Problem> = problems.collect();
+        let of_current = shown.iter().chain(&rest).take(*current_faults);
+        self.state.document.replaced = of_current.map(|problem| problem.field.clone()).collect();
+        for problem in shown {
+            self.state.report_problem(problem);
         }
-        if faults.len() > MAX_REPORTED_FAULTS {
-            let message =
-                format!("{} more faults in the setups of the project", faults.len() - MAX_REPORTED_FAULTS);
-            self.state
-                .report_problem(Problem::new(message, "look through setup and variants before you save"));
+        if !rest.is_empty() {
+            let word = if rest.len() == 1 { "fault" } else { "faults" };
+            let message = format!("{} more {word} in the setups of the project", rest.len());
+            let help = "look through setup and variants before you save";
+            self.state.report_problem(Problem::about(Topic::Project, &message, help));
         }
         if !faults.is_empty() {
             self.state.document.mark_unsaved();
@@ -300,7 +307,7 @@ impl App {
                 "check setup and variants, then save the project again",
             ));
         }
-        self.report_setup_faults(&project.setup_faults);
+        self.report_setup_faults(project);
         if self.is_recoverable(&path) {
             self.take_recovered(&path, project);
         } else {

@@ -7,6 +7,7 @@ use crate::io::part_hash::PartHash;
 use crate::part::Impeller;
 use crate::setup::Setup;
 
+use crate::app::model::field_faults::FieldFault;
 use crate::app::model::history::History;
 use crate::app::model::part_source::PartSource;
 
@@ -53,6 +54,9 @@ pub struct Document {
     pub path: Option<PathBuf>,
     /// Hash of that file as this window read or wrote it last; `None` where it has not.
     pub on_disk: Option<u64>,
+    /// Faulty values of the setup in the file, in whose place defaults stand, each with its field if it has
+    /// one: until the field is edited, or what stands there is saved.
+    pub replaced: Vec<Option<FieldFault>>,
     /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
     history: History<Edited>,
@@ -66,6 +70,7 @@ impl Document {
         self.edited = edited;
         self.path = path.map(absolute);
         self.on_disk = None;
+        self.replaced.clear();
         self.history = History::default();
     }
 
@@ -79,6 +84,7 @@ impl Document {
         self.path = Some(absolute(path));
         self.on_disk = Some(hash);
         self.saved = Some(edited);
+        self.replaced.clear();
     }
 
     /// Marks the content as never saved, e.g. after recovery.

@@ -39,3 +39,4 @@ pub mod study_table;
 pub mod table_scroll;
 pub mod timeline_program;
 pub mod units;
+pub mod verdict;

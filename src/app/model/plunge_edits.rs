@@ -63,9 +63,9 @@ impl AppState {
     }
 
     /// Whether the plan that is shown is the one that the next edit changes: not while it has yet to follow
-    /// the last one.
+    /// the last one, or another change of the setup, for which it may have other plunges.
     pub fn takes_edits(&self) -> bool {
-        self.plan_with_all_edits().is_some() && self.editable_plan().is_some()
+        !self.out_of_date() && self.editable_plan().is_some()
     }
 
     /// Pose of the selected plunge of the plan to which edits apply.
@@ -77,9 +77,11 @@ impl AppState {
     /// which the next one adds.
     pub fn takes_lifts(&self) -> bool {
         let lifted = || {
-            let known = self.results.planned.as_ref()?.setup.plunge.edits.len();
-            let plunge = self.selected_pose()?;
-            match self.document.edited.setup.plunge.edits.get(known..)? {
+            let mut asked = self.results.planned.as_ref()?.setup.clone();
+            let (known, now) = (asked.plunge.edits.len(), &self.document.edited.setup);
+            asked.plunge.edits.clone_from(&now.plunge.edits);
+            let plunge = self.selected_pose().filter(|_| asked.equals_except_flank(now))?;
+            match now.plunge.edits.get(known..)? {
                 [only] if matches!(only.change, PlungeChange::Lift(_)) => Some(only.plunge.is(&plunge)),
                 _ => None,
             }

@@ -11,11 +11,28 @@ use crate::verify::Fault;
 
 /// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
-    match purpose.planned_operation() {
+    let mut found = match purpose.planned_operation() {
         Some(Operation::Roughing) => plunge_concerns(state),
         Some(Operation::Flank) => flank_concerns(state),
-        Some(Operation::Program) | None => Vec::new(),
+        Some(Operation::Program) | None => return Vec::new(),
+    };
+    // The post refuses such a program by itself.
+    let is_apt = matches!(purpose, Purpose::ExportCl { .. } | Purpose::ExportFlank { .. });
+    if is_apt && purpose.planned_operation() == Some(state.look.operation) {
+        let on_machine = state.on_machine();
+        let fault = on_machine.and_then(|on_machine| Some((on_machine, on_machine.fault.as_ref()?)));
+        found.extend(fault.map(|(on, (what, _))| format!("{} cannot run it: {what}", on.machine.name)));
     }
+    found.extend(match state.document.replaced.len() {
+        0 => None,
+        1 => {
+            Some("1 value of the setup in the project was faulty: the default stands in its place".to_owned())
+        }
+        n => {
+            Some(format!("{n} values of the setup in the project were faulty: defaults stand in their place"))
+        }
+    });
+    found
 }
 
 fn plunge_concerns(state: &AppState) -> Vec<String> {

@@ -39,6 +39,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
         },
         original: None,
         setup_faults: Vec::new(),
+        current_faults: 0,
     })
 }
 

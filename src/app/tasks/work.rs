@@ -128,6 +128,16 @@ impl Work {
         }
     }
 
+    /// Whether a plan of an operation is calculated, or was and is not taken yet.
+    pub(in crate::app) fn is_due(&self, operation: Operation) -> bool {
+        self.is_calculating(operation)
+            || match operation {
+                Operation::Roughing => self.planner.has_outcome(),
+                Operation::Flank => self.flanker.has_outcome(),
+                Operation::Program => self.checker.has_outcome(),
+            }
+    }
+
     /// Name and progress (0…1) of the running task.
     pub(in crate::app) fn running(&self) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));

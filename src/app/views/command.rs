@@ -126,9 +126,10 @@ commands! {
     NextTool "Next tool change" "Moves the timeline to the first plunge of the next tool" [NONE, T];
     PreviousTool "Previous tool change"
         "Moves the timeline to the first plunge of the tool before" [SHIFT, T];
-    NextSection "Next section" "Moves the timeline to the first plunge of the next section" [NONE, C];
-    PreviousSection "Previous section"
-        "Moves the timeline to the first plunge of the section before" [SHIFT, C];
+    NextSection "Next section or layer"
+        "Moves the timeline to where the next section begins, or the next layer of flank passes" [NONE, C];
+    PreviousSection "Previous section or layer"
+        "Moves the timeline to where the section before begins, or that layer of flank passes" [SHIFT, C];
     Play "Play" "Plays the positions in cutting order, or stops" [NONE, Space];
     ToBlank "Go to start" "Shows the channel before the first position" [NONE, Home];
     ToEnd "Go to end" "Shows the channel after the last position" [NONE, End];

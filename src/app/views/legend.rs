@@ -134,29 +134,39 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
                 program_key(ui, checked);
                 return;
             }
-            if let Some(legend) = cutter_legend(ui, state) {
-                show_cutter_legend(ui, &legend, &mut state.look.hidden_classes);
+            if let Some((legend, has_text)) = cutter_legend(ui, state) {
+                show_cutter_legend(ui, &legend, has_text, &mut state.look.hidden_classes);
+                if !has_text {
+                    ui.separator();
+                    show_scale_of(ui, state, values);
+                    return;
+                }
                 // In a narrow view the colours that were asked for have priority over those of the floor.
                 if ui.available_width() < MIN_SCALE_WIDTH {
                     return;
                 }
                 ui.separator();
             }
-            match scale(state) {
-                Some(scale) => {
-                    if shows_both_scales(state, &scale) && ui.available_width() > TWO_SCALES {
-                        show_scale_before(ui, state);
-                    }
-                    show_scale(ui, state, &scale, values);
-                }
-                None => {
-                    if let Some((outcome, colours)) = state.shown_flank() {
-                        flank::key(ui, colours, &outcome.plan);
-                    }
-                }
-            }
+            show_scale_of(ui, state, values);
         });
     });
+}
+
+/// The scale of the colours in view, or the key of the flank passes.
+fn show_scale_of(ui: &mut Ui, state: &mut AppState, values: Values) {
+    match scale(state) {
+        Some(scale) => {
+            if shows_both_scales(state, &scale) && ui.available_width() > TWO_SCALES {
+                show_scale_before(ui, state);
+            }
+            show_scale(ui, state, &scale, values);
+        }
+        None => {
+            if let Some((outcome, colours)) = state.shown_flank() {
+                flank::key(ui, colours, &outcome.plan);
+            }
+        }
+    }
 }
 
 /// Whether the moves of a checked program are in view.
@@ -186,9 +196,9 @@ fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
     });
 }
 
-/// What the cutters are coloured by; `None` while they are hidden. The colours of the states, which table and
-/// verdict name too, are left out where they do not fit beside the scale of the floor.
-fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
+/// What the cutters are coloured by, and whether as text; `None` while they are hidden. The states, which
+/// table and verdict name too, have no text where that does not fit beside the scale of the floor.
+fn cutter_legend(ui: &Ui, state: &AppState) -> Option<(CutterLegend, bool)> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
     let shown = if in_view { state.plans_in_view() } else { Vec::new() };
@@ -196,13 +206,19 @@ fn cutter_legend(ui: &Ui, state: &AppState) -> Option<CutterLegend> {
     let is_optional = layers.cutter_colours == CutterColours::State;
     let fits = |legend: &CutterLegend| width_of(ui, legend) + MIN_SCALE_WIDTH < ui.available_width();
     if !is_optional || fits(&legend) {
-        return Some(legend);
+        return Some((legend, true));
     }
+    let bare = legend.clone();
     // Of both plans there are more states, and each has two shares.
     if let CutterLegend::Classes(classes) = &mut legend {
         classes.iter_mut().for_each(|class| class.shares.clear());
     }
-    (shown.len() > 1 && fits(&legend)).then_some(legend)
+    if shown.len() > 1 && fits(&legend) {
+        return Some((legend, true));
+    }
+    let CutterLegend::Classes(classes) = &bare else { return None };
+    let width = classes.len() as f32 * BARE_CLASS + MIN_BARE_SCALE_WIDTH;
+    (width < ui.available_width()).then_some((bare, false))
 }
 
 /// Width of a legend of classes, points.
@@ -216,6 +232,11 @@ fn width_of(ui: &Ui, legend: &CutterLegend) -> f32 {
 const MIN_SCALE_WIDTH: f32 = 270.0;
 /// Least width for the scales of both sides, points.
 const TWO_SCALES: f32 = 560.0;
+/// The same beside classes without text, points.
+const MIN_BARE_SCALE_WIDTH: f32 = 178.0;
+/// Width of a class without text, and of its swatch, points.
+const BARE_CLASS: f32 = BARE_SWATCH + 5.0;
+const BARE_SWATCH: f32 = 12.0;
 /// Width of a class beside its text, points.
 const SWATCH_AND_SPACES: f32 = 30.0;
 
@@ -233,14 +254,19 @@ fn class_text(share: &ClassShare) -> String {
 }
 
 /// Draws the legend of the cutters; a click on a class hides it, or shows it again.
-fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, hidden: &mut Vec<CutterClass>) {
+fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, has_text: bool, hidden: &mut Vec<CutterClass>) {
     match legend {
+        CutterLegend::Classes(classes) if !has_text => {
+            for share in classes {
+                class_button(ui, share, false, hidden);
+            }
+        }
         CutterLegend::Classes(classes) => {
             // Many classes are wider than the view.
             egui::ScrollArea::horizontal().id_salt("classes").show(ui, |ui| {
                 ui.horizontal_centered(|ui| {
                     for share in classes {
-                        class_button(ui, share, hidden);
+                        class_button(ui, share, true, hidden);
                     }
                 });
             });
@@ -253,17 +279,29 @@ fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, hidden: &mut Vec<Cutte
     }
 }
 
-fn class_button(ui: &mut Ui, share: &ClassShare, hidden: &mut Vec<CutterClass>) {
+fn class_button(ui: &mut Ui, share: &ClassShare, has_text: bool, hidden: &mut Vec<CutterClass>) {
     let ClassShare { class, colour, .. } = share;
     let is_hidden = hidden.contains(class);
-    swatch(ui, *colour, 10.0);
-    let text = RichText::new(class_text(share));
-    let text = if is_hidden { text.strikethrough().weak() } else { text };
-    let button = egui::Button::new(text).frame(false);
     let does = if is_hidden { "show" } else { "hide" };
     let of = if share.shares.len() > 1 { "programs before and after" } else { "program" };
     let tip = format!("Share of the time of the {of}; a click {does}s these cutters");
-    if ui.add(button).on_hover_text(tip).clicked() {
+    let response = if has_text {
+        swatch(ui, *colour, 10.0);
+        let text = RichText::new(class_text(share));
+        let text = if is_hidden { text.strikethrough().weak() } else { text };
+        ui.add(egui::Button::new(text).frame(false)).on_hover_text(tip)
+    } else {
+        let (at, response) = ui.allocate_exact_size(Vec2::splat(BARE_SWATCH), Sense::click());
+        let (shape, fill) = (at.shrink(1.0), theme::colour(*colour));
+        match is_hidden {
+            true => ui.painter().rect_stroke(shape, 2.0, (1.5, fill), egui::StrokeKind::Inside),
+            false => ui.painter().rect_filled(shape, 2.0, fill),
+        };
+        let name = class_text(share);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+        response.on_hover_text(format!("{name}\n{tip}"))
+    };
+    if response.clicked() {
         match is_hidden {
             true => hidden.retain(|known| known != class),
             false => hidden.push(*class),

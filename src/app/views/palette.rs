@@ -52,7 +52,9 @@ impl Palette {
             if field.changed() {
                 self.chosen = 0;
             }
-            let found = find_commands(&self.words);
+            let mut found = find_commands(&self.words);
+            // Stable: the best matches come first among those that can be chosen.
+            found.sort_by_key(|&command| !can(command));
             if down {
                 self.chosen = (self.chosen + 1).min(found.len().saturating_sub(1));
             }

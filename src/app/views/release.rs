@@ -9,7 +9,7 @@ use super::theme::Condition;
 /// Answer to the question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReleaseAnswer {
-    /// Calculate the current setup; write nothing.
+    /// Calculate the current setup, then ask again or write.
     Recalculate,
     /// Write the program.
     Export,
@@ -67,7 +67,7 @@ pub fn ask(ui: &Ui, words: &ReleaseWords, concerns: &[String], can_change: bool)
         }
         ui.add_space(8.0);
         ui.horizontal(|ui| {
-            let tip = "Calculates the current setup; nothing is written";
+            let tip = "Calculates the current setup, then goes on with the export";
             if can_change && ui.button("Recalculate").on_hover_text(tip).clicked() {
                 answer = Some(ReleaseAnswer::Recalculate);
             }

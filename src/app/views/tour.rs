@@ -80,6 +80,10 @@ impl Tour {
             return false;
         };
         let (ctx, accent) = (ui.ctx(), theme::accent(ui.visuals()));
+        // A question is answered first: the mark would cross it.
+        if ctx.memory(|memory| memory.top_modal_layer().is_some()) {
+            return false;
+        }
         if let Some(place) = place_of(region) {
             let layer = LayerId::new(Order::Foreground, Id::unique("tour mark"));
             let painter = ctx.layer_painter(layer);

@@ -389,9 +389,12 @@ impl AppState {
         self.notice = self.notice.take().filter(|notice| notice.tone != Tone::Fault);
     }
 
-    /// What is wrong with single fields.
+    /// What is wrong with single fields. Those of a project file stay when their messages are dismissed.
     pub fn field_faults(&self) -> Arc<[FieldFault]> {
-        self.problems.iter().filter_map(|problem| problem.field.clone()).collect()
+        let replaced: Vec<&FieldFault> = self.document.replaced.iter().flatten().collect();
+        let reported = self.problems.iter().filter_map(|problem| problem.field.as_ref());
+        let others = reported.filter(|fault| !replaced.contains(fault));
+        replaced.iter().copied().chain(others).cloned().collect()
     }
 
     /// Ends the problems of fields that were edited: the default no longer stands for what was faulty. One of
@@ -402,6 +405,9 @@ impl AppState {
                 && problem.field.as_ref().is_some_and(|fault| edited.contains(&fault.field))
         };
         self.problems.retain(|problem| !is_ended(problem));
+        let is_edited =
+            |fault: &Option<FieldFault>| fault.as_ref().is_some_and(|f| edited.contains(&f.field));
+        self.document.replaced.retain(|fault| !is_edited(fault));
     }
 
     /// Removes the problems of a topic: it is solved.

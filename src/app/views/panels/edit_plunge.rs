@@ -43,11 +43,6 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         counts(ui, state);
         return None;
     }
-    if !state.takes_edits() {
-        ui.label(
-            RichText::new("The next edit is for the plan with the last one: calculate it first.").weak(),
-        );
-    }
     let mut edit = state.look.edit;
     ui.horizontal(|ui| {
         ui.label("Edit");
@@ -145,10 +140,13 @@ pub fn counts(ui: &mut Ui, state: &mut AppState) {
     let word = if count == 1 { "edit" } else { "edits" };
     // The lines are there without edits, too: the panel stands on the lower edge, and would grow upwards
     // beneath the pointer with the first one.
-    let text = match (count, unapplied.len()) {
-        (0, _) => "No edits".to_owned(),
-        (_, 0) => format!("{count} {word}"),
-        (_, n) => format!("{count} {word}, {n} not applied"),
+    let waits = state.editable_plan().is_some() && !state.takes_edits();
+    let text = if count == 0 { "No edits".to_owned() } else { format!("{count} {word}") };
+    let text = match unapplied.len() {
+        // In the same line, where it moves no button.
+        _ if waits => format!("{text}; out of date: calculate it first"),
+        0 => text,
+        n => format!("{text}, {n} not applied"),
     };
     ui.label(RichText::new(text).weak()).on_hover_text(UNAPPLIED_TIP);
     for edit in unapplied.iter().take(MAX_LISTED) {

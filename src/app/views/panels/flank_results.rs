@@ -15,6 +15,7 @@ use crate::app::model::figures::{
 };
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
+use crate::app::model::verdict::{self, count_skipped_stretches};
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
 
@@ -34,19 +35,14 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     }
     let faults = outcome.faults.len();
     let skipped = outcome.plan.uncut.len();
-    let condition = match (faults, skipped) {
-        (0, 0) if outcome.verdict.is_some() => Condition::Sound,
-        (0, _) => Condition::Blocked,
-        _ => Condition::Interfering,
-    };
+    let (condition, _) = verdict::of_flank(state, outcome);
     let text = RichText::new(format!("Faults {faults}")).strong().color(condition.text(ui.visuals()));
     ui.label(text).on_hover_text("Overcut walls, collisions of shank and holder, rapids through stock");
     if outcome.verdict.is_none() {
         ui.label(RichText::new("not verified").color(amber));
     }
     if skipped > 0 {
-        let word = if skipped == 1 { "stretch" } else { "stretches" };
-        let text = RichText::new(format!("{skipped} {word} skipped")).color(amber);
+        let text = RichText::new(count_skipped_stretches(skipped)).color(amber);
         ui.label(text).on_hover_text(
             "Stretches of passes that are not cut: no axis reaches them, or they are too short",
         );

@@ -6,32 +6,31 @@ use crate::app::model::figures::format_duration;
 use crate::app::model::look::Operation;
 use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
+use crate::app::model::verdict::{self, count_faults};
 use crate::app::views::command::Command;
 use crate::app::views::theme::Condition;
-use crate::report::words::NOT_ON_MACHINE;
 
 /// State of an operation, in words and as a condition.
 fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
     let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
-    let mut is_unfinished = false;
-    let (times, faults, is_stale) = match operation {
+    let (times, (condition, wrong), is_stale) = match operation {
         Operation::Roughing => {
             let Some(shown) = state.last_whole_plan(Side::After) else { return unplanned(running) };
             let result = shown.planned.result(shown.policy);
             let summary = &result.summary;
-            is_unfinished = result.plan.is_unfinished();
-            let times = match summary.is_refused {
-                true => NOT_ON_MACHINE.to_owned(),
-                false => times(summary.time_s(), summary.time_of_channels_s(channels, channels)),
-            };
-            (times, result.plan.count_interfering(), state.out_of_date())
+            let times = times(summary.time_s(), summary.time_of_channels_s(channels, channels));
+            (times, verdict::of_plunges(state, result), state.out_of_date())
         }
         Operation::Program => {
             let Some(checked) = &state.results.checked else {
                 let words = if running { "checking…" } else { "not checked" };
                 return (words.to_owned(), None);
             };
-            (format_duration(checked.time), checked.findings.len(), state.program_is_stale())
+            let verdict = match checked.findings.len() {
+                0 => (Condition::Sound, None),
+                count => (Condition::Interfering, Some(count_faults(count))),
+            };
+            (format_duration(checked.time), verdict, state.program_is_stale())
         }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };
@@ -39,22 +38,15 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
                 Some(wheel) => times(outcome.time_s(), wheel),
                 None => format_duration(outcome.time_s()),
             };
-            (times, outcome.faults.len(), state.flank_is_stale())
+            (times, verdict::of_flank(state, outcome), state.flank_is_stale())
         }
     };
     if running {
         ("calculating…".to_owned(), None)
     } else if is_stale {
         ("out of date".to_owned(), Some(Condition::Blocked))
-    } else if is_unfinished {
-        ("unfinished".to_owned(), Some(Condition::Blocked))
-    } else if faults > 0 {
-        let word = if faults == 1 { "fault" } else { "faults" };
-        (format!("{faults} {word}"), Some(Condition::Interfering))
-    } else if let Some(words) = state.unapplied_words().filter(|_| operation == Operation::Roughing) {
-        (words, Some(Condition::Blocked))
     } else {
-        (times, Some(Condition::Sound))
+        (wrong.unwrap_or(times), Some(condition))
     }
 }
 

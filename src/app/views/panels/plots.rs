@@ -23,6 +23,8 @@ const NARROW: f32 = 112.0;
 const TIGHT: f32 = 80.0;
 /// Margins of the head of a plot, and between its name and value, points.
 const HEAD_MARGINS: f32 = 15.0;
+/// Margin of texts at the sides of a plot, points.
+const SIDE_MARGIN: f32 = 5.0;
 /// Height of a line of text, points.
 const LINE: f32 = 12.0;
 
@@ -221,7 +223,12 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
     let digits = |decimals: usize| curve.decimals.decimals(decimals + curve.more_decimals);
     let text = match value {
-        Some(v) => with_minus_signs(&format!("{v:.*}{}", digits(2), curve.unit)),
+        Some(v) => {
+            let number = with_minus_signs(&format!("{v:.*}", digits(2)));
+            // The unit is that of all lengths: it goes before a digit does.
+            let text = format!("{number}{}", curve.unit);
+            if width(&text) + SIDE_MARGIN <= rect.width() { text } else { number }
+        }
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
         None => Some(range_text(values_range, (low, high), digits(1), curve.unit))

@@ -35,16 +35,17 @@ fn shows_axes(state: &AppState) -> bool {
 /// Draws the timeline, with the line of the program and the axes of the machine; returns the command that was
 /// pressed.
 pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
-    let chosen = slider(ui, state);
-    program_line(ui, state);
+    let (chosen, clock) = slider(ui, state);
+    program_line(ui, state, clock);
     if shows_axes(state) {
         axes(ui, state);
     }
     chosen
 }
 
-/// The line of the exported program at the position of the timeline.
-fn program_line(ui: &mut Ui, state: &AppState) {
+/// The line of the exported program at the position of the timeline, after the `clock` that it begins with
+/// where there is no space for it beside the slider.
+fn program_line(ui: &mut Ui, state: &AppState, clock: Option<f64>) {
     let Some(listing) = &state.results.listing else {
         ui.label(RichText::new("Program: listing…").weak());
         return;
@@ -54,7 +55,8 @@ fn program_line(ui: &mut Ui, state: &AppState) {
             .on_hover_text("The exported program has no move for this place");
         return;
     };
-    let text = format!("Line {line}: {}", listing.statement(line));
+    let clock = clock.map_or_else(String::new, |now| format!("{}  ", format_clock(now)));
+    let text = format!("{clock}Line {line}: {}", listing.statement(line));
     let label = ui.add(egui::Label::new(RichText::new(text).monospace().size(12.0)).truncate());
     label.on_hover_ui(|ui| {
         ui.label(match state.look.operation {
@@ -110,9 +112,11 @@ const AXES_TIP: &str = "Where the axes of the machine stand at the position of t
      of the spindle nose, rotary axes as NC code commands them, else as `vanecut post` chooses them\n\
      over the whole program";
 
-fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
+/// Draws buttons, slider and clock; returns the command that was pressed, and the time where the clock does
+/// not fit.
+fn slider(ui: &mut Ui, state: &mut AppState) -> (Option<Command>, Option<f64>) {
     let count = state.timeline_len();
-    let mut chosen = None;
+    let (mut chosen, mut left_out) = (None, None);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
         let playing = state.look.playing.is_some();
@@ -137,6 +141,7 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         play_menu(ui, &mut state.look, rate, unit);
         // In a narrow view the slider has priority.
         let clock = state.clock().filter(|_| ui.available_width() > 300.0);
+        left_out = state.clock().filter(|_| clock.is_none()).map(|(now, _)| now);
         let has_count = ui.available_width() > COUNT + MIN_SLIDER;
         let words = if has_count { COUNT } else { 0.0 } + if clock.is_some() { CLOCK } else { 0.0 };
         ui.spacing_mut().slider_width = (ui.available_width() - words - 8.0).max(20.0);
@@ -162,7 +167,7 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             ui.label(RichText::new(text).weak()).on_hover_text(clock_tip(state, whole));
         }
     });
-    chosen
+    (chosen, left_out)
 }
 
 /// What the clock counts; `whole`: time at the end of the timeline, s.

@@ -85,7 +85,8 @@ fn summary(ui: &mut Ui, setup: &Setup) {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
             let rest = section.kind.suffix();
             ui.label(format!("T{} {}{rest}", tool.number, units.diameter(tool.diameter)));
-            ui.label(format!("{} {}", units.size(tool.insert_width), units.length_unit()));
+            let tip = format!("Insert width, {}", units.length_unit());
+            ui.label(units.size(tool.insert_width)).on_hover_text(tip);
             ui.label(format!("{:.2}", section.from));
             ui.label(format!("{:.2}", section.to));
             ui.end_row();

@@ -252,10 +252,10 @@ fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &A
     let saved = 60.0 * wheel * (now - handle);
     let change = match saved > 0.0 {
         true => format!("saves {}", format_duration(saved)),
-        false => format!("takes {} longer", format_duration(-saved)),
+        false => format!("takes {} more", format_duration(-saved)),
     };
     format!(
-        "{handle:.1} min per channel: hub stock {} (95 %) instead of {}; {change} per wheel than the shown plan",
+        "{handle:.1} min per channel: hub stock {} (95 %) instead of {}; {change} per wheel compared with the shown plan",
         length(stock),
         length(known),
     )

@@ -15,6 +15,7 @@ use crate::app::model::look::Operation;
 use crate::app::model::planned::{DisplayPlan, Side};
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
+use crate::app::model::verdict;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
 
@@ -127,24 +128,8 @@ fn inaccessible_tip(planned: &DisplayPlan, units: DisplayUnits) -> String {
     format!("Share of the floor that no tool axis reaches{}", known.map(line).collect::<String>())
 }
 
-/// The worst of all verdicts on a plan: what the headline is coloured by.
-fn overall(state: &AppState, PolicyResult { plan, summary, .. }: &PolicyResult) -> Condition {
-    if plan.count_interfering() > 0 {
-        Condition::Interfering
-    } else if state.unapplied_words().is_some()
-        || !plan.dropped.is_empty()
-        || summary.uncut_share > MAX_GOOD_UNCUT_SHARE
-        || plan.is_unfinished()
-        || !plan.converged
-    {
-        Condition::Blocked
-    } else {
-        Condition::Sound
-    }
-}
-
 fn interferential(ui: &mut Ui, state: &AppState, before: &PolicyResult, after: &PolicyResult) {
-    let colour = overall(state, after).text(ui.visuals());
+    let colour = verdict::of_plunges(state, after).0.text(ui.visuals());
     let text = interfering_words([before, after]);
     let (plan, before, after) = (&after.plan, &before.summary, &after.summary);
     let depths = format!(
