@@ -64,7 +64,8 @@ pub(super) fn assembly_findings(
     }
     if clearance.holder.collides() {
         let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
-        let help = match only.and_then(|pose| around.stick_out(tool, pose, f64::INFINITY)) {
+        let overhang = only.and_then(|pose| around.stick_out(tool, pose, f64::INFINITY));
+        let help = match overhang {
             Some(overhang) => format!("an overhang of {overhang} mm would do, instead of {}", tool.overhang),
             None => "no longer overhang frees it: tilt the axis, or give a thinner holder".to_owned(),
         };
@@ -74,7 +75,7 @@ pub(super) fn assembly_findings(
             tool.number, clearance.holder.distance, clearance.holder.missing
         );
         let finding = Finding::new(FaultKind::HolderCollision, clearance.holder.missing, what);
-        findings.push(finding.with_help(help));
+        findings.push(finding.with_help(help).with_overhang(overhang));
     }
     findings
 }
