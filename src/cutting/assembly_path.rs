@@ -117,8 +117,9 @@ impl AssemblySurroundings<'_> {
             }
             let own: Vec<AssemblySegment> =
                 segments.iter().filter(|segment| segment.part == part).copied().collect();
-            // The depth of what is inside is that of a pose, not of the sweep.
-            let most = if is_exact { known.missing } else { f64::INFINITY };
+            // What is inside the sweep of a cylinder is no deeper in any pose; a cone sweeps several pieces.
+            let is_bounded = is_exact || own.iter().all(|segment| segment.radii[0] == segment.radii[1]);
+            let most = if is_bounded { known.missing } else { f64::INFINITY };
             let mut found = PartClearance::FAR;
             let (_, share) = step.max_over(from, [ASSEMBLY_TOLERANCE, most], |share| {
                 let here = self.at(tool, &own, step.pose(share), cap).of_part(part);
