@@ -14,7 +14,7 @@ use crate::io::gltf::{CutterNodes, GltfScene, PlanScene};
 use crate::io::native::write_native;
 use crate::io::plan_file::{StoredPlan, read_plan_bytes};
 use crate::io::shop_tools::{
-    LibraryFormat, MergedFusion, fusion_for, looks_like_library, read_library, write_toml,
+    LibraryFormat, MergedLibrary, fusion_for, looks_like_library, read_library, toml_for,
 };
 use crate::io::source::{name_of, read_bytes};
 use crate::io::step;
@@ -128,16 +128,12 @@ fn convert_library(args: &ConvertArgs, format: LibraryFormat) -> Result<(), Fail
     let count = library.tools.len();
     let tools = if count == 1 { "tool" } else { "tools" };
     let mut text = format!("wrote {}: {count} {tools}\n", args.output.display());
-    if is_fusion {
-        let merged = fusion_for(&args.output, &library)?;
-        write_atomically(&args.output, merged.text.as_bytes())?;
-        if merged.changed + merged.kept > 0 {
-            let MergedFusion { changed, added, kept, .. } = merged;
-            text +=
-                &format!("into the library there: {changed} changed, {added} added, {kept} as they were\n");
-        }
-    } else {
-        write_atomically(&args.output, write_toml(&library).as_bytes())?;
+    let merged = if is_fusion { fusion_for } else { toml_for }(&args.output, &library)?;
+    write_atomically(&args.output, merged.text.as_bytes())?;
+    if merged.changed + merged.kept > 0 {
+        let MergedLibrary { changed, added, kept, notes, .. } = merged;
+        text += &format!("into the library there: {changed} changed, {added} added, {kept} as they were\n");
+        text.extend(notes.into_iter().map(|note| note + "\n"));
     }
     if is_fusion {
         for entry in library.tools.iter_mut().filter(|entry| entry.tool.core_radius() > 0.0) {

@@ -1,10 +1,8 @@
 //! Shank and holder of a tool against the finished part and the blank.
 //!
 //! Each cylinder or cone is measured on its own: against the blades of the whole wheel by the search of
-//! [`SideProbe`], against the hub along circles of its surface. Moves are sampled by conservative advancement
-//! ([`AssemblyMove::advance`]).
+//! [`SideProbe`], against the hub along circles of its surface.
 
-use super::assembly_move::AssemblyMove;
 use super::contact::{BlankTop, Earlier, PlungeColumn, core_contact_by};
 use super::retract::bottom_clearance;
 use crate::geometry::{
@@ -15,12 +13,10 @@ use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
 
 /// Clearance that may be missing by rounding, mm.
 pub const ASSEMBLY_TOLERANCE: f64 = 1e-3;
-/// Distances beyond the required one up to which distances are measured along short and long moves, mm:
-/// nothing need be looked at again until the tool has moved by that.
-const MIN_LOOK_AHEAD: f64 = 4.0;
-const MAX_LOOK_AHEAD: f64 = 20.0;
 /// Shares of the length of a segment at which circles are compared with the hub.
 const CIRCLES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Tolerance of the search between them.
+const CIRCLE_STEP: f64 = 1e-3;
 
 /// Least distance of shank or holder, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,8 +64,16 @@ impl AssemblyClearance {
     }
 
     /// How much further than required both are, mm; negative where one is too near.
-    fn slack(&self) -> f64 {
+    pub(super) fn slack(&self) -> f64 {
         -self.shank.missing.max(self.holder.missing)
+    }
+
+    /// Clearance of one of them, to change.
+    pub fn of_part_mut(&mut self, part: AssemblyPart) -> &mut PartClearance {
+        match part {
+            AssemblyPart::Shank => &mut self.shank,
+            AssemblyPart::Holder => &mut self.holder,
+        }
     }
 
     /// Clearance of one of them.
@@ -140,38 +144,24 @@ impl<'a> AssemblySurroundings<'a> {
 
     /// Clearance of a piece of a tool from the finished part; distances are measured up to `cap` mm.
     fn clearance_from_part(&self, frustum: &Frustum, part: AssemblyPart, cap: f64) -> PartClearance {
-        let required = self.allowances.map(|allowance| allowance + self.clearances.of_part(part));
-        let cap = cap.max(required[0]).max(required[1]);
+        let cap = cap.max(self.max_required(part));
         let hub = hub_distance(self.finished, frustum, cap);
-        let blade = blade_distance(self.finished, frustum, cap);
+        self.clearance_of([hub, blade_distance(self.finished, frustum, cap)], part, cap)
+    }
+
+    /// The greater of the distances that a part keeps from hub and blades, mm.
+    pub(super) fn max_required(&self, part: AssemblyPart) -> f64 {
+        self.allowances[0].max(self.allowances[1]) + self.clearances.of_part(part)
+    }
+
+    /// Clearance with these distances from hub and blades, measured up to `cap` mm.
+    pub(super) fn clearance_of(&self, [hub, blade]: [f64; 2], part: AssemblyPart, cap: f64) -> PartClearance {
+        let required = self.allowances.map(|allowance| allowance + self.clearances.of_part(part));
         let distance = hub.min(blade);
         PartClearance {
             distance: if distance < cap { distance } else { f64::INFINITY },
             missing: (required[0] - hub).max(required[1] - blade),
         }
-    }
-
-    /// Clearance over a move along the axis, by what the segments sweep; `None` for other moves, beside a
-    /// blank, and where one is too near: then the pose matters.
-    fn along_axis(
-        &self,
-        segments: &[AssemblySegment],
-        step: &AssemblyMove,
-        cap: f64,
-    ) -> Option<AssemblyClearance> {
-        let swept = self.blank.is_none().then(|| step.swept(segments)).flatten()?;
-        let mut least = AssemblyClearance::FAR;
-        for (part, frustum) in swept {
-            let of = match part {
-                AssemblyPart::Shank => &mut least.shank,
-                AssemblyPart::Holder => &mut least.holder,
-            };
-            *of = of.worst_of(self.clearance_from_part(&frustum, part, cap.min(of.distance)));
-            if of.collides() {
-                return None;
-            }
-        }
-        Some(least)
     }
 
     /// The first part of `tool`, from the tip up, that misses more than `tolerance` mm of its clearance in a
@@ -243,41 +233,11 @@ impl<'a> AssemblySurroundings<'a> {
     ) -> AssemblyClearance {
         let mut least = AssemblyClearance::FAR;
         for segment in segments {
-            let of = match segment.part {
-                AssemblyPart::Shank => &mut least.shank,
-                AssemblyPart::Holder => &mut least.holder,
-            };
+            let of = least.of_part_mut(segment.part);
             *of = of.worst_of(self.segment(segment, tool, pose, cap.min(of.distance)));
         }
         least.worst = Some(pose);
         least
-    }
-
-    /// Least clearance over a move whose start has `slack` mm of clearance more than required (0 or less
-    /// where that is not known), and the slack at its end. Of what is further off than matters for the way to
-    /// the next place the distance is not found.
-    pub fn along(
-        &self,
-        tool: &Tool,
-        segments: &[AssemblySegment],
-        step: &AssemblyMove,
-        slack: f64,
-    ) -> (AssemblyClearance, f64) {
-        let parts = segments.iter().map(|segment| self.clearances.of_part(segment.part));
-        let required = self.allowances[0].max(self.allowances[1]) + parts.fold(0.0, f64::max);
-        let cap = required + step.way.clamp(MIN_LOOK_AHEAD, MAX_LOOK_AHEAD);
-        if slack < step.way
-            && let Some(least) = self.along_axis(segments, step, cap)
-        {
-            return (least, least.slack());
-        }
-        let mut least = AssemblyClearance::FAR;
-        let left = step.advance(slack, |pose| {
-            let here = self.at(tool, segments, pose, cap);
-            least = least.worst_of(here);
-            here.slack()
-        });
-        (least, left)
     }
 
     /// Signed distance of one segment of a tool to the finished part in a pose, mm, or `cap` where it is not
@@ -296,7 +256,7 @@ impl<'a> AssemblySurroundings<'a> {
 /// Signed distance to the nearest blade of the whole wheel, mm, or `cap` where none is nearer than that.
 pub fn blade_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64 {
     let mut least = cap;
-    for_blades(finished, frustum, |blade, turned| {
+    for_blades(finished, frustum, cap, |blade, turned| {
         if let Some(distance) = blade.frustum_distance_below(turned, least) {
             least = least.min(distance);
         }
@@ -308,7 +268,7 @@ pub fn blade_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f
 /// Whether a blade of the whole wheel is nearer than `limit` mm.
 fn blade_is_within(finished: &FinishedPart, frustum: &Frustum, limit: f64) -> bool {
     let mut found = false;
-    for_blades(finished, frustum, |blade, turned| {
+    for_blades(finished, frustum, limit, |blade, turned| {
         found = blade.frustum_is_within(turned, limit);
         (limit, found)
     });
@@ -316,33 +276,31 @@ fn blade_is_within(finished: &FinishedPart, frustum: &Frustum, limit: f64) -> bo
 }
 
 /// Calls `look` with the sides of all blades of the wheel, and with `frustum` turned to where they are
-/// measured, that may be nearer than the distance which it returned last (mm), until it returns `true`.
+/// measured, that may be nearer than `within` mm, and than the distance which it returned last, until it
+/// returns `true`.
 fn for_blades(
     finished: &FinishedPart,
     frustum: &Frustum,
+    mut within: f64,
     mut look: impl FnMut(&SideProbe, &Frustum) -> (f64, bool),
 ) {
     let (centre, radius) = frustum.bounding_ball();
-    let mut within = f64::INFINITY;
-    for k in 0..finished.blade_count {
-        let angle = -finished.pitch * k as f64;
-        let there = rotate_z(&centre, angle);
-        let mut turned = None;
-        for (blade, (other, reach)) in finished.blades_with_balls() {
-            if (there - other).norm() - radius - reach > within {
-                continue;
-            }
-            let turned = turned.get_or_insert_with(|| Frustum {
-                base: rotate_z(&frustum.base, angle),
-                axis: rotate_vector_z(&frustum.axis, angle),
-                ..*frustum
-            });
-            let (distance, is_done) = look(blade, turned);
-            if is_done {
-                return;
-            }
-            within = distance;
+    for ball in finished.side_balls() {
+        // Squared distances: of most balls no root is needed.
+        let reach = within + radius + ball.radius;
+        if reach <= 0.0 || (centre - ball.centre).norm_squared() > reach * reach {
+            continue;
         }
+        let turned = Frustum {
+            base: rotate_z(&frustum.base, ball.to_channel_rad),
+            axis: rotate_vector_z(&frustum.axis, ball.to_channel_rad),
+            ..*frustum
+        };
+        let (distance, is_done) = look(&finished.blades()[ball.side], &turned);
+        if is_done {
+            return;
+        }
+        within = distance;
     }
 }
 
@@ -392,18 +350,41 @@ pub fn hub_distance(finished: &FinishedPart, frustum: &Frustum, cap: f64) -> f64
         search::min_over_turn::<18>(at, 0.2)
     };
     let side = |share: f64| on_circle(share, frustum.radius_at(share));
-    let circles = CIRCLES.map(side);
-    let mut least = circles.iter().copied().fold(cap, f64::min);
+    // No point of a circle is nearer than its centre less its radius: branch and bound.
+    let bound = |share: f64| {
+        distance(&(frustum.base + frustum.axis * (share * frustum.length))).0 - frustum.radius_at(share)
+    };
+    let bounds = CIRCLES.map(bound);
+    let mut order: [usize; CIRCLES.len()] = std::array::from_fn(|k| k);
+    order.sort_by(|&a, &b| bounds[a].total_cmp(&bounds[b]));
+    let (mut best, mut lowest) = (0, f64::INFINITY);
+    for k in order {
+        if bounds[k] > lowest {
+            break;
+        }
+        let here = side(CIRCLES[k]);
+        if here < lowest || here == lowest && k < best {
+            (best, lowest) = (k, here);
+        }
+    }
+    let mut least = cap.min(lowest);
     // Inside the lower end, for convex hubs.
-    least = least.min(on_circle(0.0, 0.5 * frustum.radii[0]));
-    let (best, lowest) = (0..CIRCLES.len())
-        .map(|k| (k, circles[k]))
-        .fold((0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a });
+    if bounds[0] < least {
+        least = least.min(on_circle(0.0, 0.5 * frustum.radii[0]));
+    }
     // Between two circles the distance may be less, by no more than half their spacing.
     if lowest - 0.25 * frustum.length < cap {
-        let from = CIRCLES[best.saturating_sub(1)];
-        let to = CIRCLES[(best + 1).min(CIRCLES.len() - 1)];
-        least = least.min(search::minimum(side, from, to, 1e-3).1);
+        let last = CIRCLES.len() - 1;
+        let (from, to) = (CIRCLES[best.saturating_sub(1)], CIRCLES[(best + 1).min(last)]);
+        // At an end it is the least if it rises from there.
+        let beside = match best {
+            0 => Some(CIRCLE_STEP),
+            best if best == last => Some(1.0 - CIRCLE_STEP),
+            _ => None,
+        };
+        if beside.is_none_or(|share| side(share) < lowest) {
+            least = least.min(search::minimum(side, from, to, CIRCLE_STEP).1);
+        }
     }
     least
 }
@@ -429,7 +410,9 @@ pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSo
         let radius = low.max(high);
         let tip = frustum.base + frustum.axis * (from * frustum.length);
         let solid = CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 };
-        if bottom_clearance(&solid, blank) > 0.0 {
+        // No point of the bottom is further from its centre than its radius.
+        let centre = blank.clearance(Meridional::from_point(&tip), &mut None);
+        if centre > radius || bottom_clearance(&solid, blank) > 0.0 {
             continue;
         }
         let column = PlungeColumn::new(solid, radius, &top);

@@ -19,7 +19,12 @@ pub struct MoveFault {
     pub why: &'static str,
     /// How far it cuts below the allowance of a blade, mm; `None` where something else is wrong.
     pub overcut: Option<f64>,
+    /// The overhang with which a holder in the way would be clear, mm.
+    pub overhang: Option<f64>,
 }
+
+/// Why a piece of a pass is removed, and the overhang with which it could be cut, mm.
+type RemovalCause = (&'static str, Option<f64>);
 
 /// Unit direction across the axis in which a cutter, given by tip and axis, gets off the nearest blade, and
 /// the length of the way for each mm of distance from it; `None` where there is none.
@@ -133,9 +138,9 @@ fn way_off(
 #[derive(Default)]
 struct PassRemovals {
     /// Moves to remove, each by the index of the position it begins at, with the reason.
-    moves: BTreeMap<usize, &'static str>,
+    moves: BTreeMap<usize, RemovalCause>,
     /// The reason for removing the whole pass.
-    whole: Option<&'static str>,
+    whole: Option<RemovalCause>,
     unlinked: bool,
 }
 
@@ -150,7 +155,8 @@ fn remove_faulty_moves(
     left_out: &mut Vec<UncutLength>,
 ) {
     let mut cuts: BTreeMap<(usize, usize), PassRemovals> = BTreeMap::new();
-    for MoveFault { index, why, .. } in faults {
+    for MoveFault { index, why, overhang, .. } in faults {
+        let cause = (*why, *overhang);
         let (Some(step), Some(origin)) = (program.moves.get(*index), program.origins.get(*index)) else {
             continue;
         };
@@ -159,14 +165,14 @@ fn remove_faulty_moves(
         let nearest = origin.to.min(count.saturating_sub(2));
         match step.kind {
             MoveKind::Link => cut.unlinked = true,
-            _ if round >= PIECE_ITERATIONS => cut.whole = Some(why),
-            MoveKind::Rapid => cut.whole = Some(why),
+            _ if round >= PIECE_ITERATIONS => cut.whole = Some(cause),
+            MoveKind::Rapid => cut.whole = Some(cause),
             MoveKind::Cut => {
                 let from = origin.from.map_or(nearest, |from| from.min(origin.to));
-                cut.moves.insert(from, why);
+                cut.moves.insert(from, cause);
             }
             MoveKind::Approach => {
-                cut.moves.insert(nearest, why);
+                cut.moves.insert(nearest, cause);
             }
         }
     }
@@ -197,13 +203,13 @@ fn split_pass(
     lead_in_out: f64,
     left_out: &mut Vec<UncutLength>,
 ) {
-    let mut note = |length: f64, why: &'static str| {
+    let mut note = |length: f64, (why, overhang): RemovalCause| {
         let known = |l: &&mut UncutLength| l.layer == layer.number && l.region == pass.region && l.why == why;
         match left_out.iter_mut().find(known) {
-            Some(known) => known.add(length, None),
+            Some(known) => known.add(length, overhang),
             None => {
                 let (layer, region) = (layer.number, pass.region);
-                left_out.push(UncutLength { layer, region, length, why, overhang: None });
+                left_out.push(UncutLength { layer, region, length, why, overhang });
             }
         }
     };
@@ -217,7 +223,7 @@ fn split_pass(
     }
     let places = places(layer, &pass);
     let mut first = 0;
-    let mut last_why = "";
+    let mut last_why = ("", None);
     let count = pass.positions.len();
     let mut pieces = Vec::new();
     for k in 0..count {

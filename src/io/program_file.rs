@@ -84,5 +84,12 @@ pub fn read_program_bytes(
 fn overrun_fault(overrun: &AxisOverrun) -> Fault {
     let AxisOverrun { line, letter, value, limits: (low, high) } = overrun;
     let message = format!("{letter}{value:.3} is beyond the limits {low:.1} … {high:.1} of the axis");
-    Fault { line: *line, kind: FaultKind::AxisLimit, value: Some(*value), message, help: String::new() }
+    Fault {
+        line: *line,
+        kind: FaultKind::AxisLimit,
+        value: Some(*value),
+        message,
+        help: String::new(),
+        overhang: None,
+    }
 }

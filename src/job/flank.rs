@@ -334,7 +334,9 @@ fn faults_as_written(
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let count = written.moves.len();
-    let all = |why: &'static str| (0..count).map(|index| MoveFault { index, why, overcut: None }).collect();
+    let all = |why: &'static str| {
+        (0..count).map(|index| MoveFault { index, why, overcut: None, overhang: None }).collect()
+    };
     let Some(program) = as_written(&written.program()) else {
         return Ok(all("its program cannot be read back"));
     };
@@ -410,7 +412,7 @@ fn is_retract(moves: &[FlankMove], index: usize) -> bool {
 fn move_fault(fault: &Fault, index: usize, setup: &Setup) -> Option<MoveFault> {
     let is_overcut = fault.kind == FaultKind::BladeAllowance;
     let overcut = fault.value.filter(|_| is_overcut).map(|near| setup.allowances.blade_allowance - near);
-    Some(MoveFault { index, why: fault_reason(fault.kind)?, overcut })
+    Some(MoveFault { index, why: fault_reason(fault.kind)?, overcut, overhang: fault.overhang })
 }
 
 /// Why a move with a fault is left out, as text for users; `None` for faults that do not concern a single

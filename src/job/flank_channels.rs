@@ -44,6 +44,7 @@ fn unreadable() -> Fault {
         value: None,
         message: "the program is too long to be read back".to_owned(),
         help: "write fewer channels".to_owned(),
+        overhang: None,
     }
 }
 

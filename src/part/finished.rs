@@ -18,21 +18,42 @@ pub struct FinishedPart {
     /// Angle from one main blade to the next, rad; see [`Impeller::pitch`].
     pub pitch: f64,
     blades: Vec<SideProbe>,
-    /// A ball around each side of a blade.
-    balls: Vec<(Point, f64)>,
+    /// A ball around each side of each blade of the wheel.
+    balls: Vec<SideBall>,
+}
+
+/// A ball around a side of a blade of the wheel.
+#[derive(Clone, Copy, Debug)]
+pub struct SideBall {
+    /// Index of the side among those of channel 1.
+    pub side: usize,
+    /// Angle about the axis of the wheel that brings the blade to channel 1, rad.
+    pub to_channel_rad: f64,
+    /// Centre of the ball, mm.
+    pub centre: Point,
+    /// Its radius, mm.
+    pub radius: f64,
 }
 
 impl FinishedPart {
     /// The surfaces around channel 1 of `part`, whose blade sides are `sides`.
     pub fn new(part: &Impeller, sides: &[BladeSide]) -> Self {
         let blades: Vec<SideProbe> = sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect();
-        let balls = blades.iter().map(SideProbe::bounding_ball).collect();
+        let own: Vec<(Point, f64)> = blades.iter().map(SideProbe::bounding_ball).collect();
+        let (pitch, count) = (part.pitch(), part.blade_count);
+        let ball = |k: usize, side: usize| {
+            let (centre, radius) = own[side];
+            let to_channel_rad = -pitch * k as f64;
+            SideBall { side, to_channel_rad, centre: rotate_z(&centre, -to_channel_rad), radius }
+        };
+        let balls = (0..count).flat_map(|k| (0..own.len()).map(move |side| (k, side)));
+        let balls = balls.map(|(k, side)| ball(k, side)).collect();
         Self { hub: part.hub.clone(), blade_count: part.blade_count, pitch: part.pitch(), blades, balls }
     }
 
-    /// The sides of the blades with a ball around each: centre and radius, mm.
-    pub fn blades_with_balls(&self) -> impl Iterator<Item = (&SideProbe, &(Point, f64))> {
-        self.blades.iter().zip(&self.balls)
+    /// Balls around the sides of all blades of the wheel, blade by blade.
+    pub fn side_balls(&self) -> &[SideBall] {
+        &self.balls
     }
 
     /// The sides of the blades, in the order they were given in.

@@ -80,13 +80,15 @@ pub fn check_taper(tool: &Tool) -> Result<(), SetupFault> {
         return Ok(());
     }
     let degrees = tool.assembly.taper_rad.unwrap_or_default().to_degrees();
+    let upper = tool.taper_cone().map_or(tool.diameter, |(_, _, radii)| 2.0 * radii[1]);
     Err(SetupFault::new(
         ErrorCode::UndefinedTool,
         format!(
-            "tool {} widens by {degrees:.1}° above its tip; plans know cylindrical cutters only",
-            tool.number
+            "tool {} widens by {degrees:.1}° above its tip, from D {} to D {upper:.1}; plans know \
+             cylindrical cutters only",
+            tool.number, tool.diameter
         ),
-        "give a cylindrical tool",
+        "give a cylindrical tool; `verify` judges programs made for the tapered one elsewhere",
     )
     .at(SetupPlace::Tool(tool.number)))
 }

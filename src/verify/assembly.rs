@@ -8,8 +8,9 @@ use super::fault::{Fault, FaultKind, Finding};
 use super::plunges::ProgramCut;
 use crate::cutting::assembly::{AssemblyClearance, AssemblySurroundings, depth_in_stock};
 use crate::cutting::assembly_move::AssemblyMove;
+use crate::cutting::assembly_path::PathClearance;
 use crate::cutting::contact::Columns;
-use crate::geometry::{Frustum, Point, Vector};
+use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::Blank;
 use crate::setup::{AssemblyPart, AssemblySegment, Setup, Tool};
@@ -26,6 +27,9 @@ const DISTANCE_AHEAD: f64 = 4.0;
 /// number of these places in a move.
 const DISTANCE_SPACING: f64 = 0.25;
 const MAX_PIECES: f64 = 4000.0;
+
+/// Both parts, in the order of their numbers.
+const PARTS: [AssemblyPart; 2] = [AssemblyPart::Shank, AssemblyPart::Holder];
 
 /// Least distances of shank and holder to the finished part over a program, mm; infinite where no tool has
 /// one.
@@ -60,7 +64,8 @@ pub(super) fn assembly_findings(
     }
     if clearance.holder.collides() {
         let only = (!clearance.shank.collides()).then_some(clearance.worst).flatten();
-        let help = match only.and_then(|pose| around.stick_out(tool, pose, f64::INFINITY)) {
+        let overhang = only.and_then(|pose| around.stick_out(tool, pose, f64::INFINITY));
+        let help = match overhang {
             Some(overhang) => format!("an overhang of {overhang} mm would do, instead of {}", tool.overhang),
             None => "no longer overhang frees it: tilt the axis, or give a thinner holder".to_owned(),
         };
@@ -70,7 +75,7 @@ pub(super) fn assembly_findings(
             tool.number, clearance.holder.distance, clearance.holder.missing
         );
         let finding = Finding::new(FaultKind::HolderCollision, clearance.holder.missing, what);
-        findings.push(finding.with_help(help));
+        findings.push(finding.with_help(help).with_overhang(overhang));
     }
     findings
 }
@@ -83,10 +88,20 @@ pub(super) struct AssemblyStep {
     pub(super) to: (Point, Vector),
 }
 
-impl AssemblyStep {
-    /// Whether the move begins where another of the same tool ended.
-    pub(super) fn follows(&self, before: &Self) -> bool {
-        before.tool == self.tool && before.to == self.from
+/// What is spare at the ends of the last move of a tool, mm: a plunge is followed by a move from its start.
+#[derive(Default)]
+struct KnownEnds(Option<(AssemblyStep, [f64; 2])>);
+
+impl KnownEnds {
+    /// What is spare where `step` begins.
+    fn at_start_of(&self, step: &AssemblyStep) -> Option<f64> {
+        let (known, spare) = self.0.as_ref().filter(|(known, _)| known.tool == step.tool)?;
+        [(known.to, spare[1]), (known.from, spare[0])].iter().find(|(at, _)| *at == step.from).map(|of| of.1)
+    }
+
+    /// Keeps what is spare at both ends of `step`.
+    fn keep(&mut self, step: &AssemblyStep, spare: [f64; 2]) {
+        self.0 = Some((*step, spare));
     }
 }
 
@@ -112,11 +127,12 @@ impl LeastDistance {
 }
 
 /// Least distances of shank and holder to the finished part over `steps` of tools with these `segments`: of
-/// moves along the axis by what they sweep, of others at places at most [`DISTANCE_SPACING`] apart.
+/// moves along the axis by what they sweep, of others at places at most [`DISTANCE_SPACING`] apart. `known`
+/// has clearances of the steps, or nothing.
 ///
 /// Branch and bound: a place is measured only where the distance at the last measured one, less the way
-/// since, is below the least so far; and no further than that, and [`DISTANCE_AHEAD`]. What was found first
-/// does not change the result.
+/// since, is below the least so far; and no further than that, and [`DISTANCE_AHEAD`] where a move may go
+/// on. What was found first does not change the result.
 ///
 /// # Errors
 /// When cancelled.
@@ -124,36 +140,60 @@ pub(super) fn min_distances(
     steps: &[AssemblyStep],
     segments: &[Vec<AssemblySegment>],
     around: &AssemblySurroundings,
+    known: &[PathClearance],
     monitor: &Monitor,
 ) -> Result<AssemblyDistances, Cancelled> {
     let least: [LeastDistance; 2] = Default::default();
     let count = monitor.steps(steps.len());
-    // What distances of pieces are beyond the least so far.
-    let measure = |pieces: &mut dyn Iterator<Item = (AssemblyPart, Frustum)>| {
-        pieces.fold(f64::INFINITY, |spare, (part, frustum)| {
-            let best = &least[part as usize];
-            let distance = around.frustum_distance(&frustum, best.get() + DISTANCE_AHEAD);
-            best.add(distance);
-            spare.min(distance - best.get())
-        })
+    for (part, least) in PARTS.into_iter().zip(&least) {
+        for path in known {
+            let distance = path.least.of_part(part).distance;
+            if (0.0..path.measured_to).contains(&distance) {
+                least.add(distance);
+            }
+        }
+    }
+    let spare_of = |part: AssemblyPart, distance: f64| distance - least[part as usize].get();
+    // What a distance, measured up to the least so far and `ahead`, is beyond the least.
+    let measure = |part: AssemblyPart, ahead: f64, distance: &dyn Fn(f64) -> f64| {
+        let best = &least[part as usize];
+        let distance = distance(best.get() + ahead);
+        best.add(distance);
+        spare_of(part, distance)
     };
     let look = |segments: &[AssemblySegment], (tip, axis): (Point, Vector)| {
-        measure(&mut segments.iter().map(|segment| (segment.part, segment.placed(&tip, &axis))))
+        segments.iter().fold(f64::INFINITY, |spare, segment| {
+            let frustum = segment.placed(&tip, &axis);
+            spare.min(measure(segment.part, DISTANCE_AHEAD, &|cap| around.frustum_distance(&frustum, cap)))
+        })
     };
-    let scan = |run: &[AssemblyStep]| {
-        let mut known: Option<(&AssemblyStep, f64)> = None;
-        for step in run {
+    // What is known of a part over a move along its axis: its distance is no less.
+    let at_least = |index: usize, part: AssemblyPart| {
+        let path = known.get(index).filter(|path| path.measured_to > 0.0)?;
+        Some(path.least.of_part(part).distance.min(path.measured_to)).filter(|distance| *distance >= 0.0)
+    };
+    let scan = |(run, steps): (usize, &[AssemblyStep])| {
+        let mut ends = KnownEnds::default();
+        for (index, step) in steps.iter().enumerate() {
             count.begin()?;
+            let index = run * STEPS_IN_RUN + index;
             let segments = &segments[step.tool];
             let moved = AssemblyMove::new(segments, step.from, step.to);
-            let before = known.filter(|(before, _)| step.follows(before));
-            let mut spare = before.map_or_else(|| look(segments, step.from), |(_, spare)| spare);
-            if spare < moved.way
+            let at_start = ends.at_start_of(step);
+            if at_start.is_none_or(|spare| spare < moved.way)
                 && let Some(swept) = moved.swept(segments)
             {
-                known = Some((step, measure(&mut swept.into_iter())));
+                let spare = swept.iter().fold(f64::INFINITY, |spare, piece| {
+                    let of_move = at_least(index, piece.part).map(|distance| spare_of(piece.part, distance));
+                    // What follows a plunge is the way back: distances ahead are of no use.
+                    let measured = || measure(piece.part, 0.0, &|cap| around.swept_distance(piece, cap));
+                    spare.min(of_move.filter(|spare| *spare >= 0.0).unwrap_or_else(measured))
+                });
+                ends.keep(step, [at_start.map_or(spare, |known| known.max(spare)), spare]);
                 continue;
             }
+            let start = at_start.unwrap_or_else(|| look(segments, step.from));
+            let mut spare = start;
             let pieces = (moved.way / DISTANCE_SPACING).ceil().clamp(1.0, MAX_PIECES);
             for piece in 1..=pieces as usize {
                 spare -= moved.way / pieces;
@@ -161,11 +201,11 @@ pub(super) fn min_distances(
                     spare = look(segments, moved.pose(piece as f64 / pieces));
                 }
             }
-            known = Some((step, spare));
+            ends.keep(step, [start, spare]);
         }
         Ok(())
     };
-    steps.par_chunks(STEPS_IN_RUN).try_for_each(scan)?;
+    steps.par_chunks(STEPS_IN_RUN).enumerate().try_for_each(scan)?;
     let [shank, holder] = least.map(|least| least.get());
     Ok(AssemblyDistances { shank, holder })
 }
@@ -182,28 +222,29 @@ pub(super) fn clearances(
     around: &AssemblySurroundings,
     is_known: impl Fn(usize) -> bool + Sync,
     monitor: &Monitor,
-) -> Result<Vec<AssemblyClearance>, Cancelled> {
+) -> Result<Vec<PathClearance>, Cancelled> {
     let count = monitor.steps(steps.len().div_ceil(STEPS_IN_RUN));
     let scan = |(run, steps): (usize, &[AssemblyStep])| {
         count.begin()?;
-        let mut before: Option<(&AssemblyStep, f64)> = None;
+        let mut ends = KnownEnds::default();
         let mut found = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
             let segments = &segments[step.tool];
             if segments.is_empty() || is_known(run * STEPS_IN_RUN + index) {
-                found.push(AssemblyClearance::FAR);
-                before = None;
+                found.push(PathClearance::FAR);
                 continue;
             }
-            let slack = before.filter(|(before, _)| step.follows(before)).map_or(0.0, |(_, slack)| slack);
+            let at_start = ends.at_start_of(step).unwrap_or(0.0);
             let moved = AssemblyMove::new(segments, step.from, step.to);
-            let (clearance, left) = around.along(&tools[step.tool], segments, &moved, slack);
-            found.push(clearance);
-            before = Some((step, left));
+            let path = around.along(&tools[step.tool], segments, &moved, at_start);
+            // What is spare over the whole of a move is so at its start.
+            let over_move = if path.measured_to > 0.0 { path.slack } else { 0.0 };
+            ends.keep(step, [at_start.max(over_move), path.slack]);
+            found.push(path);
         }
         Ok(found)
     };
-    let runs: Vec<Vec<AssemblyClearance>> =
+    let runs: Vec<Vec<PathClearance>> =
         steps.par_chunks(STEPS_IN_RUN).enumerate().map(scan).collect::<Result<_, Cancelled>>()?;
     Ok(runs.into_iter().flatten().collect())
 }
@@ -242,9 +283,9 @@ pub(super) fn judge_moves(
     let step = |k: usize| step_to(moves, k).filter(|step| !segments[step.tool].is_empty() && !goes_back(k));
     let steps: Vec<Option<AssemblyStep>> = (0..moves.len()).map(step).collect();
     let given: Vec<AssemblyStep> = steps.iter().flatten().copied().collect();
-    let least = min_distances(&given, &segments, around, &monitor.span(0.0, 0.5))?;
-    let found = clearances(&given, &tools, &segments, around, |_| false, &monitor.span(0.5, 1.0))?;
-    let mut found = found.into_iter();
+    let found = clearances(&given, &tools, &segments, around, |_| false, &monitor.span(0.0, 0.5))?;
+    let least = min_distances(&given, &segments, around, &found, &monitor.span(0.5, 1.0))?;
+    let mut found = found.into_iter().map(|path| path.least);
     let measured: Vec<Option<AssemblyClearance>> =
         steps.iter().map(|step| step.and_then(|_| found.next())).collect();
     let judged: Vec<Vec<Fault>> = (0..moves.len())

@@ -95,6 +95,8 @@ pub struct Fault {
     pub message: String,
     /// What to do about it; empty where the message says all.
     pub help: String,
+    /// The overhang with which a holder in the way would be clear, mm.
+    pub overhang: Option<f64>,
 }
 
 impl Display for Fault {
@@ -164,12 +166,13 @@ pub(super) struct Finding {
     value: Option<f64>,
     message: String,
     help: String,
+    overhang: Option<f64>,
 }
 
 impl Finding {
     /// A finding that says what is wrong; see [`Self::with_help`].
     pub(super) fn new(kind: FaultKind, value: impl Into<Option<f64>>, what: impl Into<String>) -> Self {
-        Self { kind, value: value.into(), message: what.into(), help: String::new() }
+        Self { kind, value: value.into(), message: what.into(), help: String::new(), overhang: None }
     }
 
     /// Adds what to do about it.
@@ -177,9 +180,21 @@ impl Finding {
         Self { help: help.into(), ..self }
     }
 
+    /// Adds the overhang with which a holder in the way would be clear, mm.
+    pub(super) fn with_overhang(self, overhang: Option<f64>) -> Self {
+        Self { overhang, ..self }
+    }
+
     /// The fault in line `line` of the program.
     pub(super) fn at(self, line: usize) -> Fault {
-        Fault { line, kind: self.kind, value: self.value, message: self.message, help: self.help }
+        Fault {
+            line,
+            kind: self.kind,
+            value: self.value,
+            message: self.message,
+            help: self.help,
+            overhang: self.overhang,
+        }
     }
 }
 
@@ -325,6 +340,7 @@ mod tests {
             value: None,
             message: String::new(),
             help: String::new(),
+            overhang: None,
         };
         let faults = [FaultKind::CutsNothing, FaultKind::NoFeed, FaultKind::NoFeed].map(fault);
         assert_eq!(count_by_kind(&faults), "2 cuts without a feed rate, 1 program that cuts nothing");

@@ -275,7 +275,7 @@ impl<'a> FlankVerifier<'a> {
         let moves: Vec<AssemblyStep> =
             steps.iter().filter(has_assembly).map(CutterStep::assembly_step).collect();
         let around = AssemblySurroundings::new(&self.workpiece.finished, self.setup);
-        min_distances(&moves, &segments, &around, monitor)
+        min_distances(&moves, &segments, &around, &[], monitor)
     }
 
     /// The faults where cutters in rapid, shanks and holders meet stock that stands: of the program that was
@@ -410,7 +410,7 @@ impl<'a> FlankVerifier<'a> {
             let before =
                 k.checked_sub(1).filter(|&b| steps[b].tool == steps[k].tool && steps[b].to == steps[k].from);
             let ends = [before.and_then(|b| ends[b]), ends[k]];
-            Ok(examine_step(&steps[k], ends, assemblies[k], &around, (blank, safety)))
+            Ok(examine_step(&steps[k], ends, assemblies[k].least, &around, (blank, safety)))
         };
         let looks: Vec<StepResult> =
             (0..steps.len()).into_par_iter().map(looked).collect::<Result<_, Cancelled>>()?;

@@ -40,7 +40,8 @@ pub(super) fn judge_tapers(
     let moves: Vec<AssemblyStep> = tapered.iter().map(|(step, _)| *step).collect();
     let found = clearances(&moves, tools, &cones, &around, |_| false, monitor)?;
     let mut faults = Vec::new();
-    for ((step, line), clearance) in tapered.iter().zip(found) {
+    for ((step, line), path) in tapered.iter().zip(found) {
+        let clearance = path.least;
         let Some(pose) = clearance.worst.filter(|_| clearance.holder.missing > of_hub.min(of_blade)) else {
             continue;
         };

@@ -15,9 +15,9 @@ use crate::setup::Tool;
 /// Difference up to which two numbers count as equal, mm, mm/min, rev/min or m/min: formats round them.
 const SAME: f64 = 1e-6;
 
-/// A Fusion library with tools written into it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MergedFusion {
+/// A library with tools written into it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MergedLibrary {
     /// The text of the library.
     pub text: String,
     /// Number of its entries that were changed.
@@ -26,6 +26,8 @@ pub struct MergedFusion {
     pub added: usize,
     /// Number of entries that are as they were, holders and drills among them.
     pub kept: usize,
+    /// What was not written as it was given.
+    pub notes: Vec<String>,
 }
 
 /// Writes the tools of `library` into the Fusion library `existing`, whose name in messages is `name`.
@@ -36,7 +38,7 @@ pub struct MergedFusion {
 ///
 /// # Errors
 /// When `existing` is not a Fusion library.
-pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<MergedFusion, InputError> {
+pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<MergedLibrary, InputError> {
     let fault = |what: String| {
         let help = "write to another file, or give a tool library of Fusion";
         Source::new(name, ErrorCode::ToolFile).fault(0, what, help)
@@ -45,7 +47,7 @@ pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Resul
     let entries = elements(text, "data", usize::MAX).ok_or_else(|| fault("has no list `data`".to_owned()))?;
     if entries.is_empty() {
         let added = library.tools.len();
-        return Ok(MergedFusion { text: write_fusion(library), changed: 0, added, kept: 0 });
+        return Ok(MergedLibrary { text: write_fusion(library), added, ..MergedLibrary::default() });
     }
     let mills = mills_of_entries(&entries);
     let mut replaced: Vec<Option<String>> = vec![None; entries.len()];
@@ -69,7 +71,7 @@ pub fn merge_fusion(name: &str, existing: &[u8], library: &ToolLibrary) -> Resul
     let added = added.iter().map(|entry| serde_json::to_string_pretty(entry).unwrap_or_default());
     let text = spliced(text, &entries, &replaced, &added.collect::<Vec<_>>())
         .ok_or_else(|| fault("cannot be changed".to_owned()))?;
-    Ok(MergedFusion { text, changed: counts.0, added: counts.1, kept: counts.2 })
+    Ok(MergedLibrary { text, changed: counts.0, added: counts.1, kept: counts.2, notes: Vec::new() })
 }
 
 /// `text` with some of its `entries` replaced, and others added after the last one; `None` where they are not

@@ -13,22 +13,25 @@ mod json;
 mod left_out;
 mod length;
 mod library;
+mod toml_merge;
+mod toml_write;
 mod zip;
 
-use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::InputError;
 use super::source::{Source, name_of, read_bytes_up_to};
-use super::tool_file::{read_tools_with_rates, write_tool};
+use super::tool_file::read_tools_with_rates;
 use crate::error::ErrorCode;
 use freecad::ToolBit;
-pub use fusion_merge::{MergedFusion, merge_fusion};
+pub use fusion_merge::{MergedLibrary, merge_fusion};
 pub use fusion_write::{missing_in_fusion, write_fusion};
 use json::MAX_LIBRARY_BYTES;
 pub use library::{LibraryTool, ToolLibrary};
+pub use toml_merge::merge_toml;
+pub use toml_write::write_toml;
 
 /// Folders of tool bits beside that of a FreeCAD library: FreeCAD's own, and what people call it.
 const BIT_FOLDERS: [&str; 2] = ["Bit", "ToolBits"];
@@ -160,12 +163,33 @@ pub fn read_library_bytes(
 /// what it has beyond them.
 ///
 /// # Errors
-/// When the file that is there cannot be read, or is a damaged Fusion library.
-pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedFusion, InputError> {
+/// When the file that is there cannot be read, or is a damaged Fusion library or something else.
+pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, InputError> {
     if is_fusion_library(path) {
         return merge_fusion(&name_of(path), &read_bytes_up_to(path, MAX_LIBRARY_BYTES)?, library);
     }
-    Ok(MergedFusion { text: write_fusion(library), changed: 0, added: library.tools.len(), kept: 0 })
+    if !is_absent(path) {
+        let what = "exists and is no tool library of Fusion";
+        let source = name_of(path);
+        let source = Source::new(&source, ErrorCode::FileNotWritten);
+        return Err(source.fault(0, what, "name another file to write"));
+    }
+    let (text, added) = (write_fusion(library), library.tools.len());
+    Ok(MergedLibrary { text, added, ..MergedLibrary::default() })
+}
+
+/// The text of our TOML with these tools for a file at `path`: a library that is there keeps its other tools.
+///
+/// # Errors
+/// When the file that is there cannot be read, or is no tool library.
+pub fn toml_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, InputError> {
+    let existing = if is_absent(path) { Vec::new() } else { read_bytes_up_to(path, MAX_LIBRARY_BYTES)? };
+    merge_toml(&name_of(path), &existing, library)
+}
+
+/// Whether there is no file at `path`, or an empty one.
+fn is_absent(path: &Path) -> bool {
+    std::fs::metadata(path).map_or(true, |found| found.is_file() && found.len() == 0)
 }
 
 /// Whether the file at `path` looks like a Fusion library, by its beginning.
@@ -174,23 +198,4 @@ pub fn is_fusion_library(path: &Path) -> bool {
     let mut start = Vec::new();
     let is_read = file.take(LOOKED_AT as u64).read_to_end(&mut start).is_ok();
     is_read && looks_like_library(LibraryFormat::FusionJson, &start)
-}
-
-/// Writes our TOML; remarks become comments above their tool.
-pub fn write_toml(library: &ToolLibrary) -> String {
-    let mut out = String::new();
-    let comment = |out: &mut String, note: &str| {
-        // `write!` to a `String` cannot fail.
-        let _ = writeln!(out, "# {}", note.replace(char::is_control, " "));
-    };
-    library.notes.iter().for_each(|note| comment(&mut out, note));
-    for LibraryTool { tool, missing, notes } in library.tools.iter().map(|entry| &**entry) {
-        if !out.is_empty() {
-            out.push('\n');
-        }
-        notes.iter().for_each(|note| comment(&mut out, note));
-        out.push_str("[[tool]]\n");
-        let _ = write_tool(&mut out, tool, *missing);
-    }
-    out
 }

@@ -1,0 +1,167 @@
+//! Writing tools into a library of our own that exists: its other tools stay, with their comments.
+
+use std::collections::BTreeSet;
+
+use super::fusion_merge::MergedLibrary;
+use super::toml_write::write_toml;
+use super::{LibraryTool, ToolLibrary};
+use crate::error::ErrorCode;
+use crate::io::InputError;
+use crate::io::source::Source;
+use crate::io::tool_file::read_tools_with_rates;
+use crate::setup::Tool;
+
+/// First line of a tool.
+const HEADER: &str = "[[tool]]";
+/// Difference up to which two diameters count as equal, mm.
+const SAME_DIAMETER: f64 = 1e-6;
+
+/// Writes the tools of `library` into the TOML library `existing`, whose name in messages is `name`.
+///
+/// A tool replaces the one with its number if that has its name or its diameter. A tool whose number another
+/// one has is added under a free number, which `notes` name. No tool is removed.
+///
+/// # Errors
+/// When `existing` is not a tool library, or not written in tables of its own for each tool.
+pub fn merge_toml(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<MergedLibrary, InputError> {
+    let fault = |what: &str| {
+        Source::new(name, ErrorCode::FileNotWritten).fault(0, what, "name another file to write")
+    };
+    if existing.trim_ascii().is_empty() {
+        let (text, added) = (write_toml(library), library.tools.len());
+        return Ok(MergedLibrary { text, added, ..MergedLibrary::default() });
+    }
+    let text = String::from_utf8_lossy(existing);
+    let mut blocks = blocks_of(&text);
+    if blocks.len() < 2 || !blocks[0].tool.is_empty() {
+        return Err(fault("exists and is no tool library"));
+    }
+    let known = read_tools_with_rates(name, existing)?;
+    if blocks.iter().filter(|block| block.starts_with_header()).count() != known.len() {
+        return Err(fault("exists, and its tools are not in tables of their own"));
+    }
+    let mut numbers: BTreeSet<u32> = known.iter().map(|(tool, _)| tool.number).collect();
+    numbers.extend(library.tools.iter().map(|entry| entry.tool.number));
+    let mut merged = MergedLibrary::default();
+    let mut added = ToolLibrary::default();
+    for entry in &library.tools {
+        let number = entry.tool.number;
+        let Some(index) = known.iter().position(|(tool, _)| tool.number == number) else {
+            added.tools.push(entry.clone());
+            continue;
+        };
+        if !is_same(&known[index].0, &entry.tool) {
+            let free = numbers.last().map_or(1, |last| last + 1);
+            numbers.insert(free);
+            let mut moved = LibraryTool::clone(entry);
+            moved.tool.number = free;
+            merged.notes.push(format!("tool {number}: another tool there has its number: it is tool {free}"));
+            added.tools.push(moved.into());
+        } else if known[index] != (entry.tool.clone(), entry.missing) {
+            let one = ToolLibrary { tools: vec![entry.clone()], notes: Vec::new() };
+            let tool = blocks.iter_mut().filter(|block| block.starts_with_header()).nth(index);
+            if let Some(block) = tool {
+                block.tool = write_toml(&one);
+            }
+            merged.changed += 1;
+        }
+    }
+    merged.added = added.tools.len();
+    merged.kept = known.len() - merged.changed;
+    merged.text = blocks.into_iter().flat_map(|block| [block.tool, block.between]).collect();
+    if merged.added > 0 {
+        let end = merged.text.trim_end().len();
+        merged.text.truncate(end);
+        merged.text += "\n\n";
+        merged.text += &write_toml(&added);
+    }
+    Ok(merged)
+}
+
+/// Whether a tool may replace another one of its number.
+fn is_same(there: &Tool, tool: &Tool) -> bool {
+    there.assembly.name.is_some() && there.assembly.name == tool.assembly.name
+        || (there.diameter - tool.diameter).abs() <= SAME_DIAMETER
+}
+
+/// The lines of a tool, and the empty lines and comments between it and the next one.
+#[derive(Default)]
+struct ToolBlock {
+    tool: String,
+    between: String,
+}
+
+impl ToolBlock {
+    fn starts_with_header(&self) -> bool {
+        self.tool.lines().any(|line| line.trim_start().starts_with(HEADER))
+    }
+}
+
+/// The text in blocks, in order; the first one is what stands above the first tool.
+fn blocks_of(text: &str) -> Vec<ToolBlock> {
+    let mut blocks = vec![ToolBlock::default()];
+    for line in text.split_inclusive('\n') {
+        let content = line.trim();
+        if content.starts_with(HEADER) {
+            blocks.push(ToolBlock::default());
+        }
+        // The list is never empty.
+        let Some(block) = blocks.last_mut() else { break };
+        if content.is_empty() || content.starts_with('#') {
+            block.between.push_str(line);
+        } else {
+            // Comments within a tool are part of it.
+            let between = std::mem::take(&mut block.between);
+            block.tool.push_str(&between);
+            block.tool.push_str(line);
+        }
+    }
+    blocks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SHOP: &str = "# Magazine 1\n\n[[tool]] # the long one\nnumber = 1\ndiameter = 6\noverhang = 40\n\n\
+                        # for the outlet\n[[tool]]\nnumber = 2\n# reground\ndiameter = 9.8\n\n";
+
+    fn library(text: &str) -> ToolLibrary {
+        let tools = read_tools_with_rates("new.toml", text.as_bytes()).expect("a library").into_iter();
+        let entry = |(tool, missing)| LibraryTool { tool, missing, notes: Vec::new() }.into();
+        ToolLibrary { tools: tools.map(entry).collect(), notes: Vec::new() }
+    }
+
+    #[test]
+    fn tools_that_are_there_stay() {
+        let new = library(
+            "[[tool]]\nnumber = 1\ndiameter = 6\noverhang = 44\n[[tool]]\nnumber = 2\ndiameter = 12\n\
+             [[tool]]\nnumber = 3\ndiameter = 4\n",
+        );
+        let merged = merge_toml("shop.toml", SHOP.as_bytes(), &new).expect("merges");
+        assert_eq!((merged.changed, merged.added, merged.kept), (1, 2, 1));
+        assert_eq!(merged.notes, ["tool 2: another tool there has its number: it is tool 4"]);
+        let tools = library(&merged.text).tools;
+        let sizes: Vec<_> = tools.iter().map(|t| (t.tool.number, t.tool.diameter)).collect();
+        assert_eq!(sizes, [(1, 6.0), (2, 9.8), (4, 12.0), (3, 4.0)]);
+        assert_eq!(tools[0].tool.overhang, 44.0);
+        for kept in ["# Magazine 1", "# for the outlet", "number = 2\n# reground\ndiameter = 9.8\n"] {
+            assert!(merged.text.contains(kept), "{kept} in {}", merged.text);
+        }
+        // What is written once more changes nothing.
+        let again = library(&merged.text);
+        let twice = merge_toml("shop.toml", merged.text.as_bytes(), &again).expect("merges");
+        assert_eq!((twice.text, twice.changed, twice.added, twice.kept), (merged.text, 0, 0, 4));
+    }
+
+    #[test]
+    fn other_files_are_refused() {
+        let new = library("[[tool]]\nnumber = 1\ndiameter = 6\n");
+        let inline = "[[tool]]\nnumber = 9\ndiameter = 3\nname = '''\n[[tool]]\n'''\n";
+        for other in ["name = \"pump6\"\nblades = 6\n", inline] {
+            let error = merge_toml("p.toml", other.as_bytes(), &new).expect_err(other);
+            assert!(error.to_string().contains("p.toml"), "{error}");
+        }
+        assert_eq!(merge_toml("e.toml", b"\n", &new).expect("writes").text, write_toml(&new));
+    }
+}
