@@ -60,6 +60,12 @@ pub struct NearestOnSide {
     pub point: Point,
 }
 
+impl From<LineMinimum> for NearestOnSide {
+    fn from(LineMinimum { distance, u, v, point, .. }: LineMinimum) -> Self {
+        Self { distance, u, v, point }
+    }
+}
+
 const RULED_V_LINES: usize = 5;
 /// Argument tolerance of the searches in u. The distance is stationary there, so its error is far below 1 µm
 /// on any machinable size.
@@ -305,7 +311,7 @@ impl SideProbe {
         for (line, seed) in lines.iter_mut().zip(near) {
             let (found, shift) = self.line_near(query, seed);
             if found.distance < enough {
-                return Some(found.nearest());
+                return Some(found.into());
             }
             *line = found;
             drift = drift.max(shift);
@@ -412,7 +418,7 @@ impl SideProbe {
                 self.search_between(query, (&a, &b), reach, &mut best);
             }
         }
-        best.nearest()
+        best.into()
     }
 
     /// Searches between two lines for a point nearer than `best`, with u within `reach`.

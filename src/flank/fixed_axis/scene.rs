@@ -206,24 +206,23 @@ impl Balls {
 
 impl PointTree {
     /// Passes the blocks to `look`, those first that `bound` puts nearest to the tool, as they rule out most
-    /// others: a lower bound on the distance of the points in a ball, by the height of its centre, the
-    /// distance of that from the axis, and its radius. `look` gets the distance found so far, `nearest` at
+    /// others: lower bounds on the distances of the points in balls, by the heights of their centres, the
+    /// distances of these from the axis, and their radii. `look` gets the distance found so far, `nearest` at
     /// first, and returns the next; the search ends below `enough`.
     #[inline(always)]
     fn descend(
         &self,
         ray: &RelativeAxis,
         (nearest, enough): (f64, f64),
-        bound: impl Fn(f32, f32, f32) -> f32,
+        bound: impl Fn(&LaneValues, &LaneValues, &LaneValues) -> LaneValues,
         mut look: impl FnMut(&PointBlock, f64) -> f64,
     ) -> f64 {
         let bounds = |balls: &Balls| {
-            let (up, squared) = ray.seen(&balls.x, &balls.y, &balls.z);
-            let mut bounds = [0.0; LANES];
+            let (up, mut radial) = ray.seen(&balls.x, &balls.y, &balls.z);
             for k in 0..LANES {
-                bounds[k] = bound(up[k], squared[k].sqrt(), balls.radius[k]);
+                radial[k] = radial[k].sqrt();
             }
-            bounds
+            bound(&up, &radial, &balls.radius)
         };
         let mut first = (f32::INFINITY, 0);
         for (row, balls) in self.groups.iter().enumerate() {
@@ -331,24 +330,43 @@ impl NearPoints {
         } else {
             self.column_min::<false>(shape, &ray, (most.cutter, enough.cutter))
         };
-        let mut holder = most.holder;
-        let steps = shape.holder.iter().filter(|_| cutter >= enough.cutter);
-        for &(from, radius) in steps {
-            let (from, wide) = (from as f32, radius as f32);
-            let bound = |up: f32, radial: f32, ball: f32| {
-                if up + ball < from { f32::INFINITY } else { radial - ball - wide }
-            };
-            let look = |block: &PointBlock, found: f64| {
-                let (up, squared) = ray.seen(&block.x, &block.y, &block.z);
+        let holder = if cutter < enough.cutter {
+            most.holder
+        } else {
+            self.holder_min(&shape.holder, &ray, (most.holder, enough.holder))
+        };
+        MinDistances { cutter, holder }
+    }
+
+    /// Minimum distance of the points from what is wider above the cutter, given by `steps` of
+    /// [`ToolShape::holder`], up to `most`; any distance below `enough` will do.
+    ///
+    /// All steps are looked at together, as they pass over the same balls.
+    fn holder_min(&self, steps: &[(f64, f64)], ray: &RelativeAxis, (most, enough): (f64, f64)) -> f64 {
+        // The widest step that a ball may be beside is the highest one.
+        let bound = |up: &LaneValues, radial: &LaneValues, ball: &LaneValues| {
+            let mut widest = [f32::NEG_INFINITY; LANES];
+            for &(from, radius) in steps {
+                let (from, radius) = (from as f32, radius as f32);
+                for k in 0..LANES {
+                    widest[k] = if up[k] + ball[k] < from { widest[k] } else { radius };
+                }
+            }
+            std::array::from_fn(|k| radial[k] - ball[k] - widest[k])
+        };
+        let look = |block: &PointBlock, mut found: f64| {
+            let (up, squared) = ray.seen(&block.x, &block.y, &block.z);
+            for &(from, radius) in steps {
+                let from = from as f32;
                 let mut least = [f32::MAX; LANES];
                 for k in 0..LANES {
                     least[k] = if up[k] >= from { squared[k] } else { f32::MAX };
                 }
-                found.min(f64::from(lane_min(&least)).sqrt() - radius)
-            };
-            holder = self.holder.descend(&ray, (holder, enough.holder), bound, look);
-        }
-        MinDistances { cutter, holder }
+                found = found.min(f64::from(lane_min(&least)).sqrt() - radius);
+            }
+            found
+        };
+        self.holder.descend(ray, (most, enough), bound, look)
     }
 
     /// Minimum distance of the cutter from the points, up to `most`; any distance below `enough` will do.
@@ -361,7 +379,9 @@ impl NearPoints {
         let rim = shape.rim() as f32;
         let (radius, corner) = (shape.radius as f32, shape.corner as f32);
         // No point of a ball is nearer than the ball, seen from the side or from below.
-        let bound = |up: f32, radial: f32, ball: f32| greater(radial - radius, -up - corner) - ball;
+        let bound = |up: &LaneValues, radial: &LaneValues, ball: &LaneValues| {
+            std::array::from_fn(|k| greater(radial[k] - radius, -up[k] - corner) - ball[k])
+        };
         let look = |block: &PointBlock, found: f64| {
             let (up, squared) = ray.seen(&block.x, &block.y, &block.z);
             let (mut beside, mut under) = ([f32::MAX; LANES], [f32::MAX; LANES]);

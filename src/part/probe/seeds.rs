@@ -1,6 +1,5 @@
 //! Where the searches on the lines of a side begin, and what they find.
 
-use super::NearestOnSide;
 use crate::geometry::Point;
 
 /// Lines of v in the grid of a side that is not ruled; a ruled one bends only by its twist.
@@ -76,11 +75,6 @@ pub(super) struct LineMinimum {
 }
 
 impl LineMinimum {
-    /// What the search found, for its callers.
-    pub fn nearest(&self) -> NearestOnSide {
-        NearestOnSide { distance: self.distance, u: self.u, v: self.v, point: self.point }
-    }
-
     /// The nearer of two, this one if they are equally near.
     pub fn nearer_of(&self, other: &Self) -> Self {
         if other.distance < self.distance { *other } else { *self }
