@@ -9,6 +9,8 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::flank::UncutLength;
+use vanecut::flank::region::Region;
 use vanecut::job::JobError;
 use vanecut::job::flank::FlankRequest;
 use vanecut::monitor::Monitor;
@@ -38,6 +40,24 @@ pub fn plan_flank(window: &mut Window, depth: f64) {
     window.key_press(egui::Key::F6);
     window.run_steps(2);
     settle(window);
+}
+
+/// In the list of operations and in the headline.
+#[test]
+fn stretches_that_are_skipped_are_named_in_every_verdict() {
+    let (engine, _) = fake::engine();
+    let planned = Arc::clone(&engine.flank);
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        let mut outcome = planned(request, monitor)?;
+        let (why, overhang) = ("no axis is free there", None);
+        outcome.plan.uncut =
+            vec![UncutLength { layer: 0, region: Region::INLET, length: 12.0, why, overhang }];
+        Ok(outcome)
+    };
+    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    plan_flank(&mut window, 10.0);
+    window.get_by_label("1 stretch skipped");
+    window.get_by_label("Flank: 1 stretch skipped");
 }
 
 #[test]
