@@ -86,13 +86,18 @@ impl AssemblySurroundings<'_> {
     /// Clearance of a piece that is swept; distances are measured up to `cap` mm.
     fn clearance_of_swept(&self, piece: &SweptPiece, cap: f64) -> PartClearance {
         let cap = cap.max(self.max_required(piece.part));
-        let hub = piece.short_pieces().fold(cap, |hub, piece| hub_distance(self.finished, &piece, hub));
+        let hub = self.hub_distance_of_swept(piece, cap);
         self.clearance_of([hub, blade_distance(self.finished, &piece.frustum, cap)], piece.part, cap)
+    }
+
+    /// Signed distance from the hub of a piece that is swept, mm, or `cap` where it is not less.
+    fn hub_distance_of_swept(&self, piece: &SweptPiece, cap: f64) -> f64 {
+        piece.short_pieces().fold(cap, |hub, piece| hub_distance(self.finished, &piece, hub))
     }
 
     /// Signed distance from the finished part of a piece that is swept, mm, or `cap` where it is not less.
     pub fn swept_distance(&self, piece: &SweptPiece, cap: f64) -> f64 {
-        let hub = piece.short_pieces().fold(cap, |hub, piece| hub_distance(self.finished, &piece, hub));
+        let hub = self.hub_distance_of_swept(piece, cap);
         hub.min(blade_distance(self.finished, &piece.frustum, hub.max(0.0)))
     }
 
@@ -108,7 +113,7 @@ impl AssemblySurroundings<'_> {
         cap: f64,
     ) -> AssemblyClearance {
         let mut worst = AssemblyClearance::FAR;
-        for part in [AssemblyPart::Shank, AssemblyPart::Holder] {
+        for part in AssemblyPart::ALL {
             let known = bound.of_part(part);
             let is_exact = known.distance >= 0.0;
             if is_exact && (part == AssemblyPart::Shank || !known.collides()) {
@@ -117,7 +122,8 @@ impl AssemblySurroundings<'_> {
             }
             let own: Vec<AssemblySegment> =
                 segments.iter().filter(|segment| segment.part == part).copied().collect();
-            // What is inside the sweep of a cylinder is no deeper in any pose; a cone sweeps several pieces.
+            // A cylinder never reaches deeper into the part than its sweep does. A cone sweeps several
+            // pieces, of which none bounds the depth.
             let is_bounded = is_exact || own.iter().all(|segment| segment.radii[0] == segment.radii[1]);
             let most = if is_bounded { known.missing } else { f64::INFINITY };
             let mut found = PartClearance::FAR;

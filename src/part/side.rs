@@ -99,24 +99,22 @@ impl BladeSide {
 
     /// The curve of constant `v`, prepared for a search along it.
     pub fn line(&self, v: f64) -> SideLine<'_> {
-        let mut j = 0;
-        while j + 1 < self.spans.len() && self.stations[j + 1] <= v {
-            j += 1;
-        }
-        let h = self.stations[j + 1] - self.stations[j];
-        let x = (v - self.stations[j]) / h;
-        let (slopes, weights) = match self.slopes.get(j) {
+        let Between { span, from, height: h, .. } = self.between(v);
+        let x = (v - from) / h;
+        let (slopes, weights) = match self.slopes.get(span) {
             None => (None, [1.0 - x, x, 0.0, 0.0]),
             // Linear extension beyond the end sections.
             Some(slopes) if x < 0.0 => (Some(slopes), [1.0, 0.0, h * x, 0.0]),
             Some(slopes) if x > 1.0 => (Some(slopes), [0.0, 1.0, 0.0, h * (x - 1.0)]),
-            Some(slopes) => {
-                let (x2, x3) = (x * x, x * x * x);
-                let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
-                (Some(slopes), [b0, b1, h * (x3 - 2.0 * x2 + x), h * (x3 - x2)])
-            }
+            Some(slopes) => (Some(slopes), hermite_weights(x, h)),
         };
-        SideLine { span: &self.spans[j], slopes, weights, segment: usize::MAX, cubic: [Vector::zeros(); 4] }
+        SideLine {
+            span: &self.spans[span],
+            slopes,
+            weights,
+            segment: usize::MAX,
+            cubic: [Vector::zeros(); 4],
+        }
     }
 
     /// The side rotated by `angle` rad about Z.
@@ -199,10 +197,9 @@ impl Between {
         };
         let (m0, m1) = split(slopes);
         let x = (self.inside - self.from) / h;
-        let (x2, x3) = (x * x, x * x * x);
-        let (b0, b1) = (2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2);
-        let (s0, s1) = (h * (x3 - 2.0 * x2 + x), h * (x3 - x2));
+        let [b0, b1, s0, s1] = hermite_weights(x, h);
         let mut value = p0 * b0 + p1 * b1 + m0 * s0 + m1 * s1;
+        let x2 = x * x;
         let (d0, e0, e1) = (6.0 * (x2 - x) / h, 3.0 * x2 - 4.0 * x + 1.0, 3.0 * x2 - 2.0 * x);
         let rise = (p0 - p1) * d0 + m0 * e0 + m1 * e1;
         let beyond = self.v - self.inside;
@@ -211,6 +208,14 @@ impl Between {
         }
         (value, rise)
     }
+}
+
+/// Weights of a Hermite cubic at the share `x` of an interval of length `h`: of the values at both its ends,
+/// and of the derivatives there.
+#[inline]
+fn hermite_weights(x: f64, h: f64) -> [f64; 4] {
+    let (x2, x3) = (x * x, x * x * x);
+    [2.0 * x3 - 3.0 * x2 + 1.0, -2.0 * x3 + 3.0 * x2, h * (x3 - 2.0 * x2 + x), h * (x3 - x2)]
 }
 
 /// A line of constant v of a side. At constant v the loft is one cubic in u per segment: its coefficients are

@@ -55,6 +55,9 @@ pub enum AssemblyPart {
 }
 
 impl AssemblyPart {
+    /// Both, in the order of their numbers.
+    pub const ALL: [Self; 2] = [Self::Shank, Self::Holder];
+
     /// Its name in messages.
     pub fn name(self) -> &'static str {
         match self {

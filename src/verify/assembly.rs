@@ -28,9 +28,6 @@ const DISTANCE_AHEAD: f64 = 4.0;
 const DISTANCE_SPACING: f64 = 0.25;
 const MAX_PIECES: f64 = 4000.0;
 
-/// Both parts, in the order of their numbers.
-const PARTS: [AssemblyPart; 2] = [AssemblyPart::Shank, AssemblyPart::Holder];
-
 /// Least distances of shank and holder to the finished part over a program, mm; infinite where no tool has
 /// one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +142,7 @@ pub(super) fn min_distances(
 ) -> Result<AssemblyDistances, Cancelled> {
     let least: [LeastDistance; 2] = Default::default();
     let count = monitor.steps(steps.len());
-    for (part, least) in PARTS.into_iter().zip(&least) {
+    for (part, least) in AssemblyPart::ALL.into_iter().zip(&least) {
         for path in known {
             let distance = path.least.of_part(part).distance;
             if (0.0..path.measured_to).contains(&distance) {
@@ -167,7 +164,7 @@ pub(super) fn min_distances(
             spare.min(measure(segment.part, DISTANCE_AHEAD, &|cap| around.frustum_distance(&frustum, cap)))
         })
     };
-    // What is known of a part over a move along its axis: its distance is no less.
+    // A lower bound on the distance of a part over a move along its axis, where one is known.
     let at_least = |index: usize, part: AssemblyPart| {
         let path = known.get(index).filter(|path| path.measured_to > 0.0)?;
         Some(path.least.of_part(part).distance.min(path.measured_to)).filter(|distance| *distance >= 0.0)

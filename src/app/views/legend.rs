@@ -136,37 +136,27 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
             }
             if let Some((legend, has_text)) = cutter_legend(ui, state) {
                 show_cutter_legend(ui, &legend, has_text, &mut state.look.hidden_classes);
-                if !has_text {
-                    ui.separator();
-                    show_scale_of(ui, state, values);
-                    return;
-                }
                 // In a narrow view the colours that were asked for have priority over those of the floor.
-                if ui.available_width() < MIN_SCALE_WIDTH {
+                if has_text && ui.available_width() < MIN_SCALE_WIDTH {
                     return;
                 }
                 ui.separator();
             }
-            show_scale_of(ui, state, values);
+            match scale(state) {
+                Some(scale) => {
+                    if shows_both_scales(state, &scale) && ui.available_width() > TWO_SCALES {
+                        show_scale_before(ui, state);
+                    }
+                    show_scale(ui, state, &scale, values);
+                }
+                None => {
+                    if let Some((outcome, colours)) = state.shown_flank() {
+                        flank::key(ui, colours, &outcome.plan);
+                    }
+                }
+            }
         });
     });
-}
-
-/// The scale of the colours in view, or the key of the flank passes.
-fn show_scale_of(ui: &mut Ui, state: &mut AppState, values: Values) {
-    match scale(state) {
-        Some(scale) => {
-            if shows_both_scales(state, &scale) && ui.available_width() > TWO_SCALES {
-                show_scale_before(ui, state);
-            }
-            show_scale(ui, state, &scale, values);
-        }
-        None => {
-            if let Some((outcome, colours)) = state.shown_flank() {
-                flank::key(ui, colours, &outcome.plan);
-            }
-        }
-    }
 }
 
 /// Whether the moves of a checked program are in view.

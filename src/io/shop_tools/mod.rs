@@ -169,7 +169,7 @@ pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, I
         return merge_fusion(&name_of(path), &read_bytes_up_to(path, MAX_LIBRARY_BYTES)?, library);
     }
     if !is_absent(path) {
-        let what = "exists and is no tool library of Fusion";
+        let what = "already exists and is not a Fusion tool library";
         let source = name_of(path);
         let source = Source::new(&source, ErrorCode::FileNotWritten);
         return Err(source.fault(0, what, "name another file to write"));
@@ -181,13 +181,13 @@ pub fn fusion_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, I
 /// The text of our TOML with these tools for a file at `path`: a library that is there keeps its other tools.
 ///
 /// # Errors
-/// When the file that is there cannot be read, or is no tool library.
+/// When a file that exists cannot be read, or is not a tool library.
 pub fn toml_for(path: &Path, library: &ToolLibrary) -> Result<MergedLibrary, InputError> {
     let existing = if is_absent(path) { Vec::new() } else { read_bytes_up_to(path, MAX_LIBRARY_BYTES)? };
     merge_toml(&name_of(path), &existing, library)
 }
 
-/// Whether there is no file at `path`, or an empty one.
+/// Whether the file at `path` is missing or empty.
 fn is_absent(path: &Path) -> bool {
     std::fs::metadata(path).map_or(true, |found| found.is_file() && found.len() == 0)
 }

@@ -34,7 +34,7 @@ pub fn merge_toml(name: &str, existing: &[u8], library: &ToolLibrary) -> Result<
     let text = String::from_utf8_lossy(existing);
     let mut blocks = blocks_of(&text);
     if blocks.len() < 2 || !blocks[0].tool.is_empty() {
-        return Err(fault("exists and is no tool library"));
+        return Err(fault("already exists and is not a tool library"));
     }
     let known = read_tools_with_rates(name, existing)?;
     if blocks.iter().filter(|block| block.starts_with_header()).count() != known.len() {
