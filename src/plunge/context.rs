@@ -10,6 +10,7 @@ use super::locked_plunge::LockedPlunge;
 use super::position_limit::{MAX_POSITIONS, too_many_positions};
 use super::row_density::RowDensity;
 use super::section_layout::{StretchLayout, section_layout};
+use super::thoroughness::{Thoroughness, row_places};
 use crate::cutting::contact::Columns;
 use crate::monitor::Monitor;
 use crate::part::Workpiece;
@@ -30,6 +31,8 @@ pub(super) struct PlanContext<'a> {
     pub locked: Vec<Vec<LockedPlunge>>,
     /// Whether `minimal` begins no other section after one that starves.
     pub ends_where_starved: bool,
+    /// How thoroughly `minimal` searches each section.
+    thoroughness: Vec<Thoroughness>,
     /// Layout of each section; empty for sections that do not cut rows.
     layouts: Vec<Result<Vec<StretchLayout<'a>>, PlanError>>,
 }
@@ -41,7 +44,14 @@ impl<'a> PlanContext<'a> {
             SectionKind::Rows => section_layout(workpiece, setup, section),
             SectionKind::Rest | SectionKind::Opening => Ok(Vec::new()),
         };
-        let layouts = setup.plunge.sections.par_iter().map(layout).collect();
+        let sections = &setup.plunge.sections;
+        let layouts: Vec<Result<Vec<StretchLayout>, PlanError>> = sections.par_iter().map(layout).collect();
+        let places = |(section, layouts): (&SectionSetup, &Result<Vec<StretchLayout>, PlanError>)| {
+            // A section that cannot be planned is reported when it is.
+            let (Ok(layouts), Ok(tool)) = (layouts, tool_of(setup, section.tool)) else { return 0.0 };
+            row_places(layouts, &setup.plunge, tool)
+        };
+        let thoroughness = Thoroughness::of_sections(sections.iter().zip(&layouts).map(places));
         Self {
             workpiece,
             setup,
@@ -49,6 +59,7 @@ impl<'a> PlanContext<'a> {
             opening: Columns::default(),
             locked: Vec::new(),
             ends_where_starved: false,
+            thoroughness,
             layouts,
         }
     }
@@ -64,6 +75,11 @@ impl<'a> PlanContext<'a> {
     /// When the setup lacks it.
     pub fn tool_of_section(&self, index: usize) -> Result<&'a Tool, SetupFault> {
         tool_of(self.setup, self.section(index).tool)
+    }
+
+    /// How thoroughly `minimal` searches section `index`.
+    pub fn thoroughness(&self, index: usize) -> Thoroughness {
+        self.thoroughness[index]
     }
 
     /// The locked plunges of section `index`.

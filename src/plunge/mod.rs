@@ -75,6 +75,7 @@ pub mod spacing;
 mod staircase;
 mod subset;
 pub mod survey;
+mod thoroughness;
 mod warm_start;
 mod whole_plan;
 

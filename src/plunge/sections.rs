@@ -7,10 +7,11 @@ use super::choice::fit::{Rules, cylinders};
 use super::choice::preselection::preselect;
 use super::choice::search::MIN_SECTION_S;
 use super::choice::times::MoveTimes;
-use super::choice::{choose, choose_opening, choose_rest};
+use super::choice::{ChosenSection, choose, choose_opening, choose_rest};
 use super::position_limit::{MAX_POSITIONS, too_many_positions};
 use super::spacing::{step_limit, stepover};
 use super::survey::Survey;
+use super::thoroughness::MANY_PLACES;
 use crate::error::ErrorCode;
 use crate::machine::MachineTool;
 use crate::part::{Impeller, Workpiece};
@@ -61,9 +62,11 @@ pub fn resolve(
         let tools = preselect(&resolved.tools, &survey, &rules, &setup.plunge);
         survey.try_cylinders(workpiece, &setup.allowances, &cylinders(&tools));
         survey.try_assemblies(workpiece, setup, &tools);
-        let limit = (!given).then(|| largest_diameter(setup, part, &survey));
         let times = MoveTimes::on(machine);
-        let mut chosen = choose(&tools, limit, &survey, setup, times);
+        let mut chosen = match given {
+            true => choose(&tools, None, &survey, setup, times),
+            false => choose_from_library(&tools, setup, part, &survey, times),
+        };
         if setup.plunge.rest {
             let sections: Vec<SectionSetup> = chosen.iter().map(|chosen| chosen.section.clone()).collect();
             chosen.extend(choose_rest(&sections, &tools, &survey, &setup.allowances));
@@ -123,15 +126,44 @@ fn used_tools(setup: &Setup) -> Vec<Tool> {
     used
 }
 
-/// Largest diameter to choose from a library, mm: about three rows fit side by side at the outlet, and the
-/// cutter neither bridges the curvature of the hub nor is much wider than the depth of the outlet. The
-/// estimate of time alone would prefer the largest that fits, which leaves the most stock on the floor.
-fn largest_diameter(setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
+/// The sections with tools of a library of all sizes. The estimate of time alone would prefer the largest
+/// cutter that fits, which leaves the most stock on the floor: one that has room for about three rows at the
+/// outlet is taken, or for two where the rows of that one would have very many places.
+fn choose_from_library(
+    tools: &[Tool],
+    setup: &Setup,
+    part: &Impeller,
+    survey: &Survey,
+    times: MoveTimes,
+) -> Vec<ChosenSection> {
+    let by_share = |share| {
+        let limit = largest_diameter(share, setup, part, survey);
+        let chosen = choose(tools, Some(limit), survey, setup, times);
+        (chosen.iter().map(|chosen| chosen.places).sum::<f64>(), chosen)
+    };
+    let (places, chosen) = by_share(SHARE_OF_THREE_ROWS);
+
+    if places <= MANY_PLACES {
+        return chosen;
+    }
+    let (places_of_two, chosen_of_two) = by_share(SHARE_OF_TWO_ROWS);
+    if places_of_two < WORTH_TWO_ROWS * places { chosen_of_two } else { chosen }
+}
+
+/// Diameter of a cutter that has room for three rows or for two, as a share of the free width.
+const SHARE_OF_THREE_ROWS: f64 = 0.65;
+const SHARE_OF_TWO_ROWS: f64 = 0.85;
+/// Share of the places up to which the larger cutter is worth the stock that it leaves.
+const WORTH_TWO_ROWS: f64 = 0.7;
+
+/// Largest diameter to choose from a library, mm: at most this `share` of the free width at the outlet, so
+/// that the cutter neither bridges the curvature of the hub nor is much wider than the depth of the outlet.
+fn largest_diameter(share: f64, setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
     let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
     let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);
     let free_width = width - 2.0 * setup.allowances.blade_allowance;
     let depth = part.hub.point(1.0).distance(part.shroud.point(1.0));
-    (0.65 * free_width).min(0.12 * part.rim_radius()).min(2.0 * depth)
+    (share * free_width).min(0.12 * part.rim_radius()).min(2.0 * depth)
 }
 
 /// Checks that the setup is for this part.

@@ -125,6 +125,24 @@ fn sections_of_the_setup_stay_and_have_no_reason() {
 }
 
 #[test]
+fn very_many_places_ask_for_a_larger_cutter() {
+    let text = std::fs::read_to_string(sample_path("pump6")).expect("readable");
+    // The largest cutter as a share of the width between the allowances at the outlet.
+    let share = |blades: u32| {
+        let part = part_of(&text.replace("blades = 6", &format!("blades = {blades}")));
+        let Resolved { setup, .. } = chosen(&part, &Setup::default());
+        let channel = Channel::from_part(&part);
+        let passage = PassageWidth::new(&part, &channel.full);
+        let widths = (35..=50).map(|i| passage.min_width(f64::from(i) / 50.0));
+        let free = widths.fold(f64::INFINITY, f64::min) - 2.0 * setup.allowances.blade_allowance;
+        setup.tools.iter().map(|tool| tool.diameter).fold(0.0, f64::max) / free
+    };
+    let [few, many] = [12, 29].map(share);
+    assert!(few <= 0.66, "room for three rows: {few}");
+    assert!(0.66 < many && many <= 0.86, "room for two rows, not three of D 2: {many}");
+}
+
+#[test]
 fn a_library_of_wide_cutters_only_is_refused_in_one_line() {
     let part = sample("pump6");
     let workpiece = Setup::default().allowances.workpiece_of(part);

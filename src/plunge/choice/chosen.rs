@@ -9,4 +9,6 @@ pub struct ChosenSection {
     pub section: SectionSetup,
     /// The reason, one line.
     pub reason: String,
+    /// Estimated number of places in its rows; 0 without rows.
+    pub places: f64,
 }

@@ -73,10 +73,22 @@ struct RowEstimate {
 }
 
 impl RowEstimate {
-    /// Time of all rows, s, for the steps of wall rows and inner rows, mm.
-    fn seconds(&self, [wall, inner]: [f64; 2]) -> f64 {
+    /// Number of places of all rows per mm that the axes advance, for the steps of wall rows and inner rows,
+    /// mm.
+    fn places_per_mm(&self, [wall, inner]: [f64; 2]) -> f64 {
         let inner_rows = rows(self.gaps) - 2.0;
-        self.advance * self.plunging * (2.0 / wall + inner_rows / inner)
+        2.0 / wall + inner_rows / inner
+    }
+
+    /// Time of all rows, s, for the steps of wall rows and inner rows, mm.
+    fn seconds(&self, steps: [f64; 2]) -> f64 {
+        self.advance * self.plunging * self.places_per_mm(steps)
+    }
+
+    /// Counts in the extent `across` of its passage, between whose walls `gaps` rows have room.
+    fn add_extent(&mut self, across: &PassageExtent, gaps: f64) {
+        self.gaps = self.gaps.max(gaps);
+        self.advance = self.advance.max(across.advance);
     }
 }
 
@@ -101,15 +113,42 @@ impl<'a> Estimator<'a> {
         estimator
     }
 
+    /// One lane for each passage, without places.
+    fn no_lanes(&self) -> Vec<RowEstimate> {
+        let passages = self.survey.stations.iter().flat_map(|station| &station.passages);
+        vec![RowEstimate::default(); passages.map(|across| across.passage + 1).max().unwrap_or(0)]
+    }
+
+    /// Number of places in the rows of `tool` from station `from` inwards to station `to`.
+    pub fn places(&self, tool: &Tool, from: usize, to: usize) -> f64 {
+        let stations = &self.survey.stations;
+        let mut lanes = self.no_lanes();
+        let mut lengths = vec![0.0; lanes.len()];
+        for (inner, outer) in stations[to..=from].iter().zip(&stations[to + 1..=from]) {
+            for across in &outer.passages {
+                lengths[across.passage] += outer.s - inner.s;
+            }
+        }
+        for across in stations[to..=from].iter().flat_map(|station| &station.passages) {
+            lanes[across.passage].add_extent(across, self.gaps(tool, across));
+        }
+        let steps = self.steps(tool);
+        let places = |(lane, length): (&RowEstimate, f64)| length * lane.advance * lane.places_per_mm(steps);
+        lanes.iter().zip(lengths).map(places).sum()
+    }
+
+    /// Steps of wall rows and of inner rows of `tool`, mm.
+    fn steps(&self, tool: &Tool) -> [f64; 2] {
+        [true, false].map(|wall_row| step_limit(self.plunge, tool, wall_row))
+    }
+
     /// Costs of cutting with `tool` from station `from` inwards to each of the stations below it, nearest
     /// first. Entry and tool change are not included, see [`Self::beginning`].
     pub fn inwards<'s>(&'s self, tool: &'s Tool, from: usize) -> impl Iterator<Item = Cost> + use<'s, 'a> {
         let plunges = &self.plunges[&tool.number];
         let stations = &self.survey.stations;
-        let passages = stations.iter().flat_map(|station| &station.passages);
-        let count = passages.map(|across| across.passage + 1).max().unwrap_or(0);
-        let mut lanes = vec![RowEstimate::default(); count];
-        let steps = [true, false].map(|wall_row| step_limit(self.plunge, tool, wall_row));
+        let mut lanes = self.no_lanes();
+        let steps = self.steps(tool);
         let mut broken = self.broken_rules(tool, from);
         (0..from).rev().map(move |to| {
             let (outer, inner) = (&stations[to + 1], &stations[to]);
@@ -119,9 +158,7 @@ impl<'a> Estimator<'a> {
                 lane.plunging += (outer.s - inner.s) * seconds;
             }
             for across in outer.passages.iter().chain(&inner.passages) {
-                let lane = &mut lanes[across.passage];
-                lane.gaps = lane.gaps.max(self.gaps(tool, across));
-                lane.advance = lane.advance.max(across.advance);
+                lanes[across.passage].add_extent(across, self.gaps(tool, across));
             }
             broken.and(Cost::seconds(lanes.iter().map(|lane| lane.seconds(steps)).sum()))
         })

@@ -57,6 +57,7 @@ pub fn choose(
             kind: SectionKind::Rows,
         },
         reason: reasons.tell_section(index),
+        places: estimator.places(candidates[stretch.tool], stretch.from, stretch.to),
     });
     sections.collect()
 }

@@ -1,6 +1,7 @@
 use super::estimate::Cost;
 use super::search::{MAX_TOOLS, ToolStretch, is_section, worthwhile};
 use super::*;
+use crate::plunge::spacing::step_limit;
 use crate::plunge::survey::{PassageExtent, SurveyStation};
 
 fn tool(number: u32, diameter: f64) -> Tool {
@@ -178,6 +179,22 @@ fn the_shortest_cutter_that_is_long_enough_is_taken() {
     let chosen = choose(&cutters[2..], None, &opening(20.0, 30.0), &setup, MoveTimes::default());
     assert_eq!(tools_of(&chosen), [40], "a short one is better than none");
     assert!(chosen[0].reason.contains("overhang of 40 mm is less than"), "and says so: {}", chosen[0].reason);
+}
+
+#[test]
+fn places_are_those_of_rows_a_stepover_apart() {
+    let (setup, survey) = (Setup::default(), opening(40.0, 40.0));
+    let tools = [tool(1, 12.0)];
+    let chosen = choose(&tools, None, &survey, &setup, MoveTimes::default());
+    let rules = Rules::new(&setup.allowances);
+    let gaps = (rules.free_width(40.0) - 12.0) / 8.0;
+    let shroud_gaps = (rules.free_width(44.0) - 12.0) / 11.4;
+    let [wall, inner] = [true, false].map(|wall_row| step_limit(&setup.plunge, &tools[0], wall_row));
+    // Half a gap more is what rounding up adds on average.
+    let inner_rows = f64::max(gaps, shroud_gaps) + 0.5 - 1.0;
+    let expected = 200.0 * (2.0 / wall + inner_rows / inner);
+    let places: f64 = chosen.iter().map(|chosen| chosen.places).sum();
+    assert!((places - expected).abs() < 1e-9 * expected, "{places}, not {expected}");
 }
 
 #[test]

@@ -64,6 +64,8 @@ pub struct PathSearch<'a> {
     /// removes nothing, but the search does not know the positions that the row gets between its stages,
     /// which may remove the same stock; so the first search assumes that it does.
     pub is_strict: bool,
+    /// Whether a finer grid of lead angles is tried where plunges have to stop short.
+    pub refines: bool,
 }
 
 /// What all candidates of a stage share.
@@ -136,7 +138,8 @@ impl PathSearch<'_> {
         let radius = self.candidates.maker.tool.radius();
         let Some(mut best) = self.path_on_grid(s, start, earlier, stages, limit)? else { return Ok(None) };
         let mut finer = PathSearch { candidates: self.candidates.clone(), ..*self };
-        while finer.candidates.fineness < MAX_FINENESS
+        while self.refines
+            && finer.candidates.fineness < MAX_FINENESS
             && best.highest_lift() > COARSE_LIFT_RADII * radius
             && finer.candidates.is_coarse(s)
             && (finer.candidates.fineness > self.candidates.fineness || stages.tries_finer())

@@ -93,6 +93,7 @@ pub(super) fn with_row_search<T>(
         blank: &context.workpiece.blank,
         max_axis_change_rad: context.setup.plunge.max_axis_change_rad,
         is_strict: false,
+        refines: context.thoroughness(index).is_full(),
     };
     let run_up = RUN_UP_DIAMETERS * tool.diameter / context.workpiece.part.hub.length() * inward;
     let s = stage_positions(&maker, start + run_up, start, end);

@@ -23,6 +23,9 @@ const CROSSING_RADII: f64 = 0.2;
 /// angles of the grid mirror each other, floor and walls are the same.
 const MIN_COST_SHARE: f64 = 0.9;
 
+/// Cost from which on the other direction is tried after rows of many places, in acceptable costs.
+const MAX_COST_OF_MANY: f64 = 2.0;
+
 /// A section planned in one cutting direction.
 struct DirectedPlan {
     cut: SectionCut,
@@ -79,9 +82,12 @@ pub(in crate::plunge) fn plan_section(
         plan_in_direction(context, index, earlier, feed, limit, monitor)
     };
     let asked = context.section(index).cut_direction;
+    let accepted = if context.thoroughness(index).is_full() { 1.0 } else { MAX_COST_OF_MANY };
     let first = plan_in(asked.unwrap_or(CutDirection::OutletToInlet), &DirectionLimit::NONE)?;
     let other = match &first {
-        Some(first) if asked.is_none() && first.cost > first.acceptable_cost && !monitor.is_stopped() => {
+        Some(first)
+            if asked.is_none() && first.cost > accepted * first.acceptable_cost && !monitor.is_stopped() =>
+        {
             let limit = DirectionLimit {
                 cost: first.cost,
                 min_costs: &first.min_costs,
@@ -135,6 +141,7 @@ fn plan_rows(
     let tool = context.tool_of_section(index)?;
     let all_rows: usize = layouts.iter().map(|layout| layout.rows.len()).sum();
     let mut stages = RowStages::default();
+    let is_thorough = context.thoroughness(index).is_full();
     // Found paths are cut even after a stop.
     let closing = &monitor.ignoring_stop();
     let mut waiting = context.locked(index);
@@ -160,7 +167,7 @@ fn plan_rows(
                 *acceptable_cost += path.acceptable_cost;
                 min_costs.push(path.min_cost);
                 let best = cut_path(context, path, search, lambda, &cut.columns, closing)?;
-                if !best.has_lost {
+                if !best.has_lost || !is_thorough {
                     return Ok(best);
                 }
                 let search = PathSearch { is_strict: true, candidates: search.candidates.clone(), ..*search };

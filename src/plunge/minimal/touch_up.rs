@@ -25,7 +25,7 @@ use crate::setup::tool_of;
 struct ExtraSettings {
     /// Minimum gain in each round, in multiples of the search's minimum: plunges with a large gain come
     /// first, as they free others of contact.
-    rounds: [f64; 3],
+    rounds: &'static [f64],
     /// Spacing of the tried plunges along the channel, in step limits.
     step_share: f64,
     /// Maximum number of parts into which the gap between two rows is divided.
@@ -33,10 +33,14 @@ struct ExtraSettings {
 }
 
 /// For additions to the rows of a section.
-const BESIDE_ROWS: ExtraSettings = ExtraSettings { rounds: [4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
+const BESIDE_ROWS: ExtraSettings = ExtraSettings { rounds: &[4.0, 2.0, 1.0], step_share: 0.5, parts: 4 };
+/// As [`BESIDE_ROWS`], for rows of many places.
+const BESIDE_MANY: ExtraSettings = ExtraSettings { rounds: &[4.0, 2.0], step_share: 0.75, parts: 2 };
 /// For rest milling. The previous cutter is about twice as large, so its minimum gain is about eight times as
 /// large. A plunge of the smaller cutter takes as much time, so it has to gain several times that.
-const REST_MILLING: ExtraSettings = ExtraSettings { rounds: [52.0, 26.0, 13.0], step_share: 0.7, parts: 3 };
+const REST_MILLING: ExtraSettings = ExtraSettings { rounds: &[52.0, 26.0, 13.0], step_share: 0.7, parts: 3 };
+/// As [`REST_MILLING`], after rows of many places.
+const REST_AFTER_MANY: ExtraSettings = ExtraSettings { rounds: &[52.0, 26.0], step_share: 1.05, parts: 2 };
 /// Maximum number of added plunges per plunge of the rows.
 const MAX_ADDED_SHARE: usize = 2;
 /// Number of positions from which on a plan gets no added plunges: the rest of the limit is reserved for
@@ -74,7 +78,8 @@ pub(super) fn add_extras(
     let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(cut.columns.len());
     let rest_from = rest_threshold_after(context.setup, index)?;
     let most = MAX_ADDED_SHARE * planned;
-    let wanted = ExtraLimits { max_count: most, left_in_plan, manner: BESIDE_ROWS, above: None, rest_from };
+    let manner = if context.thoroughness(index).is_full() { BESIDE_ROWS } else { BESIDE_MANY };
+    let wanted = ExtraLimits { max_count: most, left_in_plan, manner, above: None, rest_from };
     add_plunges(context, index, context.layouts(index)?, cut, wanted, monitor)
 }
 
@@ -95,8 +100,8 @@ pub(in crate::plunge) fn rest_section(
     let left_in_plan = MAX_POSITIONS_WITH_EXTRAS.saturating_sub(columns.len());
     let mut cut = SectionCut::empty(section.direction(), columns);
     cut_waiting(context, index, context.locked(index), &mut cut, &monitor.ignoring_stop())?;
-    let wanted =
-        ExtraLimits { max_count: left_in_plan, left_in_plan, manner: REST_MILLING, above, rest_from: None };
+    let manner = if context.thoroughness(index).is_full() { REST_MILLING } else { REST_AFTER_MANY };
+    let wanted = ExtraLimits { max_count: left_in_plan, left_in_plan, manner, above, rest_from: None };
     add_plunges(context, index, &layouts, &mut cut, wanted, monitor)?;
     Ok(cut)
 }
