@@ -1,8 +1,12 @@
 //! Nearest distances to a blade side: from a cutter, from a point, from a piece of shank or holder.
 
+mod blocks;
+mod grid;
 mod query;
 mod seeds;
 
+use blocks::{BLOCK, Blocks, MAX_BLOCKS};
+use grid::{CellSearch, FoundPoint, SideGrid, Tangent};
 use query::{CutterQuery, DistanceQuery, FrustumQuery, PointQuery, endless_cylinder_around};
 use seeds::{LineMinimum, MAX_LINES, MAX_V_LINES, Seed, Seeds};
 
@@ -12,40 +16,9 @@ use crate::geometry::{CutterSolid, Frustum, Point, Vector, search};
 /// A blade side with a coarse grid of its points, precomputed for many distance queries.
 #[derive(Clone, Debug)]
 pub struct SideProbe {
-    side: BladeSide,
-    u: Vec<f64>,
-    v: Vec<f64>,
-    /// Points of the grid, line by line of v.
-    points: Vec<Point>,
-    /// Per point, an upper bound on the distance from it to the part of the side for which it is the nearest,
-    /// mm.
-    reaches: Vec<f64>,
-    /// Runs of neighbouring points of each line, line by line: [`Self::blocks_per_line`] per line.
-    blocks: Vec<GridBlock>,
-    blocks_per_line: usize,
-    /// Balls about the blocks with the same number on all lines: centre, and radius up to the part of the
-    /// side that they represent, mm.
-    strips: Vec<(Point, f64)>,
+    grid: SideGrid,
+    blocks: Blocks,
 }
-
-/// A run of points of one line of the grid in a bounding ball. A distance changes by at most the distance
-/// between two points, so that of the centre decides whether the others matter.
-#[derive(Clone, Copy, Debug)]
-struct GridBlock {
-    /// Index of the first point in the line, and one past the last.
-    first: usize,
-    last: usize,
-    /// Index of the point in the middle.
-    centre: usize,
-    /// Furthest point of the run from the centre, mm.
-    radius: f64,
-    /// As `radius`, with the parts of the side that the points represent.
-    reach: f64,
-}
-
-/// Points of a block, and largest number of blocks of a line: 41 points, and 4 more at each rounded end.
-const BLOCK: usize = 6;
-const MAX_BLOCKS: usize = 49usize.div_ceil(BLOCK);
 
 /// Nearest point of a side.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +39,6 @@ impl From<LineMinimum> for NearestOnSide {
     }
 }
 
-const RULED_V_LINES: usize = 5;
 /// Argument tolerance of the searches in u. The distance is stationary there, so its error is far below 1 µm
 /// on any machinable size.
 const U_TOLERANCE: f64 = 2e-5;
@@ -76,73 +48,29 @@ const U_STEP: f64 = 5e-5;
 /// than itself: a tolerance that is harmless elsewhere would cost 10 µm there.
 const V_TOLERANCE: f64 = 4e-6;
 
+/// How much nearer than the point found by local searches another one may be, mm: outside the cutter, and
+/// where it cuts the side, as the depth of a cut needs to be accurate to that only.
+const NEARER: f64 = 1e-3;
+const NEARER_INSIDE: f64 = 0.01;
+/// Around a point that branch and bound found, the nearest one is searched this far, in cells.
+const REFINED_SHARE: f64 = 0.25;
+
 /// The whole range of v.
 const FULL_V_RANGE: (f64, f64) = (0.0, 1.0);
 /// Value of `enough` that never ends a search early.
 const NO_EARLY_EXIT: f64 = f64::NEG_INFINITY;
 
-/// Upper bound on the distance of a point of a cell from its nearest corner, as a share of the longest
-/// distance between two corners: 1/√3 for a flat cell, and a margin for curvature.
-const CELL_REACH: f64 = 0.75;
-
 impl SideProbe {
     /// Grid over u in [`from`, `to`] (beyond 0…1 the side is extended linearly) and the whole range of v.
     pub fn new(side: &BladeSide, from: f64, to: f64) -> Self {
-        let count = 40;
-        let mut u: Vec<f64> =
-            (0..=count).map(|i| from + (to - from) * f64::from(i) / f64::from(count)).collect();
-        // Noses are small: the grid is finer there.
-        if from == 0.0 {
-            u.extend([0.003, 0.007, 0.012, 0.018]);
-            u.sort_by(f64::total_cmp);
-        }
-        if to == 1.0 && side.has_round_tail() {
-            u.extend([0.982, 0.988, 0.993, 0.997]);
-            u.sort_by(f64::total_cmp);
-        }
-        let lines = if side.is_ruled() { RULED_V_LINES } else { MAX_V_LINES };
-        let v: Vec<f64> = (0..lines).map(|j| j as f64 / (lines - 1) as f64).collect();
-        let points: Vec<Point> = v.iter().flat_map(|&v| u.iter().map(move |&u| side.point(u, v))).collect();
-        let n = u.len();
-        let mut reaches = vec![0.0f64; points.len()];
-        for j in 0..lines - 1 {
-            for i in 0..n - 1 {
-                let corners = [j * n + i, j * n + i + 1, (j + 1) * n + i, (j + 1) * n + i + 1];
-                let [a, b, c, d] = corners.map(|k| points[k]);
-                let longest =
-                    [d - a, c - b, b - a, d - c, c - a, d - b].iter().map(Vector::norm).fold(0.0, f64::max);
-                for k in corners {
-                    reaches[k] = reaches[k].max(CELL_REACH * longest);
-                }
-            }
-        }
-        let blocks_per_line = n.div_ceil(BLOCK);
-        let block = |j: usize, b: usize| {
-            let (first, last) = (b * BLOCK, ((b + 1) * BLOCK).min(n));
-            let centre = (first + last) / 2;
-            let off = |i: usize| (points[j * n + i] - points[j * n + centre]).norm();
-            let radius = (first..last).map(off).fold(0.0, f64::max);
-            let reach = (first..last).map(|i| off(i) + reaches[j * n + i]).fold(0.0, f64::max);
-            GridBlock { first, last, centre, radius, reach }
-        };
-        let blocks = (0..lines)
-            .flat_map(|j| (0..blocks_per_line).map(move |b| (j, b)))
-            .map(|(j, b)| block(j, b))
-            .collect();
-        let strip = |b: usize| {
-            let (first, last) = (b * BLOCK, ((b + 1) * BLOCK).min(n));
-            let own = || (0..lines).flat_map(|j| (first..last).map(move |i| j * n + i));
-            let sum: Vector = own().map(|k| points[k].coords).sum();
-            let centre = Point::from(sum / (lines * (last - first)) as f64);
-            (centre, own().map(|k| (points[k] - centre).norm() + reaches[k]).fold(0.0, f64::max))
-        };
-        let strips = (0..blocks_per_line).map(strip).collect();
-        Self { side: side.clone(), u, v, points, reaches, blocks, blocks_per_line, strips }
+        let grid = SideGrid::new(side, from, to);
+        let blocks = Blocks::new(&grid);
+        Self { grid, blocks }
     }
 
     /// The blade side.
     pub fn side(&self) -> &BladeSide {
-        &self.side
+        &self.grid.side
     }
 
     /// Nearest point of the side to `cutter` over v in [`v_from`, `v_to`].
@@ -168,7 +96,7 @@ impl SideProbe {
     /// that end with [`Self::nearest`].
     pub fn nearest_from(&self, cutter: &CutterSolid, u: f64, v_from: f64, v_to: f64) -> NearestOnSide {
         let query = CutterQuery { cutter };
-        let reach = 1.5 * (self.u[self.u.len() - 1] - self.u[0]) / self.u.len() as f64;
+        let reach = 1.5 * (self.grid.u[self.grid.u.len() - 1] - self.grid.u[0]) / self.grid.u.len() as f64;
         let mut guess = u;
         let lines = [v_from, 0.5 * (v_from + v_to), v_to].map(|v| {
             let line = self.on_line(&query, v, guess, guess - 2.0 * reach, guess + 2.0 * reach);
@@ -224,7 +152,7 @@ impl SideProbe {
     /// widest radius and `distance` mm.
     fn is_far_from(&self, frustum: &Frustum, distance: f64) -> bool {
         let widest = frustum.radii[0].max(frustum.radii[1]) + distance;
-        self.strips.iter().all(|(centre, radius)| {
+        self.blocks.strips.iter().all(|(centre, radius)| {
             let d = centre - frustum.base;
             let along = d.dot(&frustum.axis).clamp(0.0, frustum.length);
             let reach = widest + radius;
@@ -234,22 +162,22 @@ impl SideProbe {
 
     /// A ball around the side: centre and radius, mm.
     pub fn bounding_ball(&self) -> (Point, f64) {
-        let sum = self.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
-        let centre = Point::from(sum / self.points.len() as f64);
-        let grid = self.points.iter().zip(&self.reaches);
+        let sum = self.grid.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
+        let centre = Point::from(sum / self.grid.points.len() as f64);
+        let grid = self.grid.points.iter().zip(&self.blocks.reaches);
         (centre, grid.map(|(p, reach)| (p - centre).norm() + reach).fold(0.0, f64::max))
     }
 
     fn infinitely_far(&self) -> NearestOnSide {
-        NearestOnSide { distance: f64::INFINITY, u: 0.0, v: 0.0, point: self.points[0] }
+        NearestOnSide { distance: f64::INFINITY, u: 0.0, v: 0.0, point: self.grid.points[0] }
     }
 
     /// Nearest point on the line `v`: Newton's method along u from `guess`, Brent's method where that fails.
     fn on_line(&self, query: &impl DistanceQuery, v: f64, guess: f64, low: f64, high: f64) -> LineMinimum {
-        let (low, high) = (low.max(self.u[0]), high.min(self.u[self.u.len() - 1]));
-        let mut curve = self.side.line(v);
+        let (low, high) = (low.max(self.grid.u[0]), high.min(self.grid.u[self.grid.u.len() - 1]));
+        let mut curve = self.grid.side.line(v);
         let line = |u: f64| {
-            let (point, pv) = self.side.point_and_rise(u, v);
+            let (point, pv) = self.grid.side.point_and_rise(u, v);
             let (distance, gradient) = query.gradient(&point);
             LineMinimum { v, u, point, distance, slope: gradient.dot(&pv), height: query.height(&point) }
         };
@@ -289,7 +217,7 @@ impl SideProbe {
     ) -> Option<NearestOnSide> {
         let mut strips = [0.0; MAX_BLOCKS];
         let mut nearest = f64::INFINITY;
-        for (bound, (centre, radius)) in strips.iter_mut().zip(&self.strips) {
+        for (bound, (centre, radius)) in strips.iter_mut().zip(&self.blocks.strips) {
             *bound = query.distance(centre) - radius;
             nearest = nearest.min(*bound);
         }
@@ -298,8 +226,8 @@ impl SideProbe {
         }
         let seeds = self.seeds(query, &strips, (v_from, v_to), enough);
         if let Some(seed) = seeds.lines[..seeds.count].last().filter(|seed| seed.distance < enough) {
-            let (u, v) = (self.u[seed.index], self.v[seed.line]);
-            let point = self.points[seed.line * self.u.len() + seed.index];
+            let (u, v) = (self.grid.u[seed.index], self.grid.v[seed.line]);
+            let point = self.grid.points[seed.line * self.grid.u.len() + seed.index];
             return Some(NearestOnSide { distance: seed.distance, u, v, point });
         }
         if seeds.lower_bound > cutoff {
@@ -316,7 +244,71 @@ impl SideProbe {
             *line = found;
             drift = drift.max(shift);
         }
-        Some(self.nearest_between(query, &lines[..near.len()], drift))
+        let near = self.nearest_between(query, &lines[..near.len()], drift);
+        let known = || seeds.near(cutoff).iter().zip(&lines);
+        Some(self.certified(query, &strips, (v_from, v_to), near, known, cutoff))
+    }
+
+    /// `near`, or a point that is nearer by more than a tolerance if there is one below `cutoff` mm. Given
+    /// lower bounds on the distances of the strips, and what local searches found on lines of v.
+    fn certified<'a, I: Iterator<Item = (&'a Seed, &'a LineMinimum)>>(
+        &self,
+        query: &impl DistanceQuery,
+        strips: &[f64; MAX_BLOCKS],
+        v_range: (f64, f64),
+        near: NearestOnSide,
+        known: impl Fn() -> I,
+        cutoff: f64,
+    ) -> NearestOnSide {
+        let tolerance = (-near.distance).clamp(NEARER, NEARER_INSIDE);
+        let tangent = Tangent::new(query, &near.point);
+        let trace = || {
+            let mut trace = [None; MAX_V_LINES];
+            for (seed, line) in known() {
+                let own = self.grid.v[seed.line];
+                // A line between those of the grid bounds a cell that is cut off there.
+                let row = if seed.v == v_range.0 && own > seed.v {
+                    seed.line.saturating_sub(1)
+                } else if seed.v == v_range.1 && own < seed.v {
+                    (seed.line + 1).min(self.grid.v.len() - 1)
+                } else {
+                    seed.line
+                };
+                trace[row] = Some((self.grid.cell_of(line.u, seed.index), line.point));
+            }
+            trace
+        };
+        let at_least = cutoff.min(near.distance);
+        let radius = query.radius(tangent.gradient()) + near.distance;
+        let mut search = CellSearch::new((query, v_range), (at_least, tolerance), (tangent, radius), trace);
+        for (b, (centre, radius)) in self.blocks.strips.iter().enumerate() {
+            if search.is_beyond(strips[b].max(tangent.at(centre) - radius)) {
+                continue;
+            }
+            let range = (b * BLOCK, ((b + 1) * BLOCK).min(self.grid.u.len() - 1));
+            self.grid.look(&mut search, range);
+        }
+        search.found.map_or(near, |found| self.refined(query, &found, v_range))
+    }
+
+    /// The nearest point around one that was found.
+    fn refined(&self, query: &impl DistanceQuery, found: &FoundPoint, v_range: (f64, f64)) -> NearestOnSide {
+        let &FoundPoint { distance, u, v, point } = found;
+        let mut best = NearestOnSide { distance, u, v, point };
+        let reach =
+            REFINED_SHARE / self.grid.u.len() as f64 * (self.grid.u[self.grid.u.len() - 1] - self.grid.u[0]);
+        let height = REFINED_SHARE / self.grid.v.len() as f64;
+        let mut at = u;
+        let follow = |v: f64| {
+            let line = self.on_line(query, v, at, u - reach, u + reach);
+            at = line.u;
+            if line.distance < best.distance {
+                best = line.into();
+            }
+            line.distance
+        };
+        search::minimum(follow, (v - height).max(v_range.0), (v + height).min(v_range.1), V_TOLERANCE);
+        best
     }
 
     /// Start values on the lines of the grid between `v_from` and `v_to`, and on these two, given a lower
@@ -329,9 +321,10 @@ impl SideProbe {
         enough: f64,
     ) -> Seeds {
         let mut seeds = Seeds::default();
-        let spacing = 1.0 / (self.v.len() - 1) as f64;
-        let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.v.len() - 1);
+        let spacing = 1.0 / (self.grid.v.len() - 1) as f64;
+        let stand_in = |v: f64| ((v / spacing).round().max(0.0) as usize).min(self.grid.v.len() - 1);
         let within = self
+            .grid
             .v
             .iter()
             .enumerate()
@@ -351,17 +344,18 @@ impl SideProbe {
     /// Nearest point on the line of a seed, and the width of the range of u that was searched.
     fn line_near(&self, query: &impl DistanceQuery, seed: &Seed) -> (LineMinimum, f64) {
         // Between grid lines the seed is of the next one: the nearest point may be a cell or two away.
-        let cells = if (seed.v - self.v[seed.line]).abs() < 1e-9 { 1 } else { 3 };
-        let last = self.u.len() - 1;
-        let (low, high) = (self.u[seed.index.saturating_sub(cells)], self.u[(seed.index + cells).min(last)]);
-        (self.on_line(query, seed.v, self.u[seed.index], low, high), high - low)
+        let cells = if (seed.v - self.grid.v[seed.line]).abs() < 1e-9 { 1 } else { 3 };
+        let last = self.grid.u.len() - 1;
+        let (low, high) =
+            (self.grid.u[seed.index.saturating_sub(cells)], self.grid.u[(seed.index + cells).min(last)]);
+        (self.on_line(query, seed.v, self.grid.u[seed.index], low, high), high - low)
     }
 
     /// The nearest grid point of line `j`, given a lower bound on the distance of each strip.
     fn seed(&self, query: &impl DistanceQuery, strips: &[f64; MAX_BLOCKS], j: usize) -> Seed {
-        let line = &self.points[j * self.u.len()..(j + 1) * self.u.len()];
-        let reaches = &self.reaches[j * self.u.len()..(j + 1) * self.u.len()];
-        let blocks = &self.blocks[j * self.blocks_per_line..(j + 1) * self.blocks_per_line];
+        let line = &self.grid.points[j * self.grid.u.len()..(j + 1) * self.grid.u.len()];
+        let reaches = &self.blocks.reaches[j * self.grid.u.len()..(j + 1) * self.grid.u.len()];
+        let blocks = self.blocks.of_line(j);
         let mut best = (f64::INFINITY, 0);
         let mut bound = f64::INFINITY;
         let mut look = |b: usize| {
@@ -388,7 +382,7 @@ impl SideProbe {
         let nearest = (0..blocks.len()).min_by(|&a, &b| strips[a].total_cmp(&strips[b])).unwrap_or(0);
         look(nearest);
         (0..blocks.len()).filter(|&b| b != nearest).for_each(&mut look);
-        Seed { v: self.v[j], line: j, index: best.1, distance: best.0, bound }
+        Seed { v: self.grid.v[j], line: j, index: best.1, distance: best.0, bound }
     }
 
     /// Nearest point, given the nearest ones on neighbouring `lines`. Between two lines u is searched up to

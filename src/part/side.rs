@@ -117,6 +117,49 @@ impl BladeSide {
         }
     }
 
+    /// Bounds on its second derivatives over u from `from` to `to`, which may lie beyond its ends.
+    pub(super) fn bends(&self, from: f64, to: f64) -> SideBends {
+        let (start, end) = self.u_range();
+        let mut knots = self.u_knots().to_vec();
+        if from < start {
+            knots.insert(0, from);
+        }
+        if to > end {
+            knots.push(to);
+        }
+        let split = |a: &[f64; 6]| [Vector::new(a[0], a[1], a[2]), Vector::new(a[3], a[4], a[5])];
+        let of_span = |span: usize| {
+            let height = self.stations[span + 1] - self.stations[span];
+            let nodes = knots.iter().map(|&u| {
+                let ends = |curve: &Cubic<6>| {
+                    let (c, cu, cuu) = curve.derivatives(u);
+                    [split(&c), split(&cu), split(&cuu)]
+                };
+                let slopes = self.slopes.get(span).map(ends);
+                BendNode::new(&ends(&self.spans[span]), slopes.as_ref(), height)
+            });
+            let nodes: Vec<BendNode> = nodes.collect();
+            let patch = |k: usize| {
+                let (a, b) = (&nodes[k], &nodes[k + 1]);
+                let is_beyond = knots[k + 1] <= start || knots[k] >= end;
+                let along = std::array::from_fn(|i| if i < 4 { a.along[i] } else { b.along[i - 4] });
+                let third = (knots[k + 1] - knots[k]) / 3.0;
+                let cubic = |i: usize| {
+                    let inner = [a.across[i] + a.turns[i] * third, b.across[i] - b.turns[i] * third];
+                    [a.across[i], inner[0], inner[1], b.across[i]]
+                };
+                let across = [cubic(0), cubic(1)];
+                PatchBends {
+                    along: if is_beyond { [Vector::zeros(); 8] } else { along },
+                    across: std::array::from_fn(|i| across[i / 4][i % 4]),
+                }
+            };
+            (0..knots.len() - 1).map(patch).collect()
+        };
+        let patches = (0..self.spans.len()).map(of_span).collect();
+        SideBends { stations: self.stations.clone(), patches, knots }
+    }
+
     /// The side rotated by `angle` rad about Z.
     pub fn rotated(&self, angle: f64) -> Self {
         let u = self.u_knots().to_vec();
@@ -169,6 +212,62 @@ impl BladeSide {
             curves.collect()
         };
         Self { stations: self.stations.clone(), spans: cut(&self.spans), slopes: cut(&self.slopes) }
+    }
+}
+
+/// Second derivatives of a side, patch by patch between its knots and stations.
+#[derive(Debug)]
+pub(super) struct SideBends {
+    knots: Vec<f64>,
+    stations: Vec<f64>,
+    /// Per span between stations, those between knots.
+    patches: Vec<Vec<PatchBends>>,
+}
+
+/// Vectors whose hull holds the second derivatives of a patch by u, and by v. That by u is linear in u and
+/// cubic in v, that by v cubic in u and linear in v: these are their Bézier points.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PatchBends {
+    pub along: [Vector; 8],
+    pub across: [Vector; 8],
+}
+
+impl SideBends {
+    /// The patches that a rectangle of u and v meets.
+    pub fn of_cell(&self, u: [f64; 2], v: [f64; 2]) -> impl Iterator<Item = &PatchBends> {
+        let met = |breaks: &[f64], [from, to]: [f64; 2]| {
+            let first = breaks.partition_point(|&x| x <= from).clamp(1, breaks.len() - 1) - 1;
+            first..breaks.partition_point(|&x| x < to).clamp(first + 1, breaks.len() - 1)
+        };
+        let (segments, spans) = (met(&self.knots, u), met(&self.stations, v));
+        self.patches[spans].iter().flat_map(move |span| &span[segments.clone()])
+    }
+}
+
+/// Second derivatives at one u: that by u as Bézier points over v, that by v at both stations with its
+/// derivative by u.
+struct BendNode {
+    along: [Vector; 4],
+    across: [Vector; 2],
+    turns: [Vector; 2],
+}
+
+impl BendNode {
+    /// From points and, with three or more sections, their derivatives by v on both stations: values, first
+    /// and second derivatives by u.
+    fn new(points: &[[Vector; 2]; 3], slopes: Option<&[[Vector; 2]; 3]>, height: f64) -> Self {
+        let [p0, p1] = points[2];
+        let Some(slopes) = slopes else {
+            let none = [Vector::zeros(); 2];
+            return Self { along: [p0, p0, p1, p1], across: none, turns: none };
+        };
+        let [m0, m1] = slopes[2].map(|slope| slope * (height / 3.0));
+        let by_v = |order: usize| {
+            let ([p0, p1], [m0, m1]) = (points[order], slopes[order]);
+            let chord = (p1 - p0) * (6.0 / (height * height));
+            [chord - (m0 * 4.0 + m1 * 2.0) / height, (m0 * 2.0 + m1 * 4.0) / height - chord]
+        };
+        Self { along: [p0, p0 + m0, p1 - m1, p1], across: by_v(0), turns: by_v(1) }
     }
 }
 

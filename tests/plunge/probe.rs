@@ -1,7 +1,10 @@
 //! Nearest distances between cutters and blade sides, compared with a dense scan.
 
-use vanecut::geometry::CutterSolid;
-use vanecut::part::{BladeSide, Channel, SideProbe};
+use std::path::Path;
+
+use vanecut::geometry::{CutterSolid, Point, Vector};
+use vanecut::io::part_file::read_part;
+use vanecut::part::{BladeSide, Channel, Impeller, SideProbe};
 
 use super::samples::{SAMPLES, sample};
 
@@ -33,6 +36,50 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
                     found - least < tolerance,
                     "side {k}, s {s:.3}, v {from} to {to}: found {found}, a scan finds {least}"
                 );
+            }
+        }
+    }
+}
+
+/// Points and cutters close to noses, tips and hub, where sides bend most, and fold where their sections are
+/// noisy: the nearest point may be on another part of the side than the nearest point of any grid.
+#[test]
+fn nothing_is_nearer_at_noses_and_folded_tips() {
+    let wheel = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels/kj66_sections.toml");
+    let kj66 = Impeller::build(&read_part(&wheel).expect("readable")).expect("an impeller");
+    for (name, part) in [("impeller9x9", sample("impeller9x9")), ("pump6", sample("pump6")), ("kj66", kj66)] {
+        let size = 0.02 * part.rim_radius();
+        for (k, side) in Channel::from_part(&part).sides.iter().enumerate() {
+            let probe = SideProbe::new(side, 0.0, 1.0);
+            // Closer towards all borders.
+            let place =
+                |i: u32, n: u32| 0.5 - 0.5 * (std::f64::consts::PI * f64::from(i) / f64::from(n)).cos();
+            let places = (0..=400).flat_map(|a| (0..=80).map(move |b| (place(a, 400), place(b, 80))));
+            let scan: Vec<Point> = places.map(|(u, v)| side.point(u, v)).collect();
+            for i in 0..120 {
+                let [a, b, c, d, e] = [0.618_034, 0.754_878, 0.569_840, 0.819_173, 0.671_044]
+                    .map(|step: f64| (step * f64::from(i + 1)).fract());
+                let beside = 0.03 * b;
+                let (u, v) =
+                    [(beside, a), (1.0 - beside, a), (a, 1.0 - beside), (a, 1.0 - beside)][i as usize % 4];
+                let turn = std::f64::consts::TAU * c;
+                let flat = (1.0 - (2.0 * d - 1.0).powi(2)).sqrt();
+                let direction = Vector::new(flat * turn.cos(), flat * turn.sin(), 2.0 * d - 1.0);
+                let point = side.point(u, v) + direction * (size * e * e);
+                let found = probe.nearest_to_point(&point).distance;
+                let least = scan.iter().map(|p| (p - point).norm()).fold(f64::INFINITY, f64::min);
+                assert!(
+                    found - least < 1e-3,
+                    "{name}, side {k}, {i}: {found} of a point, a scan finds {least}"
+                );
+                let radius = 0.5 * size * b + 0.01;
+                let tip = point + direction * radius;
+                let axis = direction.cross(&Vector::new(a - 0.5, b - 0.5, 0.1)).normalize();
+                let cutter = CutterSolid { tip, axis, radius, corner_radius: 0.5 * radius };
+                let found = probe.nearest(&cutter, 0.0, 1.0).distance;
+                let least = scan.iter().map(|p| cutter.distance(p)).fold(f64::INFINITY, f64::min);
+                let tolerance = if least < 0.0 { f64::INFINITY } else { 1e-3 };
+                assert!(found - least < tolerance, "{name}, side {k}, {i}: {found}, a scan finds {least}");
             }
         }
     }

@@ -6,6 +6,11 @@ use crate::geometry::{CutterSolid, Frustum, Point, Vector, norm2};
 pub(super) trait DistanceQuery {
     /// Signed distance of a point of the side, mm.
     fn distance(&self, p: &Point) -> f64;
+    /// Largest radius of curvature of its surface where the distance has that gradient, mm.
+    fn radius(&self, gradient: &Vector) -> f64;
+    /// Estimate of the square of the length of `edge` times the largest curvature of the distance along it
+    /// beside the surface, mm.
+    fn bend(&self, edge: &Vector, gradient: &Vector) -> f64;
     /// The distance may have a kink where this value changes its sign.
     fn height(&self, p: &Point) -> f64;
     /// Distance of a point of the side, and its gradient.
@@ -15,6 +20,22 @@ pub(super) trait DistanceQuery {
     fn slope(&self, p: &Point, pu: &Vector, puu: &Vector) -> Option<(f64, f64)>;
     /// Whether the minimum of that function is certainly the minimum of the distance.
     fn smooth_at(&self, p: &Point) -> bool;
+}
+
+/// Radius of curvature below which it does not matter, mm.
+const THINNEST: f64 = 1e-3;
+
+/// Radius of curvature of a surface of revolution of the radius `radius` where its normal is `gradient`, by
+/// Meusnier's theorem: endless on flat ends.
+fn revolved_radius(radius: f64, gradient: &Vector, axis: &Vector) -> f64 {
+    let along = gradient.dot(axis);
+    radius / (1.0 - along * along).max(0.0).sqrt()
+}
+
+/// Square of the length of `edge` across `gradient` and `axis`.
+fn across(edge: &Vector, gradient: &Vector, axis: &Vector) -> f64 {
+    let (along, away) = (edge.dot(axis), edge.dot(gradient));
+    (edge.norm_squared() - along * along - away * away).max(0.0)
 }
 
 /// The distance from a cutter.
@@ -53,6 +74,14 @@ impl DistanceQuery for CutterQuery<'_> {
     #[inline]
     fn distance(&self, p: &Point) -> f64 {
         self.cutter.distance(p)
+    }
+
+    fn radius(&self, gradient: &Vector) -> f64 {
+        revolved_radius(self.cutter.radius, gradient, &self.cutter.axis)
+    }
+
+    fn bend(&self, edge: &Vector, gradient: &Vector) -> f64 {
+        across(edge, gradient, &self.cutter.axis) / self.radius(gradient).max(THINNEST)
     }
 
     fn height(&self, p: &Point) -> f64 {
@@ -113,6 +142,14 @@ impl DistanceQuery for PointQuery<'_> {
         (p - self.point).norm()
     }
 
+    fn radius(&self, _: &Vector) -> f64 {
+        0.0
+    }
+
+    fn bend(&self, _: &Vector, _: &Vector) -> f64 {
+        0.0
+    }
+
     fn height(&self, _: &Point) -> f64 {
         1.0
     }
@@ -148,6 +185,14 @@ impl DistanceQuery for FrustumQuery<'_> {
     #[inline]
     fn distance(&self, p: &Point) -> f64 {
         self.frustum.distance(p)
+    }
+
+    fn radius(&self, gradient: &Vector) -> f64 {
+        revolved_radius(self.frustum.radii[0].max(self.frustum.radii[1]), gradient, &self.frustum.axis)
+    }
+
+    fn bend(&self, edge: &Vector, gradient: &Vector) -> f64 {
+        across(edge, gradient, &self.frustum.axis) / self.radius(gradient).max(THINNEST)
     }
 
     fn height(&self, p: &Point) -> f64 {
