@@ -82,8 +82,6 @@ pub struct App {
     /// The text of the shown program.
     listing: ListingWork,
     judged_flank: Arc<JudgedFlank>,
-    /// Whether the file that is being asked for is written in spite of the faults of its program.
-    accepts_faults: bool,
     /// The machinability of the part.
     assessing: AssessWork,
     /// Time against stock of the plan.
@@ -149,7 +147,6 @@ impl App {
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
             judged_flank: Arc::default(),
-            accepts_faults: false,
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
             weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
             timeline_tool: TimelineTool::default(),
