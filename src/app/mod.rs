@@ -40,6 +40,7 @@ use model::problem::{Problem, Topic};
 use model::state::AppState;
 use tasks::assess::AssessWork;
 use tasks::engine::Engine;
+use tasks::flank_runs::FlankRunWork;
 use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
 use tasks::programs::JudgedFlank;
@@ -81,9 +82,9 @@ pub struct App {
     machining: MachineWork,
     /// The text of the shown program.
     listing: ListingWork,
+    /// The flank plan in several channels.
+    flank_runs: FlankRunWork,
     judged_flank: Arc<JudgedFlank>,
-    /// Whether the file that is being asked for is written in spite of the faults of its program.
-    accepts_faults: bool,
     /// The machinability of the part.
     assessing: AssessWork,
     /// Time against stock of the plan.
@@ -148,8 +149,8 @@ impl App {
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
+            flank_runs: FlankRunWork::new(&repaint(&cc.egui_ctx)),
             judged_flank: Arc::default(),
-            accepts_faults: false,
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
             weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
             timeline_tool: TimelineTool::default(),
@@ -246,6 +247,7 @@ impl App {
             || self.inspected.is_busy()
             || self.machining.is_busy()
             || self.listing.is_busy()
+            || self.flank_runs.is_busy()
             || self.assessing.is_busy()
             || self.weighing.is_busy()
             || self.solids.iter().any(SolidWork::is_busy)
@@ -360,6 +362,9 @@ impl eframe::App for App {
         }
         self.state.follow_channels();
         self.state.follow_flank_channels();
+        if let Some(run) = self.flank_runs.follow(self.state.wanted_flank_run()) {
+            self.state.show_flank_run(run);
+        }
         self.scrubbed.follow(&self.state);
         self.inspected.follow(&self.state);
         self.state.results.flank_is_running = self.work.is_calculating(Operation::Flank);

@@ -11,7 +11,7 @@ use crate::gpu::mesh::{
 };
 use crate::gpu::part_mesh::{BladeMesh, PartMesh, close_blade};
 use crate::gpu::view::{ViewTarget, ViewTargets};
-use crate::part::body::{body_outline, nose, up_sign};
+use crate::part::body::{body_outline, up_sign};
 use crate::part::{Blade, BladeSide, Channel, Flowpath, Impeller};
 
 /// Tessellation density of a part.
@@ -28,6 +28,11 @@ struct Detail {
     /// Largest deviation of a blade's mesh lines, in blade lengths.
     tolerance: f32,
 }
+
+/// s ahead of the leading edge up to which the hub is drawn in even steps.
+const EVEN_AHEAD: f64 = 0.12;
+/// Steps of the hub further ahead, before they are thinned.
+const NOSE_STEPS: usize = 400;
 
 /// For still pictures.
 const FINE: Detail = Detail { turn: 240, meridian: 40, span: 8, chord: 16, tolerance: 4e-4 };
@@ -99,10 +104,22 @@ fn mesh_with(part: &Impeller, detail: &Detail) -> PartMesh {
     PartMesh { hub, floor, floor_columns, main, splitters, shroud, edges, framing }
 }
 
-/// Values of s at which the hub is drawn: from a short nose ahead of the blades to the rim.
+/// Values of s at which the hub is drawn, from its beginning to the rim: those of its nose far ahead of the
+/// blades thinned (Douglas–Peucker).
 fn hub_range(hub: &Flowpath, detail: &Detail) -> Vec<f64> {
-    let nose = nose(hub);
-    even_steps(detail.meridian).iter().map(|t| nose + (1.0 - nose) * t).collect()
+    let (from, near) = (hub.wheel_from(), hub.wheel_from().max(-EVEN_AHEAD));
+    let mut range = Vec::new();
+    if from < near {
+        let along = |s: f64| {
+            let p = hub.point(s);
+            Vec3::new(p.r as f32, 0.0, p.z as f32)
+        };
+        let fine: Vec<f64> = even_steps(NOSE_STEPS).iter().map(|t| from + (near - from) * t).collect();
+        range = thin_parameters(&fine, along, detail.tolerance * hub.length() as f32);
+        range.pop();
+    }
+    range.extend(even_steps(detail.meridian).iter().map(|t| near + (1.0 - near) * t));
+    range
 }
 
 fn profile(path: &Flowpath, at: &[f64]) -> Vec<ProfilePoint> {
@@ -252,5 +269,44 @@ impl WallAngles {
             channel_outline: corners,
             up_sign,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::part::{Blank, CurveDescription, Meridional};
+    use crate::stock::solid::TurnedOutline;
+
+    /// A compressor whose hub runs on for 60 mm ahead of its blades: nearly as far as its channels are long.
+    fn with_boss() -> Impeller {
+        let file = std::path::Path::new("tests/data/wheels/kj66_sections.toml");
+        let mut part = crate::io::part_file::read_part(file).expect("a part");
+        let CurveDescription::Points(hub) = &mut part.hub else { panic!("points") };
+        let ahead = [100.0, 80.0, 65.0, 55.0].map(|z| Meridional { r: 6.5, z });
+        hub.splice(0..0, ahead);
+        Impeller::build(&part).expect("a part with a boss")
+    }
+
+    #[test]
+    fn the_hub_is_drawn_and_met_to_its_end() {
+        let part = with_boss();
+        for mesh in [part_mesh(&part), draft_part_mesh(&part)] {
+            let end = mesh.hub.vertices.iter().map(|v| v.position[2]).fold(f32::NEG_INFINITY, f32::max);
+            assert!((end - 100.0).abs() < 1e-3, "drawn up to z = {end}");
+            assert!(mesh.hub.vertices.len() < 20_000, "{} corners", mesh.hub.vertices.len());
+        }
+        let blank = Blank::from_part(&part, 0.0);
+        let (_, high) = TurnedOutline::of_blank(&part, &blank).bounds();
+        assert!((high.z - 100.0).abs() < 1e-6, "the solid ends at z = {}", high.z);
+        for (r, distance) in [(4.5, -2.0), (9.5, 3.0)] {
+            let clearance = blank.clearance(Meridional { r, z: 90.0 }, &mut None);
+            assert!((clearance - distance).abs() < 0.1, "{clearance} mm at r = {r} mm beside the boss");
+        }
+        assert!(
+            part.notes.iter().any(|note| note.contains("ahead of the blades; all of it counts")),
+            "{:?}",
+            part.notes
+        );
     }
 }

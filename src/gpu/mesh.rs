@@ -250,6 +250,16 @@ impl Mesh {
         self.indices.extend(other.indices.iter().map(|i| i + base));
     }
 
+    /// The same turned about Z by `angle` (rad).
+    pub fn rotated_about_z(&self, angle: f64) -> Self {
+        let turned = |p: [f32; 3]| rotate_about_z(Vec3::from_array(p), angle).to_array();
+        let vertices = self.vertices.iter();
+        let vertices = vertices
+            .map(|v| Vertex { position: turned(v.position), normal: turned(v.normal), ..*v })
+            .collect();
+        Self { vertices, indices: self.indices.clone() }
+    }
+
     /// Number of triangles.
     pub fn triangles(&self) -> usize {
         self.indices.len() / 3

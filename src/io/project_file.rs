@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InputError;
 use super::setup_file::{
-    SetupEntryFault, TolerantSetup, beside, read_setup_tolerantly, relative, write_setup,
+    SetupEntry, SetupEntryFault, TolerantSetup, beside, read_setup_tolerantly, relative, write_setup,
 };
 use super::source::{name_of, read_bytes};
 use super::stored::{check_version, inside};
@@ -172,10 +172,10 @@ pub struct Project {
     pub chosen: PlanSelection,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
-    /// Faults in its setups when it was read: each faulty entry has its default. They are not written. Those
-    /// of sets name no entry.
+    /// Faults in its setups when it was read: each faulty entry has its default. Those of sets name no entry.
     pub setup_faults: Vec<SetupEntryFault>,
-    /// How many of them, from the first on, are in the current setup; the others are in variants.
+    /// How many of them, from the first on, are in the current setup; the others are in variants. A recovery
+    /// copy keeps those of the current setup, as nobody has looked at the defaults; a saved project has none.
     pub current_faults: usize,
 }
 
@@ -194,6 +194,40 @@ struct ProjectFile {
     chosen: PlanSelection,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     original: Option<PathBuf>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    replaced: Vec<ReplacedFile>,
+}
+
+/// A fault of the setup that was read, in whose place its default stands.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ReplacedFile {
+    code: String,
+    file: String,
+    line: usize,
+    message: String,
+    help: String,
+    /// Table, index and key of the entry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    entry: Option<(String, usize, Option<String>)>,
+}
+
+impl ReplacedFile {
+    fn new(SetupEntryFault { error, entry }: &SetupEntryFault) -> Self {
+        let entry = entry.as_ref().map(|e| (e.table.clone(), e.index, e.key.clone()));
+        let (code, line) = (error.code.name().to_owned(), error.line);
+        let (file, message, help) = (error.file.clone(), error.message.clone(), error.help.clone());
+        Self { code, file, line, message, help, entry }
+    }
+
+    fn fault(self) -> SetupEntryFault {
+        let code = ErrorCode::named(&self.code).unwrap_or(ErrorCode::PlanFile);
+        let entry = self.entry.map(|(table, index, key)| SetupEntry { table, index, key });
+        SetupEntryFault {
+            error: InputError::new(code, &self.file, self.line, self.message, self.help),
+            entry,
+        }
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -227,6 +261,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
         viewpoint: project.viewpoint,
         chosen: project.chosen,
         original: project.original.clone(),
+        replaced: project.setup_faults.iter().take(project.current_faults).map(ReplacedFile::new).collect(),
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
     text.push('\n');
@@ -268,7 +303,8 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let part_hash = u64::from_str_radix(&file.part_hash, 16).map_err(|_| {
         fault(0, "part_hash is not a hexadecimal number".to_owned(), "save the project again")
     })?;
-    let mut setup_faults = Vec::new();
+    let mut setup_faults: Vec<SetupEntryFault> = file.replaced.into_iter().map(ReplacedFile::fault).collect();
+    let known_faults = setup_faults.len();
     let mut read_setup = |what: &str, text: &str| {
         let TolerantSetup { setup, faults } = read_setup_tolerantly(&inside(&name, what), text)?;
         let count = faults.len();
@@ -303,7 +339,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         chosen: file.chosen,
         original: file.original,
         setup_faults,
-        current_faults,
+        current_faults: known_faults + current_faults,
     })
 }
 
@@ -432,7 +468,11 @@ mod tests {
         let key = |k: usize| read.setup_faults[k].entry.as_ref().and_then(|entry| entry.key.clone());
         assert_eq!((key(0).as_deref(), key(1)), (Some("step"), None));
         assert_eq!(read.current_faults, 1, "the other is in a variant");
-        let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("opens");
+        let saved = Project { setup_faults: Vec::new(), current_faults: 0, ..read.clone() };
+        let again = read_project_bytes(path, write_project(&saved, path).as_bytes()).expect("opens");
         assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
+        let copy = Project { setup_faults: read.setup_faults[..1].to_vec(), ..read };
+        let again = read_project_bytes(path, write_project(&copy, path).as_bytes()).expect("reads");
+        assert_eq!(again, copy, "a recovery copy keeps what was faulty");
     }
 }

@@ -1,14 +1,7 @@
 //! The body of the wheel under the hub: rim, back, bore and nose.
 
-use super::flowpath::Flowpath;
 use super::impeller::Impeller;
 use crate::geometry::Meridional;
-
-/// s at which the body of the wheel begins on a flowpath: slightly ahead of the blades, where the curve
-/// extends there.
-pub fn nose(path: &Flowpath) -> f64 {
-    path.s_range().0.max(-0.12)
-}
 
 /// +1 when the inlet is towards +Z, else −1.
 pub fn up_sign(part: &Impeller) -> f64 {
@@ -19,7 +12,7 @@ pub fn up_sign(part: &Impeller) -> f64 {
 /// its nose, mm. Part files do not contain the back side of the wheel: it is assumed here, for solids, meshes
 /// and the blank alike.
 pub fn body_outline(part: &Impeller) -> [Meridional; 5] {
-    let (nose, rim) = (inside(part.hub.point(nose(&part.hub))), part.hub.point(1.0));
+    let (nose, rim) = (inside(part.hub.point(part.hub.wheel_from())), part.hub.point(1.0));
     let back = rim.z - up_sign(part) * (0.03 * rim.r).max(3.0);
     let bore = 0.45 * nose.r;
     [

@@ -6,6 +6,11 @@ use crate::error::ErrorCode;
 use crate::geometry::meridian::CurvePoint;
 use crate::geometry::{Cubic, Meridional, MeridionalCurve};
 
+/// Length ahead of the leading edge, as a share of that of the channel, from which on a shroud is inlet duct.
+pub(super) const DUCT_FROM: f64 = 0.5;
+/// The same, from which on a shroud is left out of meshes and solids of the wheel.
+const SHROUD_AHEAD: f64 = 0.12;
+
 /// Hub or shroud: a meridional curve with s = 0 where the main blade's leading edge meets it and
 /// s = 1 at the rim, proportional to arc length. The curve may reach upstream of s = 0 (hub nose); it
 /// ends at s = 1.
@@ -14,14 +19,25 @@ pub struct Flowpath {
     curve: MeridionalCurve,
     /// Arc length at s = 0, mm.
     leading_edge: f64,
+    /// s at which the wheel begins.
+    wheel_from: f64,
 }
 
 impl Flowpath {
-    /// The part of `curve` along the channel; `leading_edge` and `rim` are arc lengths, mm.
-    pub(super) fn new(curve: &MeridionalCurve, leading_edge: f64, rim: f64) -> Self {
-        // Anything further upstream than half the length of the channel is inlet duct.
-        let start = (leading_edge - 0.5 * (rim - leading_edge)).max(0.0);
-        Self { curve: curve.piece(start, rim), leading_edge: leading_edge - start }
+    /// The hub: all of `curve` up to the rim, as a tool can meet its nose however far ahead of the blades it
+    /// is. `leading_edge` and `rim` are arc lengths, mm.
+    pub(super) fn of_hub(curve: &MeridionalCurve, leading_edge: f64, rim: f64) -> Self {
+        let wheel_from = -leading_edge / (rim - leading_edge);
+        Self { curve: curve.piece(0.0, rim), leading_edge, wheel_from }
+    }
+
+    /// The shroud: the part of `curve` along the channel.
+    pub(super) fn of_shroud(curve: &MeridionalCurve, leading_edge: f64, rim: f64) -> Self {
+        let length = rim - leading_edge;
+        let start = (leading_edge - DUCT_FROM * length).max(0.0);
+        let leading_edge = leading_edge - start;
+        let wheel_from = (-leading_edge / length).max(-SHROUD_AHEAD);
+        Self { curve: curve.piece(start, rim), leading_edge, wheel_from }
     }
 
     /// The curve, by arc length; its normal points away from the hub body.
@@ -42,6 +58,12 @@ impl Flowpath {
     /// s at arc length `t` of the curve.
     pub fn s_at(&self, t: f64) -> f64 {
         (t - self.leading_edge) / self.length()
+    }
+
+    /// s at which the wheel begins: for the hub that of the curve, for the shroud slightly ahead of the
+    /// blades.
+    pub fn wheel_from(&self) -> f64 {
+        self.wheel_from
     }
 
     /// Range of s the curve covers: (≤ 0, 1).

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::blade::{Blade, RawBlade, blade_line};
 use super::description::{PartDescription, PartError};
-use super::flowpath::{Flowpath, channel_curves, check_channel, orient_normals};
+use super::flowpath::{DUCT_FROM, Flowpath, channel_curves, check_channel, orient_normals};
 use super::rotation::Rotation;
 use super::side::BladeSide;
 use crate::error::ErrorCode;
@@ -85,9 +85,16 @@ impl Impeller {
                 ));
             }
         }
-        let hub = Flowpath::new(&hub, hub_ends.0, hub_ends.1);
-        let shroud = Flowpath::new(&shroud, shroud_ends.0, shroud_ends.1);
+        let hub = Flowpath::of_hub(&hub, hub_ends.0, hub_ends.1);
+        let shroud = Flowpath::of_shroud(&shroud, shroud_ends.0, shroud_ends.1);
         check_channel(&hub, &shroud, d)?;
+        // A curve in a file may be the wall of the flow; a surface is that of the wheel.
+        if d.hub_line != 0 && hub.wheel_from() < -DUCT_FROM {
+            notes.push(format!(
+                "the hub runs on for {:.1} mm ahead of the blades; all of it counts as part of the wheel",
+                hub.arc_at(0.0)
+            ));
+        }
 
         let main = main.blade;
         let middle = |side: &BladeSide| {

@@ -61,7 +61,7 @@ fn hub_and_blades_are_closed_and_face_outwards_at_any_fineness() {
 }
 
 fn on_end(part: &Impeller, p: &Point) -> bool {
-    let nose = vanecut::part::body::nose(&part.shroud);
+    let nose = part.shroud.wheel_from();
     [nose, 1.0].iter().any(|&s| part.shroud.point(s).distance(Meridional::from_point(p)) < 1e-6)
 }
 
@@ -163,7 +163,7 @@ fn normals_point_where_the_surfaces_do() {
     }
     let down = t.shroud.faces[0].corners[0];
     let p = t.shroud.points[down.point as usize];
-    let outer = part.shroud.normal(vanecut::part::body::nose(&part.shroud));
+    let outer = part.shroud.normal(part.shroud.wheel_from());
     let turned = rotate_z(&p, -p.y.atan2(p.x));
     assert!(turned.y.abs() < 1e-9);
     assert!(down.normal.dot(&outer.direction_at_angle(p.y.atan2(p.x))) > 0.999, "away from the hub");

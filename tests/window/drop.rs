@@ -105,7 +105,7 @@ fn a_dropped_part_asks_before_unsaved_work_is_lost_and_a_strange_file_is_named()
     window.run_steps(2);
     settle(&mut window);
     drop_on(&mut window, &[&part]);
-    window.get_by_label("Save the changes of this project?");
+    window.get_by_label("Save the changes of impeller532?");
     assert_eq!(part_name(&window).as_deref(), Some("impeller532"), "not before the answer");
     window.get_by_label("Don't save").click();
     window.run_steps(3);
@@ -166,7 +166,7 @@ fn a_part_dropped_with_a_setup_asks_too_and_nothing_opens_beneath_the_question()
     window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Step").set_value_accesskit(5.0);
     window.run_steps(2);
     settle(&mut window);
-    let question = "Save the changes of this project?";
+    let question = "Save the changes of impeller532?";
     // What cannot be opened is refused without a question.
     drop_on(&mut window, &[&letter]);
     assert!(window.query_by_label(question).is_none());

@@ -9,6 +9,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::drawing::flank::FlankColours;
 use vanecut::flank::UncutLength;
 use vanecut::flank::region::Region;
 use vanecut::job::JobError;
@@ -245,6 +246,11 @@ fn the_flank_plan_is_shown_in_several_channels_in_the_order_of_their_program() {
     let mut window = with_plan();
     let outcome = window.state().state().results.flank.clone().expect("planned");
     let (of_one, passes) = (outcome.plan.moves.len(), window.state().state().results.passes.passes.len());
+    // To repeat the channels of a large wheel takes seconds, in which frames are drawn.
+    window.state_mut().look_mut().shown_channels = 2;
+    window.step();
+    assert!(window.state().is_busy());
+    assert_eq!(window.state().state().results.flank_run.as_ref().map(|run| run.count()), Some(1));
     show_channels(&mut window, 2.0);
     let run = window.state().state().results.flank_run.clone().expect("shown");
     let program = outcome.in_channels(2, &Monitor::default()).expect("not cancelled").program;
@@ -263,6 +269,13 @@ fn the_flank_plan_is_shown_in_several_channels_in_the_order_of_their_program() {
     window.run_steps(4);
     settle(&mut window);
     snapshot_view(&mut window, "flank_channels");
+    window.state_mut().look_mut().flank.colours = FlankColours::Walls;
+    window.run_steps(4);
+    settle(&mut window);
+    snapshot_view(&mut window, "flank_channels_walls");
+    window.state_mut().look_mut().flank.colours = FlankColours::Layer;
+    window.run_steps(4);
+    settle(&mut window);
 
     // The timeline goes on in the next channel; table and line of the program follow.
     let pass = &shown.passes[passes + 2];

@@ -301,7 +301,7 @@ fn unsaved_changes_are_asked_for_before_they_are_lost() {
     edit_step(&mut window, 6.0);
     window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
     window.run_steps(3);
-    window.get_by_label("Save the changes of this project?");
+    window.get_by_label("Save the changes of p.vanecut?");
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     assert!(window.state().state().document.part.is_some(), "still open");

@@ -287,3 +287,49 @@ fn what_another_window_has_recovered_is_said() {
     assert!(said.message.starts_with("Another window has recovered"), "{said:?}");
     assert!(third.query_by_label("Recover").is_none(), "it is offered no longer");
 }
+
+#[test]
+fn a_recovered_project_still_has_the_faults_of_its_setup() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut first = window_with_part(&engine, &home, folder.path());
+    save_as(&mut first, &project);
+    drop(first);
+    let text = std::fs::read_to_string(&project).expect("reads");
+    let faulty = text.replacen("hub_allowance = 0.5", "hub_allowance = -3", 1);
+    assert_ne!(faulty, text);
+    std::fs::write(&project, faulty).expect("writes");
+    let mut second = window_at(&engine, &home);
+    second.state_mut().open_path(project.clone());
+    settle(&mut second);
+    let said = second.state().state().field_faults();
+    assert_eq!(said.len(), 1);
+    edit_and_crash(second, 6.5);
+    let mut third = window_at(&engine, &home);
+    recover(&mut third);
+    let state = third.state().state();
+    assert_eq!(state.document.path.as_deref(), Some(project.as_path()));
+    assert_eq!((step(&third), state.field_faults()), (Some(6.5), said), "the default is still one");
+    third.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
+    third.run_steps(3);
+    settle(&mut third);
+    assert!(third.state().state().document.replaced.is_empty());
+}
+
+#[test]
+fn what_was_undone_is_not_offered_after_a_crash() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let mut first = window_with_part(&engine, &home, folder.path());
+    edit_step(&mut first, 6.5);
+    first.run_steps(14);
+    let copies = || std::fs::read_dir(home.join("recovery")).into_iter().flatten().count();
+    assert!(copies() > 0, "written");
+    press(&mut first, egui::Modifiers::COMMAND, egui::Key::Z);
+    assert_eq!(step(&first), None);
+    first.run_steps(2);
+    drop(first);
+    assert_eq!(copies(), 0, "nothing is left to recover");
+}

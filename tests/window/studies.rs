@@ -238,7 +238,7 @@ fn a_run_of_the_open_part_is_an_edit_that_can_be_undone() {
     edit_step(&mut window);
     open(&mut window, path);
     open_run(&mut window, 2);
-    assert!(window.query_by_label("Save the changes of this project?").is_none(), "nothing is lost");
+    assert!(window.query_by_label_contains("Save the changes of").is_none(), "nothing is lost");
     assert_eq!(step(&window), Some(8.0));
     let document = &window.state().state().document;
     assert_eq!(document.path.as_ref(), Some(&project), "it is the same project");
@@ -263,7 +263,7 @@ fn a_run_of_another_part_does_not_replace_unsaved_work_unasked() {
     edit_step(&mut window);
     open(&mut window, path);
     open_run(&mut window, 2);
-    window.get_by_label("Save the changes of this project?");
+    window.get_by_label("Save the changes of pump6?");
     click_enabled(&window, "Cancel");
     window.run_steps(3);
     settle(&mut window);

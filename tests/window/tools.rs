@@ -293,8 +293,13 @@ fn what_a_library_of_fusion_would_lose_is_asked_about_before_it_is_written() {
         press_enter(window);
         assert!(window.query_by_label("Replace").is_none(), "nothing in it is replaced");
     };
+    // A plan that is out of date is none of the library's.
+    window.get_by_label("Auto-update").click_accesskit();
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.5);
+    window.run_steps(3);
     write(&mut window);
     window.get_by_label("Write into the Fusion library?");
+    assert!(window.query_by_label("Recalculate").is_none(), "nothing to calculate for a library");
     window.get_by_label_contains("Vendor, product and coolant of tools that are new in it");
     window.get_by_label_contains("they stay in the file");
     click_enabled(&window, "Cancel");

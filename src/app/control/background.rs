@@ -19,6 +19,7 @@ use crate::app::tasks::engine::PlanTask;
 use crate::app::tasks::files::{self, WriteTask};
 use crate::app::tasks::open_task::OpenTask;
 use crate::app::tasks::opening::Opened;
+use crate::app::tasks::programs::OnFaults;
 use crate::app::tasks::project::{edited_of, source_of};
 use crate::app::tasks::work::PlanKey;
 use crate::gpu::device::DEVICE_LOST_PREFIX;
@@ -408,8 +409,14 @@ impl App {
         }
     }
 
-    /// Reads or writes a chosen file in the background.
-    pub(in crate::app) fn use_file(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
+    /// Reads or writes a chosen file in the background; `on_faults` of a program.
+    pub(in crate::app) fn use_file(
+        &mut self,
+        ctx: &egui::Context,
+        purpose: Purpose,
+        path: PathBuf,
+        on_faults: OnFaults,
+    ) {
         match purpose {
             Purpose::OpenPart | Purpose::OpenProject => self.open_guarded(ctx, path),
             Purpose::LocatePart => self.open_located(path),
@@ -433,11 +440,11 @@ impl App {
                 }
             }
             Purpose::ExportFlank { channels } => {
-                if let Some(source) = self.flank_source(channels) {
+                if let Some(source) = self.flank_source(channels, on_faults) {
                     self.write(WriteTask::Flank(path, source));
                 }
             }
-            Purpose::ExportNc { operation, .. } => self.export_nc(operation, path),
+            Purpose::ExportNc { operation, .. } => self.export_nc(operation, path, on_faults),
             Purpose::OpenPost => self.take_post(&path),
             Purpose::ExportSheet { operation } => self.export_sheet(operation, path),
             Purpose::SaveAssessment => {

@@ -16,7 +16,7 @@ use crate::app::model::release::{concerns, fault_lines};
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
 use crate::app::tasks::files::{SceneTask, WriteError, WriteTask, Written};
-use crate::app::tasks::programs::{FlankSource, NcTask, PlungeSource, ProgramSource};
+use crate::app::tasks::programs::{FlankSource, NcTask, OnFaults, PlungeSource, ProgramSource};
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
@@ -60,7 +60,7 @@ impl App {
             _ => concerns(&self.state, purpose),
         };
         if concerns.is_empty() {
-            self.use_file(ctx, purpose, path);
+            self.use_file(ctx, purpose, path, OnFaults::Ask);
         } else {
             let words = match purpose {
                 Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
@@ -125,10 +125,12 @@ impl App {
         let answer = self.release.as_ref().and_then(|question| {
             let can_change = match question.purpose.planned_operation() {
                 Some(Operation::Flank) => self.state.flank_is_stale(),
-                _ => {
+                Some(Operation::Roughing) => {
                     let planned = self.state.results.planned.as_ref();
                     self.state.out_of_date() || planned.is_some_and(|planned| planned.is_unfinished())
                 }
+                // No plan is in a tool library.
+                Some(Operation::Program) | None => false,
             };
             release::ask(ui, question.words, &question.concerns, can_change)
         });
@@ -143,9 +145,8 @@ impl App {
                 self.postponed = Some(PostponedExport { purpose, path, setup });
             }
             ReleaseAnswer::Export => {
-                self.accepts_faults = is_judged;
-                self.use_file(ui.ctx(), purpose, path);
-                self.accepts_faults = false;
+                let on_faults = if is_judged { OnFaults::Write } else { OnFaults::Ask };
+                self.use_file(ui.ctx(), purpose, path, on_faults);
             }
             ReleaseAnswer::Cancel => {}
         }
@@ -196,11 +197,11 @@ impl App {
     }
 
     /// The flank plan as a program of that number of channels, in the order of the setup.
-    pub(in crate::app) fn flank_source(&self, channels: usize) -> Option<FlankSource> {
+    pub(in crate::app) fn flank_source(&self, channels: usize, on_faults: OnFaults) -> Option<FlankSource> {
         let outcome = self.state.results.flank.clone()?;
         let order = self.state.document.edited.setup.channels;
-        let (judged, accepts_faults) = (Arc::clone(&self.judged_flank), self.accepts_faults);
-        Some(FlankSource { outcome, channels, order, judged, accepts_faults })
+        let judged = Arc::clone(&self.judged_flank);
+        Some(FlankSource { outcome, channels, order, judged, on_faults })
     }
 
     /// Operations that have a plan to write.
@@ -222,7 +223,7 @@ impl App {
         let exported = &self.state.results.exported;
         let (source, files) = match operation {
             Operation::Flank => {
-                let Some(flank) = self.flank_source(1) else { return };
+                let Some(flank) = self.flank_source(1, OnFaults::Ask) else { return };
                 let (channels, files) = exported.of_flank(&flank.outcome);
                 (ProgramSource::Flank(FlankSource { channels, ..flank }), files)
             }
@@ -289,10 +290,10 @@ impl App {
     }
 
     /// Writes the plan of `operation` as NC code for the machine that was chosen for it.
-    pub(in crate::app) fn export_nc(&mut self, operation: Operation, path: PathBuf) {
+    pub(in crate::app) fn export_nc(&mut self, operation: Operation, path: PathBuf, on_faults: OnFaults) {
         let Some(question) = self.nc_dialog.question() else { return };
         let source = match operation {
-            Operation::Flank => self.flank_source(question.channels).map(ProgramSource::Flank),
+            Operation::Flank => self.flank_source(question.channels, on_faults).map(ProgramSource::Flank),
             _ => self.shown_plunges(question.channels).map(ProgramSource::Plunges),
         };
         let Some(source) = source else { return };

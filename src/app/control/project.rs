@@ -7,7 +7,7 @@ use egui::{Context, Rect, Ui};
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
 use crate::app::model::document::Edited;
-use crate::app::model::field_faults::FaultyField;
+use crate::app::model::field_faults::{FaultyField, ReplacedValue};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::look::REVEAL;
@@ -261,7 +261,11 @@ impl App {
         let shown: Vec<Problem> = problems.by_ref().take(MAX_REPORTED_FAULTS).collect();
         let rest: Vec<Problem> = problems.collect();
         let of_current = shown.iter().chain(&rest).take(*current_faults);
-        self.state.document.replaced = of_current.map(|problem| problem.field.clone()).collect();
+        let replaced = |(fault, problem): (&SetupEntryFault, &Problem)| ReplacedValue {
+            fault: fault.clone(),
+            field: problem.field.clone(),
+        };
+        self.state.document.replaced = faults.iter().zip(of_current).map(replaced).collect();
         for problem in shown {
             self.state.report_problem(problem);
         }

@@ -92,13 +92,19 @@ impl App {
         home::remove_copy(path);
     }
 
-    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon. Call
-    /// once per frame.
+    /// Writes the recovery copy when it is due: an edit after a pause at once, and one of many soon. Removes
+    /// it once the edits are undone. Call once per frame.
     pub(in crate::app) fn keep_copy(&mut self, ctx: &Context) {
         let session = &mut self.session;
         // Closing was confirmed: what was not saved is meant to go.
-        let is_needed = !session.closing && session.home.is_some() && self.state.document.is_unsaved();
-        if !is_needed || session.copied.as_ref() == Some(&self.state.document.edited) {
+        let Some(home) = session.home.as_ref().filter(|_| !session.closing) else { return };
+        if !self.state.document.is_unsaved() {
+            if session.copied.take().is_some() {
+                home.drop_copy();
+            }
+            return;
+        }
+        if session.copied.as_ref() == Some(&self.state.document.edited) {
             return;
         }
         let now = ctx.input(|input| input.time);
@@ -169,6 +175,8 @@ impl App {
         let Some(home) = &self.session.home else { return };
         let Some(mut project) = project_of(&self.state, self.view.current()) else { return };
         project.original.clone_from(&self.state.document.path);
+        project.setup_faults = self.state.document.replaced.iter().map(|value| value.fault.clone()).collect();
+        project.current_faults = project.setup_faults.len();
         match home.write_copy(&write_project(&project, home.copy())) {
             Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
             Err(error) => {

@@ -103,7 +103,8 @@ impl App {
 
     /// Asks about unsaved changes, while that is due.
     pub(in crate::app) fn ask_unsaved(&mut self, ui: &Ui) {
-        let answer = self.session.pending.as_ref().and_then(|(work, _)| unsaved::ask(ui, *work));
+        let project = self.state.document.name();
+        let answer = self.session.pending.as_ref().and_then(|(work, _)| unsaved::ask(ui, *work, &project));
         let Some(answer) = answer else { return };
         let Some((work, pending)) = self.session.pending.take() else { return };
         match (answer, work) {

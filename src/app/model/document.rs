@@ -7,7 +7,7 @@ use crate::io::part_hash::PartHash;
 use crate::part::Impeller;
 use crate::setup::Setup;
 
-use crate::app::model::field_faults::FieldFault;
+use crate::app::model::field_faults::ReplacedValue;
 use crate::app::model::history::History;
 use crate::app::model::part_source::PartSource;
 
@@ -54,9 +54,9 @@ pub struct Document {
     pub path: Option<PathBuf>,
     /// Hash of that file as this window read or wrote it last; `None` where it has not.
     pub on_disk: Option<u64>,
-    /// Faulty values of the setup in the file, in whose place defaults stand, each with its field if it has
-    /// one: until the field is edited, or what stands there is saved.
-    pub replaced: Vec<Option<FieldFault>>,
+    /// Faulty values of the setup in the file, in whose place defaults stand: until the field is edited, or
+    /// what stands there is saved.
+    pub replaced: Vec<ReplacedValue>,
     /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
     history: History<Edited>,
@@ -72,6 +72,13 @@ impl Document {
         self.on_disk = None;
         self.replaced.clear();
         self.history = History::default();
+    }
+
+    /// Name of its file; before it is saved, that of its part.
+    pub fn name(&self) -> String {
+        let file = self.path.as_ref().and_then(|path| path.file_name());
+        let part = || self.part.as_ref().map_or_else(String::new, |part| part.impeller.name.clone());
+        file.map_or_else(part, |file| file.to_string_lossy().into_owned())
     }
 
     /// Whether there are unsaved changes.

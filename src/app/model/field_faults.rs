@@ -1,6 +1,6 @@
 //! Faults that belong to a field of the setup: they are shown there, too.
 
-use crate::io::setup_file::SetupEntry;
+use crate::io::setup_file::{SetupEntry, SetupEntryFault};
 use crate::setup::{Setup, SetupPlace};
 
 /// Which of the forms of the window a field is in.
@@ -33,6 +33,15 @@ pub struct FieldFault {
     pub field: FaultyField,
     /// What is wrong, and what to do.
     pub text: String,
+}
+
+/// A faulty value of the setup in a project file, in whose place the default stands.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReplacedValue {
+    /// What is wrong in the file.
+    pub fault: SetupEntryFault,
+    /// The same at its field, if it has one.
+    pub field: Option<FieldFault>,
 }
 
 /// Label that stands for all fields of a section.

@@ -26,6 +26,24 @@ pub struct FlankRun {
     several: Option<SeveralChannels>,
 }
 
+/// A plan and the channels in which it is to be shown.
+#[derive(Clone, Debug)]
+pub struct WantedFlankRun {
+    /// The plan, of one channel.
+    pub outcome: Arc<FlankOutcome>,
+    /// The order of the channels.
+    pub order: ChannelSetup,
+    /// Their number.
+    pub count: usize,
+}
+
+impl PartialEq for WantedFlankRun {
+    fn eq(&self, other: &Self) -> bool {
+        let same = (self.order, self.count) == (other.order, other.count);
+        same && Arc::ptr_eq(&self.outcome, &other.outcome)
+    }
+}
+
 /// What a program of several channels adds to the plan of one.
 #[derive(Debug)]
 struct SeveralChannels {

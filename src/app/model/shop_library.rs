@@ -121,13 +121,9 @@ impl ShopLibrary {
     /// Puts another tool in the place of tool `index`. Rates that differ from those before are given from
     /// then on.
     pub fn replace(&mut self, index: usize, tool: Tool) {
-        let Some(before) = self.content.tools.get(index).map(|entry| entry.tool.clone()) else { return };
-        self.edit(|library| {
-            let entry = Arc::make_mut(&mut library.tools[index]);
-            entry.missing.plunge_feed &= tool.plunge_feed == before.plunge_feed;
-            entry.missing.spindle &= tool.spindle == before.spindle;
-            entry.tool = tool;
-        });
+        if index < self.content.tools.len() {
+            self.edit(|library| Arc::make_mut(&mut library.tools[index]).replace(tool));
+        }
     }
 
     /// A library with edits that are not saved.
@@ -317,6 +313,25 @@ mod tests {
         let tool = &setup.tools[0];
         assert_eq!(tool.spindle, data.spindle_for(tool.diameter));
         assert_eq!(tool.plunge_feed, data.feed_per_tooth_for(tool.diameter) * 2.0 * tool.spindle);
+    }
+
+    #[test]
+    fn what_is_given_is_no_longer_noted_as_assumed() {
+        let mut library = ShopLibrary::default();
+        let rates = "no plunge feed in the library: by `material` of the setup; without one 300 mm/min, \
+                     1200 rev/min";
+        let noted = ["insert width assumed: the cutter cuts to its centre", "another remark", rates];
+        library.edit(|library| {
+            let entry = Arc::make_mut(&mut library.tools[0]);
+            entry.missing.plunge_feed = true;
+            entry.notes = noted.map(str::to_owned).to_vec();
+        });
+        let tool = library.content().tools[0].tool.clone();
+        let notes = |library: &ShopLibrary| library.content().tools[0].notes.clone();
+        library.replace(0, Tool { spindle: 4000.0, ..tool.clone() });
+        assert_eq!(notes(&library), noted);
+        library.replace(0, Tool { insert_width: 0.4 * tool.diameter, plunge_feed: 200.0, ..tool });
+        assert_eq!(notes(&library), ["another remark"]);
     }
 
     #[test]

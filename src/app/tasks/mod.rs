@@ -7,6 +7,7 @@ pub mod check;
 pub(in crate::app) mod documents;
 pub mod engine;
 pub(in crate::app) mod files;
+pub(in crate::app) mod flank_runs;
 pub(in crate::app) mod home;
 pub(in crate::app) mod latest;
 pub(in crate::app) mod listing;

@@ -66,6 +66,16 @@ impl PlungeSource {
     }
 }
 
+/// What is done where a flank program of several channels is found to have faults: those of one channel are
+/// known before it is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnFaults {
+    /// It is not written, and the faults are asked about.
+    Ask,
+    /// It is written: the user has accepted them.
+    Write,
+}
+
 /// A flank program to write.
 pub struct FlankSource {
     /// The plan.
@@ -76,8 +86,8 @@ pub struct FlankSource {
     pub order: ChannelSetup,
     /// Where the judged program is kept.
     pub judged: Arc<JudgedFlank>,
-    /// Whether it is written in spite of faults of several channels.
-    pub accepts_faults: bool,
+    /// What is done with faults.
+    pub on_faults: OnFaults,
 }
 
 impl FlankSource {
@@ -120,7 +130,7 @@ impl FlankSource {
     /// about: those of one channel are known before.
     fn accepted_program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, UnwrittenProgram> {
         let program = self.program(monitor)?;
-        if program.channels > 1 && !program.faults.is_empty() && !self.accepts_faults {
+        if program.channels > 1 && !program.faults.is_empty() && self.on_faults == OnFaults::Ask {
             return Err(UnwrittenProgram::Faulty(program.faults.clone()));
         }
         Ok(program)

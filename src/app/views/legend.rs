@@ -134,10 +134,10 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
                 program_key(ui, checked);
                 return;
             }
-            if let Some((legend, has_text)) = cutter_legend(ui, state) {
-                show_cutter_legend(ui, &legend, has_text, &mut state.look.hidden_classes);
+            if let Some(shown) = cutter_legend(ui, state) {
+                show_cutter_legend(ui, &shown, &mut state.look.hidden_classes);
                 // In a narrow view the colours that were asked for have priority over those of the floor.
-                if has_text && ui.available_width() < MIN_SCALE_WIDTH {
+                if shown.has_text && ui.available_width() < MIN_SCALE_WIDTH {
                     return;
                 }
                 ui.separator();
@@ -186,9 +186,16 @@ fn program_key(ui: &mut Ui, checked: &CheckedProgram) {
     });
 }
 
-/// What the cutters are coloured by, and whether as text; `None` while they are hidden. The states, which
-/// table and verdict name too, have no text where that does not fit beside the scale of the floor.
-fn cutter_legend(ui: &Ui, state: &AppState) -> Option<(CutterLegend, bool)> {
+/// The legend of the cutters as it is drawn.
+struct ShownCutterLegend {
+    legend: CutterLegend,
+    /// Whether its classes have names and shares beside their colours.
+    has_text: bool,
+}
+
+/// What the cutters are coloured by; `None` while they are hidden. The states, which table and verdict name
+/// too, have no text where that does not fit beside the scale of the floor.
+fn cutter_legend(ui: &Ui, state: &AppState) -> Option<ShownCutterLegend> {
     let layers = state.look.layers;
     let in_view = layers.cutters && !layers.stock && state.look.operation == Operation::Roughing;
     let shown = if in_view { state.plans_in_view() } else { Vec::new() };
@@ -196,7 +203,7 @@ fn cutter_legend(ui: &Ui, state: &AppState) -> Option<(CutterLegend, bool)> {
     let is_optional = layers.cutter_colours == CutterColours::State;
     let fits = |legend: &CutterLegend| width_of(ui, legend) + MIN_SCALE_WIDTH < ui.available_width();
     if !is_optional || fits(&legend) {
-        return Some((legend, true));
+        return Some(ShownCutterLegend { legend, has_text: true });
     }
     let bare = legend.clone();
     // Of both plans there are more states, and each has two shares.
@@ -204,11 +211,11 @@ fn cutter_legend(ui: &Ui, state: &AppState) -> Option<(CutterLegend, bool)> {
         classes.iter_mut().for_each(|class| class.shares.clear());
     }
     if shown.len() > 1 && fits(&legend) {
-        return Some((legend, true));
+        return Some(ShownCutterLegend { legend, has_text: true });
     }
     let CutterLegend::Classes(classes) = &bare else { return None };
     let width = classes.len() as f32 * BARE_CLASS + MIN_BARE_SCALE_WIDTH;
-    (width < ui.available_width()).then_some((bare, false))
+    (width < ui.available_width()).then_some(ShownCutterLegend { legend: bare, has_text: false })
 }
 
 /// Width of a legend of classes, points.
@@ -244,9 +251,9 @@ fn class_text(share: &ClassShare) -> String {
 }
 
 /// Draws the legend of the cutters; a click on a class hides it, or shows it again.
-fn show_cutter_legend(ui: &mut Ui, legend: &CutterLegend, has_text: bool, hidden: &mut Vec<CutterClass>) {
-    match legend {
-        CutterLegend::Classes(classes) if !has_text => {
+fn show_cutter_legend(ui: &mut Ui, shown: &ShownCutterLegend, hidden: &mut Vec<CutterClass>) {
+    match &shown.legend {
+        CutterLegend::Classes(classes) if !shown.has_text => {
             for share in classes {
                 class_button(ui, share, false, hidden);
             }

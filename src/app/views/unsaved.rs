@@ -24,13 +24,14 @@ pub enum UnsavedAnswer {
     Cancel,
 }
 
-/// Draws the question about `work`; returns the answer once.
-pub fn ask(ui: &Ui, work: UnsavedWork) -> Option<UnsavedAnswer> {
+/// Draws the question about `work`, with the name of the project; returns the answer once.
+pub fn ask(ui: &Ui, work: UnsavedWork, project: &str) -> Option<UnsavedAnswer> {
     let title = match work {
-        UnsavedWork::Project => "Save the changes of this project?",
-        UnsavedWork::Library => "Save the changes of the shop library?",
+        UnsavedWork::Project => format!("Save the changes of {project}?"),
+        UnsavedWork::Library => "Save the changes of the shop library?".to_owned(),
     };
-    let question = Question { id: "unsaved", width: 320.0, title, text: "Unsaved changes will be lost." };
+    let (title, text) = (title.as_str(), "Unsaved changes will be lost.");
+    let question = Question { id: "unsaved", width: 320.0, title, text };
     let answers = [
         choice("Save", UnsavedAnswer::Save),
         choice("Don't save", UnsavedAnswer::Discard),

@@ -105,6 +105,29 @@ pub(super) fn rated(entry: LibraryTool) -> LibraryTool {
     LibraryTool { tool: entry.missing.filled(&entry.tool, None), ..entry }
 }
 
+/// What is noted of a rate that a library does not give.
+const MISSING_RATE: &str = "in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min";
+
+impl LibraryTool {
+    /// Puts `tool` in the place of its tool. What differs is given from then on: it is no longer noted as
+    /// missing or assumed.
+    pub fn replace(&mut self, tool: Tool) {
+        let before = &self.tool;
+        let mut given = vec![MISSING_RATE];
+        let sizes = [
+            ("insert width assumed", before.insert_width, tool.insert_width),
+            ("overhang assumed", before.overhang, tool.overhang),
+            ("corner radius assumed", before.corner_radius, tool.corner_radius),
+        ];
+        given.extend(sizes.iter().filter(|(_, old, new)| old != new).map(|(note, ..)| *note));
+        self.notes.retain(|note| !given.iter().any(|given| note.contains(given)));
+        self.missing.plunge_feed &= tool.plunge_feed == before.plunge_feed;
+        self.missing.spindle &= tool.spindle == before.spindle;
+        note_missing_rates(self.missing, &tool, &mut self.notes);
+        self.tool = tool;
+    }
+}
+
 /// Notes what rates a library does not give, where they do not follow from what it gives.
 pub(super) fn note_missing_rates(missing: MissingRates, tool: &Tool, notes: &mut Vec<String>) {
     let more = &tool.assembly;
@@ -116,9 +139,7 @@ pub(super) fn note_missing_rates(missing: MissingRates, tool: &Tool, notes: &mut
         (false, true) => "no spindle speed",
         (false, false) => return,
     };
-    notes.push(format!(
-        "{what} in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min"
-    ));
+    notes.push(format!("{what} {MISSING_RATE}"));
 }
 
 /// Checks the sizes of a tool as the reader of setups does: writes it and reads it back.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::mesh::solid::{FaceKind, Grid, Solid};
-use crate::part::body::{body_outline, inside, nose};
+use crate::part::body::{body_outline, inside};
 use crate::part::{Flowpath, Impeller};
 
 /// Smallest number of angular steps of a full turn.
@@ -85,7 +85,7 @@ pub(super) fn orient_outwards(mut solid: Solid) -> Solid {
 /// Chord error allowed each for chords along the meridian and around the axis, mm. Where the two curvatures
 /// have opposite signs, as on most flowpaths, the errors have opposite signs, too, and do not add up.
 fn chord_error_share(path: &Flowpath, chord_error: f64) -> f64 {
-    let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
+    let (start, end) = (path.arc_at(path.wheel_from()), path.arc_at(1.0));
     let opposite = (0..=200).all(|i| {
         let here = path.curve().at(start + (end - start) * f64::from(i) / 200.0);
         here.curvature * here.normal.r >= 0.0
@@ -95,7 +95,7 @@ fn chord_error_share(path: &Flowpath, chord_error: f64) -> f64 {
 
 /// Arc lengths of a flowpath, from its nose to the rim, between which chords stay within `error`, mm.
 fn stations(path: &Flowpath, error: f64) -> Vec<f64> {
-    let (start, end) = (path.arc_at(nose(path)), path.arc_at(1.0));
+    let (start, end) = (path.arc_at(path.wheel_from()), path.arc_at(1.0));
     let mut stations = vec![start];
     let pieces = 4;
     let turn = TURN * error / (end - start);

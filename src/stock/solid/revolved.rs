@@ -4,7 +4,7 @@ use super::lattice::Lattice;
 use super::rays::RayField;
 use super::span::{Span, SpanEnd};
 use crate::geometry::{Meridional, Point, Vector};
-use crate::part::body::{body_outline, nose};
+use crate::part::body::body_outline;
 use crate::part::{Blank, Impeller};
 
 /// Chords of each curve of an outline: those of a wheel of 500 mm are within 1 µm of it.
@@ -75,7 +75,7 @@ impl TurnedOutline {
         let body = body_outline(part);
         // Rim of the hub, back and bore; then the nose of the hub up to the leading edge.
         points.extend(&body);
-        let (from, to) = (nose(&part.hub), part.hub.s_at(part.hub.arc_at(0.0)));
+        let (from, to) = (part.hub.wheel_from(), part.hub.s_at(part.hub.arc_at(0.0)));
         let start = part.hub.curve().project(blank.hub.point(0.0)).0;
         let (from, to) = (part.hub.arc_at(from), start.min(part.hub.arc_at(to)));
         if from < to {

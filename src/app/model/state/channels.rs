@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::AppState;
-use crate::app::model::flank_run::FlankRun;
+use crate::app::model::flank_run::{FlankRun, WantedFlankRun};
 use crate::app::model::look::Operation;
 use crate::app::model::shown_channels::{ChannelProgress, ShownChannels};
 use crate::geometry::{Point, Vector, rotate_vector_z, rotate_z};
@@ -37,21 +37,36 @@ impl AppState {
         };
     }
 
-    /// Keeps the shown flank program that of the flank plan in as many channels as are shown, in the order in
-    /// which they would be exported. Its timeline begins anew where that changes.
+    /// Keeps the shown flank program that of the flank plan: at first in one channel. Its timeline begins
+    /// anew where that changes.
     pub fn follow_flank_channels(&mut self) {
         let Some(outcome) = &self.results.flank else {
             self.results.flank_run = None;
             return;
         };
-        let (order, count) = (self.document.edited.setup.channels, self.look.shown_channels);
+        let order = self.document.edited.setup.channels;
         let known = self.results.flank_run.as_ref().filter(|run| Arc::ptr_eq(&run.outcome, outcome));
         // Of a plan that is not in view the channels can wait.
-        let is_hidden = known.is_some() && self.look.operation != Operation::Flank;
-        if is_hidden || known.is_some_and(|run| run.is_of(outcome, order, count)) {
-            return;
+        let is_one = self.look.shown_channels <= 1 && self.look.operation == Operation::Flank;
+        let keeps = |run: &Arc<FlankRun>| !is_one || run.is_of(outcome, order, 1);
+        if !known.is_some_and(keeps) {
+            self.show_flank_run(Arc::new(FlankRun::new(outcome, order, 1)));
         }
-        let run = Arc::new(FlankRun::new(outcome, order, count));
+    }
+
+    /// The flank program in as many channels as are shown, in the order in which they would be exported;
+    /// `None` where it is shown already, and where it is not in view.
+    pub fn wanted_flank_run(&self) -> Option<WantedFlankRun> {
+        let outcome = self.results.flank.as_ref().filter(|_| self.look.operation == Operation::Flank)?;
+        let order = self.document.edited.setup.channels;
+        let count = outcome.workpiece.part.channels_within(self.look.shown_channels);
+        let is_of = |run: &Arc<FlankRun>| run.is_of(outcome, order, count);
+        let is_wanted = count > 1 && !self.results.flank_run.as_ref().is_some_and(is_of);
+        is_wanted.then(|| WantedFlankRun { outcome: Arc::clone(outcome), order, count })
+    }
+
+    /// Shows a flank program.
+    pub fn show_flank_run(&mut self, run: Arc<FlankRun>) {
         self.results.passes = Arc::clone(&run.passes);
         self.results.flank_run = Some(run);
         (self.look.flank.cut, self.look.flank.pass, self.look.playing) = (None, None, None);

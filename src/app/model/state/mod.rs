@@ -16,7 +16,7 @@ use crate::report::words::missed_goal;
 use crate::setup::AxisPolicy;
 
 use crate::app::model::document::{Document, Edited, OpenPart};
-use crate::app::model::field_faults::{FaultyField, FieldFault};
+use crate::app::model::field_faults::{FaultyField, FieldFault, ReplacedValue};
 use crate::app::model::flank_run::FlankRun;
 use crate::app::model::look::{Arrangement, Look, Operation};
 use crate::app::model::machine::{AxisDemand, ProgramOnMachine};
@@ -391,7 +391,8 @@ impl AppState {
 
     /// What is wrong with single fields. Those of a project file stay when their messages are dismissed.
     pub fn field_faults(&self) -> Arc<[FieldFault]> {
-        let replaced: Vec<&FieldFault> = self.document.replaced.iter().flatten().collect();
+        let replaced: Vec<&FieldFault> =
+            self.document.replaced.iter().filter_map(|value| value.field.as_ref()).collect();
         let reported = self.problems.iter().filter_map(|problem| problem.field.as_ref());
         let others = reported.filter(|fault| !replaced.contains(fault));
         replaced.iter().copied().chain(others).cloned().collect()
@@ -406,8 +407,8 @@ impl AppState {
         };
         self.problems.retain(|problem| !is_ended(problem));
         let is_edited =
-            |fault: &Option<FieldFault>| fault.as_ref().is_some_and(|f| edited.contains(&f.field));
-        self.document.replaced.retain(|fault| !is_edited(fault));
+            |value: &ReplacedValue| value.field.as_ref().is_some_and(|f| edited.contains(&f.field));
+        self.document.replaced.retain(|value| !is_edited(value));
     }
 
     /// Removes the problems of a topic: it is solved.

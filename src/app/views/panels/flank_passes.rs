@@ -39,7 +39,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         return;
     }
     let selected = state.look.flank.pass;
+    // Its own place of scrolling, and a new one for another part.
+    let part = state.document.part.as_ref().map(|part| part.hash.fnv1a);
     let mut builder = TableBuilder::new(ui)
+        .id_salt(("flank passes", part))
         .striped(true)
         .sense(Sense::CLICK)
         .auto_shrink([false, false])

@@ -12,6 +12,11 @@ use crate::app::views::theme::Condition;
 const TOP: f32 = 42.0;
 /// Maximum width of the messages, points.
 const MAX_WIDTH: f32 = 560.0;
+/// Width at the left of the view that they leave free for the note on the next plan, and at the right for the
+/// cube, where they keep at least this width themselves, points.
+const NOTE_WIDTH: f32 = 250.0;
+const CUBE_WIDTH: f32 = 80.0;
+const MIN_WIDTH: f32 = 360.0;
 /// Share of the view that they cover at most, and least height, points: what is more is scrolled to.
 const MAX_SHARE: f32 = 0.4;
 const MIN_HEIGHT: f32 = 70.0;
@@ -38,8 +43,10 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
         return 0.0;
     }
     let (mut is_undone, mut dismissed) = (false, None);
-    let width = (whole.width() - 20.0).clamp(80.0, MAX_WIDTH);
-    let corner = egui::pos2(whole.center().x - 0.5 * width, whole.top() + TOP);
+    let beside = whole.width() - NOTE_WIDTH - CUBE_WIDTH;
+    let width = if beside < MIN_WIDTH { whole.width() - 20.0 } else { beside }.clamp(80.0, MAX_WIDTH);
+    let left = if beside < MIN_WIDTH { 0.0 } else { NOTE_WIDTH };
+    let corner = egui::pos2((whole.center().x - 0.5 * width).max(whole.left() + left), whole.top() + TOP);
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
     let height = at.height().min((MAX_SHARE * whole.height() - TOP).max(MIN_HEIGHT));

@@ -118,9 +118,7 @@ impl SidePicture {
             return;
         }
         let walls = |shown: Option<&ShownFlank>| {
-            shown
-                .filter(|shown| shown.colours == FlankColours::Walls)
-                .map(|shown| Arc::as_ptr(&shown.run.outcome))
+            shown.filter(|shown| shown.colours == FlankColours::Walls).map(|shown| Arc::as_ptr(&shown.run))
         };
         let same_walls = walls(self.flank.as_ref()) == walls(shown.as_ref());
         let lines = shown.as_ref().map(ShownFlank::lines);
@@ -134,7 +132,10 @@ impl SidePicture {
         if let Some(flank) = self.flank.as_ref().filter(|_| self.shows_walls() && !same_walls) {
             let outcome = &flank.run.outcome;
             let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &shown_walls(&outcome.plan));
-            self.scene.set_values(&self.gpu, mesh);
+            // All channels are cut alike.
+            let mut walls = Mesh::default();
+            flank.run.turns_rad().iter().for_each(|&turn| walls.append(&mesh.rotated_about_z(turn)));
+            self.scene.set_values(&self.gpu, walls);
         }
         self.generation += 1;
     }

@@ -5,7 +5,7 @@ use super::spline::generatrix;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::io::step::surface::ON_AXIS;
 use crate::part::Impeller;
-use crate::part::body::{body_outline, nose};
+use crate::part::body::body_outline;
 
 /// A surface of revolution about Z, from inlet to outlet.
 pub struct RevolvedSurface {
@@ -31,13 +31,13 @@ fn revolved(out: &mut Instances, curve: &MeridionalCurve, from: f64, to: f64) ->
 /// The surface of the hub, from its nose to the rim.
 pub fn hub_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
     let hub = &part.hub;
-    revolved(out, hub.curve(), hub.arc_at(nose(hub)), hub.arc_at(1.0))
+    revolved(out, hub.curve(), hub.arc_at(hub.wheel_from()), hub.arc_at(1.0))
 }
 
 /// The surface of the shroud.
 pub fn shroud_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
     let shroud = &part.shroud;
-    revolved(out, shroud.curve(), shroud.arc_at(nose(shroud)), shroud.arc_at(1.0))
+    revolved(out, shroud.curve(), shroud.arc_at(shroud.wheel_from()), shroud.arc_at(1.0))
 }
 
 /// A corner of an outline: its vertex, and its circle where it is off the axis.
