@@ -103,6 +103,16 @@ impl<'a> Lane<'a> {
         (m, (self.shroud_point(ends) - m).normalize())
     }
 
+    /// Spacing S of two neighbouring axes ([plunge paper], fig. 6): the larger of the distances of `next` at
+    /// hub and shroud from the line through `tip` along the unit vector `axis`, mm.
+    pub fn spacing(&self, (tip, axis): (Point, Vector), next: &AxisEnds) -> f64 {
+        let across = |p: Point| {
+            let d = p - tip;
+            (d - axis * d.dot(&axis)).norm()
+        };
+        across(self.hub_point(next)).max(across(self.shroud_point(next)))
+    }
+
     fn cutter(&self, ends: &AxisEnds) -> CutterSolid {
         let (tip, axis) = self.line(ends);
         CutterSolid { tip, axis, radius: self.radius, corner_radius: self.corner_radius }

@@ -225,14 +225,9 @@ impl RowMaker<'_> {
         Ok(stations)
     }
 
-    /// Spacing S of two neighbouring axes ([plunge paper], fig. 6): the larger of their distances at hub and
-    /// shroud, mm.
+    /// Spacing of two neighbouring stations, mm; see [`Lane::spacing`].
     pub fn spacing(&self, a: &Station, b: &Station) -> f64 {
-        let across = |p: Point| {
-            let d = p - a.tip;
-            (d - a.axis * d.dot(&a.axis)).norm()
-        };
-        across(self.lane.hub_point(&b.ends)).max(across(self.lane.shroud_point(&b.ends)))
+        self.lane.spacing((a.tip, a.axis), &b.ends)
     }
 
     /// Whether a station has to be inserted between `a` and `b`, which are `apart` in s: their spacing

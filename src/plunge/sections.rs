@@ -126,9 +126,9 @@ fn used_tools(setup: &Setup) -> Vec<Tool> {
     used
 }
 
-/// The sections with tools of a library of all sizes. The estimate of time alone would prefer the largest
-/// cutter that fits, which leaves the most stock on the floor: one that has room for about three rows at the
-/// outlet is taken, or for two where the rows of that one would have very many places.
+/// The sections with tools of a library of all sizes. By the estimate of time alone, the largest cutter that
+/// fits would be chosen, and it leaves the most stock on the floor. Therefore about three rows have to fit
+/// side by side at the outlet. Where such a cutter needs very many places, two rows are enough.
 fn choose_from_library(
     tools: &[Tool],
     setup: &Setup,
@@ -142,7 +142,6 @@ fn choose_from_library(
         (chosen.iter().map(|chosen| chosen.places).sum::<f64>(), chosen)
     };
     let (places, chosen) = by_share(SHARE_OF_THREE_ROWS);
-
     if places <= MANY_PLACES {
         return chosen;
     }
@@ -150,14 +149,14 @@ fn choose_from_library(
     if places_of_two < WORTH_TWO_ROWS * places { chosen_of_two } else { chosen }
 }
 
-/// Diameter of a cutter that has room for three rows or for two, as a share of the free width.
+/// Largest diameters, as shares of the free width at the outlet, with which three rows fit there, or two.
 const SHARE_OF_THREE_ROWS: f64 = 0.65;
 const SHARE_OF_TWO_ROWS: f64 = 0.85;
 /// Share of the places up to which the larger cutter is worth the stock that it leaves.
 const WORTH_TWO_ROWS: f64 = 0.7;
 
-/// Largest diameter to choose from a library, mm: at most this `share` of the free width at the outlet, so
-/// that the cutter neither bridges the curvature of the hub nor is much wider than the depth of the outlet.
+/// Largest diameter to choose from a library, mm: at most this `share` of the free width at the outlet. The
+/// cutter also must not bridge the curvature of the hub, nor be much wider than the outlet is deep.
 fn largest_diameter(share: f64, setup: &Setup, part: &Impeller, survey: &Survey) -> f64 {
     let outlet = survey.stations.iter().filter(|station| station.s >= 0.7 - 1e-9);
     let width = outlet.map(|station| station.narrowest).fold(f64::INFINITY, f64::min);

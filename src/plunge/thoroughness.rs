@@ -1,23 +1,22 @@
-//! How thoroughly `minimal` searches a section: where rows have many places, each of them is worth less, and
-//! a search that leaves a few percent less stock takes minutes.
+//! How thoroughly `minimal` searches a section. Where rows have very many places, a full search takes minutes
+//! and leaves only a few percent less stock.
 
+use super::lane::AxisEnds;
 use super::section_layout::StretchLayout;
 use super::spacing::step_limit;
-use crate::geometry::{Point, Vector};
 use crate::setup::{PlungeSetup, Tool};
 
-/// Number of places in the rows of a plan from which on it has very many. A wheel whose passages the cutters
-/// suit has a few hundred.
+/// Number of places in rows that counts as very many. Where the cutters suit the passages, a wheel has a few
+/// hundred.
 pub(super) const MANY_PLACES: f64 = 1000.0;
 /// Equal parts of a row in which the speed of its axis is measured.
 const SAMPLES: u32 = 8;
 
 /// How thoroughly `minimal` searches a section.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Thoroughness {
     /// Both cutting directions, finer grids of lead angles where plunges stop short, a dense pool of added
     /// plunges down to a small gain.
-    #[default]
     Full,
     /// One grid, half of the pool, added plunges only with twice the gain, and the other direction only where
     /// the first one is far from what is acceptable.
@@ -52,21 +51,16 @@ pub(super) fn row_places(layouts: &[StretchLayout], plunge: &PlungeSetup, tool: 
     layouts.iter().map(places).sum()
 }
 
-/// How far the axis of a row in the middle moves along `layout` where it moves fastest: positions are evenly
-/// spaced in s. mm; 0 where it has no axes.
+/// Length in mm over which the axis of a row in the middle of `layout` would move if it moved as fast
+/// everywhere as where it moves fastest: positions are evenly spaced in s. 0 where the row has no axes.
 fn way_of_row(StretchLayout { stretch, lane, .. }: &StretchLayout) -> f64 {
-    let axis_at = |i: u32| {
-        let ends = lane.isoparametric(0.5, stretch.s_at(f64::from(i) / f64::from(SAMPLES)))?;
-        let (foot, axis) = lane.line(&ends);
-        Some((foot, lane.shroud_point(&ends), axis))
-    };
-    let axes: Vec<Option<(Point, Point, Vector)>> = (0..=SAMPLES).map(axis_at).collect();
-    let apart = axes.windows(2).filter_map(|pair| {
-        let [Some((foot, top, axis)), Some((next_foot, next_top, _))] = pair else { return None };
-        let across = |way: Vector| (way - axis * way.dot(axis)).norm();
-        Some(across(next_foot - foot).max(across(next_top - top)))
+    let axis_at = |i: u32| lane.isoparametric(0.5, stretch.s_at(f64::from(i) / f64::from(SAMPLES)));
+    let axes: Vec<Option<AxisEnds>> = (0..=SAMPLES).map(axis_at).collect();
+    let spacings = axes.windows(2).filter_map(|pair| {
+        let (axis, next) = (pair[0].as_ref()?, pair[1].as_ref()?);
+        Some(lane.spacing(lane.line(axis), next))
     });
-    f64::from(SAMPLES) * apart.fold(0.0, f64::max)
+    f64::from(SAMPLES) * spacings.fold(0.0, f64::max)
 }
 
 #[cfg(test)]

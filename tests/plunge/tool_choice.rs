@@ -138,8 +138,8 @@ fn very_many_places_ask_for_a_larger_cutter() {
         setup.tools.iter().map(|tool| tool.diameter).fold(0.0, f64::max) / free
     };
     let [few, many] = [12, 29].map(share);
-    assert!(few <= 0.66, "room for three rows: {few}");
-    assert!(0.66 < many && many <= 0.86, "room for two rows, not three of D 2: {many}");
+    assert!(few <= 0.66, "three rows fit: {few}");
+    assert!(0.66 < many && many <= 0.86, "two rows fit, but not three: {many}");
 }
 
 #[test]

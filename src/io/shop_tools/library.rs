@@ -109,8 +109,8 @@ pub(super) fn rated(entry: LibraryTool) -> LibraryTool {
 const MISSING_RATE: &str = "in the library: by `material` of the setup; without one 300 mm/min, 1200 rev/min";
 
 impl LibraryTool {
-    /// Puts `tool` in the place of its tool. What differs is given from then on: it is no longer noted as
-    /// missing or assumed.
+    /// Replaces the tool of this entry by `tool`. A value that changes was entered by the user: the note that
+    /// it is missing or assumed is removed.
     pub fn replace(&mut self, tool: Tool) {
         let before = &self.tool;
         let mut given = vec![MISSING_RATE];

@@ -1,5 +1,7 @@
 //! Points of a side on a grid, how far the side bends between them, and branch and bound over its cells.
 
+use std::cell::LazyCell;
+
 use super::query::DistanceQuery;
 use super::seeds::MAX_V_LINES;
 use crate::geometry::{Point, Vector};
@@ -45,6 +47,7 @@ struct Sag {
     tangential: f64,
 }
 
+/// Lines of v of a ruled side.
 const RULED_V_LINES: usize = 5;
 /// Sag of a cell, as a share of its length, up to which its direction turns by less than a quarter of a
 /// radian.
@@ -62,6 +65,7 @@ impl Sag {
         cos * self.normal + sin * self.tangential
     }
 
+    /// Widens it by the second derivative `bend` times `scale`; returns the part of that along `normal`, mm.
     fn include(&mut self, bend: &Vector, normal: &Vector, scale: f64) -> f64 {
         let height = bend.dot(normal);
         self.normal = self.normal.max(scale * height.abs());
@@ -139,8 +143,8 @@ pub(super) struct CellSearch<'a, Q, F> {
     pub v_range: (f64, f64),
     /// That at a near point.
     tangent: Tangent,
-    trace_of_lines: F,
-    trace: Option<Trace>,
+    /// Most searches end before it is needed.
+    trace: LazyCell<Trace, F>,
     /// Radius of curvature of the distance, mm.
     radius: f64,
     /// Certainly nothing is left that is nearer than this, mm.
@@ -224,7 +228,7 @@ impl SideGrid {
     /// about the cells above line j of v: centre, and radius, mm.
     pub fn look(
         &self,
-        search: &mut CellSearch<'_, impl DistanceQuery, impl Fn() -> Trace>,
+        search: &mut CellSearch<'_, impl DistanceQuery, impl FnOnce() -> Trace>,
         (first, last): (usize, usize),
         ball: impl Fn(usize) -> (Point, f64),
     ) {
@@ -273,7 +277,7 @@ impl SideGrid {
     /// Branch and bound over `waiting` patches of a cell.
     fn branch(
         &self,
-        search: &mut CellSearch<'_, impl DistanceQuery, impl Fn() -> Trace>,
+        search: &mut CellSearch<'_, impl DistanceQuery, impl FnOnce() -> Trace>,
         cell: &GridCell,
         waiting: &mut Vec<Patch>,
     ) {
@@ -308,7 +312,7 @@ impl SideGrid {
     }
 }
 
-impl<'a, Q: DistanceQuery, F: Fn() -> Trace> CellSearch<'a, Q, F> {
+impl<'a, Q: DistanceQuery, F: FnOnce() -> Trace> CellSearch<'a, Q, F> {
     /// A search for points that are nearer than `known` mm by `tolerance` mm at most. `tangent` is that at a
     /// near point, where the distance has the radius of curvature `radius` mm; `trace` tells where local
     /// searches ended.
@@ -319,17 +323,7 @@ impl<'a, Q: DistanceQuery, F: Fn() -> Trace> CellSearch<'a, Q, F> {
         trace: F,
     ) -> Self {
         let limit = known - tolerance;
-        Self {
-            query,
-            v_range,
-            tangent,
-            trace_of_lines: trace,
-            trace: None,
-            radius,
-            limit,
-            tolerance,
-            found: None,
-        }
+        Self { query, v_range, tangent, trace: LazyCell::new(trace), radius, limit, tolerance, found: None }
     }
 
     /// Whether what is certainly not nearer than `bound` mm does not matter.
@@ -340,9 +334,8 @@ impl<'a, Q: DistanceQuery, F: Fn() -> Trace> CellSearch<'a, Q, F> {
 
     /// Whether local searches came by a cell so that its nearest point is known: along u the distance has one
     /// minimum there, as the side is straighter than the cutter or bulges towards it.
-    fn knows(&mut self, cell: &GridCell, i: usize, j: usize) -> bool {
-        let trace = self.trace.get_or_insert_with(&self.trace_of_lines);
-        let (Some((a, _)), Some((b, _))) = (trace[j], trace[j + 1]) else { return false };
+    fn knows(&self, cell: &GridCell, i: usize, j: usize) -> bool {
+        let (Some((a, _)), Some((b, _))) = (self.trace[j], self.trace[j + 1]) else { return false };
         // Where they are apart, two minima exchange roles between the lines.
         if a.abs_diff(b) > 1 || i + 1 < a.min(b) || i > a.max(b) + 1 {
             return false;
@@ -356,7 +349,7 @@ impl<'a, Q: DistanceQuery, F: Fn() -> Trace> CellSearch<'a, Q, F> {
 
     /// The tangent where the local search on the lower line of a row of cells ended.
     fn row_tangent(&self, j: usize) -> Option<Tangent> {
-        let (_, point) = self.trace.as_ref()?[j]?;
+        let (_, point) = self.trace[j]?;
         Some(Tangent::new(self.query, &point))
     }
 

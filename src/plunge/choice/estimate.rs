@@ -85,7 +85,7 @@ impl RowEstimate {
         self.advance * self.plunging * self.places_per_mm(steps)
     }
 
-    /// Counts in the extent `across` of its passage, between whose walls `gaps` rows have room.
+    /// Takes the passage at another station into account, where `gaps` gaps between rows are needed.
     fn add_extent(&mut self, across: &PassageExtent, gaps: f64) {
         self.gaps = self.gaps.max(gaps);
         self.advance = self.advance.max(across.advance);

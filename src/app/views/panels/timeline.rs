@@ -43,8 +43,8 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     chosen
 }
 
-/// The line of the exported program at the position of the timeline. `clock` is the time to show before it,
-/// s, where the slider leaves no room for the clock.
+/// The line of the exported program at the position of the timeline. It begins with the time `clock`, s, if
+/// that does not fit beside the slider.
 fn program_line(ui: &mut Ui, state: &AppState, clock: Option<f64>) {
     let Some(listing) = &state.results.listing else {
         ui.label(RichText::new("Program: listing…").weak());
