@@ -286,7 +286,7 @@ impl SideProbe {
                 continue;
             }
             let range = (b * BLOCK, ((b + 1) * BLOCK).min(self.grid.u.len() - 1));
-            self.grid.look(&mut search, range, |j| *self.blocks.row(j, b));
+            self.grid.look(&mut search, range);
         }
         search.found.map_or(near, |found| self.refined(query, &found, v_range))
     }

@@ -26,8 +26,6 @@ pub(super) struct Blocks {
     /// Balls about the cells after the points of the blocks with the same number on all lines: centre, and
     /// radius, mm.
     pub strips: Vec<(Point, f64)>,
-    /// The same of the cells between two lines alone, [`Self::per_line`] after each line but the last.
-    rows: Vec<(Point, f64)>,
 }
 
 /// A run of points of one line of the grid in a bounding ball. A distance changes by at most the distance
@@ -71,30 +69,22 @@ impl Blocks {
         };
         let numbers = (0..lines).flat_map(|j| (0..per_line).map(move |b| (j, b)));
         let blocks = numbers.map(|(j, b)| block(j, b)).collect();
-        // A ball about the cells after the points of the blocks of number b, from line `low` to line `high`.
-        let ball = |b: usize, low: usize, high: usize| {
+        let strip = |b: usize| {
             let (first, last) = (b * BLOCK, ((b + 1) * BLOCK).min(n - 1));
-            let own = || (low..=high).flat_map(|j| (first..=last).map(move |i| j * n + i));
+            let own = || (0..lines).flat_map(|j| (first..=last).map(move |i| j * n + i));
             let sum: Vector = own().map(|k| points[k].coords).sum();
-            let centre = Point::from(sum / ((high + 1 - low) * (last + 1 - first)) as f64);
+            let centre = Point::from(sum / (lines * (last + 1 - first)) as f64);
             let off = |k: usize| (points[k] - centre).norm();
             let of_cell = |(i, j): (usize, usize)| {
                 grid.corners(i, j).map(off).into_iter().fold(0.0, f64::max) + grid.sag(i, j)
             };
             // A last strip of a single line has no cell of its own.
             let lone = own().map(off).fold(0.0, f64::max);
-            let cells = (low..high).flat_map(|j| (first..last).map(move |i| (i, j)));
+            let cells = (0..lines - 1).flat_map(|j| (first..last).map(move |i| (i, j)));
             (centre, cells.map(of_cell).fold(lone, f64::max))
         };
-        let strips = (0..per_line).map(|b| ball(b, 0, lines - 1)).collect();
-        let rows = (0..lines - 1).flat_map(|j| (0..per_line).map(move |b| (j, b)));
-        let rows = rows.map(|(j, b)| ball(b, j, j + 1)).collect();
-        Self { reaches, blocks, per_line, strips, rows }
-    }
-
-    /// A ball about the cells of block `b` between line `j` and the next: centre, and radius, mm.
-    pub fn row(&self, j: usize, b: usize) -> &(Point, f64) {
-        &self.rows[j * self.per_line + b]
+        let strips = (0..per_line).map(strip).collect();
+        Self { reaches, blocks, per_line, strips }
     }
 
     /// Those of line `j`.

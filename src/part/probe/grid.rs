@@ -224,23 +224,17 @@ impl SideGrid {
 
     /// Looks for points in the cells from line `first` to line `last` of u that are nearer than the limit of
     /// `search`, by branch and bound: a distance from a convex body is a convex function of the point, so
-    /// that it is nowhere below its tangent at any point. What is not found is not there. `ball` gives a ball
-    /// about the cells above line j of v: centre, and radius, mm.
+    /// that it is nowhere below its tangent at any point. What is not found is not there.
     pub fn look(
         &self,
         search: &mut CellSearch<'_, impl DistanceQuery, impl FnOnce() -> Trace>,
         (first, last): (usize, usize),
-        ball: impl Fn(usize) -> (Point, f64),
     ) {
         let n = self.u.len();
         let mut waiting = Vec::new();
         let tangent = search.tangent;
         for j in 0..self.v.len() - 1 {
             if self.v[j] >= search.v_range.1 || self.v[j + 1] <= search.v_range.0 {
-                continue;
-            }
-            let (centre, radius) = ball(j);
-            if search.is_beyond(tangent.at(&centre) - radius) {
                 continue;
             }
             let mut last_tangent = None;
