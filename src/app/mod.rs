@@ -63,8 +63,9 @@ use views::pictures::{Pictures, PreviewSource};
 use views::roles::RolesDialog;
 use views::timeline_tool::TimelineTool;
 use views::tour::{Tour, WindowRegion};
+use views::under_cursor::Hover;
 use views::view3d::{View3d, ViewHit};
-use views::viewport::{Hover, ScreenInfo};
+use views::viewport::ScreenInfo;
 use views::{repaint, theme};
 
 /// The application.
