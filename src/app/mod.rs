@@ -359,6 +359,7 @@ impl eframe::App for App {
         self.keep_copy(ctx);
         self.keep_library_copy(ctx);
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
+        self.look_for_copies(ctx);
             ctx.request_repaint_after(Duration::from_secs_f64(wait));
         }
         self.state.follow_channels();
