@@ -338,7 +338,9 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         if !self.was_handed_over() {
+            self.state.follow_selection();
             self.collect(ctx);
+            self.state.follow_selection();
         }
         if self.was_handed_over() {
             return;
