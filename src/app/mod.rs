@@ -349,8 +349,9 @@ impl eframe::App for App {
         self.watch_closing(ctx);
         // While a dialog or the command search is open, shortcuts are disabled.
         if !self.palette.is_open() && !self.is_asking() {
-            // An open menu takes Escape first, then the window in front.
-            let keeps_escape = egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx);
+            // An open menu takes Escape first, then the window in front, then the tour.
+            let keeps_escape =
+                egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
             let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
@@ -358,10 +359,10 @@ impl eframe::App for App {
         }
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
         self.claim_project();
+        self.look_for_copies(ctx);
         self.keep_copy(ctx);
         self.keep_library_copy(ctx);
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {
-        self.look_for_copies(ctx);
             ctx.request_repaint_after(Duration::from_secs_f64(wait));
         }
         self.state.follow_channels();
