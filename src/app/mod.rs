@@ -63,8 +63,9 @@ use views::pictures::{Pictures, PreviewSource};
 use views::roles::RolesDialog;
 use views::timeline_tool::TimelineTool;
 use views::tour::{Tour, WindowRegion};
+use views::under_cursor::Hover;
 use views::view3d::{View3d, ViewHit};
-use views::viewport::{Hover, ScreenInfo};
+use views::viewport::ScreenInfo;
 use views::{repaint, theme};
 
 /// The application.
@@ -337,7 +338,9 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
         if !self.was_handed_over() {
+            self.state.follow_selection();
             self.collect(ctx);
+            self.state.follow_selection();
         }
         if self.was_handed_over() {
             return;
@@ -346,8 +349,9 @@ impl eframe::App for App {
         self.watch_closing(ctx);
         // While a dialog or the command search is open, shortcuts are disabled.
         if !self.palette.is_open() && !self.is_asking() {
-            // An open menu takes Escape first, then the window in front.
-            let keeps_escape = egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx);
+            // An open menu takes Escape first, then the window in front, then the tour.
+            let keeps_escape =
+                egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
             let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
@@ -355,6 +359,7 @@ impl eframe::App for App {
         }
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
         self.claim_project();
+        self.look_for_copies(ctx);
         self.keep_copy(ctx);
         self.keep_library_copy(ctx);
         if let Some(wait) = self.state.advance(ctx.input(|input| input.time)) {

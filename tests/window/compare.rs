@@ -8,7 +8,7 @@ use vanecut::app::model::planned::Side;
 use vanecut::setup::AxisPolicy;
 
 use crate::fake;
-use crate::harness::{Window, press, settle, snapshot_view, with_sample};
+use crate::harness::{Window, press, settle, snapshot_view, with_sample, words};
 
 fn wide(engine: vanecut::app::tasks::engine::Engine) -> Window {
     let mut window = with_sample(engine);
@@ -266,4 +266,31 @@ fn the_value_under_the_cursor_is_that_of_both_sides() {
     window.hover_at(corner);
     window.run_steps(2);
     assert!(window.query_by_label_contains(", after ").is_none(), "nothing beside the channel");
+}
+
+#[test]
+fn the_figure_under_a_resting_pointer_is_that_of_what_is_drawn() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.state_mut().look_mut().layers.cutters = false;
+    window.key_press(egui::Key::Num4);
+    window.run_steps(8);
+    settle(&mut window);
+    let rect = window.get_by_label("3D view").rect();
+    let at = |k: usize| rect.min + rect.size() * egui::vec2((k % 24) as f32 / 24.0, (k / 24) as f32 / 24.0);
+    let found = (1..576).map(|k| at(217 * k % 576)).find(|&at| {
+        window.hover_at(at);
+        window.step();
+        words(&window, " mm here").is_some()
+    });
+    assert!(found.is_some(), "the floor is seen");
+    window.run_steps(2);
+    let stock = words(&window, " mm here").expect("a figure");
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::D);
+    window.run_steps(4);
+    let difference = words(&window, " mm here").expect("a figure");
+    assert_ne!(difference, stock);
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::D);
+    window.run_steps(4);
+    assert_eq!(words(&window, " mm here"), Some(stock));
 }

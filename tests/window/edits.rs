@@ -88,9 +88,9 @@ fn a_plunge_is_lifted_deleted_and_brought_back() {
         assert_eq!(count_edits(&window), left, "each edit is undone by itself");
     }
     assert_eq!(positions(&window), found);
+    assert_eq!(window.state().state().look.selected, Some(2), "undo brings the selection back");
 
     // With another setup it no longer fits.
-    assert_eq!(window.state().state().look.selected, Some(2));
     click(&mut window, "Lift");
     set(&mut window, "Step", 3.1);
     settle(&mut window);
@@ -262,4 +262,43 @@ fn the_conventional_side_cannot_be_edited() {
     window.key_press(egui::Key::Delete);
     window.run_steps(3);
     assert_eq!(count_edits(&window), 0);
+}
+
+/// The plunge of a plan whose tip is nearest.
+fn nearest(plan: &[Position], to: &Position) -> usize {
+    let distance = |k: &usize| (plan[*k].tip - to.tip).norm();
+    (0..plan.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("positions")
+}
+
+#[test]
+fn the_selection_stays_at_its_place_in_another_plan_and_comes_back_to_its_plunge() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = planned(folder.path());
+    let selected = |window: &Window| window.state().state().look.selected.expect("a plunge is selected");
+    let found = positions(&window);
+    let last = found.len();
+    window.state_mut().look_mut().select(Some(last - 1));
+    window.run_steps(3);
+    // A number is another place in a plan with fewer or more rows.
+    set(&mut window, "Step", 3.1);
+    settle(&mut window);
+    let finer = positions(&window);
+    assert_ne!(finer.len(), last);
+    assert_eq!(selected(&window), nearest(&finer, &found[last - 1]));
+    assert_ne!(selected(&window), last - 1);
+    window.get_by_label(&format!("Position {}", selected(&window) + 1));
+
+    window.key_press(egui::Key::B);
+    window.run_steps(3);
+    let before = positions(&window);
+    assert_eq!(selected(&window), nearest(&before, &found[last - 1]));
+    window.key_press(egui::Key::B);
+    window.run_steps(3);
+    assert_eq!(selected(&window), nearest(&finer, &found[last - 1]));
+
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(positions(&window), found);
+    assert_eq!(selected(&window), last - 1, "undo brings it back");
 }

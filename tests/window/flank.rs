@@ -395,3 +395,38 @@ fn f6_while_both_operations_are_calculated_begins_nothing_anew() {
     assert_eq!(calls.load(Ordering::SeqCst), 1, "the same is not begun again");
     assert!(window.state().state().results.flank.is_some());
 }
+
+#[test]
+fn the_table_of_passes_follows_a_dragged_timeline_and_names_no_splitter_where_there_is_none() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    plan_flank(&mut window, 10.0);
+    let passes = Arc::clone(&window.state().state().results.passes);
+    let last = passes.passes.len() - 1;
+    // To the end and back, a frame each, as a quick drag does.
+    for end in [passes.passes[last].end, passes.passes[last / 3].end, passes.passes[last / 2].end] {
+        window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(end as f64);
+        window.step();
+    }
+    window.run_steps(30);
+    settle(&mut window);
+    assert_eq!(window.state().state().look.flank.pass, Some(last / 2));
+    window.get_by_label(&format!("Pass {}", last / 2 + 1));
+
+    let wall = passes.passes.iter().position(|pass| pass.along_wall).expect("walls are milled");
+    let other = passes.passes.iter().position(|pass| !pass.along_wall).expect("the floor is milled");
+    for (k, named) in [(other, "the whole channel"), (wall, ", along the ")] {
+        window
+            .get_by_role_and_label(Role::Slider, "Timeline")
+            .set_value_accesskit(passes.passes[k].end as f64);
+        window.run_steps(8);
+        window.get_by_label(&format!("Pass {}", k + 1)).hover();
+        window.run_steps(30);
+        window.get_by_label_contains(named);
+        assert_eq!(words(&window, "splitter"), None);
+    }
+    window.get_by_label("region").click_accesskit();
+    window.run_steps(4);
+    window.get_by_label("the whole channel");
+    assert_eq!(words(&window, "splitter"), None);
+}

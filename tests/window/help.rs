@@ -78,4 +78,15 @@ fn the_tour_is_offered_once_and_shows_the_parts_of_the_window() {
     again.get_by_role_and_label(Role::Button, "Skip tour").click();
     again.run_steps(2);
     assert!(again.query_by_label("1 of 5").is_none());
+    again.get_by_label("Help").click();
+    again.run_steps(2);
+    again.get_by_role_and_label(Role::Button, "Tour").click();
+    again.run_steps(3);
+    again.get_by_label("1 of 5");
+    again.key_press(egui::Key::F5);
+    again.run_steps(2);
+    again.key_press(egui::Key::Escape);
+    again.run_steps(3);
+    assert!(again.query_by_label("1 of 5").is_none(), "Escape ends the tour");
+    assert!(again.query_by_label_contains("Calculation cancelled").is_none(), "and nothing else");
 }

@@ -333,3 +333,21 @@ fn what_was_undone_is_not_offered_after_a_crash() {
     drop(first);
     assert_eq!(copies(), 0, "nothing is left to recover");
 }
+
+/// A session that was killed holds its copy until the system has freed what it had.
+#[test]
+fn the_start_page_offers_the_copy_of_a_session_that_ends_after_it_is_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let mut dying = window_with_part(&engine, &home, folder.path());
+    edit_step(&mut dying, 7.5);
+    dying.run_steps(14);
+    let mut next = window_at(&engine, &home);
+    next.run_steps(8);
+    assert!(next.query_by_label("Recover").is_none(), "its session runs");
+    drop(dying);
+    next.run_steps(8);
+    recover(&mut next);
+    assert_eq!(step(&next), Some(7.5));
+}

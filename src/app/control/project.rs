@@ -39,6 +39,8 @@ pub(in crate::app) struct Session {
     pub(super) copied: Option<Edited>,
     /// When the recovery copy was due last, s.
     pub(super) copied_at: Option<f64>,
+    /// When recovery copies of other sessions are looked for again, s; `None` where none of them runs.
+    pub(super) look_for_copies_at: Option<f64>,
     /// Tool library in its copy on disk, when that was due last, s, and the copy that another session has
     /// left.
     pub(super) copied_library: Option<LibraryState>,
@@ -85,6 +87,7 @@ impl App {
         let home = Home::new(folder);
         self.state.recents = home.recents();
         self.state.recoverable = home.recoverable();
+        self.session.look_for_copies_at = home.has_running_session().then_some(0.0);
         let preferences = home.preferences();
         (self.state.look.mouse, self.state.look.units) = (preferences.mouse, preferences.units);
         self.session.knows_tour = preferences.knows_tour;

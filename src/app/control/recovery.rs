@@ -20,7 +20,27 @@ use crate::job::worker::Outcome;
 /// edit waits for a frame, too.
 const COPY_EVERY: Duration = Duration::from_secs(1);
 
+/// Time between two looks for the copies of sessions that end while the start page is shown.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+
 impl App {
+    /// Offers, while nothing is open, the copies of sessions that still ran at the start: one that was just
+    /// killed may take seconds to end. Call once per frame.
+    pub(in crate::app) fn look_for_copies(&mut self, ctx: &Context) {
+        let Some(at) = self.session.look_for_copies_at.filter(|_| self.state.document.part.is_none()) else {
+            return;
+        };
+        let (now, every) = (ctx.input(|input| input.time), LOOK_EVERY.as_secs_f64());
+        let Some(home) = self.session.home.as_ref().filter(|_| now >= at) else {
+            ctx.request_repaint_after(Duration::from_secs_f64((at - now).clamp(0.0, every)));
+            return;
+        };
+        let still_runs = home.has_running_session();
+        self.state.recoverable = home.recoverable();
+        self.session.look_for_copies_at = still_runs.then_some(now + every);
+        ctx.request_repaint_after(LOOK_EVERY);
+    }
+
     /// Whether `path` is a recovery copy that is offered.
     pub(in crate::app) fn is_recoverable(&self, path: &Path) -> bool {
         self.state.recoverable.iter().any(|copy| copy.path == path)

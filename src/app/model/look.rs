@@ -319,7 +319,8 @@ pub struct Look {
     pub edit: EditFields,
     /// Goals that were given before.
     pub known_goals: KnownGoals,
-    /// The plunge to be selected when the plan that cuts it in another order arrives.
+    /// The plunge to be selected when the plan that cuts it in another order arrives, unless another one is
+    /// selected before.
     pub followed: Option<PlungePose>,
     /// Display of the sectional view.
     pub sectional: SectionalLook,
@@ -477,7 +478,7 @@ impl Look {
     /// Selects a position of channel 1 and scrolls the table to it. A timeline that is not at the end moves
     /// along, so that the selected position is the one cut last.
     pub fn select(&mut self, position: Option<usize>) {
-        (self.selected, self.selected_channel) = (position, 0);
+        (self.selected, self.selected_channel, self.followed) = (position, 0, None);
         self.reveal_selection = if position.is_some() { REVEAL } else { 0 };
         if let (Some(_), Some(k)) = (self.cut_count, position) {
             self.cut_count = Some(k + 1);

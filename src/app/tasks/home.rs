@@ -192,6 +192,18 @@ impl Home {
         self.recovery_copies().into_iter().map(recovery_copy).collect()
     }
 
+    /// Whether the session of another recovery copy runs. One that was killed runs, too, until the system has
+    /// freed what it had, which takes seconds where that is much.
+    pub fn has_running_session(&self) -> bool {
+        let Some(folder) = self.copy.parent() else { return false };
+        let mut files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        files.any(|entry| {
+            let path = entry.path();
+            let is_other = is_copy_name(&path, EXTENSION) && path.file_stem() != self.copy.file_stem();
+            is_other && is_held(&lock_of(&path))
+        })
+    }
+
     /// Recovery copies of other sessions that ended without closing, latest first.
     fn recovery_copies(&self) -> Vec<PathBuf> {
         self.left_copies(EXTENSION)

@@ -100,7 +100,8 @@ fn page_height(ui: &Ui) -> f32 {
 }
 
 fn shortcuts(ui: &mut Ui) {
-    ScrollArea::vertical().max_height(page_height(ui)).show(ui, |ui| {
+    let height = page_height(ui);
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         Grid::new("shortcuts").num_columns(2).spacing([16.0, 3.0]).striped(true).show(ui, |ui| {
             for command in Command::ALL {
                 let Some(keys) = command.shortcut() else { continue };
@@ -127,7 +128,9 @@ fn glossary(ui: &mut Ui, lines: &[GlossaryLine], words: &mut String) {
     field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, hint));
     ui.add_space(4.0);
     let sought = words.to_lowercase();
-    ScrollArea::vertical().max_height(page_height(ui)).auto_shrink(false).show(ui, |ui| {
+    let height = page_height(ui);
+    let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height);
+    area.auto_shrink(false).show(ui, |ui| {
         for line in lines {
             match line {
                 GlossaryLine::Heading(heading) if sought.is_empty() => {

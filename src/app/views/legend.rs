@@ -151,7 +151,7 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
                 }
                 None => {
                     if let Some((outcome, colours)) = state.shown_flank() {
-                        flank::key(ui, colours, &outcome.plan);
+                        flank::key(ui, colours, &outcome.plan, outcome.workpiece.part.splitters.len());
                     }
                 }
             }

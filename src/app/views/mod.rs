@@ -40,6 +40,7 @@ mod tool_drawing;
 pub mod tool_form;
 pub mod tour;
 mod typed;
+pub mod under_cursor;
 pub(in crate::app) mod units;
 pub mod unsaved;
 pub mod view3d;

@@ -1,7 +1,9 @@
 //! The tour: five cards that say what the parts of the window are for. It is offered once, with the first
 //! part that is opened.
 
-use egui::{Align2, Area, Frame, Id, LayerId, Order, Rect, RichText, Stroke, StrokeKind, Ui, Vec2};
+use egui::{
+    Align2, Area, Frame, Id, Key, LayerId, Modifiers, Order, Rect, RichText, Stroke, StrokeKind, Ui, Vec2,
+};
 
 use super::theme;
 
@@ -73,6 +75,11 @@ impl Tour {
         self.card = Some(0);
     }
 
+    /// Whether a card is due: Escape ends the tour then.
+    pub fn is_open(&self) -> bool {
+        self.card.is_some()
+    }
+
     /// Draws the card that is due, beside the part of the window that it is about; `true` when the tour ends.
     pub fn show(&mut self, ui: &Ui, place_of: impl Fn(WindowRegion) -> Option<Rect>) -> bool {
         let Some((card, &(region, title, text))) = self.card.and_then(|card| Some((card, CARDS.get(card)?)))
@@ -114,6 +121,8 @@ impl Tour {
                 });
             });
         });
+        let typing = ctx.text_edit_focused() || egui::Popup::is_any_open(ctx);
+        ends |= !typing && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
         self.card = (!ends).then_some(next);
         ends
     }

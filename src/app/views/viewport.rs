@@ -20,13 +20,13 @@ use crate::app::model::problem::Problem;
 use crate::app::model::shown_channels::ChannelProgress;
 use crate::app::model::solid::SolidColours;
 use crate::app::views::cube;
-use crate::app::views::legend::{self, Values};
+use crate::app::views::legend;
 use crate::app::views::overlay::{self, SwitchChoice};
-use crate::app::views::panels::{self, part};
+use crate::app::views::panels::part;
 use crate::app::views::picture::{Content, ShownFlank};
 use crate::app::views::section_plane::section_plane;
 use crate::app::views::theme;
-use crate::app::views::view3d::{self, ViewHit, view_point};
+use crate::app::views::view3d::{self, view_point};
 
 /// Drawn length of a cutter that is shown whole, in diameters: more than any has.
 const FULL_LENGTH: f32 = 1e3;
@@ -331,44 +331,6 @@ impl App {
         self.hover = None;
     }
 
-    /// Values under the cursor; cached until cursor, side or camera changes.
-    fn values_under_cursor(&mut self, panes: &[Pane], camera: &Camera) -> Values {
-        let at = |pane: &&Pane| {
-            let at = pane.response.hover_pos().filter(|_| !pane.response.dragged())?;
-            pane.visible.contains(at).then_some(at)
-        };
-        let Some((pane, at)) = panes.iter().find_map(|pane| Some((pane, at(&pane)?))) else {
-            self.hover = None;
-            return Values::default();
-        };
-        let known =
-            self.hover.filter(|hover| hover.at == at && hover.side == pane.side && hover.camera == *camera);
-        let hover = known.or_else(|| {
-            let options = self.options(pane.side);
-            let pictures = self.pictures.as_mut()?;
-            let hit =
-                pictures.side(pane.side)?.hit(camera, &options, view_point(pane.rect, at), pane.rect.size());
-            let other = (panes.len() > 1)
-                .then(|| hit.point.filter(|_| hit.stock.is_some()))
-                .flatten()
-                .and_then(|point| pictures.side(pane.side.other())?.stock_at(point));
-            Some(Hover { at, side: pane.side, camera: *camera, hit, other })
-        });
-        self.hover = hover;
-        let Some(hover) = hover else { return Values::default() };
-        if let Some(position) = hover.hit.position {
-            let state = &self.state;
-            pane.response.clone().on_hover_ui_at_pointer(|ui| {
-                panels::positions::cutter_tooltip(ui, state, pane.side, position);
-            });
-        }
-        Values {
-            here: hover.hit.stock,
-            deviation: hover.hit.deviation,
-            other: hover.other.map(|stock| (pane.side.other(), stock)),
-        }
-    }
-
     /// The only tool that is shown: at the selected fault of a checked program, or where the timeline of the
     /// flank plan or program stands.
     pub(in crate::app) fn shown_tool(&mut self) -> Option<ShownCutters> {
@@ -487,14 +449,4 @@ impl App {
             ..SceneOptions::default()
         }
     }
-}
-
-/// Cached hit under the cursor, with the inputs it was computed for.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::app) struct Hover {
-    at: Pos2,
-    side: Side,
-    camera: Camera,
-    hit: ViewHit,
-    other: Option<f32>,
 }

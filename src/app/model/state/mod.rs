@@ -2,6 +2,7 @@
 
 mod channels;
 mod program;
+mod selection;
 mod solid;
 mod table;
 mod timeline;
@@ -27,6 +28,7 @@ use crate::app::model::problem::{Problem, Topic};
 use crate::app::model::results::Results;
 use crate::app::model::shown_channels::ShownChannels;
 use crate::plunge::inspect::CutPlane;
+use selection::KnownSelection;
 pub use timeline::PLAY_RATE;
 
 pub use crate::app::model::boundary::Boundary;
@@ -76,6 +78,8 @@ pub struct AppState {
     /// The channels of the shown plan that are shown, if there is more than one; see
     /// [`Self::follow_channels`].
     channels: Option<ShownChannels>,
+    /// The selection as it was followed last; see [`Self::follow_selection`].
+    known_selection: Option<KnownSelection>,
     /// Whether all policies are planned, for comparison.
     pub compare: bool,
     /// Whether every edit is planned at once.
@@ -105,6 +109,7 @@ impl Default for AppState {
             results: Results::default(),
             look: Look::default(),
             channels: None,
+            known_selection: None,
             compare: false,
             auto_update: true,
             problems: Vec::new(),
@@ -137,6 +142,7 @@ impl AppState {
         self.document.begin(part, edited, path);
         self.results = Results::default();
         self.look.begin();
+        self.known_selection = None;
         self.problems.clear();
         self.notice = None;
     }
@@ -146,11 +152,12 @@ impl AppState {
         self.document = Document::default();
         self.results = Results::default();
         self.look.begin();
+        self.known_selection = None;
         self.problems.clear();
         self.notice = None;
     }
 
-    /// Stores a plan. The selection is kept if the new plan has that position. An unfinished plan does not
+    /// Stores a plan, in which the selection is followed. An unfinished plan does not
     /// replace a finished one of the same setup.
     pub fn take_plan(&mut self, planned: DisplayPlan) {
         let unfinished = planned.is_unfinished();
@@ -161,6 +168,7 @@ impl AppState {
             self.plan_cancelled();
             return;
         }
+        self.follow_selection();
         self.results.take(planned, self.look.units);
         self.keep_within_plan();
         self.follow_reordered();
@@ -318,8 +326,9 @@ impl AppState {
         self.shown().map_or(0, |shown| shown.plan().positions.len())
     }
 
-    /// Makes `side` active; the selection is kept if that plan has the position.
+    /// Makes `side` active; the selection is followed to its plan.
     pub fn show(&mut self, side: Side) {
+        self.follow_selection();
         self.look.side = side;
         self.keep_within_plan();
     }
@@ -337,6 +346,7 @@ impl AppState {
     }
 
     fn keep_within_plan(&mut self) {
+        self.follow_selection();
         let count = self.position_count();
         self.look.selected = self.look.selected.filter(|&k| k < count);
         self.look.cut_count = self.look.cut_count.map(|cut| cut.min(count));

@@ -135,15 +135,6 @@ pub fn colour_radios(ui: &mut Ui, look: &mut FlankLook) {
     }
 }
 
-/// Number of splitters that bound some of the `regions`.
-pub fn splitters_among(regions: impl Iterator<Item = Region>) -> usize {
-    let numbers = regions.flat_map(|region| [region.low, region.high]).map(|wall| match wall {
-        WallName::Splitter(number) => number + 1,
-        WallName::Low | WallName::High => 0,
-    });
-    numbers.max().unwrap_or(0)
-}
-
 /// Name of a region of a channel with some number of `splitters`.
 pub fn region_words(region: Region, splitters: usize) -> String {
     let name = |wall: WallName| match wall {
@@ -156,13 +147,16 @@ pub fn region_words(region: Region, splitters: usize) -> String {
         (Region::INLET, 0) => "the whole channel".to_owned(),
         (Region::INLET, 1) => "before the splitter".to_owned(),
         (Region::INLET, _) => "before the splitters".to_owned(),
+        // Without splitters only passes along the walls have a region of their own.
+        (Region { low: WallName::Low, .. }, 0) => "along the suction side".to_owned(),
+        (Region { .. }, 0) => "along the pressure side".to_owned(),
         (Region { low: WallName::Low, high }, _) => format!("{} to {}", name(high), name(WallName::Low)),
         (Region { low, high }, _) => format!("{} to {}", name(low), name(high)),
     }
 }
 
-/// Colour key of the passes.
-pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
+/// Colour key of the passes in a channel with some number of `splitters`.
+pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan, splitters: usize) {
     let layers = plan.layout.layers.len();
     let patch = |ui: &mut Ui, rgb: Rgb, words: &str| {
         swatch(ui, rgb, 10.0);
@@ -180,7 +174,6 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan) {
         FlankColours::Region => {
             let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
             let regions: BTreeSet<Region> = curves().map(|curve| curve.region).collect();
-            let splitters = splitters_among(regions.iter().copied());
             for region in regions {
                 patch(ui, region_colour(region), &region_words(region, splitters));
             }

@@ -4,7 +4,7 @@ use egui::{RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use super::cells::cell;
-use super::flank::{region_words, splitters_among};
+use super::flank::region_words;
 use crate::app::model::figures::format_clock;
 use crate::app::model::flank_passes::FlankPass;
 use crate::app::model::state::AppState;
@@ -48,7 +48,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .auto_shrink([false, false])
         // No higher than its place, however low that is.
         .min_scrolled_height(0.0)
+        // A row revealed while the table still moves to another one would be missed.
+        .animate_scrolling(false)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
+    let splitters = splitter_count(state);
     let unit = usize::from(state.look.units == DisplayUnits::Inch);
     for (_, _, widths) in COLUMNS {
         builder = builder.column(Column::exact(widths[unit]));
@@ -75,6 +78,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 let Some(pass) = found.passes.get(k) else { return };
                 row.set_selected(selected == Some(k));
                 let region = match pass.region {
+                    Region::INLET if splitters == 0 => "channel",
                     Region::INLET => "inlet",
                     Region { low: WallName::Low, .. } => "suct.",
                     Region { high: WallName::High, .. } => "press.",
@@ -108,15 +112,26 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     }
 }
 
+/// Number of splitters between two main blades.
+fn splitter_count(state: &AppState) -> usize {
+    state.results.flank.as_ref().map_or(0, |outcome| outcome.workpiece.part.splitters.len())
+}
+
 /// What pass `k` is, how fast it goes and when.
 pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
-    let wall = if pass.along_wall { ", along a wall" } else { "" };
+    let wall = match pass.region {
+        _ if !pass.along_wall => "",
+        Region { low: WallName::Low, .. } => ", along the suction side",
+        Region { high: WallName::High, .. } => ", along the pressure side",
+        _ => ", along a splitter",
+    };
     let several = state.results.flank_run.as_ref().filter(|run| run.count() > 1);
     let channel =
         several.map_or_else(String::new, |run| format!(" channel {},", run.channel_of(pass.from) + 1));
     ui.label(RichText::new(format!("Pass {}:{channel} layer {}{wall}", k + 1, pass.layer + 1)).strong());
-    let splitters = splitters_among(state.results.passes.passes.iter().map(|pass| pass.region));
-    ui.label(region_words(pass.region, splitters));
+    if !pass.along_wall {
+        ui.label(region_words(pass.region, splitter_count(state)));
+    }
     let [low, high] = pass.feeds;
     let units = state.look.units;
     let feeds = match high - low < 0.5 {

@@ -162,6 +162,11 @@ impl SidePicture {
         }
     }
 
+    /// Grows with every change of what is drawn, apart from camera and options.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
     /// Framing of the standard views.
     pub fn framing(&self) -> &ViewTargets {
         self.scene.framing()
