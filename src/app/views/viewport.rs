@@ -103,7 +103,7 @@ impl App {
 
     /// The views of the arrangement, with their accessible names.
     fn panes(&mut self, ui: &mut Ui, whole: Rect) -> Vec<Pane> {
-        match self.state.look.arrangement {
+        match self.state.look.shown_arrangement() {
             Arrangement::One => {
                 let response = view3d::view_response(ui, whole, "3D view");
                 vec![Pane { side: self.state.look.side, rect: whole, visible: whole, response }]
