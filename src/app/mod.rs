@@ -353,9 +353,11 @@ impl eframe::App for App {
             let keeps_escape =
                 egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
             let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
+            let words = Palette::take_typed(ctx);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
             }
+            self.palette.begin_with(words);
         }
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
         self.claim_project();

@@ -294,3 +294,29 @@ fn the_figure_under_a_resting_pointer_is_that_of_what_is_drawn() {
     window.run_steps(4);
     assert_eq!(words(&window, " mm here"), Some(stock));
 }
+
+/// Flank passes and checked programs have no sides: a wipe would show two halves of different things.
+#[test]
+fn only_roughing_is_shown_in_two_views() {
+    use vanecut::app::model::look::{Arrangement, Operation};
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::B);
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label("3D view, before");
+    for operation in [Operation::Flank, Operation::Program] {
+        window.state_mut().look_mut().operation = operation;
+        window.run_steps(3);
+        settle(&mut window);
+        assert!(window.query_by_label("3D view, before").is_none(), "{operation:?}");
+        window.get_by_label("3D view");
+        window.key_press(egui::Key::B);
+        window.run_steps(3);
+        assert_eq!(window.state().state().look.arrangement, Arrangement::Both, "nothing unseen changes");
+    }
+    window.state_mut().look_mut().operation = Operation::Roughing;
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label("3D view, before");
+}

@@ -6,6 +6,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::machine::ProgramOnMachine;
+use vanecut::app::model::panels::DockPanel;
 use vanecut::geometry::{Vector, rotate_vector_z};
 use vanecut::machine::MachineTime;
 
@@ -349,4 +350,15 @@ fn the_arrows_are_those_of_an_open_list() {
     window.key_press(egui::Key::ArrowDown);
     window.run_steps(3);
     assert_eq!(selected(&window), Some(1));
+}
+
+#[test]
+fn a_table_that_is_popped_out_has_room_for_the_column_of_the_machine() {
+    let mut window = with_machine("ac-trunnion");
+    window.state_mut().look_mut().panels.pop_out(DockPanel::Table);
+    window.run_steps(8);
+    settle(&mut window);
+    let right = window.get_by_label("Close window").rect().right();
+    let list = window.get_by_role_and_label(Role::ComboBox, "Positions").rect();
+    assert!(list.right() < right + 6.0, "{list} reaches beyond {right}");
 }

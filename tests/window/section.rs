@@ -161,6 +161,34 @@ fn has_cutter(window: &mut Window, positions: [usize; 2]) -> [bool; 2] {
 }
 
 #[test]
+fn the_controls_of_the_section_plane_are_all_there_in_a_small_window() {
+    for (width, height) in [(800.0, 500.0), (1280.0, 860.0)] {
+        let mut window = with_sample(fake::engine_with_holder());
+        window.set_size(egui::vec2(width, height));
+        window.run_steps(4);
+        window.key_press(egui::Key::X);
+        window.run_steps(4);
+        settle(&mut window);
+        let view = window.get_by_label("3D view").rect();
+        let buttons =
+            ["Wheel", "Channel"].map(|name| window.get_by_role_and_label(Role::Button, name).rect());
+        for (role, name) in [
+            (Role::ComboBox, "Section plane"),
+            (Role::CheckBox, "Flip"),
+            (Role::Button, "Close"),
+            (Role::Slider, "Section plane"),
+            (Role::SpinButton, "Section plane"),
+        ] {
+            let part = window.get_by_role_and_label(role, name).rect();
+            assert!(view.contains_rect(part), "{name} {part} is not within {view}");
+            for button in buttons {
+                assert!(!button.intersects(part), "{name} {part} lies on {button}");
+            }
+        }
+    }
+}
+
+#[test]
 fn the_section_plane_cuts_cutters_and_holders() {
     let mut window = with_sample(fake::engine_with_holder());
     window.set_size(egui::vec2(1280.0, 860.0));

@@ -115,9 +115,13 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     click(&mut window, "T12 Ø16 L90 roughing cutter");
     window.get_by_label("Drawing of T12");
     click(&mut window, "Take into setup");
-    let tools = &window.state().state().document.edited.setup.tools;
+    let tools = window.state().state().document.edited.setup.tools.clone();
     assert_eq!(tools.len(), 1);
     assert_eq!(tools[0].assembly.holder, [[30.0, 42.0, 25.0], [50.0, 50.0, 35.0]]);
+    window.get_by_label("In the setup as T12");
+    // Once more, it gets another number, which is said as long as it is there.
+    click(&mut window, "Take into setup");
+    window.get_by_label("In the setup as T12, T13");
     // It is saved as our own.
     click(&mut window, "Save library…");
     name_file(&mut window, &saved);
@@ -142,6 +146,7 @@ fn the_shank_and_holder_of_a_tool_are_edited_beside_its_drawing() {
     click(&mut window, "Add holder");
     let tool = window.state().state().document.edited.setup.tools[0].clone();
     assert_eq!((tool.assembly.shank.len(), tool.assembly.holder.len()), (1, 1));
+    assert_eq!(tool.assembly.shank[0][0], tool.diameter, "no thinner than the cutter until it is entered");
     window.get_by_role_and_label(Role::SpinButton, "Teeth").set_value_accesskit(3.0);
     window.run_steps(3);
     settle(&mut window);

@@ -123,6 +123,33 @@ fn the_palette_finds_and_runs_commands() {
         ["Open study results…", "Study results"].map(|name| window.get_by_role_and_label(Role::Button, name));
     assert!(shown.accesskit_node().is_disabled(), "none is open");
     assert!(open.rect().top() < shown.rect().top());
+    assert_eq!(window.query_all_by_label("not available now").count(), 1, "and says so");
+}
+
+/// A slow frame holds many keys: those behind Ctrl+K are words, and no commands.
+#[test]
+fn what_is_typed_in_the_frame_that_opens_the_palette_is_searched() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let arrangement = |window: &Window| window.state().state().look.arrangement;
+    let (before, edited) = (arrangement(&window), window.state().state().document.edited.clone());
+    let mut modifiers = egui::Modifiers::COMMAND;
+    for (key, text) in [(egui::Key::K, None), (egui::Key::B, Some("b")), (egui::Key::L, Some("l"))] {
+        let held = std::mem::take(&mut modifiers);
+        let physical_key = None;
+        // All of them in one frame: `event` gives each a frame of its own.
+        let events = &mut window.input_mut().events;
+        events.push(egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers: held });
+        events.extend(text.map(|text| egui::Event::Text(text.to_owned())));
+    }
+    window.run_steps(3);
+    let field = window.get_by_role_and_label(Role::TextInput, "Search commands");
+    assert_eq!(field.accesskit_node().value().as_deref(), Some("bl"));
+    assert_eq!(arrangement(&window), before);
+    assert_eq!(window.state().state().document.edited, edited);
+    window.event(egui::Event::Text("ades".to_owned()));
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Button, "Blades");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::file_purpose::Purpose;
 use vanecut::setup::Tool;
 
 use crate::fake;
@@ -75,6 +76,55 @@ fn an_impossible_size_of_a_tool_is_refused_at_its_field_with_the_cure() {
     settle(&mut window);
     assert_eq!(tool(&window).insert_width, 12.0);
     assert!(!says(&window, "12 made 10"));
+}
+
+#[test]
+fn the_number_of_a_tool_changes_with_its_sections_and_none_is_given_twice() {
+    let mut window = with_tool_form();
+    window.get_by_role_and_label(Role::Button, "Add tool").click();
+    window.run_steps(3);
+    let numbers = |window: &Window| {
+        let setup = &window.state().state().document.edited.setup;
+        let sections = setup.plunge.sections.iter().map(|section| section.tool);
+        setup.tools.iter().map(|tool| tool.number).chain(sections).collect::<Vec<_>>()
+    };
+    let before = numbers(&window);
+    type_into(&mut window, ("Number", 0), "2");
+    assert_eq!(numbers(&window), before);
+    assert!(says(&window, "T2 is another tool of the setup"));
+    type_into(&mut window, ("Number", 0), "17");
+    let after: Vec<u32> = before.into_iter().map(|number| if number == 1 { 17 } else { number }).collect();
+    assert_eq!(numbers(&window), after);
+    assert!(after.iter().filter(|&&number| number == 17).count() > 1, "its sections too: {after:?}");
+    assert!(!says(&window, "T2 is another"));
+}
+
+#[test]
+fn speeds_that_nobody_entered_follow_the_material_and_others_are_named() {
+    let mut window = with_tool_form();
+    let choose = |window: &mut Window, material: &str| {
+        window.get_by_role_and_label(Role::ComboBox, "Material").click();
+        window.run_steps(2);
+        window.get_by_label(material).click();
+        window.run_steps(3);
+        settle(window);
+    };
+    choose(&mut window, "titanium");
+    assert_eq!((tool(&window).spindle, tool(&window).plunge_feed), (424.0, 424.0 * 2.0 * 0.08));
+    assert!(!says(&window, "Much faster"));
+    type_into(&mut window, ("Spindle speed", 0), "1200");
+    assert!(says(&window, "Much faster than the 40 m/min for titanium: T1 113 m/min"));
+    choose(&mut window, "nickel");
+    assert_eq!(tool(&window).spindle, 1200.0, "it was entered");
+    let note = "Much faster than the 30 m/min for nickel: T1 113 m/min";
+    assert!(says(&window, note));
+    let ctx = window.ctx.clone();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.apt");
+    window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels: 1 }, path.clone());
+    window.run_steps(3);
+    assert_eq!(window.query_all_by_label_contains(note).count(), 2, "it is asked about, too");
+    assert!(!path.exists());
 }
 
 #[test]

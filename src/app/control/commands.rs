@@ -51,6 +51,9 @@ impl App {
             | C::ViewChannel => open,
             C::Perspective | C::SectionPlane | C::Measure => open,
             C::SavePicture => open && self.pictures.is_some(),
+            C::BeforeAfter | C::SideBySide | C::Wipe if self.state.look.operation != Operation::Roughing => {
+                false
+            }
             C::ExportStock
             | C::Stock
             | C::TimeAgainstStock

@@ -450,6 +450,11 @@ impl Default for Look {
 }
 
 impl Look {
+    /// The arrangement of the views: only roughing has two sides.
+    pub fn shown_arrangement(&self) -> Arrangement {
+        if self.operation == Operation::Roughing { self.arrangement } else { Arrangement::One }
+    }
+
     /// Resets the display for another part; layers, panels, tab, mouse preset and units are kept.
     pub fn begin(&mut self) {
         let check_machine = std::mem::take(&mut self.check_machine);

@@ -31,6 +31,7 @@ pub mod problem;
 pub mod release;
 pub mod results;
 pub mod role_choices;
+pub mod setup_tools;
 pub mod shop_library;
 pub mod shown_channels;
 pub mod solid;

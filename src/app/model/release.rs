@@ -6,6 +6,7 @@ use crate::setup::{TILT_TOLERANCE, falls_short};
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, skipped_length};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
+use crate::app::model::setup_tools::too_fast;
 use crate::app::model::state::AppState;
 use crate::verify::Fault;
 
@@ -65,6 +66,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     if beyond > 0 {
         found.push(format!("{beyond} tool axes are beyond the reach of the machine"));
     }
+    found.extend(too_fast(allowances, plan.sections.iter().map(|section| &section.tool)));
     if state.out_of_date() {
         found.push("The setup was edited after this calculation".to_owned());
     }

@@ -108,7 +108,7 @@ fn scale(state: &AppState) -> Option<Scale> {
 fn shows_both_scales(state: &AppState, scale: &Scale) -> bool {
     scale.difference
         && scale.walls.is_none()
-        && state.look.arrangement != Arrangement::One
+        && state.look.shown_arrangement() != Arrangement::One
         && state.look.layers.floor == FloorColours::Residual
 }
 

@@ -1,7 +1,7 @@
 //! Controls and texts over the 3D view: plan switch, layers, section plane, measurement.
 
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui};
+use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui, Vec2};
 
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
@@ -252,11 +252,14 @@ pub fn switches(layers: &mut Layers) -> [(&mut bool, Command); 9] {
     ]
 }
 
+/// Size of the buttons of views.
+const VIEW_BUTTONS: Vec2 = egui::vec2(66.0, 54.0);
+
 /// Buttons of the most used views, in the lower right corner of the view.
 pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     let mut chosen = None;
-    let size = egui::vec2(66.0, 54.0);
-    let at = Rect::from_min_size(rect.right_bottom() - size - egui::vec2(10.0, 10.0), size);
+    let corner = rect.right_bottom() - VIEW_BUTTONS - egui::vec2(10.0, 10.0);
+    let at = Rect::from_min_size(corner, VIEW_BUTTONS);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for (name, command) in [("Wheel", Command::ViewIso), ("Channel", Command::ViewChannel)] {
@@ -270,16 +273,37 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
-/// Height of the controls of the section plane, with the gap below them.
-pub const SECTION_BAR_HEIGHT: f32 = 68.0;
+/// Width of the controls of the section plane where there is room, and height of them and of their first row.
+const SECTION_BAR: Vec2 = egui::vec2(300.0, 58.0);
+const SECTION_ROW: f32 = 24.0;
+
+/// Whether the controls of the section plane do not fit beside the buttons of views.
+fn is_narrow(rect: Rect) -> bool {
+    rect.width() < SECTION_BAR.x + VIEW_BUTTONS.x + 30.0
+}
+
+/// How far the controls of the section plane reach up from the lower edge of the view. In a narrow view they
+/// stand above its buttons, in one row more.
+pub fn section_bar_height(rect: Rect) -> f32 {
+    let raised = if is_narrow(rect) { VIEW_BUTTONS.y + 10.0 + SECTION_ROW } else { 0.0 };
+    SECTION_BAR.y + 10.0 + raised
+}
+
+/// The side that is cut away, and what closes the section; `true` when it was clicked.
+fn side_and_close(ui: &mut Ui, flipped: &mut bool) -> bool {
+    ui.checkbox(flipped, "Flip").on_hover_text("Cuts away the other half");
+    ui.small_button("Close").clicked()
+}
 
 /// Controls of the section plane: orientation, offset, side.
 pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
     let units = look.units;
     let Some(section) = &mut look.section else { return };
-    let width = (rect.width() - 20.0).min(300.0);
-    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - SECTION_BAR_HEIGHT);
-    let at = Rect::from_min_size(corner, egui::vec2(width, SECTION_BAR_HEIGHT - 10.0));
+    let narrow = is_narrow(rect);
+    let width = (rect.width() - 20.0).min(SECTION_BAR.x);
+    let corner = egui::pos2(rect.min.x + 10.0, rect.max.y - section_bar_height(rect));
+    let height = SECTION_BAR.y + if narrow { SECTION_ROW } else { 0.0 };
+    let at = Rect::from_min_size(corner, egui::vec2(width, height));
     let mut close = false;
     floating(ui, at, |ui| {
         ui.set_width(width - 8.0);
@@ -298,11 +322,15 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
                     })
                     .response
                     .labelled_by(title.id);
-                ui.checkbox(&mut section.flipped, "Flip").on_hover_text("Cuts away the other half");
-                close = ui.small_button("Close").clicked();
+                if !narrow {
+                    close = side_and_close(ui, &mut section.flipped);
+                }
                 title
             })
             .inner;
+        if narrow {
+            close = ui.horizontal(|ui| side_and_close(ui, &mut section.flipped)).inner;
+        }
         ui.spacing_mut().slider_width = width - 90.0;
         let slider = match section.across {
             PlaneOrientation::Meridian => {
@@ -320,6 +348,9 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
         look.section = None;
     }
 }
+
+/// Room that the name of the policy may take from the left edge of a view on.
+const POLICY_ROOM: f32 = 130.0;
 
 /// Points and distance of a measurement.
 pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], under: Option<glam::Vec3>) {
@@ -342,7 +373,10 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
     };
     let at = egui::pos2(rect.center().x, rect.min.y + 56.0);
     let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
-    let back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
+    let mut back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
+    if back.left() < rect.left() + POLICY_ROOM {
+        back = back.translate(egui::vec2(0.0, 26.0));
+    }
     painter.rect_filled(back, 4.0, theme::overlay(ui.visuals()));
     painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
 }

@@ -1,6 +1,6 @@
 //! The command palette: search as you type over all commands.
 
-use egui::{Align2, Key, Modal, RichText, TextEdit, Ui};
+use egui::{Align2, Context, Event, Key, Modal, RichText, TextEdit, Ui};
 
 use crate::app::views::command::Command;
 use crate::app::views::scroll_area;
@@ -18,6 +18,38 @@ impl Palette {
     /// Opens or closes it.
     pub fn toggle(&mut self) {
         *self = Self { open: !self.open, fresh: true, ..Self::default() };
+    }
+
+    /// What was typed in this frame behind the keys that open it: slow frames hold many keys, which are words
+    /// to search, no commands of their own. Enter stays, to run what they find.
+    pub fn take_typed(ctx: &Context) -> String {
+        let mut words = String::new();
+        let Some(keys) = Command::Palette.shortcut() else { return words };
+        ctx.input_mut(|input| {
+            let opens = |event: &Event| {
+                matches!(event, Event::Key { key, pressed: true, modifiers, .. }
+                    if *key == keys.logical_key && modifiers.matches_logically(keys.modifiers))
+            };
+            let Some(at) = input.events.iter().position(opens) else { return };
+            for event in input.events.split_off(at + 1) {
+                match event {
+                    Event::Text(text) => words.push_str(&text),
+                    Event::Key { key: Key::Backspace, pressed: true, .. } => {
+                        words.pop();
+                    }
+                    Event::Key { key, .. } if key != Key::Enter => {}
+                    other => input.events.push(other),
+                }
+            }
+        });
+        words
+    }
+
+    /// Searches `words` if it is open.
+    pub fn begin_with(&mut self, words: String) {
+        if self.open {
+            self.words = words;
+        }
     }
 
     /// Whether it is open.
@@ -90,10 +122,18 @@ impl Palette {
 fn command_line(ui: &mut Ui, command: Command, chosen: bool, enabled: bool) -> egui::Response {
     let mut button =
         egui::Button::selectable(chosen, command.label()).min_size(egui::vec2(ui.available_width(), 0.0));
-    if let Some(keys) = command.shortcut() {
+    if let Some(keys) = command.shortcut().filter(|_| enabled) {
         button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
-    ui.add_enabled(enabled, button).on_hover_text(command.tip())
+    let line = ui.add_enabled(enabled, button).on_hover_text(command.tip());
+    if !enabled {
+        // Beside the name: the field still takes Enter, which then does nothing.
+        let text = egui::Label::new(RichText::new("not available now").weak());
+        let right = egui::Layout::right_to_left(egui::Align::Center);
+        let place = line.rect.shrink2(egui::vec2(ui.spacing().button_padding.x, 0.0));
+        ui.new_child(egui::UiBuilder::new().max_rect(place).layout(right)).add(text);
+    }
+    line
 }
 
 /// Height of the list of commands, points.

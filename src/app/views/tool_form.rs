@@ -115,7 +115,9 @@ pub fn show_fields(ui: &mut Ui, tool: &mut Tool) {
         fit_and_say(ui, form, tool);
     });
     let overhang = tool.overhang;
-    segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, [10.0, 0.5 * overhang]);
+    // No thinner than the cutter: one that is not looked at is not too small for the checks.
+    let shank = [tool.diameter, 0.5 * overhang];
+    segments(ui, "Shank", &["diameter", "length"], &mut tool.assembly.shank, shank);
     let lower = 2.0 * tool.diameter;
     let heads = ["lower diameter", "upper diameter", "length"];
     segments(ui, "Holder", &heads, &mut tool.assembly.holder, [lower, lower, 2.0 * lower]);

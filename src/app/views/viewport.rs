@@ -103,7 +103,7 @@ impl App {
 
     /// The views of the arrangement, with their accessible names.
     fn panes(&mut self, ui: &mut Ui, whole: Rect) -> Vec<Pane> {
-        match self.state.look.arrangement {
+        match self.state.look.shown_arrangement() {
             Arrangement::One => {
                 let response = view3d::view_response(ui, whole, "3D view");
                 vec![Pane { side: self.state.look.side, rect: whole, visible: whole, response }]
@@ -286,7 +286,7 @@ impl App {
         }
         if self.state.look.layers.stock && self.state.results.planned.is_some() {
             let solid = self.solids[self.state.look.side].shown();
-            let bar = if self.state.look.section.is_some() { overlay::SECTION_BAR_HEIGHT } else { 0.0 };
+            let bar = self.state.look.section.map_or(0.0, |_| overlay::section_bar_height(whole));
             legend::solid_legend(ui, whole, solid.map(|solid| &**solid), bar + 10.0);
         }
         match roughing.then(|| overlay::side_switch(ui, whole, &self.state.look)).flatten() {

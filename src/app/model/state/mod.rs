@@ -295,7 +295,7 @@ impl AppState {
 
     /// Whether a side is visible.
     pub fn shows(&self, side: Side) -> bool {
-        self.look.arrangement != Arrangement::One || self.look.side == side
+        self.look.shown_arrangement() != Arrangement::One || self.look.side == side
     }
 
     /// Plan of the active side, which table and sectional view describe.

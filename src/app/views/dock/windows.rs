@@ -83,7 +83,11 @@ impl App {
     }
 
     fn floating_panel(&mut self, ui: &Ui, panel: DockPanel) {
-        let (size, least) = sizes(panel);
+        let (size, mut least) = sizes(panel);
+        if panel == DockPanel::Table {
+            // No narrower than its columns: with a machine there is one more.
+            least[0] = least[0].max(self.table_width() + ui.spacing().window_margin.sum().x);
+        }
         let screen = ui.ctx().content_rect();
         // As it was left, in an earlier session too.
         let known = self.dock.windows.get(&panel).copied();

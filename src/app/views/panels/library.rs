@@ -14,7 +14,7 @@ use crate::app::views::scroll_area;
 use crate::app::views::theme::Condition;
 use crate::app::views::typed::{self, TypedLimits};
 use crate::app::views::{tool_drawing, tool_form, units};
-use crate::setup::Setup;
+use crate::setup::{Setup, Tool};
 
 /// Width of the list, and its least and greatest height, points.
 const LIST_WIDTH: f32 = 280.0;
@@ -272,6 +272,7 @@ fn selected(
         ui.label(RichText::new("Select a tool to see its drawing").weak());
         return;
     };
+    let mut known = numbers_in(setup.as_deref(), &library.content().tools[index].tool);
     ui.horizontal(|ui| {
         let take = ui.add_enabled(setup.is_some(), egui::Button::new("Take into setup"));
         let take = take.on_hover_text("Copies the tool into the setup of the open part");
@@ -279,6 +280,7 @@ fn selected(
             && let Some(setup) = setup
             && let Some(number) = library.take_into(setup)
         {
+            known.push(number);
             *answer = Some(LibraryAnswer::Taken(number));
         }
         if ui.button("Copy").on_hover_text("Adds a copy to the library, to be edited").clicked() {
@@ -292,6 +294,11 @@ fn selected(
             library.delete(index);
         }
     });
+    if !known.is_empty() {
+        let numbers: Vec<String> = known.iter().map(|number| format!("T{number}")).collect();
+        let text = format!("In the setup as {}", numbers.join(", "));
+        ui.add(egui::Label::new(RichText::new(text).weak()).truncate());
+    }
     let Some(index) = library.selected else { return };
     let Some(entry) = library.content().tools.get(index).cloned() else { return };
     // Names of makers' tools are often too long for the list.
@@ -312,4 +319,12 @@ fn selected(
     if tool != entry.tool {
         library.replace(index, tool);
     }
+}
+
+/// Numbers under which `tool` is in `setup`: it may have got another one there, and other rates.
+fn numbers_in(setup: Option<&Setup>, tool: &Tool) -> Vec<u32> {
+    let tools = setup.map_or(&[][..], |setup| &setup.tools);
+    let sizes = |of: &Tool| [of.diameter, of.corner_radius, of.insert_width, of.overhang];
+    let is_it = |known: &&Tool| sizes(known) == sizes(tool) && known.assembly == tool.assembly;
+    tools.iter().filter(is_it).map(|known| known.number).collect()
 }

@@ -111,8 +111,15 @@ pub fn empty_state(ui: &mut Ui, state: &AppState, samples: &[Sample]) -> Option<
         for RecoveryCopy { path, title, .. } in &state.recoverable {
             ui.label(RichText::new(format!("Unsaved changes of {title}")).strong());
             ui.horizontal(|ui| {
-                let room = (ui.available_width() - 190.0).max(0.0) / 2.0;
-                ui.add_space(room);
+                // Both buttons under the middle of the title.
+                let font = egui::TextStyle::Button.resolve(ui.style());
+                let width_of = |text: &str| {
+                    let galley =
+                        ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::PLACEHOLDER);
+                    galley.size().x + 2.0 * ui.spacing().button_padding.x
+                };
+                let width = width_of("Recover") + width_of("Discard") + ui.spacing().item_spacing.x;
+                ui.add_space(((ui.available_width() - width) / 2.0).max(0.0));
                 if ui.button("Recover").on_hover_text(path.display().to_string()).clicked() {
                     action = Some(PartAction::OpenFile(path.clone()));
                 }

@@ -332,13 +332,12 @@ fn patch(ui: &Ui, painter: &egui::Painter, rect: Rect, view: &SectionView) {
     let way = egui::vec2(along, -across) * radius;
     painter.line_segment([middle - way, middle + way], Stroke::new(1.5, theme::accent(visuals)));
     let below = middle + egui::vec2(0.0, radius + 2.0);
-    painter.text(
-        below,
-        Align2::CENTER_TOP,
-        "core",
-        FontId::proportional(theme::MIN_TEXT_SIZE),
-        visuals.weak_text_color(),
-    );
+    // On a ground of its own: the stock lies behind it.
+    let font = FontId::proportional(theme::MIN_TEXT_SIZE);
+    let galley = painter.layout_no_wrap("core".to_owned(), font, visuals.text_color());
+    let at = Align2::CENTER_TOP.anchor_size(below, galley.size());
+    painter.rect_filled(at.expand2(egui::vec2(3.0, 0.0)), 2.0, theme::overlay(visuals));
+    painter.galley(at.min, galley, visuals.text_color());
 }
 
 /// The figures below the drawing.

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use egui::{ComboBox, Key, PopupCloseBehavior, Role, TextEdit, Ui, WidgetInfo};
+use egui::{ComboBox, Key, PopupCloseBehavior, RichText, Role, TextEdit, Ui, WidgetInfo};
 
 use crate::io::InputError;
 use crate::io::machine_file::built_in_names;
@@ -15,8 +15,9 @@ use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
 use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::machine::choose_machine;
+use crate::app::model::setup_tools;
 use crate::app::views::command::Command;
-use crate::app::views::theme;
+use crate::app::views::theme::{self, Condition};
 
 /// Label of a policy.
 pub fn policy_label(policy: AxisPolicy) -> &'static str {
@@ -211,6 +212,8 @@ fn blank_rows(ui: &mut Ui, shape: &mut BlankShape, default: &BlankShape) -> bool
 
 const MATERIAL_TIP: &str = "Material of the blank. Tools without speeds and feeds of their own get\n\
      those of the cutting data for it; a material that is not known changes nothing";
+const TOO_FAST_TIP: &str = "These speeds were entered, or are those of a shop library: they do not follow the material.\n\
+     Enter others at the tools, unless these are meant";
 /// Text of the list where the material is not given.
 const NO_MATERIAL: &str = "not given";
 
@@ -257,7 +260,7 @@ fn chosen_material(ui: &mut Ui, now: Option<&str>, known: Option<&CuttingData>) 
     ui.separator();
     let id = ui.scope_id().with("typed material");
     let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_default();
-    let field = ui.add(TextEdit::singleline(&mut text).hint_text("another, or a grade").desired_width(120.0));
+    let field = ui.add(TextEdit::singleline(&mut text).hint_text("or a grade").desired_width(120.0));
     field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Another material"));
     let typed = text.trim();
     if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) && !typed.is_empty() {
@@ -313,8 +316,14 @@ pub fn stock(ui: &mut Ui, setup: &mut Setup, defaults: &Setup) -> Option<Command
         fields::number_row(ui, &mut setup.allowances.safety_distance, default.safety_distance, &SAFETY);
         fields::number_row(ui, &mut setup.allowances.inlet_extension, default.inlet_extension, &INLET);
         asks_for_file = blank_rows(ui, &mut setup.allowances.blank, &default.blank);
+        let material = setup.allowances.material.clone();
         material_row(ui, &mut setup.allowances.material);
+        setup_tools::follow_material(setup, material.as_deref());
     });
+    if let Some(note) = setup_tools::too_fast(&setup.allowances, &setup.tools) {
+        let text = RichText::new(note).color(Condition::Blocked.text(ui.visuals()));
+        ui.add(egui::Label::new(text).wrap()).on_hover_text(TOO_FAST_TIP);
+    }
     asks_for_file.then_some(Command::OpenBlank)
 }
 

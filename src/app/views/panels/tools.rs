@@ -4,12 +4,14 @@ use std::collections::HashSet;
 
 use egui::{ComboBox, Grid, Id, RichText, Ui};
 
+use crate::io::tool_file::MAX_NUMBER;
 use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
 use crate::app::model::field_faults::{FieldScope, SECTION};
 use crate::app::model::number::Quantity;
 use crate::app::model::planned::DisplayPlan;
+use crate::app::model::setup_tools;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::field_faults;
@@ -121,9 +123,11 @@ const MAX_LISTED: usize = 100;
 /// The tools of a setup, `chosen` being the one that its plan was made with.
 fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
     let mut remove = None;
+    let mut renumbered = None;
     let last_one = setup.tools.len() == 1;
     let used: Option<HashSet<u32>> =
         (setup.tools.len() > MAX_LISTED).then(|| used_numbers(setup, chosen.unwrap_or(setup)));
+    let numbers: Vec<u32> = setup.tools.iter().map(|tool| tool.number).collect();
     let is_listed = |tool: &Tool| used.as_ref().is_none_or(|used| used.contains(&tool.number));
     for (k, tool) in setup.tools.iter_mut().enumerate().filter(|(_, tool)| is_listed(tool)) {
         let units = units::display_units(ui);
@@ -133,12 +137,16 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
         let heading = egui::CollapsingHeader::new(name).id_salt(("tool", k));
         // A fault is not hidden under a closed heading.
         heading.open(is_faulty.then_some(true)).show_unindented(ui, |ui| {
+            number_row(ui, tool.number, &numbers, &mut renumbered);
             field_faults::within(ui, FieldScope::Tool(k), |ui| tool_form::show(ui, tool));
             let delete = ui.add_enabled(!last_one, egui::Button::new("Remove tool"));
             if delete.clicked() {
                 remove = Some(k);
             }
         });
+    }
+    if let Some((was, is)) = renumbered {
+        setup_tools::renumber(setup, was, is);
     }
     if let Some(k) = remove {
         let gone = setup.tools.remove(k);
@@ -167,6 +175,34 @@ fn tools(ui: &mut Ui, setup: &mut Setup, chosen: Option<&Setup>) {
             assembly: Default::default(),
         });
     }
+}
+
+const NUMBER: FieldSpec = FieldSpec {
+    label: "Number",
+    tip: "Number of the tool in programs: its place in the machine",
+    min: 1.0,
+    max: MAX_NUMBER as f64,
+    speed: 1.0,
+    decimals: 0,
+    ..S
+};
+
+/// Row of the number of a tool: one that another of `numbers` has is refused.
+fn number_row(ui: &mut Ui, number: u32, numbers: &[u32], renumbered: &mut Option<(u32, u32)>) {
+    fields::form(ui, "tool number", |ui| {
+        let form = ui.scope_id();
+        let mut value = f64::from(number);
+        if !fields::plain_row(ui, &mut value, &NUMBER) {
+            return;
+        }
+        let asked = value as u32;
+        if numbers.contains(&asked) && asked != number {
+            let text = format!("T{asked} is another tool of the setup");
+            typed::say(ui, form, NUMBER.label, f64::from(number), text);
+        } else {
+            *renumbered = Some((number, asked));
+        }
+    });
 }
 
 /// Numbers of the tools that the sections of a setup or of its plan use, and flank passes.

@@ -41,14 +41,23 @@ impl App {
         let search = match self.weighing.progress() {
             Some(progress) => CurveSearch::Running(progress),
             None if self.weighing.was_cancelled() => CurveSearch::Cancelled,
+            None if !self.work.is_planning() && !can_be_weighed(&self.state) => CurveSearch::NoPlan,
             None => CurveSearch::Idle,
         };
         match show(ui, &mut self.state, points.as_deref(), search) {
             Some(CurveCommand::Cancel) => self.weighing.cancel(),
             Some(CurveCommand::Restart) => self.weighing.restart(),
+            Some(CurveCommand::Plan) => self.plan(),
             None => {}
         }
     }
+}
+
+/// Whether the last plan was finished, and is one of which the curve is found.
+fn can_be_weighed(state: &AppState) -> bool {
+    let planned = state.results.planned.as_ref();
+    planned
+        .is_some_and(|planned| planned.setup.plunge.axis == AxisPolicy::Minimal && !planned.is_unfinished())
 }
 
 /// State of the search for the curve.
@@ -58,12 +67,15 @@ enum CurveSearch {
     /// With its progress, 0…1.
     Running(f64),
     Cancelled,
+    /// No plan to weigh is there or being calculated.
+    NoPlan,
 }
 
 /// What the user asks of the search.
 enum CurveCommand {
     Cancel,
     Restart,
+    Plan,
 }
 
 /// A plan as a point: time of a channel in minutes, 95th percentile of the stock in mm.
@@ -86,12 +98,16 @@ fn waiting(ui: &mut Ui, state: &AppState, search: CurveSearch) -> Option<CurveCo
             ui.label("The curve was cancelled.");
             ui.button("Calculate curve").clicked().then_some(CurveCommand::Restart)
         }
+        CurveSearch::NoPlan if is_minimal => {
+            ui.label("No plan of this setup was finished.");
+            ui.button("Calculate it").clicked().then_some(CurveCommand::Plan)
+        }
         CurveSearch::Idle if is_minimal => {
             ui.spinner();
             ui.label("Waiting for the plan…");
             None
         }
-        CurveSearch::Idle => {
+        CurveSearch::Idle | CurveSearch::NoPlan => {
             ui.label("Only plans of Min. stock leave a choice between time and stock.");
             None
         }

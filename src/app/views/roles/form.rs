@@ -61,8 +61,9 @@ pub fn nodes(ui: &mut Ui, nodes: &[MeshNode], choices: &mut RoleChoices, height:
             ui.end_row();
             for (k, node) in nodes.iter().enumerate() {
                 let name = Button::selectable(choices.selected == Some(k), &node.name).truncate();
+                // From the left, as its head.
                 let name = ui
-                    .scope(|ui| {
+                    .vertical(|ui| {
                         ui.set_width(NAME_WIDTH);
                         ui.add(name.min_size(egui::vec2(NAME_WIDTH, 20.0)))
                     })

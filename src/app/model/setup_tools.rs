@@ -1,0 +1,130 @@
+//! What an edit of a setup changes in all of its tools: the material their rates, a new number what names it.
+
+use crate::io::tool_library::{flank_cutters, plunge_cutters};
+use crate::setup::cutting_data::{CuttingData, MissingRates};
+use crate::setup::{AllowanceSetup, PlungeChange, Setup, Tool};
+
+/// Gives the tools of a setup, whose material was `before`, the rates for its material now. Only rates that
+/// nobody entered follow: those of the built-in library, and those that followed from cutting data.
+pub fn follow_material(setup: &mut Setup, before: Option<&str>) {
+    let was = before.and_then(CuttingData::of_name);
+    let is = setup.allowances.cutting_data();
+    if was.map(|data| data.names) == is.map(|data| data.names) {
+        return;
+    }
+    for tool in &mut setup.tools {
+        let built_in = plunge_cutters().iter().chain(flank_cutters());
+        let mut same = built_in.filter(|own| own.diameter == tool.diameter);
+        let rated = |own: &Tool, data: Option<&CuttingData>| {
+            data.map_or_else(|| own.clone(), |data| data.scaled_from_steel(own))
+        };
+        let rates = |tool: &Tool| (tool.spindle, tool.plunge_feed);
+        *tool = match same.find(|own| rates(&rated(own, was)) == rates(tool)) {
+            Some(own) => {
+                let (spindle, plunge_feed) = rates(&rated(own, is));
+                Tool { spindle, plunge_feed, ..tool.clone() }
+            }
+            None => {
+                let feed = MissingRates { plunge_feed: true, spindle: false };
+                let plunge_feed = feed.filled(tool, was).plunge_feed == tool.plunge_feed;
+                // Another speed alone would change the feed per tooth.
+                let all = MissingRates { plunge_feed: true, spindle: true };
+                let spindle = plunge_feed && all.filled(tool, was).spindle == tool.spindle;
+                MissingRates { plunge_feed, spindle }.filled(tool, is)
+            }
+        };
+    }
+}
+
+/// Share of the cutting speed for a material, from which on that of a tool is said to be far from it.
+const FAR: f64 = 2.0;
+/// Number of such tools that are named.
+const MAX_NAMED: usize = 4;
+
+/// Says which of `tools` turn much faster than the cutting data for the material of `allowances` give, and
+/// how fast.
+pub fn too_fast<'a>(
+    allowances: &AllowanceSetup,
+    tools: impl IntoIterator<Item = &'a Tool>,
+) -> Option<String> {
+    let data = allowances.cutting_data()?;
+    let speed = |tool: &Tool| std::f64::consts::PI * tool.diameter * tool.spindle / 1000.0;
+    let (mut named, mut more) = (Vec::new(), 0);
+    for tool in tools.into_iter().filter(|tool| speed(tool) > FAR * data.cutting_speed) {
+        if named.len() == MAX_NAMED {
+            more += 1;
+            continue;
+        }
+        let text = format!("T{} {:.0} m/min", tool.number, speed(tool));
+        if !named.contains(&text) {
+            named.push(text);
+        }
+    }
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!named.is_empty()).then(|| {
+        let list = named.join(", ");
+        format!("Much faster than the {} m/min for {}: {list}{more}", data.cutting_speed, data.names[0])
+    })
+}
+
+/// Gives the tool of `setup` of number `was` the number `is`, also where that number is named. `false` where
+/// another tool has it.
+pub fn renumber(setup: &mut Setup, was: u32, is: u32) -> bool {
+    if setup.tools.iter().any(|tool| tool.number == is) {
+        return was == is;
+    }
+    let named = setup.plunge.sections.iter_mut().map(|section| &mut section.tool);
+    let locks = setup.plunge.edits.iter_mut().filter_map(|edit| match &mut edit.change {
+        PlungeChange::Lock { tool, .. } => Some(tool),
+        _ => None,
+    });
+    let tools = setup.tools.iter_mut().map(|tool| &mut tool.number);
+    let all = named.chain(locks).chain(tools).chain(setup.flank.tool.as_mut());
+    all.filter(|number| **number == was).for_each(|number| *number = is);
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Changes the material of `setup`.
+    fn choose(setup: &mut Setup, material: Option<&str>) {
+        let before = std::mem::replace(&mut setup.allowances.material, material.map(str::to_owned));
+        follow_material(setup, before.as_deref());
+    }
+
+    #[test]
+    fn rates_that_nobody_entered_follow_the_material_and_others_stay() {
+        let own = plunge_cutters().iter().find(|tool| tool.number == 64).expect("a tool").clone();
+        let entered = Tool { number: 2, spindle: own.spindle + 30.0, ..own.clone() };
+        let blank = MissingRates { plunge_feed: true, spindle: true }.filled(&entered, None);
+        let named = Tool { number: 64, ..own.clone() };
+        let mut setup =
+            Setup { tools: vec![named, entered.clone(), Tool { number: 3, ..blank }], ..Setup::default() };
+        let first = setup.tools.clone();
+        choose(&mut setup, Some("steel"));
+        assert_eq!(setup.tools[0], first[0], "the library has the rates of steel");
+        choose(&mut setup, Some("titanium"));
+        let data = setup.allowances.cutting_data().expect("known");
+        assert_eq!(setup.tools[0], data.scaled_from_steel(&own));
+        assert_eq!(setup.tools[1], entered);
+        assert_eq!(setup.tools[2].spindle, data.spindle_for(own.diameter));
+        let note = too_fast(&setup.allowances, &setup.tools).expect("one is for steel");
+        assert!(note.starts_with("Much faster than the 40 m/min for titanium: T2 11"), "{note}");
+        choose(&mut setup, None);
+        assert_eq!(setup.tools, first);
+        assert_eq!(too_fast(&setup.allowances, &setup.tools), None);
+    }
+
+    #[test]
+    fn a_number_changes_everywhere_and_none_is_given_twice() {
+        let own = plunge_cutters()[..2].to_vec();
+        let [a, b] = [own[0].number, own[1].number];
+        let mut setup = Setup { tools: own, ..Setup::default() };
+        setup.flank.tool = Some(a);
+        assert!(!renumber(&mut setup, a, b), "it is that of another tool");
+        assert!(renumber(&mut setup, a, 905));
+        assert_eq!((setup.tools[0].number, setup.tools[1].number, setup.flank.tool), (905, b, Some(905)));
+    }
+}
