@@ -28,20 +28,25 @@ pub struct ChosenTool {
     pub reason: Option<String>,
 }
 
+/// The tools that a flank plan of `setup` may take: its own, or those of `library` where it has none.
+pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> &'a [Tool] {
+    if setup.tools.is_empty() { library } else { &setup.tools }
+}
+
 /// The tool for `setup`: by its number, otherwise from its tools, otherwise from `library`.
 ///
 /// # Errors
 /// When neither the setup nor the library has a tool of that number, or no tool fits between the blades.
 pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
     if let Some(number) = setup.flank.tool {
-        let tool = match library.iter().find(|t| t.number == number && setup.tools.is_empty()) {
+        let tool = match selectable(setup, library).iter().find(|t| t.number == number) {
             Some(tool) => tool,
             None => tool_of(setup, number).map_err(|fault| fault.at(SetupPlace::Flank("tool")))?,
         };
         check_taper(tool)?;
         return Ok(ChosenTool { tool: tool.clone(), reason: None });
     }
-    let tools = suited(if setup.tools.is_empty() { library } else { &setup.tools })?;
+    let tools = suited(selectable(setup, library))?;
     let [width, widest] = widths(&workpiece.part, &workpiece.channel);
     let depth = deepest(&workpiece.part);
     let free_width = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);

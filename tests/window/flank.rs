@@ -11,7 +11,9 @@ use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::drawing::flank::FlankColours;
 use vanecut::flank::UncutLength;
+use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
+use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::JobError;
 use vanecut::job::flank::FlankRequest;
 use vanecut::monitor::Monitor;
@@ -173,6 +175,23 @@ pub fn with_plan() -> Window {
     window.run_steps(4);
     settle(&mut window);
     window
+}
+
+#[test]
+fn the_tool_of_flank_milling_is_chosen_from_the_tools_there_are() {
+    let mut window = with_plan();
+    let planned = |window: &Window| window.state().state().results.flank.clone().expect("planned").plan.tool;
+    let automatic = planned(&window);
+    let setup = window.state().state().document.edited.setup.clone();
+    let thinner = selectable(&setup, flank_cutters()).iter().filter(|t| t.diameter < automatic.diameter);
+    let other = thinner.max_by(|a, b| a.diameter.total_cmp(&b.diameter)).expect("a thinner one");
+    choose_in_list(&mut window, "Tool", &format!("T{} Ø{}", other.number, other.diameter));
+    settle(&mut window);
+    assert_eq!(planned(&window).number, other.number);
+    window.get_by_label("Reset tool").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(planned(&window).number, automatic.number);
 }
 
 #[test]

@@ -48,7 +48,7 @@ pub struct ReplacedValue {
 pub const SECTION: &str = "Section";
 
 /// Table and key of each field of the setup, with its label.
-const FIELDS: [(&str, &str, &str); 38] = [
+const FIELDS: [(&str, &str, &str); 39] = [
     ("stock", "hub_allowance", "Hub allowance"),
     ("stock", "blade_allowance", "Blade allowance"),
     ("stock", "safety_distance", "Rapid clearance"),
@@ -72,6 +72,7 @@ const FIELDS: [(&str, &str, &str); 38] = [
     ("plunge", "rapid_approach", "Rapid approach"),
     ("machine", "file", "Machine"),
     ("machine", "max_axis_tilt", "Max machine tilt"),
+    ("flank", "tool", "Tool"),
     ("flank", "scheme", "Strategy"),
     ("flank", "layer_depth", "Layer depth"),
     ("flank", "scallop_height", "Scallop height"),

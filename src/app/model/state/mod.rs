@@ -239,8 +239,8 @@ impl AppState {
         let Some(outcome) = &self.results.flank else { return false };
         let now = &self.document.edited.setup;
         let mut asked = outcome.setup.clone();
-        // A tool that was chosen automatically does not count as a difference.
-        if now.flank.tool.is_none() {
+        // A tool that was chosen automatically, for a reason, does not count as a difference.
+        if outcome.plan.reason.is_some() && now.flank.tool.is_none() {
             asked.flank.tool = None;
         }
         asked.flank != now.flank

@@ -2,6 +2,7 @@
 //! Both have an accessible name, and a dot where the value differs from the default; a click on the dot
 //! resets it.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::path::Path;
 
@@ -208,31 +209,58 @@ pub struct ChoiceSpec<T: 'static> {
     pub meaning: fn(T) -> &'static str,
 }
 
+/// An option of a list field: its value, name and tooltip.
+pub struct ListEntry<'a, T> {
+    /// Its value.
+    pub value: T,
+    /// Its name.
+    pub name: Cow<'a, str>,
+    /// Its tooltip.
+    pub meaning: Cow<'a, str>,
+}
+
 /// A form row with label, list and dot.
 pub fn choice_row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, default: T, choice: &ChoiceSpec<T>) {
-    let label = ui.label(choice.label).on_hover_text(choice.tip);
+    let entry = |&value: &T| {
+        let (name, meaning) = ((choice.name)(value).into(), (choice.meaning)(value).into());
+        ListEntry { value, name, meaning }
+    };
+    let entries: Vec<_> = choice.all.iter().map(entry).collect();
+    list_row(ui, value, default, (choice.label, choice.tip), &entries);
+}
+
+/// Like [`choice_row`], with options that are known only now; that of `value` is among them.
+pub fn list_row<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    value: &mut T,
+    default: T,
+    (label, tip): (&str, &str),
+    entries: &[ListEntry<T>],
+) {
+    let title = ui.label(label).on_hover_text(tip);
     let before = *value;
+    let shown = entries.iter().find(|entry| entry.value == before).map_or("", |entry| &entry.name);
     ui.vertical(|ui| {
         let mut at = egui::Rect::NOTHING;
         ui.horizontal(|ui| {
-            let list = ComboBox::from_id_salt(choice.label)
+            let list = ComboBox::from_id_salt(label)
                 .width(theme::FIELD_WIDTH)
                 .truncate()
-                .selected_text((choice.name)(*value))
+                .selected_text(shown)
                 .show_ui(ui, |ui| {
-                    for &one in choice.all {
-                        let entry = ui.selectable_value(value, one, (choice.name)(one));
-                        entry.on_hover_text((choice.meaning)(one));
+                    for entry in entries {
+                        let line = ui.selectable_value(value, entry.value, &*entry.name);
+                        line.on_hover_text(&*entry.meaning);
                     }
                 });
-            at = list.response.labelled_by(label.id).rect;
+            at = list.response.labelled_by(title.id).rect;
             if *value == default {
                 reserve_dot(ui);
-            } else if reset_dot(ui, choice.label) {
+            } else if reset_dot(ui, label) {
                 *value = default;
             }
         });
-        field_faults::show(ui, choice.label, at, *value != before);
+        field_faults::show(ui, label, at, *value != before);
     });
     ui.end_row();
 }

@@ -1,4 +1,4 @@
-//! Form of flank milling: strategy, layer depth, scallop height and feed rates; display and colour key of the
+//! Form of flank milling: tool, strategy, layer depth, scallop height and feed rates; display and colour key of the
 //! passes.
 
 use std::collections::BTreeSet;
@@ -7,12 +7,14 @@ use egui::Ui;
 
 use crate::drawing::flank::{FlankColours, RAPID_COLOUR, feed_range, region_colour};
 use crate::flank::FlankPlan;
+use crate::flank::choice::selectable;
 use crate::flank::region::{Region, WallName};
+use crate::io::tool_library::flank_cutters;
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
-use crate::setup::{FlankStrategy, Setup};
+use crate::setup::{FlankStrategy, Setup, Tool};
 
-use super::fields::{self, ChoiceSpec, FieldSpec};
+use super::fields::{self, ChoiceSpec, FieldSpec, ListEntry};
 use crate::app::model::field_faults::FieldScope;
 use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
@@ -84,10 +86,31 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
     (FlankColours::Walls, "walls", "Residual stock on the walls, and overcut below the blade allowance"),
 ];
 
+/// The tool: the one that fits best, or one of those there are.
+fn tool_row(ui: &mut Ui, setup: &mut Setup) {
+    let tip = "The cutter of all passes.\nAutomatic: the thickest that leaves room for passes side by side";
+    let units = units::display_units(ui);
+    let entry = |tool: &Tool| ListEntry {
+        value: Some(tool.number),
+        name: format!("T{} {}", tool.number, units.diameter(tool.diameter)).into(),
+        meaning: format!("Stick-out {}", units.length(tool.overhang, 1)).into(),
+    };
+    let automatic =
+        ListEntry { value: None, name: "Automatic".into(), meaning: "The one that fits best".into() };
+    let mut entries = vec![automatic];
+    entries.extend(selectable(setup, flank_cutters()).iter().map(entry));
+    if let Some(number) = setup.flank.tool.filter(|_| entries.iter().all(|e| e.value != setup.flank.tool)) {
+        let (name, meaning) = (format!("T{number}, missing"), "The setup has no tool of this number");
+        entries.push(ListEntry { value: Some(number), name: name.into(), meaning: meaning.into() });
+    }
+    fields::list_row(ui, &mut setup.flank.tool, None, ("Tool", tip), &entries);
+}
+
 /// Draws the fields of the setup. `planned` is the latest flank plan.
 pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&FlankOutcome>) {
     let default = &defaults.flank;
     let form = |ui: &mut Ui| {
+        tool_row(ui, setup);
         fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
         fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
         fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);
