@@ -1,5 +1,5 @@
-//! Form of flank milling: tool, strategy, layer depth, scallop height and feed rates; display and colour key of the
-//! passes.
+//! Form of flank milling: tool, strategy, layer depth, scallop height and feed rates; display and colour key
+//! of the passes.
 
 use std::collections::BTreeSet;
 
