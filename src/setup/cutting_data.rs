@@ -131,7 +131,7 @@ impl CuttingData {
 
     /// Spindle speed for a cutter of `diameter` mm, rev/min.
     pub fn spindle_for(&self, diameter: f64) -> f64 {
-        (self.cutting_speed * 1e3 / (std::f64::consts::PI * diameter)).round().clamp(1.0, MAX_SPINDLE)
+        spindle_at(self.cutting_speed, diameter).round().clamp(1.0, MAX_SPINDLE)
     }
 
     /// `tool`, whose spindle speed and feed rate are for steel, with those for this material.
@@ -172,11 +172,21 @@ impl MissingRates {
     }
 }
 
+/// Spindle speed at which a cutter of `diameter` mm cuts at `speed` m/min, rev/min.
+fn spindle_at(speed: f64, diameter: f64) -> f64 {
+    speed * 1e3 / (std::f64::consts::PI * diameter)
+}
+
+/// Cutting speed of a cutter of `diameter` mm at a `spindle` speed in rev/min, m/min.
+pub fn cutting_speed_at(spindle: f64, diameter: f64) -> f64 {
+    std::f64::consts::PI * diameter * spindle / 1e3
+}
+
 /// Spindle speed of a tool that does not say it, rev/min: by its cutting speed, else by the material, else
 /// the default.
 pub fn usual_spindle(diameter: f64, assembly: &ToolAssembly, material: Option<&CuttingData>) -> f64 {
     match assembly.cutting_speed {
-        Some(speed) => speed * 1000.0 / (std::f64::consts::PI * diameter),
+        Some(speed) => spindle_at(speed, diameter),
         None => material.map_or(DEFAULT_SPINDLE, |data| data.spindle_for(diameter)),
     }
 }

@@ -1,7 +1,7 @@
 //! What an edit of a setup changes in all of its tools: the material their rates, a new number what names it.
 
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
-use crate::setup::cutting_data::{CuttingData, MissingRates};
+use crate::setup::cutting_data::{CuttingData, MissingRates, cutting_speed_at};
 use crate::setup::{AllowanceSetup, PlungeChange, Setup, Tool};
 
 /// Gives the tools of a setup, whose material was `before`, the rates for its material now. Only rates that
@@ -36,7 +36,7 @@ pub fn follow_material(setup: &mut Setup, before: Option<&str>) {
     }
 }
 
-/// Share of the cutting speed for a material, from which on that of a tool is said to be far from it.
+/// A tool that turns faster than the cutting speed for its material by more than this factor is named.
 const FAR: f64 = 2.0;
 /// Number of such tools that are named.
 const MAX_NAMED: usize = 4;
@@ -48,19 +48,19 @@ pub fn too_fast<'a>(
     tools: impl IntoIterator<Item = &'a Tool>,
 ) -> Option<String> {
     let data = allowances.cutting_data()?;
-    let speed = |tool: &Tool| std::f64::consts::PI * tool.diameter * tool.spindle / 1000.0;
-    let (mut named, mut more) = (Vec::new(), 0);
-    for tool in tools.into_iter().filter(|tool| speed(tool) > FAR * data.cutting_speed) {
-        if named.len() == MAX_NAMED {
-            more += 1;
-            continue;
-        }
-        let text = format!("T{} {:.0} m/min", tool.number, speed(tool));
-        if !named.contains(&text) {
-            named.push(text);
+    let mut fast: Vec<String> = Vec::new();
+    for tool in tools {
+        let speed = cutting_speed_at(tool.spindle, tool.diameter);
+        let text = format!("T{} {speed:.0} m/min", tool.number);
+        if speed > FAR * data.cutting_speed && !fast.contains(&text) {
+            fast.push(text);
         }
     }
-    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let named = fast.get(..MAX_NAMED).unwrap_or(&fast);
+    let more = match fast.len() - named.len() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
     (!named.is_empty()).then(|| {
         let list = named.join(", ");
         format!("Much faster than the {} m/min for {}: {list}{more}", data.cutting_speed, data.names[0])

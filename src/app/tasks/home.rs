@@ -1,6 +1,7 @@
 //! The window's own files: recent projects and parts, preferences, layout and recovery copies. Without a home
 //! folder none of them is stored.
 
+use std::fs::DirEntry;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -195,13 +196,7 @@ impl Home {
     /// Whether the session of another recovery copy runs. One that was killed runs, too, until the system has
     /// freed what it had, which takes seconds where that is much.
     pub fn has_running_session(&self) -> bool {
-        let Some(folder) = self.copy.parent() else { return false };
-        let mut files = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        files.any(|entry| {
-            let path = entry.path();
-            let is_other = is_copy_name(&path, EXTENSION) && path.file_stem() != self.copy.file_stem();
-            is_other && is_held(&lock_of(&path))
-        })
+        self.copies_of_others(EXTENSION).any(|copy| is_held(&lock_of(&copy.path())))
     }
 
     /// Recovery copies of other sessions that ended without closing, latest first.
@@ -211,18 +206,25 @@ impl Home {
 
     /// The same of copies with this ending.
     fn left_copies(&self, ending: &str) -> Vec<PathBuf> {
-        let Some(folder) = self.copy.parent() else { return Vec::new() };
-        let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
-        let mut found: Vec<(SystemTime, PathBuf)> = files
-            .filter_map(|entry| {
-                let path = entry.path();
-                let changed = entry.metadata().and_then(|data| data.modified()).ok()?;
-                let ours = is_copy_name(&path, ending) && path.file_stem() != self.copy.file_stem();
-                (ours && !is_held(&lock_of(&path))).then_some((changed, path))
+        let mut found: Vec<(SystemTime, PathBuf)> = self
+            .copies_of_others(ending)
+            .filter_map(|copy| {
+                let changed = copy.metadata().and_then(|data| data.modified()).ok()?;
+                let path = copy.path();
+                (!is_held(&lock_of(&path))).then_some((changed, path))
             })
             .collect();
         found.sort_by(|a, b| b.cmp(a));
         found.into_iter().map(|(_, path)| path).collect()
+    }
+
+    /// Copies with this ending of all other sessions, those that run too.
+    fn copies_of_others(&self, ending: &str) -> impl Iterator<Item = DirEntry> {
+        let files = self.copy.parent().and_then(|folder| std::fs::read_dir(folder).ok());
+        files.into_iter().flatten().flatten().filter(move |entry| {
+            let path = entry.path();
+            is_copy_name(&path, ending) && path.file_stem() != self.copy.file_stem()
+        })
     }
 
     /// Recent projects and parts that still exist, latest first.

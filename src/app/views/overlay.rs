@@ -273,8 +273,9 @@ pub fn view_buttons(ui: &mut Ui, rect: Rect) -> Option<Command> {
     chosen
 }
 
-/// Width of the controls of the section plane where there is room, and height of them and of their first row.
+/// Largest size of the controls of the section plane in two rows.
 const SECTION_BAR: Vec2 = egui::vec2(300.0, 58.0);
+/// Height of a third row.
 const SECTION_ROW: f32 = 24.0;
 
 /// Whether the controls of the section plane do not fit beside the buttons of views.
