@@ -13,7 +13,7 @@ mod overhang;
 mod scene;
 mod search;
 
-use crate::cutting::assembly::AssemblySurroundings;
+use crate::cutting::assembly::{ASSEMBLY_TOLERANCE, AssemblySurroundings};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
 use crate::part::{FinishedPart, Workpiece};
@@ -301,8 +301,7 @@ impl<'a> FixedAxisSearch<'a> {
             allowances,
             clearances,
         };
-        let found = around.at(self.tool, &self.segments, (tip, axis), 0.0);
-        found.shank.collides() || found.holder.collides()
+        around.first_obstacle(self.tool, &self.segments, (tip, axis), ASSEMBLY_TOLERANCE).is_some()
     }
 
     /// What the tool collides with at `tip`: a blade too near to the cutter, or what

@@ -89,10 +89,16 @@ impl FinishedPart {
         near.filter(|near| near.distance < cutoff).min_by(|a, b| a.distance.total_cmp(&b.distance))
     }
 
-    /// Nearest point of the blades to `point`; `None` without blades.
-    pub fn nearest_blade(&self, point: &Point) -> Option<NearestOnSide> {
-        let near = self.blades.iter().map(|blade| blade.nearest_to_point(point));
-        near.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    /// Nearest point of the blades to `point`, if it is nearer than `cutoff` mm.
+    pub fn nearest_blade_below(&self, point: &Point, cutoff: f64) -> Option<NearestOnSide> {
+        let mut nearest: Option<NearestOnSide> = None;
+        for blade in &self.blades {
+            let least = nearest.map_or(cutoff, |near| near.distance);
+            if let Some(near) = blade.nearest_to_point_below(point, least).filter(|near| near.distance < least) {
+                nearest = Some(near);
+            }
+        }
+        nearest
     }
 
     /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.

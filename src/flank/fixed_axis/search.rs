@@ -194,7 +194,9 @@ impl<'s, 'a> Greedy<'s, 'a> {
 
     /// The obstacle at a contact that has no axis.
     pub(super) fn blocked(&self, place: &PreparedContact) -> Option<AxisObstacle> {
-        self.alone(place).blocked
+        // Most contacts have an axis: the first one of the grid that is free ends the search.
+        let is_free = |axis: &Vector| self.search.spare(place, axis, (0.0, 0.0)).amount >= 0.0;
+        if self.grid.iter().any(is_free) { None } else { self.alone(place).blocked }
     }
 
     fn alone(&self, place: &PreparedContact) -> ContactAlone {

@@ -109,11 +109,8 @@ impl LayerPassMaker<'_> {
         for _ in 0..MOVES_OFF {
             let contact = self.contact(place);
             let centre = contact.point + contact.normal * tool.corner_radius;
-            let near = finished.nearest_blade(&centre)?;
+            let Some(near) = finished.nearest_blade_below(&centre, wanted) else { return Some(place) };
             let lacking = wanted - near.distance;
-            if lacking <= 0.0 {
-                return Some(place);
-            }
             let away = (centre - near.point).try_normalize(1e-9)?;
             let along = away - contact.normal * away.dot(&contact.normal);
             if along.norm() < MIN_SLOPE {

@@ -311,9 +311,12 @@ fn top_of_stock(
     let mut height = tolerance;
     for _ in 0..MAX_TOP_STEPS {
         let point = foot + normal * height;
-        let to_blade = finished.nearest_blade(&point).map_or(f64::INFINITY, |near| near.distance);
-        let free =
-            (to_blade - blade_allowance).min(blank.depth_near(Meridional::from_point(&point), &mut warm));
+        let depth = blank.depth_near(Meridional::from_point(&point), &mut warm);
+        if depth < tolerance {
+            break;
+        }
+        let nearer = finished.nearest_blade_below(&point, depth + blade_allowance);
+        let free = nearer.map_or(depth, |near| near.distance - blade_allowance);
         if free < tolerance {
             break;
         }

@@ -128,11 +128,10 @@ impl CornerBall<'_> {
         let height = self.hub_allowance + self.radius;
         let (mut centre, mut normal) = (foot + up * height, *up);
         for slide in 0.. {
-            let near = self.finished.nearest_blade(&centre)?;
-            let lacking = self.radius + self.blade_allowance - near.distance;
-            if lacking <= SLIDE_TOLERANCE {
-                break;
-            }
+            let wanted = self.radius + self.blade_allowance;
+            let near = self.finished.nearest_blade_below(&centre, wanted - SLIDE_TOLERANCE);
+            let Some(near) = near else { break };
+            let lacking = wanted - near.distance;
             let away = (centre - near.point).try_normalize(1e-9)?;
             let along = away - normal * away.dot(&normal);
             if slide == SLIDES || along.norm() < MIN_SLOPE {
