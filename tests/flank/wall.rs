@@ -118,7 +118,7 @@ impl<'a> OnLayer<'a> {
                 .expect("places")
         };
         let (_, t) = scan(0.0, last, 10 * self.stations.len());
-        scan((t - 0.2).max(0.0), (t + 0.2).min(last), 4000).0
+        scan((t - 0.2).max(0.0), (t + 0.2).min(last), 400).0
     }
 }
 

@@ -74,8 +74,8 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         max_tilt_rad: 0.5,
         clearances: Default::default(),
     };
-    // All kinds of wheels in the nightly run, every third in the default one.
-    let step = if is_gate() { 3 } else { 1 };
+    // All kinds of wheels in the nightly run, every fifth in the default one.
+    let step = if is_gate() { 5 } else { 1 };
     for index in (0..20).step_by(step) {
         let wheel = make::wheel(1, index);
         let (name, part) = (&wheel.description.name, open(&wheel));
@@ -176,6 +176,7 @@ fn sections_that_starve_from_the_outlet_are_cut_from_the_inlet() {
 /// Between walls that the cutter just passes the rows in the middle have no axis at all, those beside the
 /// walls do: these end where their own axes do, not where those of their neighbours end.
 #[test]
+#[ignore = "a plan of half a minute; scripts/nightly runs it"]
 fn rows_beside_walls_go_on_where_those_between_them_end() {
     let wheel = make::wheel(83, 34);
     let part = open(&wheel);

@@ -476,9 +476,13 @@ impl<'a> ExtraSearch<'a> {
         let enough = (MAX_LIFT_SHARE * free.drop).min(MAX_LIFT_RADII * makes.maker.tool.radius());
         let column = makes.column(&station);
         let mut lines = search.among(&column, columns.all().near(&column));
-        let lifted = |depth: f64| {
-            let lift = if depth > 0.0 { depth + LIFT_MARGIN } else { 0.0 };
-            (lift, if depth > enough { 0.0 } else { self.gain(row, &station, lift).cost })
+        let lifted = |depth: f64| match depth {
+            depth if depth <= 0.0 => (0.0, free.cost),
+            depth if depth > enough => (depth + LIFT_MARGIN, 0.0),
+            depth => {
+                let lift = depth + LIFT_MARGIN;
+                (lift, self.gain(row, &station, lift).cost)
+            }
         };
         if matches!(extra.look, PoolStage::Clear(_)) {
             let (lift, gain) = lifted(lines.depth_by_few(self.blank, enough));
