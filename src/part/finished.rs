@@ -94,7 +94,9 @@ impl FinishedPart {
         let mut nearest: Option<NearestOnSide> = None;
         for blade in &self.blades {
             let least = nearest.map_or(cutoff, |near| near.distance);
-            if let Some(near) = blade.nearest_to_point_below(point, least).filter(|near| near.distance < least) {
+            if let Some(near) =
+                blade.nearest_to_point_below(point, least).filter(|near| near.distance < least)
+            {
                 nearest = Some(near);
             }
         }

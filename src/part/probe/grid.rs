@@ -35,7 +35,7 @@ struct GridCell {
     /// both signs.
     bulge: [f64; 2],
     /// Largest radius of curvature of a distance for which it has one minimum along u in the cell, mm; 0
-    /// where the side turns too much.
+    /// where the side turns too much, or its lines may run back.
     safe_radius: f64,
 }
 
@@ -52,6 +52,9 @@ const RULED_V_LINES: usize = 5;
 /// Sag of a cell, as a share of its length, up to which its direction turns by less than a quarter of a
 /// radian.
 const PLAIN_SAG: f64 = 0.03;
+/// Departure across the normal, as a share of the length of a cell, below which its lines do not run back on
+/// themselves: they do from a quarter on. Those of noisy sections do, and then have more than one minimum.
+const EVEN_SAG: f64 = 0.2;
 /// Bending along v that does not matter, as a departure from a bilinear patch, mm.
 const STEADY: f64 = 5e-4;
 /// Share of the tolerance of a search by which bounds may be too low.
@@ -99,11 +102,14 @@ impl GridCell {
         let is_plain = along.normal <= PLAIN_SAG * length && across.normal <= PLAIN_SAG * height;
         // The radius of the side is at least length² / (8 sag).
         let radius = SAFE_SHARE * length * length / (8.0 * along.normal.max(1e-12));
+        let is_even = along.tangential <= EVEN_SAG * length && across.tangential <= EVEN_SAG * height;
         let safe_radius = if is_plain { radius } else { 0.0 };
         // Along v local searches find one minimum, or one at either end, where the bending has one sign.
         let is_steady = bulges[1][0] > -STEADY || bulges[1][1] < STEADY;
-        let (safe_radius, bulge) =
-            if is_steady { (safe_radius, bulges[0]) } else { (0.0, [f64::NEG_INFINITY, f64::INFINITY]) };
+        let (safe_radius, bulge) = match is_steady && is_even {
+            true => (safe_radius, bulges[0]),
+            false => (0.0, [f64::NEG_INFINITY, f64::INFINITY]),
+        };
         Self { normal, along, across, bulge, safe_radius }
     }
 
