@@ -3,13 +3,14 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::drawing::flank::FlankColours;
 
 use crate::fake;
-use crate::flank::with_plan;
+use crate::flank::{plan_flank, with_plan};
 use crate::harness::{
-    Window, click_enabled, press, sample_in, scaled, settle, snapshot_view, turn_wheel, with_sample,
+    Window, click_enabled, press, sample_in, scaled, settle, snapshot_view, turn_wheel, window, with_sample,
 };
 
 #[test]
@@ -64,7 +65,7 @@ fn pictures_have_the_size_and_the_background_that_were_asked_for() {
     let settings = window.state_mut().export_settings_mut();
     assert!(settings.size.is_some() && settings.transparent && settings.legend, "{settings:?}");
     settings.size = Some([640, 400]);
-    let save = |window: &mut crate::harness::Window, name: &str| {
+    let save = |window: &mut Window, name: &str| {
         let path = folder.path().join(name);
         let ctx = window.ctx.clone();
         window.state_mut().file_chosen(&ctx, Purpose::SavePicture, path.clone());
@@ -112,13 +113,28 @@ fn cut_off(window: &Window) -> Vec<String> {
     };
     let texts = window.query_all_by(|node| matches!(node.role(), Role::Label | Role::Button));
     let texts: Vec<_> = texts.filter(|text| is_below(&text.rect())).collect();
-    assert!(texts.len() > 3, "{} texts", texts.len());
+    assert!(texts.len() > 2, "{} texts", texts.len());
     let is_cut = |text: &egui_kittest::Node<'_>| text.rect().right() > view.right();
     texts
         .iter()
         .filter(|text| is_cut(text))
         .map(|text| format!("{:?}", text.accesskit_node().value()))
         .collect()
+}
+
+/// Where the names of the regions do not fit beside each other, they are those of the table of passes.
+#[test]
+fn the_regions_beside_a_splitter_are_named_in_a_narrow_view() {
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.state_mut().open_part(PartSource::Sample("impeller9x9".to_owned()));
+    settle(&mut window);
+    window.set_size(egui::vec2(907.0, 587.0));
+    window.run_steps(3);
+    plan_flank(&mut window, 6.0);
+    window.state_mut().look_mut().flank.colours = FlankColours::Region;
+    window.run_steps(6);
+    assert_eq!(cut_off(&window), [""; 0]);
 }
 
 #[test]

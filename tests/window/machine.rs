@@ -137,6 +137,8 @@ fn the_axes_beside_the_timeline_hold_the_tool_where_the_position_says() {
     let machine = on_machine(&window);
     let tip = machine.placed.point_in_part(&machine.ends[4].expect("a position").pose.tip);
     assert!((tip - plan.positions[4].tip).norm() < 1e-9);
+    // The sectional view follows in the background.
+    settle(&mut window);
     snapshot_view(&mut window, "machine_axes");
 }
 

@@ -311,8 +311,8 @@ fn class_button(ui: &mut Ui, share: &ClassShare, has_text: bool, hidden: &mut Ve
     }
 }
 
-/// Width of the button that fits the scale, points.
-const FIT_BUTTON: f32 = 66.0;
+/// Width of the button that fits the scale, with the space before it, points.
+const FIT_BUTTON: f32 = 72.0;
 /// How far the scale may reach into the margin of the legend, points.
 const MARGIN: f32 = 6.0;
 /// Least length of the bar of a scale, points.
@@ -407,7 +407,8 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     let fitting = state.fitting_range();
     let fit = || egui::Button::new("Fit scale").small();
     let tip = "The scale stays while plans change; this fits it to the plan that is shown";
-    let has_room = ui.available_width() > FIT_BUTTON;
+    let needed = theme::width_of_text(ui, "Fit scale") + FIELD_MARGIN;
+    let has_room = ui.available_width() + MARGIN > needed;
     if state.range() != fitting && has_room && ui.add(fit()).on_hover_text(tip).clicked() {
         state.look.range = Some(fitting);
     } else if (low, high) != before {

@@ -23,7 +23,7 @@ const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
 ];
 
 /// Column between the first ones where several channels are shown.
-const CHANNEL: (&str, &str, [f32; 2]) = ("Ch.", "Channel", [24.0; 2]);
+const CHANNEL: (&str, &str, [f32; 2]) = ("Ch.", "Channel", [19.0; 2]);
 
 /// Draws the table; a click on a row selects the pass.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -41,6 +41,11 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         ui.label(RichText::new("The plan has no passes").weak());
         return;
     }
+    let several = state.results.flank_run.clone().filter(|run| run.count() > 1);
+    if several.is_some() {
+        // All columns fit into the width of the table at first.
+        ui.spacing_mut().item_spacing.x = 4.0;
+    }
     let selected = state.look.flank.pass;
     // Its own place of scrolling, and a new one for another part.
     let part = state.document.part.as_ref().map(|part| part.hash.fnv1a);
@@ -55,7 +60,6 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .animate_scrolling(false)
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
     let splitters = splitter_count(state);
-    let several = state.results.flank_run.clone().filter(|run| run.count() > 1);
     let unit = usize::from(state.look.units == DisplayUnits::Inch);
     let columns = || {
         COLUMNS.into_iter().take(1).chain(several.iter().map(|_| CHANNEL)).chain(COLUMNS.into_iter().skip(1))
