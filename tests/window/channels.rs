@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::figures::format_clock;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::io::apt::read_apt;
@@ -16,8 +17,8 @@ use vanecut::toolpath::{Motion, Move};
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::harness::{
-    Window, choose_in_file_menu, choose_in_list, pixels_in, settle, snapshot_ui, snapshot_view, with_sample,
-    words,
+    Window, choose_in_file_menu, choose_in_list, labels, pixels_in, settle, snapshot_ui, snapshot_view,
+    with_sample, words,
 };
 use crate::machine::with_machine;
 
@@ -229,6 +230,33 @@ fn the_machine_runs_the_shown_channels() {
     let pitch = TAU / 17.0;
     assert!((turn - pitch).abs().min((TAU - turn - pitch).abs()) < 1e-4, "{turn} rad");
     assert_eq!(state.on_machine().expect("known").demands.len(), count, "the table has those of channel 1");
+}
+
+/// Of a plunge in another channel, time and axes are those of the program of all of them.
+#[test]
+fn the_plunge_under_the_pointer_has_the_time_and_the_axes_of_its_channel() {
+    let mut window = with_machine("ac-trunnion");
+    show_channels(&mut window, 2.0);
+    let rect = window.get_by_label("Timeline").rect();
+    window.hover_at(egui::pos2(rect.left() + 0.75 * rect.width(), rect.center().y));
+    window.run_steps(8);
+    window.get_by_label("Channel 2");
+    let title = labels(&window, "Position ").pop().expect("a tooltip");
+    let number: usize = title.trim_start_matches("Position ").parse().expect("a number");
+    let state = window.state().state();
+    let step = state.step_of_position(number - 1, 1);
+    let machine = state.on_machine().expect("known");
+    let named = machine.named(machine.at(Some(step)).expect("it runs"));
+    let axes = named.map(|(name, value, unit)| format!("{name} {value:.3}{unit}")).join("  ");
+    window.get_by_label(&axes.replace('-', "−"));
+    window.get_by_label(&format!("Cut after {}", format_clock(machine.clock[step - 1])));
+    // Among its figures, too.
+    set_timeline(&mut window, step);
+    window.get_by_label("Figures").click();
+    window.run_steps(3);
+    let state = window.state().state();
+    let time = format_clock(state.on_machine().expect("known").clock[step - 1]);
+    assert!(!labels(&window, &time).is_empty(), "{time} in {:?}", labels(&window, ""));
 }
 
 #[test]

@@ -103,6 +103,19 @@ fn either_side_shows_any_policy_that_was_planned() {
     );
 }
 
+/// The map of the difference is that of whole plans, and says so while the timeline shows less.
+#[test]
+fn the_difference_says_that_it_is_that_of_whole_plans() {
+    let (engine, _) = fake::engine();
+    let mut window = wide(engine);
+    window.key_press_modifiers(egui::Modifiers::SHIFT, egui::Key::D);
+    window.run_steps(3);
+    window.get_by_label("Stock after − before");
+    window.key_press(egui::Key::Home);
+    window.run_steps(3);
+    window.get_by_label("Finished: after − before");
+}
+
 /// What is exported is the plan whose policy is shown, not the one of the setup.
 #[test]
 fn the_program_of_a_policy_is_that_of_the_plan_shown() {

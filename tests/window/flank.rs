@@ -289,6 +289,10 @@ fn the_flank_plan_is_shown_in_several_channels_in_the_order_of_their_program() {
     let layout = &outcome.plan.layout;
     let count = 2 * layout.totals[layout.strategy as usize].passes;
     window.get_by_label(&format!("{} cuts of {count} passes", shown.passes.len()));
+    window.get_by_label("Ch.");
+    let ends = window.query_all_by_label("Time").map(|head| head.rect().right());
+    let (end, edge) = (ends.fold(0.0, f32::max), window.ctx.content_rect().right());
+    assert!(end < edge - 4.0, "all columns are in view: {end} of {edge}");
     let whole = Travel::from_program(&program).time;
     assert!((shown.time_after(steps.len()) - whole).abs() < 1e-6 * whole, "the time of the program");
     window.key_press(egui::Key::Num3);

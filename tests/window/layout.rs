@@ -1,5 +1,7 @@
 //! What stays where it is, what a new part starts with, and what can be read.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui::{Color32, Theme};
 use egui_kittest::kittest::Queryable;
@@ -7,7 +9,11 @@ use vanecut::app::model::figures::format_clock;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::panels::DockPanel;
 use vanecut::app::model::part_source::PartSource;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::{self, Condition};
+use vanecut::job::{Listener, PlanRequest, PolicyResult};
+use vanecut::monitor::Monitor;
+use vanecut::plunge::{AddedPlunges, DropReason, Dropped, StopReason};
 
 use crate::fake;
 use crate::harness::{Window, sample_in, scaled, settle, snapshot_view, turn_wheel, window, with_sample};
@@ -223,6 +229,12 @@ fn text_has_a_contrast_of_at_least_4_5_and_is_not_too_small() {
         assert!(ratio >= 4.5, "{of:?}: buttons have {ratio:.2}");
         let ratio = contrast(visuals.weak_text_color(), button);
         assert!(ratio >= 4.5, "{of:?}: weak on a button has {ratio:.2}");
+        if of == Theme::Light {
+            // Fields and boxes without a mark have a border that is seen (WCAG 2.1, 1.4.11).
+            let border = visuals.widgets.inactive.bg_stroke;
+            let ratio = contrast(border.color, visuals.panel_fill);
+            assert!(border.width > 0.0 && ratio >= 3.0, "borders of fields have {ratio:.2}");
+        }
         for (name, font) in &style.text_styles {
             assert!(font.size >= 11.0, "{name:?} is {} points", font.size);
         }
@@ -269,6 +281,42 @@ fn no_line_of_the_verdict_begins_with_a_divider() {
         wrapped += usize::from(left.is_finite());
     }
     assert!(wrapped > 3, "{wrapped} widths with a second line");
+}
+
+/// The fake planner, of whose plans much is to be said.
+fn engine_with_remarks() -> Engine {
+    let (engine, _) = fake::engine();
+    let plan = Arc::clone(&engine.plan);
+    let poor = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = plan(request, monitor, listener)?;
+        let (why, stick_out) = (DropReason::Blades, None);
+        let PolicyResult { plan, summary, .. } = &mut outcome.after;
+        plan.dropped = vec![Dropped { section: 0, row: 0, s: 0.5, why, stick_out }; 56];
+        let stopped = StopReason::Cancelled;
+        plan.sections[1].added = Some(AddedPlunges { count: 0, stopped });
+        (summary.blocked, summary.inaccessible_share) = (Some(56), 0.065);
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(poor), ..engine }
+}
+
+/// Also where the plan is out of date and unfinished: the last figure is not cut off.
+#[test]
+fn all_of_the_verdict_is_in_view() {
+    let mut window = with_sample(engine_with_remarks());
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    for width in (800..1800).step_by(50) {
+        window.set_size(egui::vec2(width as f32, 667.0));
+        window.run_steps(4);
+        for name in ["Out of date:", "Unfinished:", "56 skipped", "Inaccessible"] {
+            window.get_by_label(name);
+        }
+        let (setup, names) = (window.get_by_label("impeller532").rect(), window.query_all_by_label("Time"));
+        let time = names.map(|node| node.rect()).find(|at| at.top() < 80.0).expect("a time");
+        assert!(time.bottom() < setup.top(), "{width}: {time} is above {setup}");
+    }
 }
 
 #[test]

@@ -1,10 +1,17 @@
 //! The window at two scalings and in both themes, idle, and as a picture file.
 
-use egui_kittest::kittest::Queryable;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::part_source::PartSource;
+use vanecut::app::model::units::DisplayUnits;
+use vanecut::drawing::flank::FlankColours;
 
 use crate::fake;
-use crate::harness::{click_enabled, sample_in, scaled, settle, snapshot_view, with_sample};
+use crate::flank::{plan_flank, with_plan};
+use crate::harness::{
+    Window, click_enabled, press, sample_in, scaled, settle, snapshot_view, turn_wheel, window, with_sample,
+};
 
 #[test]
 fn both_themes_on_an_ordinary_screen() {
@@ -58,7 +65,7 @@ fn pictures_have_the_size_and_the_background_that_were_asked_for() {
     let settings = window.state_mut().export_settings_mut();
     assert!(settings.size.is_some() && settings.transparent && settings.legend, "{settings:?}");
     settings.size = Some([640, 400]);
-    let save = |window: &mut crate::harness::Window, name: &str| {
+    let save = |window: &mut Window, name: &str| {
         let path = folder.path().join(name);
         let ctx = window.ctx.clone();
         window.state_mut().file_chosen(&ctx, Purpose::SavePicture, path.clone());
@@ -74,4 +81,85 @@ fn pictures_have_the_size_and_the_background_that_were_asked_for() {
     let (size, opaque) = save(&mut window, "b.png");
     assert_eq!(size, (1280, 800));
     assert_ne!(transparent, opaque);
+}
+
+/// What stands last in the setup is not under a bar that only the rounding of a dense screen would need.
+#[test]
+fn the_last_button_of_the_setup_takes_clicks_on_a_dense_screen() {
+    let (engine, _) = fake::engine();
+    let mut window = sample_in(scaled(engine, 1.5));
+    // 1360 × 880 pixels.
+    window.set_size(egui::vec2(1360.0, 880.0) / 1.5);
+    window.run_steps(4);
+    window.hover_at(egui::pos2(60.0, 300.0));
+    for _ in 0..20 {
+        turn_wheel(&mut window, -400.0, 4);
+    }
+    let button = window.get_by_role_and_label(Role::Button, "Edit tools and sections").rect();
+    let at = egui::pos2(button.center().x, button.bottom() - 3.0);
+    // Near a bar it grows.
+    window.hover_at(at);
+    window.run_steps(4);
+    press(&mut window, at);
+    window.run_steps(4);
+    assert!(!window.state().state().document.edited.setup.tools.is_empty(), "clicked at {at} of {button}");
+}
+
+/// Texts of the legend and beside the timeline that do not end within the view.
+fn cut_off(window: &Window) -> Vec<String> {
+    let view = window.get_by_label("3D view").rect();
+    let is_below = |at: &egui::Rect| {
+        view.x_range().contains(at.left()) && (view.bottom()..view.bottom() + 64.0).contains(&at.center().y)
+    };
+    let texts = window.query_all_by(|node| matches!(node.role(), Role::Label | Role::Button));
+    let texts: Vec<_> = texts.filter(|text| is_below(&text.rect())).collect();
+    assert!(texts.len() > 2, "{} texts", texts.len());
+    let is_cut = |text: &egui_kittest::Node<'_>| text.rect().right() > view.right();
+    texts
+        .iter()
+        .filter(|text| is_cut(text))
+        .map(|text| format!("{:?}", text.accesskit_node().value()))
+        .collect()
+}
+
+/// Where the names of the regions do not fit beside each other, they are those of the table of passes.
+#[test]
+fn the_regions_beside_a_splitter_are_named_in_a_narrow_view() {
+    let (engine, _) = fake::engine();
+    let mut window = window(engine);
+    window.state_mut().open_part(PartSource::Sample("impeller9x9".to_owned()));
+    settle(&mut window);
+    window.set_size(egui::vec2(907.0, 587.0));
+    window.run_steps(3);
+    plan_flank(&mut window, 6.0);
+    window.state_mut().look_mut().flank.colours = FlankColours::Region;
+    window.run_steps(6);
+    assert_eq!(cut_off(&window), [""; 0]);
+}
+
+#[test]
+fn nothing_below_a_narrow_view_is_cut_off() {
+    let mut window = with_plan();
+    window.state_mut().look_mut().flank.colours = FlankColours::Region;
+    let count = window.state().state().timeline_len();
+    window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit((count - 1) as f64);
+    let sizes = [850.0, 907.0, 950.0, 1000.0];
+    for width in sizes {
+        window.set_size(egui::vec2(width, 587.0));
+        window.run_steps(6);
+        assert_eq!(cut_off(&window), [""; 0], "flank, {width}");
+    }
+    // The button that fits the scale comes to it; numbers are longer in inches.
+    window.get_by_label_contains("Roughing: ").click();
+    window.state_mut().look_mut().range = Some((0.0, 9.0));
+    for units in [DisplayUnits::Metric, DisplayUnits::Inch] {
+        window.state_mut().look_mut().units = units;
+        for width in sizes {
+            window.set_size(egui::vec2(width, 587.0));
+            window.run_steps(6);
+            settle(&mut window);
+            assert_eq!(cut_off(&window), [""; 0], "roughing, {units:?}, {width}");
+        }
+        window.get_by_label("Fit scale");
+    }
 }

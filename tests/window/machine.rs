@@ -4,6 +4,7 @@ use std::path::Path;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::figures::format_clock;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::machine::ProgramOnMachine;
 use vanecut::app::model::panels::DockPanel;
@@ -87,6 +88,10 @@ fn the_clock_is_that_of_the_machine() {
     plan_flank(&mut window, 10.0);
     let flank = window.state().state().results.flank.clone().expect("planned");
     let of_flank = of_machine(&window);
+    // So are the times in the table of passes.
+    let first = window.state().state().results.passes.passes[0].end;
+    let time = format_clock(on_machine(&window).clock[first - 1]);
+    assert!(!labels(&window, &time).is_empty(), "{time} in {:?}", labels(&window, "0:"));
     let time = flank.machine_time.expect("the machine runs it").total_s;
     // The way out after the last cut comes to it.
     assert!(of_flank <= time + 1e-6 && of_flank > 0.98 * time, "{of_flank} s of {time} s");
@@ -132,6 +137,8 @@ fn the_axes_beside_the_timeline_hold_the_tool_where_the_position_says() {
     let machine = on_machine(&window);
     let tip = machine.placed.point_in_part(&machine.ends[4].expect("a position").pose.tip);
     assert!((tip - plan.positions[4].tip).norm() < 1e-9);
+    // The sectional view follows in the background.
+    settle(&mut window);
     snapshot_view(&mut window, "machine_axes");
 }
 
@@ -326,6 +333,22 @@ fn the_axes_of_a_position_are_shown_under_the_pointer() {
     window.get_by_label(&values(&window, number - 1));
     window.get_by_label_contains(" mm/min, ");
     window.get_by_label_contains("Cut after ");
+}
+
+/// In a narrow view, such as that of a screen of 1360 pixels at 150 %, no axis is cut off.
+#[test]
+fn the_line_of_the_axes_fits_into_a_narrow_view() {
+    let mut window = with_machine("ac-trunnion");
+    for width in [1280.0, 1100.0, 907.0] {
+        window.set_size(egui::vec2(width, 600.0));
+        window.run_steps(4);
+        let names: String = axes(&window).iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, "XYZAC", "{width}");
+        let text = line_of_axes(&window).expect("a line");
+        let room = window.get_by_label("3D view").rect().width();
+        let needed = 6.6 * text.chars().count() as f32;
+        assert!(needed <= room, "{width}: {text} needs {needed} of {room}");
+    }
 }
 
 /// The arrows go through a list that the mouse opened, and not through the table behind it.

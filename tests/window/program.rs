@@ -46,13 +46,13 @@ fn program(window: &Window) -> String {
 const TOO_DEEP: usize = 3;
 const ITS_LINE: usize = 4 + 6 * TOO_DEEP + 4;
 
-fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
+pub fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
     let path = folder.join(name);
     std::fs::write(&path, text).expect("writes");
     path
 }
 
-fn check(window: &mut Window, path: &Path) {
+pub fn check(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::CheckProgram, path.to_owned());
     window.run_steps(2);
@@ -329,7 +329,7 @@ fn the_axes_of_nc_code_are_those_that_it_commands() {
 }
 
 /// The plan as NC code for the machine that is chosen, at first the trunnion.
-fn nc_program(window: &Window) -> String {
+pub fn nc_program(window: &Window) -> String {
     let state = window.state().state();
     let planned = state.results.planned.clone().expect("planned");
     let part = &planned.outcome.workpiece.part;
@@ -350,7 +350,7 @@ fn nc_program(window: &Window) -> String {
 }
 
 /// Gives the document the tools of the plan: NC code only has their numbers.
-fn take_tools(window: &mut Window, folder: &Path) {
+pub fn take_tools(window: &mut Window, folder: &Path) {
     let setup = window.state().state().results.planned.as_ref().expect("planned").outcome.setup.clone();
     let path = write(folder, "setup.toml", &write_setup(&setup));
     window.state_mut().open_path(path);

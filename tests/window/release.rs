@@ -3,6 +3,7 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::planned::Side;
 
 use crate::fake;
@@ -23,6 +24,15 @@ fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
     window.run_steps(2);
+    window.get_by_label("Export this program?");
+    window.get_by_label_contains("The setup was edited after this calculation");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(2);
+    // A sheet is no program.
+    let sheet = Purpose::ExportSheet { operation: Operation::Roughing };
+    window.state_mut().file_chosen(&ctx, sheet, folder.path().join("p.html"));
+    window.run_steps(2);
+    window.get_by_label("Export the setup sheet of this plan?");
     window.get_by_label_contains("The setup was edited after this calculation");
     window.key_press(egui::Key::Escape);
     window.run_steps(2);

@@ -114,7 +114,10 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     window.get_by_label("1 of 2 tools");
     click(&mut window, "T12 Ø16 L90 roughing cutter");
     window.get_by_label("Drawing of T12");
+    let field = |window: &Window| window.get_by_role_and_label(Role::SpinButton, "Diameter").rect();
+    let before = field(&window);
     click(&mut window, "Take into setup");
+    assert_eq!(field(&window), before, "what is under the pointer stays there");
     let tools = window.state().state().document.edited.setup.tools.clone();
     assert_eq!(tools.len(), 1);
     assert_eq!(tools[0].assembly.holder, [[30.0, 42.0, 25.0], [50.0, 50.0, 35.0]]);

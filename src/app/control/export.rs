@@ -65,6 +65,7 @@ impl App {
             let words = match purpose {
                 Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
                 Purpose::SaveLibrary => &release::LIBRARY,
+                Purpose::ExportSheet { .. } => &release::SHEET,
                 _ => &release::PROGRAM,
             };
             self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: false });

@@ -85,6 +85,7 @@ impl App {
     /// Sets the folder for recent projects, recovery copies, preferences and layout, and reads them.
     pub fn set_home(&mut self, folder: PathBuf) {
         let home = Home::new(folder);
+        home.sweep_locks();
         self.state.recents = home.recents();
         self.state.recoverable = home.recoverable();
         self.session.look_for_copies_at = home.has_running_session().then_some(0.0);

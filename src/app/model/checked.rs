@@ -120,14 +120,22 @@ pub struct CheckedProgram {
     pub clock: Vec<f64>,
     /// Its moves as lines.
     pub lines: Vec<Segment>,
-    /// Estimated time of the whole program, s.
-    pub time: f64,
+    /// Time of the whole program from feed rates and rapids, s.
+    pub time_estimate: f64,
+    /// Time on the machine that NC code was posted for, or of APT on that of the setup, s; `None` without
+    /// one, and where it cannot run the program.
+    pub machine_time: Option<f64>,
     /// Whether no accessible floor beyond the limit stays uncut.
     pub is_complete: bool,
 }
 
 impl CheckedProgram {
-    /// Time after the first `count` moves, s.
+    /// Time of the whole program, s: on the machine, where that is known.
+    pub fn time_s(&self) -> f64 {
+        self.machine_time.unwrap_or(self.time_estimate)
+    }
+
+    /// Time after the first `count` moves, s, from feed rates and rapids.
     pub fn time_after(&self, count: usize) -> f64 {
         count.checked_sub(1).and_then(|last| self.clock.get(last)).copied().unwrap_or(0.0)
     }

@@ -80,7 +80,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     for why in DropReason::ALL {
         let count = plan.dropped.iter().filter(|dropped| dropped.why == why).count();
         if count > 0 {
-            found.push(format!("{count} positions are skipped {}", why.words()));
+            found.push(format!("Skipped: {count} positions {}", why.words()));
         }
     }
     if summary.uncut_share > MAX_GOOD_UNCUT_SHARE {

@@ -17,11 +17,16 @@ use crate::error::ErrorCode;
 use crate::gpu::cutters::CutterState;
 use crate::gpu::mesh::Segment;
 use crate::io::InputError;
+use crate::io::machine_file::machine_of_setup;
 use crate::io::plan_inputs::is_plan_file;
-use crate::io::program_file::{NcTarget, ProgramReading, read_program_bytes};
+use crate::io::program_file::{NcMachine, NcTarget, ProgramReading, read_program_bytes};
 use crate::io::source::{MAX_PROGRAM_BYTES, name_of, read_bytes_up_to};
+use crate::job::FIELD_CELLS;
+use crate::job::machine_run::MachineRun;
+use crate::machine::{BlankSize, MachineClock, MachineTime, section_times};
 use crate::monitor::Monitor;
 use crate::palette::{INTERFERING, category};
+use crate::part::Workpiece;
 use crate::plunge::sections::check_part;
 use crate::setup::{Setup, Tool};
 use crate::toolpath::{ClProgram, Motion, Move, Travel};
@@ -29,8 +34,6 @@ use crate::verify::{
     Fault, FlankVerdict, PlungeReport, VerifyError, count_by_kind, report_plunges, verify_flank,
 };
 
-/// Cells of the floor along s and λ.
-const FLOOR_CELLS: usize = 192;
 /// Widths of the lines of rapids, cuts and faults, pixels.
 const WIDTHS: [f32; 3] = [0.8, 1.6, 3.0];
 /// Faults that are shown at their place; further ones are only listed.
@@ -79,7 +82,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         Judged::of_flank(verify_flank(&workpiece, setup, &program, monitor).map_err(unjudged)?)
     } else {
         Judged::of_plunges(
-            report_plunges(&workpiece, setup, &program, FLOOR_CELLS, monitor).map_err(unjudged)?,
+            report_plunges(&workpiece, setup, &program, FIELD_CELLS, monitor).map_err(unjudged)?,
         )
     };
     let mut faults = judged.faults;
@@ -97,13 +100,34 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         findings: findings_of(&program, setup, &listing, faults),
         figures: judged.figures,
         notes,
-        time: judged.time,
+        time_estimate: judged.time,
+        machine_time: time_on_machine(&program, on_machine.as_ref(), &workpiece, setup, monitor),
         is_complete: judged.is_complete,
         clock: Travel::clock(&program),
         listing: Arc::new(listing),
         program,
         angles: on_machine.map(|on_machine| on_machine.angles),
     })
+}
+
+/// Time of a program on the machine that NC code was posted for, or of APT on that of the setup, s; `None`
+/// without a machine, and where it cannot run the program.
+fn time_on_machine(
+    program: &ClProgram,
+    posted_for: Option<&NcMachine>,
+    workpiece: &Workpiece,
+    setup: &Setup,
+    monitor: &Monitor,
+) -> Option<f64> {
+    let Some(NcMachine { machine, placed, angles }) = posted_for else {
+        // A machine that cannot be read is a problem of the setup, which is shown with its plan.
+        let machine = machine_of_setup(setup).ok()??;
+        let clock = MachineClock::new(machine, workpiece, &setup.allowances);
+        return clock.time(program).map(|time| time.total_s);
+    };
+    let blank = BlankSize::from_part(&workpiece.part, &setup.allowances);
+    let run = MachineRun::as_read(machine, placed, program, angles, blank, &monitor.silent()).ok()?;
+    Some(MachineTime::of_sections(&section_times(machine, program, &run.motion)).total_s)
 }
 
 /// What both kinds of programs have in common.

@@ -32,6 +32,8 @@ const LAYOUT: &str = "layout.json";
 const LIBRARY_ENDING: &str = "toml";
 /// What the first line of such a copy begins with, before the path of the library.
 const ORIGINAL: &str = "# of ";
+/// Age of a lock file that nobody holds, from which on it counts as left behind.
+const LEFT_LOCK: Duration = Duration::from_secs(3600);
 /// Maximum number of recent files.
 const MAX_RECENTS: usize = 10;
 
@@ -199,6 +201,22 @@ impl Home {
         self.copies_of_others(EXTENSION).any(|copy| is_held(&lock_of(&copy.path())))
     }
 
+    /// Removes the lock files of sessions that ended without closing and left no copy.
+    pub fn sweep_locks(&self) {
+        let files = std::fs::read_dir(self.folder.join("locks")).into_iter().flatten().flatten();
+        for path in files.map(|entry| entry.path()) {
+            let stem = path.file_stem().unwrap_or_default();
+            let copy = self.copy.with_file_name(stem);
+            let has_copy =
+                [EXTENSION, LIBRARY_ENDING].iter().any(|ending| copy.with_extension(ending).exists());
+            // A file that is not held yet may be one that another session is about to lock.
+            if !has_copy && is_older(&path, LEFT_LOCK) && !is_held(&path) {
+                // It says nothing, so it may stay.
+                let _ = std::fs::remove_file(&path);
+            }
+        }
+    }
+
     /// Recovery copies of other sessions that ended without closing, latest first.
     fn recovery_copies(&self) -> Vec<PathBuf> {
         self.left_copies(EXTENSION)
@@ -330,6 +348,12 @@ fn age_in_words(age: Duration) -> String {
     }
 }
 
+/// Whether a file was written longer ago than `age`.
+fn is_older(path: &Path, age: Duration) -> bool {
+    let written = std::fs::metadata(path).and_then(|data| data.modified()).ok();
+    written.and_then(|time| time.elapsed().ok()).is_some_and(|elapsed| elapsed > age)
+}
+
 /// Removes the recovery copy at `path` of another session, with its lock.
 pub fn remove_copy(path: &Path) {
     // Either may be gone already.
@@ -375,6 +399,29 @@ mod tests {
         assert!(!killed.exists());
         home.drop_copy();
         assert!(!home.copy().exists());
+    }
+
+    #[test]
+    fn locks_that_a_killed_session_left_are_removed_and_no_others() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let home = Home::new(folder.path().to_owned());
+        home.write_copy("mine").expect("writes");
+        let locks = folder.path().join("locks");
+        let lock = |name: &str, is_old: bool| {
+            let path = locks.join(name);
+            let file = std::fs::File::create(&path).expect("makes");
+            let age = if is_old { 2 * LEFT_LOCK } else { Duration::ZERO };
+            file.set_modified(SystemTime::now() - age).expect("dates");
+            path
+        };
+        let (left, new) = (lock("7-1.lock", true), lock("project-7.lock", false));
+        let (recoverable, held) = (lock("7-2.lock", true), lock("project-8.lock", true));
+        std::fs::write(folder.path().join("recovery/7-2.vanecut"), "crashed").expect("writes");
+        let file = std::fs::File::open(&held).expect("opens");
+        file.try_lock().expect("locks");
+        home.sweep_locks();
+        assert!(!left.exists(), "of a session without a copy");
+        assert!(new.exists() && recoverable.exists() && held.exists() && lock_of(home.copy()).exists());
     }
 
     #[test]

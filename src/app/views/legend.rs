@@ -97,7 +97,12 @@ fn scale(state: &AppState) -> Option<Scale> {
         return None;
     }
     match state.look.layers.floor {
-        _ if state.look.difference => of("Stock after − before", ColourMap::Difference, true, None),
+        // The map is that of whole plans, wherever the timeline stands.
+        _ if state.look.difference => {
+            let is_cut_part = state.timeline_cut().is_some_and(|cut| cut < state.timeline_len());
+            let head = if is_cut_part { "Finished: after − before" } else { "Stock after − before" };
+            of(head, ColourMap::Difference, true, None)
+        }
         FloorColours::Residual => of("Residual on hub", ColourMap::Cividis, false, None),
         FloorColours::Interference => of("Core contact", ColourMap::Contact, false, None),
         _ => None,
@@ -306,6 +311,16 @@ fn class_button(ui: &mut Ui, share: &ClassShare, has_text: bool, hidden: &mut Ve
     }
 }
 
+/// Width of the button that fits the scale, with the space before it, points.
+const FIT_BUTTON: f32 = 72.0;
+/// How far the scale may reach into the margin of the legend, points.
+const MARGIN: f32 = 6.0;
+/// Least length of the bar of a scale, points.
+const MIN_BAR: f32 = 40.0;
+/// Width of a field beside its text, and of the space between two things, points.
+const FIELD_MARGIN: f32 = 12.0;
+const SPACE: f32 = 5.0;
+
 fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
     let (width, units) = (ui.available_width(), state.look.units);
     let value = match (scale.walls, values.other) {
@@ -316,11 +331,21 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
         }),
         (None, None) => values.here.map(|stock| format!("{} here", units.length(stock.into(), 2))),
     };
+    let (low, high) = state.range();
+    let ends_of_scale = match scale.walls {
+        Some(most) => [-most, most].map(|end| format_signed(end, most, units)),
+        None => [low, high].map(|end| units.length(end.into(), 2)),
+    };
+    let fit = if scale.walls.is_none() && state.range() != state.fitting_range() { FIT_BUTTON } else { 0.0 };
+    let text_width = |text: &str| theme::width_of_text(ui, text);
+    let taken: f32 = ends_of_scale.iter().map(|end| text_width(end) + FIELD_MARGIN).sum();
+    let of_value = value.as_deref().map_or(0.0, |value| text_width(value) + SPACE);
     // In a narrow view the value under the cursor takes the place of the heading.
-    if width > 350.0 || width > 260.0 && value.is_none() {
+    let rest = width + MARGIN - fit - taken - of_value - MIN_BAR - 2.0 * SPACE;
+    if rest > text_width(scale.head) + SPACE {
         ui.label(scale.head);
     }
-    let bar = (width - 330.0).clamp(40.0, 180.0);
+    let bar = (width - fit - 330.0).clamp(MIN_BAR, 180.0);
     match scale.walls {
         Some(most) => {
             ui.label(format_signed(-most, most, units));
@@ -382,7 +407,9 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     let fitting = state.fitting_range();
     let fit = || egui::Button::new("Fit scale").small();
     let tip = "The scale stays while plans change; this fits it to the plan that is shown";
-    if state.range() != fitting && ui.add(fit()).on_hover_text(tip).clicked() {
+    let needed = theme::width_of_text(ui, "Fit scale") + FIELD_MARGIN;
+    let has_room = ui.available_width() + MARGIN > needed;
+    if state.range() != fitting && has_room && ui.add(fit()).on_hover_text(tip).clicked() {
         state.look.range = Some(fitting);
     } else if (low, high) != before {
         state.look.range = Some((low, high));

@@ -31,6 +31,8 @@ pub struct ReleaseWords {
 /// Of a program.
 pub const PROGRAM: ReleaseWords =
     ReleaseWords { title: "Export this program?", above: "", below: "", anyway: "Export anyway" };
+/// Of the setup sheet of a plan.
+pub const SHEET: ReleaseWords = ReleaseWords { title: "Export the setup sheet of this plan?", ..PROGRAM };
 /// Of a tool library in the format of Fusion.
 pub const LIBRARY: ReleaseWords = ReleaseWords {
     title: "Write a Fusion library?",

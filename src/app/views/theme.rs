@@ -109,6 +109,10 @@ pub fn apply(ctx: &Context) {
             ] {
                 widget.corner_radius = CornerRadius::same(3);
             }
+            if !visuals.dark_mode {
+                // Boxes without a mark and fields would hardly stand out from a light panel.
+                visuals.widgets.inactive.bg_stroke = Stroke::new(1.0, Color32::from_gray(140));
+            }
             visuals.widgets.noninteractive.fg_stroke.color =
                 if visuals.dark_mode { Color32::from_gray(205) } else { Color32::from_gray(45) };
             visuals.widgets.inactive.fg_stroke.color =

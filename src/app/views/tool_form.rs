@@ -161,7 +161,8 @@ fn text_row(ui: &mut Ui, label: &str, tip: &str, text: &mut Option<String>) {
 
 /// What most tools do without, folded away: taper, cutting data, offsets, words.
 fn more_fields(ui: &mut Ui, tool: &mut Tool) {
-    ui.collapsing("More", |ui| {
+    // Not indented: the fields of a form take the width of the panel, with their dots.
+    egui::CollapsingHeader::new("More").show_unindented(ui, |ui| {
         let more = &mut tool.assembly;
         text_row(ui, "Description", "Maker, order number, use", &mut more.description);
         text_row(ui, "Cutter material", "Such as carbide", &mut more.material);

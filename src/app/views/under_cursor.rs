@@ -62,7 +62,7 @@ impl App {
         if let Some(position) = hover.hit.position {
             let state = &self.state;
             pane.response.clone().on_hover_ui_at_pointer(|ui| {
-                panels::positions::cutter_tooltip(ui, state, pane.side, position);
+                panels::positions::cutter_tooltip(ui, state, pane.side, position, 0);
             });
         }
         Values {

@@ -94,33 +94,27 @@ impl AppState {
         (!clock.is_empty() && clock.len() == self.timeline_len()).then_some(clock)
     }
 
-    /// Time of the program at the position of the timeline and at its end, s: on the machine, where that is
-    /// known.
+    /// Time of the shown program from its start to the end of its first `cut` steps, s: on the machine, where
+    /// that is known.
+    pub fn time_after(&self, cut: usize) -> Option<f64> {
+        if let Some(clock) = self.machine_clock() {
+            return cut.checked_sub(1).map_or(Some(0.0), |last| clock.get(last).copied());
+        }
+        match self.look.operation {
+            Operation::Roughing => match self.shown_channels() {
+                Some(channels) => channels.time_after(cut),
+                None => self.shown().and_then(|shown| shown.planned.time_after(shown.policy, cut)),
+            },
+            Operation::Flank => Some(self.results.passes.time_after(cut)),
+            Operation::Program => Some(self.results.checked.as_ref()?.time_after(cut)),
+        }
+    }
+
+    /// Time of the program at the position of the timeline and at its end, s; see [`Self::time_after`].
     pub fn clock(&self) -> Option<(f64, f64)> {
         let count = self.timeline_len();
         let cut = self.timeline_cut().unwrap_or(count);
-        if let Some(clock) = self.machine_clock() {
-            let at = |cut: usize| cut.checked_sub(1).map_or(Some(0.0), |last| clock.get(last).copied());
-            return at(cut).zip(at(count));
-        }
-        match self.look.operation {
-            Operation::Roughing => {
-                if let Some(channels) = self.shown_channels() {
-                    return channels.time_after(cut).zip(channels.time_after(count));
-                }
-                let shown = self.shown()?;
-                let at = |cut| shown.planned.time_after(shown.policy, cut);
-                at(cut).zip(at(count))
-            }
-            Operation::Flank => {
-                let passes = &self.results.passes;
-                Some((passes.time_after(cut), passes.time_after(count)))
-            }
-            Operation::Program => {
-                let checked = self.results.checked.as_ref()?;
-                Some((checked.time_after(cut), checked.time_after(count)))
-            }
-        }
+        self.time_after(cut).zip(self.time_after(count))
     }
 
     /// Moves the timeline by `step` steps and selects what was cut last. From the end it starts at the

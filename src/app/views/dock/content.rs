@@ -132,8 +132,11 @@ impl App {
             self.panel(ui, panel, fill_height);
             return;
         }
+        // The lower bar only where it is needed: over what stands last it would take its clicks, and what a
+        // screen rounds is wider than the panel by a part of a pixel.
+        let is_narrow = ui.available_width() < min.x;
         // The tool library is as high as its content.
-        let directions = Vec2b::new(true, min.y > 0.0 || panel == DockPanel::ToolLibrary);
+        let directions = Vec2b::new(is_narrow, min.y > 0.0 || panel == DockPanel::ToolLibrary);
         ScrollArea::new(directions).id_salt("panel").auto_shrink(false).show(ui, |ui| {
             ui.set_width(ui.available_width().max(min.x));
             if min.y > 0.0 {
@@ -177,7 +180,8 @@ impl App {
 
     /// The selected position; returns the height of its content, which scrolls where it does not fit, points.
     fn selected_position(&mut self, ui: &mut Ui, fill_height: Option<f32>) -> f32 {
-        let area = ScrollArea::both().id_salt("details").auto_shrink(false);
+        let is_narrow = ui.available_width() < DETAILS_WIDTH;
+        let area = ScrollArea::new([is_narrow, true]).id_salt("details").auto_shrink(false);
         let shown = area.show(ui, |ui| {
             ui.set_width(ui.available_width().max(DETAILS_WIDTH));
             self.details(ui, fill_height);

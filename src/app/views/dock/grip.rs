@@ -63,7 +63,12 @@ pub fn grip(ui: &Ui, rect: Rect, panel: DockPanel, is_floating: bool) -> GripUse
         ui.painter().rect_filled(at.shrink2(Vec2::new(4.0, 2.0)), 2.0, ink);
     }
     let drag_started = response.drag_started();
-    let tip = "Drag to dock the panel elsewhere; drop it on the menu or the status bar to pop it out.\nClick for more";
+    let tip = match panel.can_leave() {
+        true => {
+            "Drag to dock the panel elsewhere; drop it on the menu or the status bar to pop it out.\nClick for more"
+        }
+        false => "Drag to dock the view elsewhere.\nClick for more",
+    };
     response.on_hover_cursor(CursorIcon::Grab).on_hover_text(tip);
     GripUse { drag_started, request: menu.and_then(|menu| menu.inner) }
 }

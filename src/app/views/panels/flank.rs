@@ -20,6 +20,7 @@ use crate::app::model::look::FlankLook;
 use crate::app::views::command::Command;
 use crate::app::views::field_faults;
 use crate::app::views::swatch::swatch;
+use crate::app::views::theme;
 use crate::app::views::units;
 
 const DEPTH: FieldSpec = FieldSpec::mm(
@@ -178,6 +179,20 @@ pub fn region_words(region: Region, splitters: usize) -> String {
     }
 }
 
+/// The same in as few letters as the table of passes has.
+pub fn short_region_words(region: Region, splitters: usize) -> &'static str {
+    match region {
+        Region::INLET if splitters == 0 => "channel",
+        Region::INLET => "inlet",
+        Region { low: WallName::Low, .. } => "suct.",
+        Region { high: WallName::High, .. } => "press.",
+        _ => "split.",
+    }
+}
+
+/// Width of an entry of the key beside its text, points.
+const SWATCH_AND_SPACES: f32 = 22.0;
+
 /// Colour key of the passes in a channel with some number of `splitters`.
 pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan, splitters: usize) {
     let layers = plan.layout.layers.len();
@@ -197,8 +212,15 @@ pub fn key(ui: &mut Ui, colours: FlankColours, plan: &FlankPlan, splitters: usiz
         FlankColours::Region => {
             let curves = || plan.layout.layers.iter().flat_map(|layer| &layer.pass_curves);
             let regions: BTreeSet<Region> = curves().map(|curve| curve.region).collect();
-            for region in regions {
-                patch(ui, region_colour(region), &region_words(region, splitters));
+            let words = |region: &Region| region_words(*region, splitters);
+            let width = |region: &Region| theme::width_of_text(ui, &words(region)) + SWATCH_AND_SPACES;
+            let fits = regions.iter().map(width).sum::<f32>() < ui.available_width();
+            for region in &regions {
+                swatch(ui, region_colour(*region), 10.0);
+                match fits {
+                    true => ui.label(words(region)),
+                    false => ui.label(short_region_words(*region, splitters)).on_hover_text(words(region)),
+                };
             }
         }
         FlankColours::Feed => {

@@ -4,7 +4,7 @@ use egui::{RichText, Sense, Ui};
 use egui_extras::{Column, TableBuilder};
 
 use super::cells::cell;
-use super::flank::region_words;
+use super::flank::{region_words, short_region_words};
 use crate::app::model::figures::format_clock;
 use crate::app::model::flank_passes::FlankPass;
 use crate::app::model::state::AppState;
@@ -17,10 +17,13 @@ use crate::flank::region::{Region, WallName};
 const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
     ("#", "Number in cutting order", [30.0; 2]),
     ("Layer", "Layer, 1 at the hub", [38.0; 2]),
-    ("Region", "Where in the channel; w: along a wall", [64.0, 60.0]),
+    ("Region", "Where in the channel; w: along a wall", [64.0; 2]),
     ("Length", "Length of the pass", [48.0, 54.0]),
-    ("Time", "Time from the first pass on when the pass ends, without what is cut before it", [58.0, 54.0]),
+    ("Time", "When the pass ends, on the clock of the timeline", [58.0, 54.0]),
 ];
+
+/// Column between the first ones where several channels are shown.
+const CHANNEL: (&str, &str, [f32; 2]) = ("Ch.", "Channel", [19.0; 2]);
 
 /// Draws the table; a click on a row selects the pass.
 pub fn show(ui: &mut Ui, state: &mut AppState) {
@@ -38,6 +41,11 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         ui.label(RichText::new("The plan has no passes").weak());
         return;
     }
+    let several = state.results.flank_run.clone().filter(|run| run.count() > 1);
+    if several.is_some() {
+        // All columns fit into the width of the table at first.
+        ui.spacing_mut().item_spacing.x = 4.0;
+    }
     let selected = state.look.flank.pass;
     // Its own place of scrolling, and a new one for another part.
     let part = state.document.part.as_ref().map(|part| part.hash.fnv1a);
@@ -53,7 +61,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
         .cell_layout(egui::Layout::right_to_left(egui::Align::Center));
     let splitters = splitter_count(state);
     let unit = usize::from(state.look.units == DisplayUnits::Inch);
-    for (_, _, widths) in COLUMNS {
+    let columns = || {
+        COLUMNS.into_iter().take(1).chain(several.iter().map(|_| CHANNEL)).chain(COLUMNS.into_iter().skip(1))
+    };
+    for (_, _, widths) in columns() {
         builder = builder.column(Column::exact(widths[unit]));
     }
     builder = builder.column(Column::remainder());
@@ -64,7 +75,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
     let (mut clicked, units) = (None, state.look.units);
     builder
         .header(theme::ROW_HEIGHT, |mut header| {
-            for (head, tip, _) in COLUMNS {
+            for (head, tip, _) in columns() {
                 header.col(|ui| {
                     ui.label(RichText::new(head).weak()).on_hover_text(tip);
                 });
@@ -77,22 +88,18 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
                 let k = row.index();
                 let Some(pass) = found.passes.get(k) else { return };
                 row.set_selected(selected == Some(k));
-                let region = match pass.region {
-                    Region::INLET if splitters == 0 => "channel",
-                    Region::INLET => "inlet",
-                    Region { low: WallName::Low, .. } => "suct.",
-                    Region { high: WallName::High, .. } => "press.",
-                    _ => "split.",
-                };
+                let region = short_region_words(pass.region, splitters);
                 let wall = if pass.along_wall { " w" } else { "" };
+                let channel = several.as_ref().map(|run| (run.channel_of(pass.from) + 1).to_string());
                 let cells = [
-                    (k + 1).to_string(),
-                    (pass.layer + 1).to_string(),
-                    format!("{region}{wall}"),
-                    units.number(pass.length, 1),
-                    format_clock(found.time_after(pass.end)),
+                    Some((k + 1).to_string()),
+                    channel,
+                    Some((pass.layer + 1).to_string()),
+                    Some(format!("{region}{wall}")),
+                    Some(units.number(pass.length, 1)),
+                    Some(state.time_after(pass.end).map_or_else(String::new, format_clock)),
                 ];
-                for text in cells {
+                for text in cells.into_iter().flatten() {
                     row.col(|ui| cell(ui, RichText::new(text)));
                 }
                 row.col(|_| ());
@@ -140,5 +147,7 @@ pub fn describe(ui: &mut Ui, state: &AppState, k: usize, pass: &FlankPass) {
     };
     ui.label(format!("{} at {feeds}, {:.1} s", units.length(pass.length, 1), pass.time));
     ui.label(format!("The axis turns by {:.1}°", pass.turn.to_degrees()));
-    ui.label(format!("Cut after {}", format_clock(state.results.passes.time_after(pass.end))));
+    if let Some(time) = state.time_after(pass.end) {
+        ui.label(format!("Cut after {}", format_clock(time)));
+    }
 }

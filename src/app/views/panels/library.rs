@@ -294,11 +294,13 @@ fn selected(
             library.delete(index);
         }
     });
-    if !known.is_empty() {
-        let numbers: Vec<String> = known.iter().map(|number| format!("T{number}")).collect();
-        let text = format!("In the setup as {}", numbers.join(", "));
-        ui.add(egui::Label::new(RichText::new(text).weak()).truncate());
-    }
+    // There is a line in any case: one that came would move the fields from under the pointer.
+    let numbers: Vec<String> = known.iter().map(|number| format!("T{number}")).collect();
+    let text = match numbers.is_empty() {
+        true => "Not in the setup".to_owned(),
+        false => format!("In the setup as {}", numbers.join(", ")),
+    };
+    ui.add(egui::Label::new(RichText::new(text).weak()).truncate());
     let Some(index) = library.selected else { return };
     let Some(entry) = library.content().tools.get(index).cloned() else { return };
     // Names of makers' tools are often too long for the list.

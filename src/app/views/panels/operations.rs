@@ -30,7 +30,7 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
                 0 => (Condition::Sound, None),
                 count => (Condition::Interfering, Some(count_faults(count))),
             };
-            (format_duration(checked.time), verdict, state.program_is_stale())
+            (format_duration(checked.time_s()), verdict, state.program_is_stale())
         }
         Operation::Flank => {
             let Some(outcome) = &state.results.flank else { return unplanned(running) };

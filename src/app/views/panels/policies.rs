@@ -7,7 +7,7 @@ use crate::setup::AxisPolicy;
 
 use super::setup::policy_label;
 use crate::app::model::figures::{
-    INTERFERING_TIP, format_percent, format_plan_times, format_residual, times_tip,
+    INTERFERING_TIP, MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, times_tip,
 };
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
@@ -44,18 +44,15 @@ fn lines(ui: &mut Ui, policy: RichText, result: &PolicyResult, channels: usize) 
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         let units = units::display_units(ui);
-        for (figure, tip) in [
-            (
-                format!("{} {}", format_residual(summary, units), units.length_unit()),
-                "Residual stock on the hub: mean and 95th percentile",
-            ),
-            (
-                format!("{} not machined", format_percent(summary.uncut_share)),
-                "Share of the accessible floor that is not machined",
-            ),
-        ] {
-            ui.label(RichText::new(figure).weak()).on_hover_text(tip);
-        }
+        let residual = format!("{} {}", format_residual(summary, units), units.length_unit());
+        ui.label(RichText::new(residual).weak())
+            .on_hover_text("Residual stock on the hub: mean and 95th percentile");
+        let uncut = RichText::new(format!("{} not machined", format_percent(summary.uncut_share)));
+        let uncut = match summary.uncut_share > MAX_GOOD_UNCUT_SHARE {
+            true => uncut.color(Condition::Blocked.text(ui.visuals())),
+            false => uncut.weak(),
+        };
+        ui.label(uncut).on_hover_text("Share of the accessible floor that is not machined");
     });
     ui.label(RichText::new(format_plan_times(summary, channels)).weak()).on_hover_text(times_tip(summary));
 }

@@ -359,11 +359,7 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         }
         let spindle = section.map_or(0.0, |section| section.tool.spindle);
         fact("Feed rate, speed", format!("{}, {spindle:.0} rev/min", units.feed(plan.feed_of(k))));
-        let time = match state.shown_channels() {
-            Some(channels) => channels.time_after(step),
-            None => shown.planned.time_after(shown.policy, k + 1),
-        };
-        if let Some(time) = time {
+        if let Some(time) = state.time_after(step) {
             fact("Cut after", format_clock(time));
         }
         let listing = state.results.listing.as_ref();
@@ -404,8 +400,9 @@ pub fn breach_words(position: &Position) -> Option<String> {
     Some(words[..1].to_uppercase() + &words[1..])
 }
 
-/// Tooltip of a cutter in the view of a side: what is cut there, with what, how fast and when.
-pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
+/// Tooltip of a cutter in the view of a side: what is cut there, with what, how fast and when. `channel`: in
+/// pitches ahead of channel 1.
+pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize, channel: usize) {
     ui.label(RichText::new(format!("Position {}", k + 1)).strong());
     let Some(shown) = state.shown_on(side) else { return };
     let plan = shown.plan();
@@ -416,26 +413,32 @@ pub fn cutter_tooltip(ui: &mut Ui, state: &AppState, side: Side, k: usize) {
     let place = format!("section {}, row {}", position.section + 1, position.row + 1);
     let diameter = state.look.units.diameter(tool.diameter);
     ui.label(format!("{}; T{} {diameter}, {place}", position.condition().label(), tool.number));
-    motion(ui, state, shown, k);
+    motion(ui, state, shown, k, channel);
 }
 
-/// How position `k` is cut: axis, feed rate and speed, when, and where the axes of the machine then stand.
-fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize) {
+/// How position `k` of a channel is cut: axis, feed rate and speed, when, and where the axes of the machine
+/// then stand.
+fn motion(ui: &mut Ui, state: &AppState, shown: ShownPlan, k: usize, channel: usize) {
     let plan = shown.plan();
     let Some(position) = plan.positions.get(k) else { return };
     let spindle = plan.sections.get(position.section).map_or(0.0, |section| section.tool.spindle);
     let feed = state.look.units.feed(plan.feed_of(k));
     let lead = with_minus_signs(&format!("{:.1}°", position.alpha_rad.to_degrees()));
     ui.label(format!("lead {lead}, {feed}, {spindle:.0} rev/min"));
-    if let Some(time) = shown.planned.time_after(shown.policy, k + 1) {
-        ui.label(format!("Cut after {}", format_clock(time)));
-    }
-    // The machine runs the plan of the active side.
+    // The timeline and the machine run the plan of the active side.
     let is_active = state
         .shown()
         .is_some_and(|active| active.policy == shown.policy && Arc::ptr_eq(active.planned, shown.planned));
+    let step = state.step_of_position(k, channel);
+    let time = match is_active {
+        true => state.time_after(step),
+        false => shown.planned.time_after(shown.policy, k + 1),
+    };
+    if let Some(time) = time {
+        ui.label(format!("Cut after {}", format_clock(time)));
+    }
     if let Some(plan) = state.on_machine().filter(|_| is_active)
-        && let Some(at) = plan.at(Some(state.step_of_position(k, 0)))
+        && let Some(at) = plan.at(Some(step))
     {
         let axes = plan.named(at).map(|axis| axis_text(axis, state.look.units));
         ui.label(axes.join("  "));
@@ -458,7 +461,8 @@ fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
         ui.label(words);
     }
     if let Some(shown) = state.shown() {
-        motion(ui, state, shown, k);
+        // A click on the row selects that of channel 1.
+        motion(ui, state, shown, k, 0);
     }
     axis_remarks(ui, state, k);
     ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));

@@ -46,8 +46,11 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     for (name, value, tip) in &checked.figures {
         divided_figure(ui, name, value.text(state.look.units), tip);
     }
-    let tip = "Of the whole program, from feed rates and rapids; without tool changes";
-    divided_figure(ui, "Time", format_duration(checked.time), tip);
+    let tip = match checked.machine_time {
+        Some(_) => "Of the whole program, on the machine, with tool changes and accelerations",
+        None => "Of the whole program, from feed rates and rapids; without tool changes and accelerations",
+    };
+    divided_figure(ui, "Time", format_duration(checked.time_s()), tip);
 }
 
 const MACHINE_TIP: &str = "The machine that NC code was posted for: its axes and limits. APT needs none";

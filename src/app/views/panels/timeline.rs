@@ -1,17 +1,19 @@
 //! The timeline: number of positions cut, to scrub and play.
 
 use egui::containers::menu::MenuButton;
-use egui::{Button, Rect, RichText, Sense, Slider, Stroke, Ui};
+use egui::{Button, FontId, Rect, RichText, Sense, Slider, Stroke, Ui};
 
 use super::flank_passes::describe;
 use super::positions::cutter_tooltip;
 use crate::app::model::figures::{format_clock, format_duration};
 use crate::app::model::look::{Look, Operation};
+use crate::app::model::machine::{AxisPositions, ProgramOnMachine};
 use crate::app::model::number::with_minus_signs;
 use crate::app::model::state::AppState;
 use crate::app::model::state::Boundary;
+use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
-use crate::app::views::theme::Condition;
+use crate::app::views::theme::{self, Condition};
 use crate::report::words::NOT_ON_MACHINE;
 
 /// Height of the timeline, points.
@@ -96,16 +98,34 @@ fn axes(ui: &mut Ui, state: &AppState) {
                 ui.label(RichText::new(&plan.machine.name).weak());
             }
             (None, Some(at)) => {
-                // Padded, so that nothing jumps while the axes move.
-                let values = plan.named(at).map(|(name, value, unit)| match unit {
-                    "°" => with_minus_signs(&format!("{name} {value:>8.3}{unit}")),
-                    _ => format!("{name} {:>8}", state.look.units.number(value, 3)),
-                });
-                let text = RichText::new(format!("{}  {}", values.join("  "), plan.machine.name));
-                ui.add(egui::Label::new(text.monospace().size(12.0)).truncate()).on_hover_text(AXES_TIP);
+                let texts = axis_texts(plan, at, state.look.units);
+                let font = FontId::monospace(AXES_SIZE);
+                let glyph = ui.fonts_mut(|fonts| fonts.glyph_width(&font, '0'));
+                let columns = (ui.available_width() / glyph.max(1.0)) as usize;
+                let fitting = texts.iter().find(|text| text.chars().count() <= columns);
+                let text = fitting.or(texts.last()).map_or("", String::as_str);
+                let label = egui::Label::new(RichText::new(text).monospace().size(AXES_SIZE)).truncate();
+                ui.add(label).on_hover_text(format!("{}\n{AXES_TIP}", texts[0]));
             }
         },
     }
+}
+
+/// Size of the text of the axes, points.
+const AXES_SIZE: f32 = 12.0;
+
+/// Positions of the axes, from the longest text to the shortest: in a narrow view no axis is cut off.
+fn axis_texts(plan: &ProgramOnMachine, at: &AxisPositions, units: DisplayUnits) -> [String; 4] {
+    let values = |width: usize, digits: usize, gap: &str| {
+        let values = plan.named(at).map(|(name, value, unit)| match unit {
+            "°" => with_minus_signs(&format!("{name} {value:>width$.digits$}{unit}")),
+            _ => format!("{name} {:>width$}", units.number(value, digits)),
+        });
+        values.join(gap)
+    };
+    // Padded, so that nothing jumps while the axes move.
+    let padded = values(8, 3, "  ");
+    [format!("{padded}  {}", plan.machine.name), padded, values(6, 1, " "), values(0, 1, " ")]
 }
 
 const AXES_TIP: &str = "Where the axes of the machine stand at the position of the timeline: machine coordinates\n\
@@ -142,8 +162,10 @@ fn slider(ui: &mut Ui, state: &mut AppState) -> (Option<Command>, Option<f64>) {
         // In a narrow view the slider has priority.
         let clock = state.clock().filter(|_| ui.available_width() > 300.0);
         left_out = state.clock().filter(|_| clock.is_none()).map(|(now, _)| now);
-        let has_count = ui.available_width() > COUNT + MIN_SLIDER;
-        let words = if has_count { COUNT } else { 0.0 } + if clock.is_some() { CLOCK } else { 0.0 };
+        // The widest that it becomes, so that the slider keeps its length.
+        let widest = (theme::width_of_text(ui, &format!("{count} of {count}")) + 10.0).max(COUNT);
+        let has_count = ui.available_width() > widest + MIN_SLIDER;
+        let words = if has_count { widest } else { 0.0 } + if clock.is_some() { CLOCK } else { 0.0 };
         ui.spacing_mut().slider_width = (ui.available_width() - words - 8.0).max(20.0);
         let mut now = cut;
         let slider = Slider::new(&mut now, 0..=count.max(1))
@@ -220,14 +242,16 @@ fn tooltip(response: &egui::Response, state: &AppState) {
                 ui.label(RichText::new(format!("Line {line}")).strong());
                 ui.label(RichText::new(checked.listing.statement(line)).monospace());
             }
-            ui.label(format!("After {}", format_clock(checked.time_after(k + 1))));
+            if let Some(time) = state.time_after(k + 1) {
+                ui.label(format!("After {}", format_clock(time)));
+            }
         }
         Operation::Roughing => {
             let Some((position, channel)) = state.position_of_step(k) else { return };
             if state.shown_channels().is_some() {
                 ui.label(RichText::new(format!("Channel {channel}")).strong());
             }
-            cutter_tooltip(ui, state, state.look.side, position);
+            cutter_tooltip(ui, state, state.look.side, position, channel - 1);
         }
     });
 }
@@ -238,7 +262,7 @@ fn ends_of_slider(rect: Rect) -> (f32, f32) {
     (rect.left() + inset, rect.right() - inset)
 }
 
-/// Width of the count, points.
+/// Least width of the count, points.
 const COUNT: f32 = 74.0;
 /// Least width of the slider beside the count, points.
 const MIN_SLIDER: f32 = 40.0;
