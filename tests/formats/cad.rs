@@ -17,6 +17,8 @@ const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 /// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
+/// A blade with a nose of its own, made by the script beside it.
+const NOSE_BLADE: &[u8] = include_bytes!("../data/step/nose_blade.step");
 /// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through
 /// hub, cover and rim, made by the script beside them.
 const PUMP_WHEEL: &[u8] = include_bytes!("../data/step/pump_wheel.step");
@@ -138,6 +140,22 @@ fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
 
 /// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to
 /// the axis, so that its inlet circle is on a seam of its torus.
+#[test]
+fn a_narrow_round_face_is_round() {
+    let scene = read_scene_bytes("nose.step", NOSE_BLADE, None).expect("sound");
+    assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+    // Half way up the nose is at x = 0; between the seams of its face it would be at 2 to 4 mm.
+    let mesh = &scene.bodies[0].mesh;
+    let edges = mesh.triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+    let met = edges.filter_map(|(i, j)| {
+        let (a, b) = (mesh.points[i as usize], mesh.points[j as usize]);
+        let share = (15.0 - a.z) / (b.z - a.z);
+        (0.0..=1.0).contains(&share).then(|| a.x + (b.x - a.x) * share)
+    });
+    let foremost = met.fold(f64::INFINITY, f64::min);
+    assert!(foremost.abs() < 0.02, "the nose is at {foremost} mm");
+}
+
 #[test]
 fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
     let description = read_bytes("open_wheel.step", OPEN_WHEEL, &MeshOptions::default());
