@@ -288,6 +288,16 @@ fn a_part_written_as_step_is_the_same_part() {
     assert!(hub < LIMIT && sides < NOSE_LIMIT, "hub {hub}, sides {sides} mm");
 }
 
+#[test]
+fn blades_that_go_on_past_the_ends_of_their_shroud_are_written_closed() {
+    let part = built(&read_bytes("kj66.step", KJ66, &MeshOptions::default()));
+    let (tip, end) = (Meridional::from_point(&part.main.suction.point(1.0, 1.0)), part.shroud.point(1.0));
+    assert!(tip.distance(end) > 0.5, "it goes on past it");
+    let text = write_part(&part, "a.step");
+    let scene = read_scene_bytes("a.step", text.as_bytes(), Some(0.05)).expect("sound");
+    assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+}
+
 /// Largest distance of a part from itself after it was written and read, mm.
 const LIMIT: f64 = 1e-3;
 /// The same with the noses of its blades: those are fitted anew through sections of triangles.
