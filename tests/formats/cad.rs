@@ -17,6 +17,8 @@ const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 /// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
+/// A wheel in one body with a cover that bends about the blades.
+const COVERED_WHEEL: &[u8] = include_bytes!("../data/step/covered_wheel.step");
 /// A blade with a nose of its own, made by the script beside it.
 const NOSE_BLADE: &[u8] = include_bytes!("../data/step/nose_blade.step");
 /// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through
@@ -140,6 +142,18 @@ fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
 
 /// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to
 /// the axis, so that its inlet circle is on a seam of its torus.
+#[test]
+fn a_cover_that_bends_about_the_blades_is_one() {
+    let part = built(&read_bytes("covered.step", COVERED_WHEEL, &MeshOptions::default()));
+    assert_eq!(part.blade_count, 3);
+    // The shroud is an arc of radius 18 about (50, 27).
+    for k in 0..=10 {
+        let p = part.shroud.point(f64::from(k) / 10.0);
+        let off = f64::hypot(p.r - 50.0, p.z - 27.0) - 18.0;
+        assert!(off.abs() < 0.02, "the shroud is {off} mm off at r = {}", p.r);
+    }
+}
+
 #[test]
 fn a_narrow_round_face_is_round() {
     let scene = read_scene_bytes("nose.step", NOSE_BLADE, None).expect("sound");
