@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::Rotation3;
 use vanecut::geometry::{Meridional, MeridionalCurve, Point, Vector, rotate_z};
+use vanecut::io::gltf;
 use vanecut::io::step::{read_bytes, read_scene_bytes, write_part};
 use vanecut::io::stl::{read_part_bytes, write_stl};
 use vanecut::io::{InputError, read_part};
@@ -14,12 +15,14 @@ use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
 /// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
 const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 
+/// The same wheel as triangles, body by body.
+const KJ66_MESH: &[u8] = include_bytes!("../data/wheels/kj66_cad.glb");
+
 /// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
-/// A wheel in one body with a cover that bends about the blades.
+/// A wheel in one body with a cover that bends about the blades, and a blade with a nose of its own.
 const COVERED_WHEEL: &[u8] = include_bytes!("../data/step/covered_wheel.step");
-/// A blade with a nose of its own, made by the script beside it.
 const NOSE_BLADE: &[u8] = include_bytes!("../data/step/nose_blade.step");
 /// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through
 /// hub, cover and rim, made by the script beside them.
@@ -142,6 +145,29 @@ fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
 
 /// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to
 /// the axis, so that its inlet circle is on a seam of its torus.
+#[test]
+fn the_same_wheel_as_triangles_opens_where_they_are() {
+    // One of its bodies is a splinter far beside the wheel, which is 100.19 mm across.
+    let in_metres = gltf::read_bytes("kj66.glb", KJ66_MESH, &MeshOptions::default()).expect_err("100 m");
+    assert!(in_metres.to_string().contains("--unit mm (100.19"), "{in_metres}");
+    let options = MeshOptions { unit: "mm".parse().ok(), ..MeshOptions::default() };
+    let part = built(&gltf::read_bytes("kj66.glb", KJ66_MESH, &options));
+    assert_eq!((part.blade_count, part.splitters.len()), (9, 0));
+    for (r, z) in KJ66_HUB {
+        let off = part.hub.curve().project(Meridional { r, z }).1.abs();
+        assert!(off < 0.02, "the hub is {off} mm off at r = {r}");
+    }
+    let sides = [&part.main.suction, &part.main.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
+    for (x, y, z) in KJ66_BLADE.into_iter().flatten() {
+        let off = |probe: &SideProbe| probe.nearest_to_point(&Point::new(x, y, z)).distance.abs();
+        let nearer = off(&sides[0]).min(off(&sides[1]));
+        assert!(nearer < 0.05, "the blade is {nearer} mm off at ({x}, {y}, {z})");
+    }
+    // Its tips, which wave, make all of the shroud, from the leading edge to where they turn down at the rim.
+    let (first, last) = (part.shroud.point(0.0), part.shroud.point(1.0));
+    assert!(first.z > 39.0 && last.r > 47.5, "from {first:?} to {last:?}");
+}
+
 #[test]
 fn a_cover_that_bends_about_the_blades_is_one() {
     let part = built(&read_bytes("covered.step", COVERED_WHEEL, &MeshOptions::default()));
