@@ -4,8 +4,9 @@ use super::TriangleMesh;
 use super::axis::{Axis, PartFromFile, find_axis, turned_axis};
 use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies};
 use super::holes::fill_holes;
+use super::nodes::width_of_wheel_in;
 use super::normals::ExactNormals;
-use super::options::{LengthUnit, MeshOptions, check_size};
+use super::options::{LengthUnit, MeshOptions, size_fault};
 use super::part_notes::{ring_note, sense_from_wrap};
 use super::profile::FittedProfile;
 use super::roles::{NamedMesh, Role, given_roles, listed, roles_from_names};
@@ -17,7 +18,7 @@ use super::segment::{Segments, segment_wheel};
 use super::sides::{SideCurve, SpanSection};
 use super::span_sections::span_sections;
 use super::surface::MeshSurface;
-use super::tip_border::fit_tip_border;
+use super::tip_border::{covered_share, fit_tip_border, tip_extent};
 use super::tip_faces::fit_tip_faces;
 use super::tips::fit_tip_curve;
 use super::walls::{Blades, Walls, check_deviation, fit_walls};
@@ -34,6 +35,8 @@ const TOLERANCE: (f64, f64) = (0.05, 1e-4);
 /// Largest distance of a blade tip from the line of the tips, as a share of the diameter: tips are often not
 /// turned in a model.
 const TIP_TOLERANCE: f64 = 2e-3;
+/// Share of the tips along the channel that the curve through their edges has to go along.
+const MOST_OF_TIPS: f64 = 0.8;
 
 /// What a file says of its meshes.
 #[derive(Clone, Debug)]
@@ -116,6 +119,16 @@ pub fn describe_source(
     }
 }
 
+/// The fault of meshes whose wheel has no plausible size in units of `unit_mm`.
+fn fault_of_size(meshes: &[NamedMesh], roles: &RoleSources, unit_mm: f64) -> Option<PartError> {
+    let points = || meshes.iter().flat_map(|m| &m.mesh.points);
+    let first = *points().next()?;
+    let (low, high) = points().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    // Bodies beside the wheel do not count, such as a splinter far from it.
+    size_fault((high - low).amax(), unit_mm)
+        .and_then(|_| size_fault(width_of_wheel_in(meshes, &roles.given), unit_mm))
+}
+
 /// Where the roles of meshes come from, one by one.
 struct RoleSources {
     /// What the user says.
@@ -133,11 +146,13 @@ fn describe_roles(
 ) -> Result<PartDescription, PartError> {
     let MeshSource { unit, axis, mut notes, normals, whole } = source;
     let is_cad = !normals.is_empty() || axis.is_some();
-    let sorted = sort_by_role(meshes, roles, is_cad)?;
     let scale = options.unit.unwrap_or(unit).mm();
+    let size_fault = fault_of_size(&meshes, roles, scale);
+    let sorted = sort_by_role(meshes, roles, is_cad)?;
+    if let Some(fault) = size_fault {
+        return Err(fault);
+    }
     let SortedMeshes { mut hub, mut shroud, blades: mut blade_meshes, one, mut bodies } = sorted;
-    let all = || std::iter::once(&hub).chain(&shroud).chain(blade_meshes.iter().map(|(_, m)| m));
-    check_size(all(), unit, options.unit)?;
     for mesh in std::iter::once(&mut hub).chain(&mut shroud).chain(blade_meshes.iter_mut().map(|(_, m)| m)) {
         mesh.points.iter_mut().for_each(|p| *p *= scale);
     }
@@ -231,7 +246,14 @@ fn describe_roles(
                 let hub = MeridionalCurve::through(&hub_curve.points);
                 Some((fit_tip_curve(std::slice::from_ref(&main), &hub, &course)?, false))
             };
-            let by_border = || Some((fit_tip_border(&main, &hub_curve.points, &course)?, is_cad));
+            let by_border = || Some((fit_tip_border(&main, &hub_curve.points, &course)?, true));
+            // Edges of tips that are not turned make a curve along part of them only.
+            let along_tips = || {
+                let extent = tip_extent(&main, &hub_curve.points, &course);
+                by_edges().filter(|(tips, _)| {
+                    extent.is_none_or(|extent| covered_share(&tips.points, extent, &course) > MOST_OF_TIPS)
+                })
+            };
             let by_faces = || {
                 let tips = fit_tip_faces(&main, &hub_curve.points, &course)?;
                 (tips.max_deviation_mm < tolerance).then_some((tips, false))
@@ -239,7 +261,7 @@ fn describe_roles(
             // Meshes show their tips by sharp edges; models from CAD, which know their faces, often have
             // none.
             let tips = match is_cad {
-                false => by_edges().or_else(by_border),
+                false => along_tips().or_else(by_border).or_else(by_edges),
                 true => by_faces().or_else(by_border).or_else(by_edges),
             };
             let (tips, past_tips) = tips.ok_or_else(|| {

@@ -10,9 +10,6 @@ const JUMP: f64 = 1e-3;
 /// Smallest jump of the gap between the sides, as a share of the blade's length, that is certainly an error.
 const TEAR: f64 = 4e-3;
 
-/// Name of the trailing edge.
-pub const TRAILING_EDGE: &str = "trailing edge";
-
 /// A discontinuity of an edge between two sections.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeJump {
@@ -31,7 +28,7 @@ pub fn find_jump(sections: &[SpanSection]) -> Option<EdgeJump> {
     let end_of = |s: &SpanSection, side: usize, end: usize| s.sides[side].point(end as f64).coords;
     let length = sections.iter().map(|s| (end_of(s, 0, 1) - end_of(s, 0, 0)).norm()).fold(0.0, f64::max);
     let mut found: Option<EdgeJump> = None;
-    for (end, edge) in [(0, "leading edge"), (1, TRAILING_EDGE)] {
+    for (end, edge) in [(0, "leading edge"), (1, "trailing edge")] {
         let gap = |s: &SpanSection| Vector::new(s.gaps[end], 0.0, 0.0);
         let place = |s: &SpanSection| end_of(s, 0, end);
         let other = |s: &SpanSection| end_of(s, 1, end);

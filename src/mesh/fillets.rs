@@ -49,7 +49,10 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();
     if let Some(begun) = fillet_begins(&thick, height) {
-        return begun.saturating_sub(2).max(1);
+        // Where the blade is lowest, at its trailing edge, the fillet may reach higher and round that edge.
+        let has_round_tail = |section: &SpanSection| section.has_round_tail;
+        let same = sections.iter().position(|s| has_round_tail(s) != has_round_tail(&sections[0]));
+        return begun.min(same.unwrap_or(begun)).saturating_sub(2).max(1);
     }
     // Close to the end, where blade and hub meet, a slice may fall into pieces.
     if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }

@@ -117,6 +117,29 @@ pub fn nodes(meshes: &[NamedMesh]) -> Vec<MeshNode> {
     nodes
 }
 
+/// Largest extent along an axis of those nodes that have a role in the wheel, or of all where none has one.
+pub fn wheel_width(nodes: &[MeshNode], roles: &[Option<Role>]) -> f64 {
+    let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
+    let any = roles.iter().any(of_wheel);
+    let counted = nodes.iter().zip(roles).filter(|(_, role)| !any || of_wheel(role));
+    let extent = counted.map(|(node, _)| (node.low, node.high));
+    let extent = extent.reduce(|(low, high), (from, to)| (low.inf(&from), high.sup(&to)));
+    extent.map_or(0.0, |(low, high)| (high - low).amax())
+}
+
+/// Width of the wheel in `meshes`, as [`wheel_width`], with the roles that are `given` and those that
+/// [`guess_roles`] finds.
+pub fn width_of_wheel_in(meshes: &[NamedMesh], given: &[Option<Role>]) -> f64 {
+    let said: HashMap<usize, Role> =
+        meshes.iter().zip(given).filter_map(|(mesh, role)| Some((mesh.node, (*role)?))).collect();
+    let nodes = nodes(meshes);
+    let mut roles = guess_roles(&nodes);
+    for (node, role) in nodes.iter().zip(&mut roles) {
+        *role = said.get(&node.node).copied().or(*role);
+    }
+    wheel_width(&nodes, &roles)
+}
+
 /// Initial roles: those derived from names. Without a named hub, the largest surface of revolution becomes
 /// the hub; without a named blade, the group of equal nodes with the largest total area becomes the blades.
 /// One node alone is hub and blades.

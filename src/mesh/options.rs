@@ -2,10 +2,9 @@
 
 use std::str::FromStr;
 
+use super::Role;
 use super::axis::Axis;
-use super::{Role, TriangleMesh};
 use crate::error::{ErrorCode, UserError};
-use crate::geometry::Point;
 use crate::part::{PartError, Rotation};
 
 /// Plausible diameters of impellers, mm.
@@ -154,24 +153,6 @@ pub fn size_fault(across: f64, unit_mm: f64) -> Option<PartError> {
     };
     let what = format!("the wheel would be {shown} across, which is not a plausible size of an impeller");
     Some(PartError::new(ErrorCode::MeshUnit, 0, what, help))
-}
-
-/// Checks that a wheel has a plausible size: `meshes` in the unit `given`, or else in `own`.
-///
-/// # Errors
-/// As [`size_fault`].
-pub(super) fn check_size<'a>(
-    meshes: impl Iterator<Item = &'a TriangleMesh>,
-    own: LengthUnit,
-    given: Option<LengthUnit>,
-) -> Result<(), PartError> {
-    let (mut low, mut high) = (Point::from([f64::INFINITY; 3]), Point::from([f64::NEG_INFINITY; 3]));
-    for p in meshes.flat_map(|m| &m.points) {
-        low = low.inf(p);
-        high = high.sup(p);
-    }
-    let across = (high - low).amax();
-    size_fault(across, given.unwrap_or(own).mm()).map_or(Ok(()), Err)
 }
 
 #[cfg(test)]

@@ -27,10 +27,9 @@ pub struct ChannelCoordinates {
     /// Arc lengths of hub and shroud at which the blades begin and end, mm.
     hub_ends: (f64, f64),
     shroud_ends: (f64, f64),
-    /// Whether hub and shroud go on past the rim, along the tangents there.
-    past_rim: bool,
-    /// Whether the shroud goes on past both of its ends, along the tangents there: it ends where the tips of
-    /// the blades turn into leading and trailing edge.
+    /// Whether hub and shroud go on past both of their ends, along the tangents there.
+    past_ends: bool,
+    /// Whether the shroud does: it ends where the tips of the blades turn into leading and trailing edge.
     past_tips: bool,
 }
 
@@ -46,7 +45,7 @@ impl ChannelCoordinates {
         Self::over(hub, shroud, blade, (false, past_tips))
     }
 
-    /// The same channel over the extent of `blade`, with hub and shroud that go on past the rim.
+    /// The same channel over the extent of `blade`, with hub and shroud that go on past their ends.
     pub fn going_on(&self, blade: &MeshSurface) -> Self {
         let corners: Vec<Meridional> = blade.points.iter().map(Meridional::from_point).collect();
         Self::over(&self.hub, &self.shroud, &corners, (true, self.past_tips))
@@ -56,12 +55,12 @@ impl ChannelCoordinates {
         hub: &MeridionalCurve,
         shroud: &MeridionalCurve,
         blade: &[Meridional],
-        (past_rim, past_tips): (bool, bool),
+        (past_ends, past_tips): (bool, bool),
     ) -> Self {
         let facing = |curve: &MeridionalCurve| curve.clone().with_outer_side_towards_most(blade);
         let (hub, shroud) = (facing(hub), facing(shroud));
         let (hub_ends, shroud_ends) = ((0.0, hub.length()), (0.0, shroud.length()));
-        let whole = Self { hub, shroud, hub_ends, shroud_ends, past_rim, past_tips };
+        let whole = Self { hub, shroud, hub_ends, shroud_ends, past_ends, past_tips };
         let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 2];
         for p in blade {
             let placed = whole.placed(*p);
@@ -79,12 +78,12 @@ impl ChannelCoordinates {
 
     /// Arc length and signed distance of a point from hub and shroud, mm.
     fn placed(&self, p: Meridional) -> [(f64, f64); 2] {
-        let hub = if self.past_rim { self.hub.project_past_end(p) } else { self.hub.project(p) };
-        let shroud = match (self.past_tips, self.past_rim) {
-            (true, _) => self.shroud.project_past_ends(p),
-            (false, true) => self.shroud.project_past_end(p),
-            (false, false) => self.shroud.project(p),
+        let placed = |curve: &MeridionalCurve, past_ends: bool| match past_ends {
+            true => curve.project_past_ends(p),
+            false => curve.project(p),
         };
+        let hub = placed(&self.hub, self.past_ends);
+        let shroud = placed(&self.shroud, self.past_ends || self.past_tips);
         [hub, shroud]
     }
 

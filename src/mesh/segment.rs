@@ -70,6 +70,9 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
 /// Shares of a face's stretches past the blades that are tried for its curve: smoothly joined to hub or cover
 /// may be the rounded edge of a collar and the plane beyond, which one curve does not follow.
 const PAST_BLADES: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
+/// Mean height of the middle of the blades over the planes of a face's triangles, as a share of their
+/// distance from it, below which the face is turned away from the blades.
+const BENDS: f64 = 0.35;
 /// Share of the area of a face on its curve from which on no shorter curve is tried.
 const NEARLY_ALL: f64 = 0.9;
 
@@ -187,14 +190,30 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     };
     let standing = of(&|t| !turned[t]);
     let (course, middle) = (Course::from_blades(&standing, wheel, |t| turned[t]), mean_point(&standing));
-    // Rims and backs of a solid face away from its blades.
-    let mut facing = vec![0.0; count];
+    // Rims and backs of a solid face away from the middle of its blades. Of a cover that bends about the
+    // blades their middle tells nothing, but what meets it: blades are in front of it.
+    let (mut facing, mut reach, mut in_front) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for t in (0..group.len()).filter(|&t| turned[t]) {
-        facing[group[t] as usize] += wheel.area(t) * towards(wheel, t, middle);
+        let f = group[t] as usize;
+        facing[f] += wheel.area(t) * towards(wheel, t, middle);
+        reach[f] += wheel.area(t) * middle.distance(Meridional::from_point(&wheel.centre(t)));
+        for (k, &n) in wheel.neighbours[t].iter().enumerate() {
+            if n != NONE && !turned[n as usize] {
+                let corners = wheel.triangles[t];
+                let (a, b) = (corners[k] as usize, corners[(k + 1) % 3] as usize);
+                let way = wheel.centre(n as usize) - wheel.points[a];
+                let rise = wheel.normals[t].dot(&way) / way.norm().max(1e-300);
+                in_front[f] += rise * (wheel.points[b] - wheel.points[a]).norm();
+            }
+        }
     }
     let outward = wheel.outward();
     let weight = |f: usize| areas[f] * borders[f];
-    let may_carry = |f: usize| weight(f) > 0.0 && outward.is_none_or(|sign| sign * facing[f] > 0.0);
+    let faces_blades = |f: usize, sign: f64| {
+        let bends = sign * facing[f] > -BENDS * reach[f];
+        sign * facing[f] > 0.0 || (bends && sign * in_front[f] > 0.0)
+    };
+    let may_carry = |f: usize| weight(f) > 0.0 && outward.is_none_or(|sign| faces_blades(f, sign));
     let mut carrying: Vec<usize> = (0..count).filter(|&f| may_carry(f)).collect();
     carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
     let heaviest = carrying.first().map_or(0.0, |&f| weight(f));

@@ -40,6 +40,8 @@ pub struct SpanSection {
     pub sides: [SideCurve; 2],
     /// Gap between the ends of the slice at leading and trailing edge, mm; 0 where the blade is closed.
     pub gaps: [f64; 2],
+    /// Whether both sides go round to one point at the trailing edge.
+    pub has_round_tail: bool,
 }
 
 impl SideCurve {
@@ -143,7 +145,7 @@ impl SpanSection {
         let nose = (0.5 * thickness(NOSE_END)).max(least);
         let tail = round_tail.then(|| (0.5 * thickness(1.0 - NOSE_END)).max(least));
         sides.iter_mut().for_each(|s| s.parametrise(nose, tail));
-        Some(Self { sides, gaps })
+        Some(Self { sides, gaps, has_round_tail: round_tail })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Span sections of a blade from its mesh, between hub and shroud, with the checks that it is closed.
 
-use super::edges::{EdgeJump, TRAILING_EDGE, find_jump};
+use super::edges::{EdgeJump, find_jump};
 use super::fillets::between_fillets;
 use super::holes::largest_hole;
 use super::normals::ExactNormals;
@@ -41,13 +41,14 @@ pub fn span_sections(
 ) -> Result<Vec<SpanSection>, PartError> {
     let mut own = Vec::new();
     let (mut sections, mut jump) = sections_in(surface, band, name, normals, &mut own)?;
-    // What looks like a gap of the trailing edge may be the end of the hub below a blade that goes on past
-    // its rim: of a blade cut off at the hub, the lowest section is open there.
-    if let Some(first) = jump.filter(|jump| jump.is_gap && jump.edge == TRAILING_EDGE) {
+    // What looks like a gap of an edge may be the end of the hub below a blade that goes on past it, at the
+    // rim or ahead of its nose: of a blade cut off at the hub, the lowest section is open there.
+    if let Some(first) = jump.filter(|jump| jump.is_gap) {
         let mut again = Vec::new();
         let past = sections_in(surface, &band.going_on(surface), name, normals, &mut again);
         if let Ok((better, rest)) = past
-            && rest.is_none_or(|rest| !rest.is_gap && rest.size_mm < first.size_mm)
+            && rest
+                .is_none_or(|rest| !rest.is_gap && (rest.edge != first.edge || rest.size_mm < first.size_mm))
         {
             (sections, jump, own) = (better, rest, again);
         }

@@ -48,6 +48,12 @@ pub fn tip_extent(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> O
     Some((from + step * tip.0 as f64, from + step * tip.1 as f64))
 }
 
+/// Share of a stretch along the course, mm, that a curve goes along.
+pub fn covered_share(curve: &[Meridional], (low, high): (f64, f64), course: &Course) -> f64 {
+    let (from, to) = course.extent_of(curve);
+    (to.min(high) - from.max(low)) / f64::max(high - low, 1e-300)
+}
+
 /// The border of a blade away from the hub, as a function of the distance along the course, mm.
 struct TipOutline {
     from: f64,

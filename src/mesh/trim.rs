@@ -93,8 +93,8 @@ pub fn rim_line(hub: &FittedProfile, cover: &FittedProfile) -> Option<Meridional
     is_rim.then(|| MeridionalCurve::through(&[-1.0, 0.0, 1.0, 2.0].map(|x| a.lerp(b, x))))
 }
 
-/// The part of `blade` on the outer side of a meridional curve. Corners within `tolerance` mm of the curve
-/// are on it.
+/// The part of `blade` on the outer side of a meridional curve, which goes on straight past its ends. Corners
+/// within `tolerance` mm of the curve are on it.
 pub fn trimmed(blade: &MeshSurface, curve: &MeridionalCurve, tolerance: f64) -> MeshSurface {
     trimmed_with_normals(blade, curve, tolerance, &ExactNormals::default()).0
 }
@@ -107,7 +107,7 @@ pub fn trimmed_with_normals(
     tolerance: f64,
     exact: &ExactNormals,
 ) -> (MeshSurface, Vec<(Point, Vector)>) {
-    let height = |p: &Point| curve.project(Meridional::from_point(p)).1;
+    let height = |p: &Point| curve.project_past_ends(Meridional::from_point(p)).1;
     let on_curve = |h: f64| if h.abs() < tolerance { 0.0 } else { h };
     let heights: Vec<f64> = blade.points.iter().map(|p| on_curve(height(p))).collect();
     let mut mesh = TriangleMesh { points: blade.points.clone(), triangles: Vec::new() };

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nalgebra::Rotation3;
 use vanecut::geometry::{Meridional, MeridionalCurve, Point, Vector, rotate_z};
+use vanecut::io::gltf;
 use vanecut::io::step::{read_bytes, read_scene_bytes, write_part};
 use vanecut::io::stl::{read_part_bytes, write_stl};
 use vanecut::io::{InputError, read_part};
@@ -14,9 +15,15 @@ use vanecut::part::{Blade, Impeller, PartDescription, SideProbe};
 /// Compressor wheel of the KJ66 jet engine, from a CAD system; its licence is beside it.
 const KJ66: &[u8] = include_bytes!("../data/step/kj66_impeller.step");
 
+/// The same wheel as triangles, body by body.
+const KJ66_MESH: &[u8] = include_bytes!("../data/wheels/kj66_cad.glb");
+
 /// Wheels in one body with turned tips, made by the script beside them.
 const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
+/// A wheel in one body with a cover that bends about the blades, and a blade with a nose of its own.
+const COVERED_WHEEL: &[u8] = include_bytes!("../data/step/covered_wheel.step");
+const NOSE_BLADE: &[u8] = include_bytes!("../data/step/nose_blade.step");
 /// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through
 /// hub, cover and rim, made by the script beside them.
 const PUMP_WHEEL: &[u8] = include_bytes!("../data/step/pump_wheel.step");
@@ -138,6 +145,57 @@ fn a_wheel_from_cad_opens_without_a_question_where_its_surfaces_are() {
 
 /// The tips are known by their faces, of which the file says nothing by name, and the hub begins parallel to
 /// the axis, so that its inlet circle is on a seam of its torus.
+#[test]
+fn the_same_wheel_as_triangles_opens_where_they_are() {
+    // One of its bodies is a splinter far beside the wheel, which is 100.19 mm across.
+    let in_metres = gltf::read_bytes("kj66.glb", KJ66_MESH, &MeshOptions::default()).expect_err("100 m");
+    assert!(in_metres.to_string().contains("--unit mm (100.19"), "{in_metres}");
+    let options = MeshOptions { unit: "mm".parse().ok(), ..MeshOptions::default() };
+    let part = built(&gltf::read_bytes("kj66.glb", KJ66_MESH, &options));
+    assert_eq!((part.blade_count, part.splitters.len()), (9, 0));
+    for (r, z) in KJ66_HUB {
+        let off = part.hub.curve().project(Meridional { r, z }).1.abs();
+        assert!(off < 0.02, "the hub is {off} mm off at r = {r}");
+    }
+    let sides = [&part.main.suction, &part.main.pressure].map(|side| SideProbe::new(side, 0.0, 1.0));
+    for (x, y, z) in KJ66_BLADE.into_iter().flatten() {
+        let off = |probe: &SideProbe| probe.nearest_to_point(&Point::new(x, y, z)).distance.abs();
+        let nearer = off(&sides[0]).min(off(&sides[1]));
+        assert!(nearer < 0.05, "the blade is {nearer} mm off at ({x}, {y}, {z})");
+    }
+    // Its tips, which wave, make all of the shroud, from the leading edge to where they turn down at the rim.
+    let (first, last) = (part.shroud.point(0.0), part.shroud.point(1.0));
+    assert!(first.z > 39.0 && last.r > 47.5, "from {first:?} to {last:?}");
+}
+
+#[test]
+fn a_cover_that_bends_about_the_blades_is_one() {
+    let part = built(&read_bytes("covered.step", COVERED_WHEEL, &MeshOptions::default()));
+    assert_eq!(part.blade_count, 3);
+    // The shroud is an arc of radius 18 about (50, 27).
+    for k in 0..=10 {
+        let p = part.shroud.point(f64::from(k) / 10.0);
+        let off = f64::hypot(p.r - 50.0, p.z - 27.0) - 18.0;
+        assert!(off.abs() < 0.02, "the shroud is {off} mm off at r = {}", p.r);
+    }
+}
+
+#[test]
+fn a_narrow_round_face_is_round() {
+    let scene = read_scene_bytes("nose.step", NOSE_BLADE, None).expect("sound");
+    assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+    // Half way up the nose is at x = 0; between the seams of its face it would be at 2 to 4 mm.
+    let mesh = &scene.bodies[0].mesh;
+    let edges = mesh.triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+    let met = edges.filter_map(|(i, j)| {
+        let (a, b) = (mesh.points[i as usize], mesh.points[j as usize]);
+        let share = (15.0 - a.z) / (b.z - a.z);
+        (0.0..=1.0).contains(&share).then(|| a.x + (b.x - a.x) * share)
+    });
+    let foremost = met.fold(f64::INFINITY, f64::min);
+    assert!(foremost.abs() < 0.02, "the nose is at {foremost} mm");
+}
+
 #[test]
 fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
     let description = read_bytes("open_wheel.step", OPEN_WHEEL, &MeshOptions::default());
@@ -268,6 +326,16 @@ fn a_part_written_as_step_is_the_same_part() {
     }
     let (hub, sides) = apart(&part, &built(&read_bytes("a.step", text.as_bytes(), &MeshOptions::default())));
     assert!(hub < LIMIT && sides < NOSE_LIMIT, "hub {hub}, sides {sides} mm");
+}
+
+#[test]
+fn blades_that_go_on_past_the_ends_of_their_shroud_are_written_closed() {
+    let part = built(&read_bytes("kj66.step", KJ66, &MeshOptions::default()));
+    let (tip, end) = (Meridional::from_point(&part.main.suction.point(1.0, 1.0)), part.shroud.point(1.0));
+    assert!(tip.distance(end) > 0.5, "it goes on past it");
+    let text = write_part(&part, "a.step");
+    let scene = read_scene_bytes("a.step", text.as_bytes(), Some(0.05)).expect("sound");
+    assert!(scene.notes().is_empty(), "{:?}", scene.notes());
 }
 
 /// Largest distance of a part from itself after it was written and read, mm.

@@ -1,7 +1,7 @@
 //! Choices of the roles dialog: initial guess, edits, and conversion to mesh options.
 
 use crate::mesh::axis::Axis;
-use crate::mesh::nodes::{MeshNode, guess_roles, revolution_axis_of};
+use crate::mesh::nodes::{MeshNode, guess_roles, revolution_axis_of, wheel_width};
 use crate::mesh::options::{FileUnit, likely_unit};
 use crate::mesh::{LengthUnit, MeshOptions, Role};
 use crate::part::Rotation;
@@ -98,16 +98,7 @@ impl RoleChoices {
 
     /// Largest extent of the nodes of the wheel along an axis, in the file's unit.
     pub fn wheel_width(&self, nodes: &[MeshNode]) -> f64 {
-        let wheel = || {
-            let of_wheel = |role: &Option<Role>| role.is_some_and(|role| role != Role::Ignored);
-            nodes.iter().zip(&self.roles).filter(move |(_, role)| of_wheel(role)).map(|(node, _)| node)
-        };
-        let counted: Vec<&MeshNode> =
-            if wheel().next().is_some() { wheel().collect() } else { nodes.iter().collect() };
-        let Some(first) = counted.first() else { return 0.0 };
-        let low = counted.iter().fold(first.low, |low, n| low.inf(&n.low));
-        let high = counted.iter().fold(first.high, |high, n| high.sup(&n.high));
-        (high - low).amax()
+        wheel_width(nodes, &self.roles)
     }
 
     /// The file's axis that is vertical in the picture: the given one, else the axis of revolution of the

@@ -15,6 +15,8 @@ const RING: (f64, f64) = (1.5, 12.0);
 /// across. There are no points between the borders: in true lengths the triangles between borders that are
 /// not at right angles to the lines would run askew to them, over the curve.
 const FLATTENED: f64 = 0.01;
+/// Cells of the grid of a face that are longer than this many times their width are made square.
+const LONG: f64 = 4.0;
 /// Parameters within this share of a period are equal.
 const EQUAL: f64 = 1e-6;
 
@@ -231,6 +233,22 @@ impl Chart {
         // (radius, angle) is right-handed.
         let outwards = pole.is_none_or(|pole| pole.value <= low);
         Ok(Self { kind, reversed: (round == 0) == outwards, ranges, pole })
+    }
+
+    /// The same chart where a face has this number of `cells` along both parameters. Of one that is curved
+    /// along one of them much more than along the other, such as a narrow round edge, the cells are long: in
+    /// true lengths triangles would run from border to border over the curve, past the points between.
+    pub fn with_cells(mut self, cells: [usize; 2]) -> Self {
+        if let Kind::Flat(scales) = &mut self.kind {
+            let length: [f64; 2] = std::array::from_fn(|k| {
+                scales[k] * (self.ranges[k].1 - self.ranges[k].0) / cells[k].max(1) as f64
+            });
+            let longer = usize::from(length[1] > length[0]);
+            if length[longer] > LONG * length[1 - longer] && length[1 - longer] > 0.0 {
+                scales[longer] *= length[1 - longer] / length[longer];
+            }
+        }
+        self
     }
 
     /// The place of parameters in the plane.

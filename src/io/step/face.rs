@@ -358,6 +358,12 @@ fn triangulate(
     spend: impl Fn(usize) -> EntityResult<()>,
     normals: &mut Vec<(u32, Vector)>,
 ) -> EntityResult<(Vec<[u32; 3]>, bool)> {
+    let inner = (!matches!(surface, Surface::Plane(_))).then(|| grid(surface, chart.ranges, fineness));
+    let is_straight = surface.is_straight(0) || surface.is_straight(1);
+    let mut chart = chart.clone();
+    if let Some([us, vs]) = inner.as_ref().filter(|_| !is_straight) {
+        chart = chart.with_cells([us.len() - 1, vs.len() - 1]);
+    }
     let mut plane = Plane::new();
     let mut crossing = false;
     let mut owner: Vec<u32> = Vec::new();
@@ -396,8 +402,7 @@ fn triangulate(
     normals.extend(on_border.map(|(q, number)| (*number, surface.normal(*q))));
     let border = inside(&plane);
     let mut places: Vec<([f64; 2], Point2<f64>)> = Vec::new();
-    if !matches!(surface, Surface::Plane(_)) {
-        let [us, vs] = grid(surface, chart.ranges, fineness);
+    if let Some([us, vs]) = inner {
         // Between the ends; all round where it goes round.
         let between = |values: &[f64], k: usize| -> Vec<f64> {
             let first = usize::from(chart.round() != Some(k));

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes open_wheel.step and plane_blades.step with Open CASCADE (pip install cadquery-ocp): three blades fused to a hub,
-their tips turned: open_wheel.py cylindrical open_wheel.step; open_wheel.py plane plane_blades.step.
+"""Writes open_wheel.step, plane_blades.step and covered_wheel.step with Open CASCADE (pip install "cadquery-ocp<7.9"): three
+blades fused to a hub, their tips turned: open_wheel.py cylindrical open_wheel.step; open_wheel.py plane plane_blades.step;
+open_wheel.py covered covered_wheel.step, whose blades are those of the first, fused to a cover of 2.5 mm, too.
 
 Hub and shroud are arcs about (50, 40), of radius 36, and about (50, 27), of radius 18, in the meridional plane (r, z), mm.
 """
@@ -37,6 +38,11 @@ def hub(m):
 
 def shroud(m):
     return 50 - 18 * math.cos(m * math.pi / 2), 27 - 18 * math.sin(m * math.pi / 2)
+
+
+def outside(m):
+    """Of the cover."""
+    return 50 - 15.5 * math.cos(m * math.pi / 2), 27 - 15.5 * math.sin(m * math.pi / 2)
 
 
 def arc(curve, theta=0.0):
@@ -91,20 +97,27 @@ def plane():
     return loft.Shape()
 
 
-def main(blade, path):
+def main(kind, path):
     body = turned([arc(hub), line((50, 4), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (14, 40))])
+    tip, top = (outside, 34.5) if kind == "covered" else (shroud, 32)
     # What the wheel is turned to: the shroud, the rim, and a cylinder before the shroud.
     envelope = turned(
-        [arc(shroud), line((50, 9), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (32, 40)), line((32, 40), (32, 27))]
+        [arc(tip), line(tip(1), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (top, 40)), line((top, 40), (top, 27))]
     )
+    if kind == "covered":
+        body = BRepAlgoAPI_Fuse(body, turned([arc(shroud), line((50, 9), (50, 11.5)), arc(outside), line((34.5, 27), (32, 27))])).Shape()
     for k in range(3):
         turn = gp_Trsf()
         turn.SetRotation(AXIS, 2 * math.pi * k / 3)
-        body = BRepAlgoAPI_Fuse(body, blade().Moved(TopLoc_Location(turn))).Shape()
-    body = BRepAlgoAPI_Common(body, envelope).Shape()
+        blade = plane() if kind == "plane" else cylindrical()
+        if kind == "covered":
+            blade = BRepAlgoAPI_Common(blade, envelope).Shape()
+        body = BRepAlgoAPI_Fuse(body, blade.Moved(TopLoc_Location(turn))).Shape()
+    if kind != "covered":
+        body = BRepAlgoAPI_Common(body, envelope).Shape()
     writer = STEPControl_Writer()
     writer.Transfer(body, STEPControl_AsIs)
     assert writer.Write(path) == IFSelect_RetDone
 
 
-main({"cylindrical": cylindrical, "plane": plane}[sys.argv[1]], sys.argv[2])
+main(*sys.argv[1:])

@@ -19,7 +19,7 @@ mod turned;
 use instances::{Instances, quoted};
 
 use super::read::ROTATION_NOTE;
-use crate::part::Impeller;
+use crate::part::{Blade, Impeller};
 
 /// Distance within which edges lie on their faces, mm: trailing edges are straight between both sides.
 const UNCERTAINTY: f64 = 1e-3;
@@ -57,6 +57,9 @@ pub fn write_part(part: &Impeller, file: &str) -> String {
     let hub = turned::hub_surface(&mut out, part);
     let shroud = turned::shroud_surface(&mut out, part);
     items.push(turned::hub_body(&mut out, part, &hub));
+    let all: Vec<&Blade> = std::iter::once(&part.main).chain(&part.splitters).collect();
+    let floors = [(&part.hub, &hub, 0.0), (&part.shroud, &shroud, 1.0)]
+        .map(|(path, own, v)| turned::floor_surface(&mut out, (path, own), &all, v));
     let rows = std::iter::once((&part.main, "blade".to_owned())).chain(
         part.splitters.iter().enumerate().map(|(k, splitter)| {
             let row = if part.splitters.len() > 1 { format!(".{}", k + 1) } else { String::new() };
@@ -67,7 +70,7 @@ pub fn write_part(part: &Impeller, file: &str) -> String {
         for k in 0..part.blade_count {
             let turn = part.pitch() * k as f64;
             let name = format!("{name} {}", k + 1);
-            items.push(blade::blade_body(&mut out, part, &blade.rotated(turn), [hub.id, shroud.id], &name));
+            items.push(blade::blade_body(&mut out, part, &blade.rotated(turn), floors, &name));
         }
     }
     items.push(turned::shroud_sheet(&mut out, &shroud));

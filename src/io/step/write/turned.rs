@@ -4,8 +4,13 @@ use super::instances::{ClampedKnots, Edge, EdgeUse, Instances};
 use super::spline::generatrix;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::io::step::surface::ON_AXIS;
-use crate::part::Impeller;
 use crate::part::body::body_outline;
+use crate::part::{Blade, Flowpath, Impeller};
+
+/// Number of intervals along a blade between the places that are looked at to find where its feet and tips
+/// end, and share of the curve by which their surface goes on past them.
+const FLOOR_PLACES: i32 = 200;
+const BEYOND: f64 = 0.01;
 
 /// A surface of revolution about Z, from inlet to outlet.
 pub struct RevolvedSurface {
@@ -38,6 +43,32 @@ pub fn hub_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
 pub fn shroud_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
     let shroud = &part.shroud;
     revolved(out, shroud.curve(), shroud.arc_at(shroud.wheel_from()), shroud.arc_at(1.0))
+}
+
+/// The surface that the feet (`v` = 0) or tips (`v` = 1) of `blades` lie on: `own`, that of `path`, or where
+/// they go on past its ends one that goes on straight there, too.
+pub fn floor_surface(
+    out: &mut Instances,
+    (path, own): (&Flowpath, &RevolvedSurface),
+    blades: &[&Blade],
+    v: f64,
+) -> u32 {
+    let curve = path.curve();
+    let (from, to) = (path.arc_at(path.wheel_from()), path.arc_at(1.0));
+    let sides = blades.iter().flat_map(|blade| [&blade.suction, &blade.pressure]);
+    let places = sides.flat_map(|side| {
+        let place =
+            move |k: i32| Meridional::from_point(&side.point(f64::from(k) / f64::from(FLOOR_PLACES), v));
+        (0..=FLOOR_PLACES).map(move |k| curve.project_past_ends(place(k)).0)
+    });
+    let (first, last) = places.fold((from, to), |(a, b), t| (a.min(t), b.max(t)));
+    if from - first < ON_AXIS && last - to < ON_AXIS {
+        return own.id;
+    }
+    let margin = BEYOND * (to - from);
+    let first = if from - first < ON_AXIS { from } else { first - margin };
+    let last = if last - to < ON_AXIS { to } else { last + margin };
+    revolved(out, curve, first, last).id
 }
 
 /// A corner of an outline: its vertex, and its circle where it is off the axis.
