@@ -28,7 +28,7 @@ fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {
     window.get_by_label_contains("The setup was edited after this calculation");
     window.key_press(egui::Key::Escape);
     window.run_steps(2);
-    // A sheet is no program.
+    // The setup sheet is not a program, and the question says so.
     let sheet = Purpose::ExportSheet { operation: Operation::Roughing };
     window.state_mut().file_chosen(&ctx, sheet, folder.path().join("p.html"));
     window.run_steps(2);

@@ -211,7 +211,7 @@ impl Home {
                 [EXTENSION, LIBRARY_ENDING].iter().any(|ending| copy.with_extension(ending).exists());
             // A file that is not held yet may be one that another session is about to lock.
             if !has_copy && is_older(&path, LEFT_LOCK) && !is_held(&path) {
-                // It says nothing, so it may stay.
+                // The file is empty: it does no harm where it cannot be removed.
                 let _ = std::fs::remove_file(&path);
             }
         }

@@ -35,7 +35,7 @@ struct GridCell {
     /// both signs.
     bulge: [f64; 2],
     /// Largest radius of curvature of a distance for which it has one minimum along u in the cell, mm; 0
-    /// where the side turns too much, or its lines may run back.
+    /// where the side turns too much, or its lines may run back on themselves.
     safe_radius: f64,
 }
 

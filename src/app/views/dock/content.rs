@@ -132,8 +132,8 @@ impl App {
             self.panel(ui, panel, fill_height);
             return;
         }
-        // The lower bar only where it is needed: over what stands last it would take its clicks, and what a
-        // screen rounds is wider than the panel by a part of a pixel.
+        // A horizontal scroll bar only where it is needed: it lies over the last row and would take its
+        // clicks, and rounding to pixels makes the content a little wider than the panel.
         let is_narrow = ui.available_width() < min.x;
         // The tool library is as high as its content.
         let directions = Vec2b::new(is_narrow, min.y > 0.0 || panel == DockPanel::ToolLibrary);

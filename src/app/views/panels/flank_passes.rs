@@ -22,7 +22,7 @@ const COLUMNS: [(&str, &str, [f32; 2]); 5] = [
     ("Time", "When the pass ends, on the clock of the timeline", [58.0, 54.0]),
 ];
 
-/// Column between the first ones where several channels are shown.
+/// Column after the first one, where several channels are shown.
 const CHANNEL: (&str, &str, [f32; 2]) = ("Ch.", "Channel", [19.0; 2]);
 
 /// Draws the table; a click on a row selects the pass.

@@ -294,7 +294,7 @@ fn selected(
             library.delete(index);
         }
     });
-    // There is a line in any case: one that came would move the fields from under the pointer.
+    // Always a line: one that appeared later would move the fields away from the pointer.
     let numbers: Vec<String> = known.iter().map(|number| format!("T{number}")).collect();
     let text = match numbers.is_empty() {
         true => "Not in the setup".to_owned(),
