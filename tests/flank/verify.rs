@@ -7,7 +7,7 @@ use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
 use vanecut::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::read_part;
+use vanecut::io::part_file::{read_part, read_part_bytes};
 use vanecut::monitor::{Cancelled, Monitor};
 use vanecut::part::{Impeller, Workpiece};
 use vanecut::setup::{Setup, Tool};
@@ -87,6 +87,46 @@ fn made(inner: usize) -> Made {
         })
         .collect();
     Made { workpiece, tool, setup, walls, inner }
+}
+
+/// A wheel of 26 mm with blades of .3 mm, and a cutter of .5 mm for it.
+fn small() -> Made {
+    let text = r#"
+name = "small"
+blades = 5
+[hub]
+control = [[3, -8], [3.3, -4], [6, -0.5], [13, 0]]
+[shroud]
+control = [[8, -8], [8.2, -6], [9.5, -3], [13, -2]]
+[[main.span]]
+span = 0.0
+leading_edge = 0.1
+theta_leading_edge = 0.0
+angle = [[0.0, 20.0], [1.0, 30.0]]
+thickness = [[0.0, 0.3], [1.0, 0.3]]
+[[main.span]]
+span = 1.0
+leading_edge = 0.1
+theta_leading_edge = 0.0
+angle = [[0.0, 30.0], [1.0, 30.0]]
+thickness = [[0.0, 0.3], [1.0, 0.3]]
+"#;
+    let description = read_part_bytes("small.toml", text.as_bytes(), "toml").expect("readable");
+    let part = Impeller::build(&description).expect("an impeller");
+    let mut setup = Setup::default();
+    (setup.allowances.hub_allowance, setup.allowances.blade_allowance) = (0.1, 0.1);
+    let tool = Tool {
+        number: 1,
+        diameter: 0.5,
+        corner_radius: 0.1,
+        insert_width: 0.2,
+        overhang: 10.0,
+        plunge_feed: 300.0,
+        spindle: 20_000.0,
+        assembly: Default::default(),
+    };
+    let workpiece = setup.allowances.workpiece_of(part);
+    Made { workpiece, tool, setup, walls: Default::default(), inner: Vec::new() }
 }
 
 impl Made {
@@ -280,6 +320,36 @@ fn gouges_are_found_also_between_positions() {
     let verdict = made.verdict(&low);
     assert!(verdict.min_hub_clearance < 0.35, "{}", verdict.min_hub_clearance);
     assert!(count(&verdict, FaultKind::HubAllowance) > 0, "{:#?}", shown(&verdict));
+}
+
+#[test]
+fn a_cutter_that_comes_too_near_to_an_edge_between_two_positions_is_found() {
+    let made = small();
+    let side = made.workpiece.channel.full.walls[0].side();
+    let clearance =
+        |tip: Point, axis: Vector| made.workpiece.finished.blade_clearance(&made.tool.placed(tip, axis));
+    // Steps of 1 mm across the leading edge, nearest to it at two thirds.
+    for v in [0.3, 0.5, 0.7] {
+        let (edge, behind) = (side.point(0.0, v), side.point(0.5, v));
+        let axis = (side.point(0.0, v + 0.1) - edge).normalize();
+        let across = axis.cross(&(edge - behind)).normalize();
+        let ahead = across.cross(&axis);
+        let (mut near, mut far) = (0.0, 2.0);
+        for _ in 0..40 {
+            let middle = 0.5 * (near + far);
+            let is_near = clearance(edge + ahead * middle, axis) < 0.07;
+            *if is_near { &mut near } else { &mut far } = middle;
+        }
+        let tip = edge + ahead * far;
+        let pass = [-1.0, -0.65, 0.35].map(|way| (tip + across * way, axis)).to_vec();
+        let at = |k: i32| clearance(pass[1].0 + across * 0.001 * f64::from(k), axis);
+        let sampled = (0..=1000).map(at).fold(f64::INFINITY, f64::min);
+        let ends = at(0).min(at(1000));
+        assert!(sampled < 0.071 && ends > 0.145, "{sampled} mm between ends with {ends} mm");
+        let verdict = made.verdict(&made.program([&pass], |_| {}));
+        assert!((verdict.min_blade_clearance - sampled).abs() < 1e-3, "{sampled}: {verdict:?}");
+        assert!(count(&verdict, FaultKind::BladeAllowance) > 0, "{:#?}", shown(&verdict));
+    }
 }
 
 #[test]

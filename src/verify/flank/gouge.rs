@@ -29,8 +29,8 @@ const HOLDER_TOLERANCE: f64 = 0.01;
 /// Largest travel, mm, and turn, rad, between two samples of a step.
 const MAX_SAMPLE_TRAVEL: f64 = 1.0;
 const MAX_SAMPLE_TURN_RAD: f64 = 1.5 * std::f64::consts::PI / 180.0;
-/// Smallest radius of curvature assumed for a wall or the hub between two samples, mm.
-const MIN_CURVATURE_RADIUS: f64 = 4.0;
+/// Depth below an allowance, mm, that may stay hidden between two samples.
+const HIDDEN_DEPTH: f64 = 0.02;
 
 impl StepClearance {
     pub(super) const FAR: Self = Self { hub: f64::INFINITY, blade: f64::INFINITY, holder: false };
@@ -79,36 +79,67 @@ impl StepSurroundings<'_> {
         StepClearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
     }
 
-    /// Least clearance along a step; `ends` are the clearances at both ends, where they are known. Between
-    /// two samples a clearance falls below both by no more than the curvature of the part permits; where that
-    /// matters, the minimum of a parabola is evaluated.
+    /// Least clearance along a step; `ends` are the clearances at both ends, where they are known. What may
+    /// come nearer than an allowance between two samples, by [`Self::sag`], is looked at more closely.
     pub(super) fn along(&self, step: &CutterStep, ends: [Option<StepClearance>; 2]) -> StepClearance {
         let pieces = (step.length() / MAX_SAMPLE_TRAVEL)
             .max(step.turn() / MAX_SAMPLE_TURN_RAD)
             .ceil()
             .clamp(1.0, 2000.0);
-        let sag = (step.length() / pieces).powi(2) / (8.0 * MIN_CURVATURE_RADIUS) + 0.01;
         let mut least = ends[0].unwrap_or_else(|| self.at(step, 0.0));
         let mut before = least;
         for k in 0..pieces as usize {
             let (from, to) = (k as f64 / pieces, (k + 1) as f64 / pieces);
             let known = ends[1].filter(|_| k + 1 == pieces as usize);
             let after = known.unwrap_or_else(|| self.at(step, to));
-            least = least.worst_of(after);
-            let near = before.blade.min(after.blade) < self.blade_allowance + sag
-                || before.hub.min(after.hub) < self.hub_allowance + sag;
-            if near {
-                let middle = self.at(step, 0.5 * (from + to));
-                least = least.worst_of(middle);
-                let lowest = [(before.hub, middle.hub, after.hub), (before.blade, middle.blade, after.blade)]
-                    .map(|(a, m, b)| lowest_share(a, m, b));
-                for share in lowest.into_iter().flatten() {
-                    least = least.worst_of(self.at(step, from + (to - from) * share));
-                }
-            }
+            least = least.worst_of(after).worst_of(self.between(step, [from, to], [before, after]));
             before = after;
         }
         least
+    }
+
+    /// Least clearance between two samples of a step, at the shares `range`; halves the piece until less than
+    /// [`HIDDEN_DEPTH`] can be hidden between two samples, then evaluates the minimum of a parabola.
+    fn between(&self, step: &CutterStep, range: [f64; 2], ends: [StepClearance; 2]) -> StepClearance {
+        let share = range[1] - range[0];
+        let ([from, to], [before, after]) = (range, ends);
+        let may_fall =
+            |allowance: f64, distance: f64| distance < allowance + self.sag(step, allowance, share);
+        if !may_fall(self.blade_allowance, before.blade.min(after.blade))
+            && !may_fall(self.hub_allowance, before.hub.min(after.hub))
+        {
+            return StepClearance::FAR;
+        }
+        let halfway = 0.5 * (from + to);
+        let middle = self.at(step, halfway);
+        let min_allowance = self.blade_allowance.min(self.hub_allowance);
+        if self.sag(step, min_allowance, 0.5 * share) > HIDDEN_DEPTH {
+            let halves = [([from, halfway], [before, middle]), ([halfway, to], [middle, after])];
+            return halves
+                .into_iter()
+                .fold(middle, |least, (range, ends)| least.worst_of(self.between(step, range, ends)));
+        }
+        let lowest = [(before.hub, middle.hub, after.hub), (before.blade, middle.blade, after.blade)]
+            .map(|(a, m, b)| lowest_share(a, m, b));
+        lowest
+            .into_iter()
+            .flatten()
+            .fold(middle, |least, lowest| least.worst_of(self.at(step, from + share * lowest)))
+    }
+
+    /// How far the distance to the part may fall below those at both ends of a `share` of a step, mm, if both
+    /// are at least `allowance`. A point of the part at a distance d from the rounded corner is d and the
+    /// corner radius from the circle in the middle of it; when the cutter goes past, it is nearest half way,
+    /// and by Pythagoras not nearer than the leg of a triangle whose other leg is half the way. The same
+    /// holds for the column with the cutter's radius and the way of its upper end.
+    fn sag(&self, step: &CutterStep, allowance: f64, share: f64) -> f64 {
+        let tool = &self.tools[step.tool];
+        let (way, turn) = (share * step.length(), share * step.turn());
+        let fall = |rounding: f64, reach: f64| {
+            let leg = allowance.max(0.0) + rounding;
+            leg.hypot(0.5 * (way + turn * reach)) - leg + 0.125 * turn * turn * reach
+        };
+        fall(tool.corner_radius, tool.corner_radius).max(fall(tool.radius(), tool.overhang))
     }
 }
 
