@@ -46,9 +46,9 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
         check_taper(tool)?;
         return Ok(ChosenTool { tool: tool.clone(), reason: None });
     }
-    let tools = suited(selectable(setup, library))?;
-    let [width, widest] = widths(&workpiece.part, &workpiece.channel);
     let depth = deepest(&workpiece.part);
+    let tools = suited(selectable(setup, library), depth)?;
+    let [width, widest] = widths(&workpiece.part, &workpiece.channel);
     let free_width = |t: &Tool| width - 2.0 * (t.radius() + setup.allowances.blade_allowance);
     let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && free_width(t) >= 0.0;
     let thickest = |fits: &dyn Fn(&&Tool) -> bool| {
@@ -126,14 +126,20 @@ pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Opt
     })
 }
 
-/// The tools to choose from: cylindrical ones that end in a ball, where there are such.
-fn suited(tools: &[Tool]) -> Result<Vec<&Tool>, SetupFault> {
+/// The tools to choose from: cylindrical ones, of these those that end in a ball, and of these those whose
+/// ball is not larger than the channel is deep (`depth`, mm), so that walls are cut by the cylinder; each where
+/// there are such.
+fn suited<'a>(tools: &'a [Tool], depth: f64) -> Result<Vec<&'a Tool>, SetupFault> {
     let cylindrical: Vec<&Tool> = tools.iter().filter(|tool| !tool.is_tapered()).collect();
     if cylindrical.is_empty() {
         tools.iter().try_for_each(check_taper)?;
     }
-    let balls: Vec<&Tool> = cylindrical.iter().copied().filter(|tool| !tool.is_flat()).collect();
-    Ok(if balls.is_empty() { cylindrical } else { balls })
+    let of = |tools: Vec<&'a Tool>, suits: &dyn Fn(&Tool) -> bool| -> Vec<&'a Tool> {
+        let suited: Vec<&Tool> = tools.iter().copied().filter(|tool| suits(tool)).collect();
+        if suited.is_empty() { tools } else { suited }
+    };
+    let balls = of(cylindrical, &|tool| !tool.is_flat());
+    Ok(of(balls, &|tool| tool.corner_radius <= depth))
 }
 
 /// The error that no tool fits into a channel of this narrowest and widest width, mm.

@@ -121,6 +121,21 @@ fn a_channel_without_room_is_refused_with_values_that_work() {
 }
 
 #[test]
+fn the_ball_of_a_cutter_is_no_larger_than_the_channel_is_deep() {
+    // Three blades far apart, in a channel 6.6 mm deep.
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/step/covered_wheel.step");
+    let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
+    let setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(part);
+    let chosen = choose_tool(&workpiece, &setup, flank_cutters()).expect("a cutter").tool;
+    assert!((4.0..=6.6).contains(&chosen.corner_radius), "{chosen:?}");
+    // A shop that has only larger ones cuts with them.
+    let tools = vec![Tool { diameter: 20.0, corner_radius: 10.0, ..chosen }];
+    let setup = Setup { tools, ..setup };
+    assert_eq!(choose_tool(&workpiece, &setup, &[]).expect("a cutter").tool.diameter, 20.0);
+}
+
+#[test]
 fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
     let part = kj66();
     let cutter = |number: u32, diameter: f64, overhang: f64| Tool {
