@@ -31,10 +31,9 @@ impl<'a> MachineFigures<'a> {
         workpiece: &Workpiece,
         setup: &Setup,
     ) -> Self {
-        let NcMachine { machine, placed, angles } = on_machine;
         let blank = BlankSize::from_part(&workpiece.part, &setup.allowances);
-        let run = MachineRun::as_read(machine, placed, program, angles, blank, &Monitor::default()).ok();
-        Self::of_motion(machine, program, run.map(|run| run.motion).as_ref())
+        let run = MachineRun::as_read(on_machine, program, blank, &Monitor::default()).ok();
+        Self::of_motion(&on_machine.machine, program, run.map(|run| run.motion).as_ref())
     }
 
     /// The figures of a planned program by the rotary positions that `post` would choose.

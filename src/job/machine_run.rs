@@ -1,6 +1,7 @@
 //! A program on a machine, as the window shows it and `verify` times it: by the rotary positions that NC code
 //! names, or by those that `post` chooses.
 
+use crate::io::program_file::NcMachine;
 use crate::machine::{
     BlankSize, MachineProgram, MachineTool, MotionFault, MotionOptions, MoveAngles, OutputKind, PlacedPart,
     Pose, machine_program,
@@ -39,10 +40,8 @@ impl MachineRun {
     /// # Errors
     /// When the code names no positions and the machine cannot run it, or on a cancel.
     pub fn as_read(
-        machine: &MachineTool,
-        placed: &PlacedPart,
+        NcMachine { machine, placed, angles }: &NcMachine,
         program: &ClProgram,
-        angles: &[MoveAngles],
         blank: BlankSize,
         monitor: &Monitor,
     ) -> Result<Self, MotionFault> {

@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 
 use vanecut::io::nc::{NcProgram, Post, ReadContext, read_nc, read_post, write_nc};
 use vanecut::io::part_file::read_part;
+use vanecut::io::program_file::NcMachine;
 use vanecut::io::setup_file::read_setup_with_defaults;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::job::machine_run::MachineRun;
@@ -215,8 +216,9 @@ fn the_axes_of_code_that_was_read() {
             let blank = BlankSize { radius: 120.0, z: (-80.0, 20.0) };
             let mut run = |kind: OutputKind| {
                 machine.output = kind;
-                let (program, angles) = (&reading.program, &reading.angles);
-                MachineRun::as_read(&machine, &placed, program, angles, blank, &Monitor::default()).unwrap()
+                let (machine, angles) = (machine.clone(), reading.angles.clone());
+                let on_machine = NcMachine { machine, placed, angles };
+                MachineRun::as_read(&on_machine, &reading.program, blank, &Monitor::default()).unwrap()
             };
             let (as_angles, as_joints) = (run(OutputKind::TcpAngles), run(OutputKind::Joints));
             assert_eq!(as_angles.poses, as_joints.poses, "{name} {}", output.name());

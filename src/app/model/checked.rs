@@ -9,7 +9,7 @@ use super::preview::ShownCutters;
 use super::units::DisplayUnits;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
-use crate::machine::MoveAngles;
+use crate::io::program_file::NcMachine;
 use crate::part::Impeller;
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
@@ -112,8 +112,8 @@ pub struct CheckedProgram {
     pub notes: Vec<String>,
     /// The program itself.
     pub program: ClProgram,
-    /// Rotary positions (rad) that NC code names, one for each move; `None` for APT.
-    pub angles: Option<Vec<MoveAngles>>,
+    /// The machine of NC code, with the rotary positions that the code names; `None` for APT.
+    pub on_machine: Option<NcMachine>,
     /// Its text, with the line of each move.
     pub listing: Arc<ProgramListing>,
     /// Time from the start to the end of each move, s.

@@ -106,7 +106,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         clock: Travel::clock(&program),
         listing: Arc::new(listing),
         program,
-        angles: on_machine.map(|on_machine| on_machine.angles),
+        on_machine,
     })
 }
 
@@ -119,15 +119,15 @@ fn time_on_machine(
     setup: &Setup,
     monitor: &Monitor,
 ) -> Option<f64> {
-    let Some(NcMachine { machine, placed, angles }) = posted_for else {
+    let Some(on_machine) = posted_for else {
         // A machine that cannot be read is a problem of the setup, which is shown with its plan.
         let machine = machine_of_setup(setup).ok()??;
         let clock = MachineClock::new(machine, workpiece, &setup.allowances);
         return clock.time(program).map(|time| time.total_s);
     };
     let blank = BlankSize::from_part(&workpiece.part, &setup.allowances);
-    let run = MachineRun::as_read(machine, placed, program, angles, blank, &monitor.silent()).ok()?;
-    Some(MachineTime::of_sections(&section_times(machine, program, &run.motion)).total_s)
+    let run = MachineRun::as_read(on_machine, program, blank, &monitor.silent()).ok()?;
+    Some(MachineTime::of_sections(&section_times(&on_machine.machine, program, &run.motion)).total_s)
 }
 
 /// What both kinds of programs have in common.

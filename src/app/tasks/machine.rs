@@ -57,22 +57,27 @@ impl MachineWork {
 }
 
 fn run(request: &MachineRequest) -> Result<ProgramOnMachine, InputError> {
-    let machine = read_machine(Path::new(&request.machine))?;
     let (part, allowances) = request.program.part();
-    let placed = PlacedPart::from_placement(&machine.part, part);
     let blank = BlankSize::from_part(part, allowances);
     let (program, steps) = request.program.moves();
     let monitor = Monitor::default();
-    let run = match &request.program {
-        TimelineProgram::Checked(checked) if checked.angles.is_some() => {
-            let angles = checked.angles.as_deref().unwrap_or_default();
-            MachineRun::as_read(&machine, &placed, &program, angles, blank, &monitor)
+    let posted_for = match &request.program {
+        TimelineProgram::Checked(checked) => checked.on_machine.as_ref(),
+        _ => None,
+    };
+    let (machine, placed, run) = match posted_for {
+        Some(on_machine) => {
+            let run = MachineRun::as_read(on_machine, &program, blank, &monitor);
+            (on_machine.machine.clone(), on_machine.placed, run)
         }
-        _ => {
+        None => {
+            let machine = read_machine(Path::new(&request.machine))?;
+            let placed = PlacedPart::from_placement(&machine.part, part);
             let post = read_post(&machine.control)?;
             let mut options = MotionOptions::new(machine.output, post.format.angle_decimals);
             options.blank = Some(blank);
-            MachineRun::chosen(&machine, &placed, &program, &options, &monitor)
+            let run = MachineRun::chosen(&machine, &placed, &program, &options, &monitor);
+            (machine, placed, run)
         }
     };
     let (poses, moves, fault) = match run {

@@ -32,7 +32,7 @@ impl AppState {
     /// Name of the machine on which the timeline's program runs: the one that checked NC code was read for,
     /// otherwise that of the setup.
     pub fn timeline_machine(&self) -> Option<&str> {
-        let checked = self.shown_program().filter(|checked| checked.angles.is_some());
+        let checked = self.shown_program().filter(|checked| checked.on_machine.is_some());
         let of_setup = || self.document.edited.setup.machine.file.as_deref();
         checked.map(|checked| checked.request.machine.as_str()).or_else(of_setup)
     }
