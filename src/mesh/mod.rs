@@ -3,6 +3,7 @@
 pub mod axis;
 mod bodies;
 pub mod describe;
+mod edge_curve;
 mod edges;
 mod end_faces;
 mod fillets;

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::edge_curve::EdgeCurve;
 use super::normals::{CornerNormals, ExactNormals};
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
@@ -288,32 +289,10 @@ impl<'a> BladeSlicer<'a> {
             }
             _ => (tangent(&self.normals.per_triangle[t][k]), tangent(&self.normals.per_triangle[t][next])),
         };
-        // A tangent that deviates far from the chord comes from a corner with an unreliable normal.
-        let sound = |v: &Vector| v.norm_squared() > 0.5 * chord.norm_squared();
-        let at = |x: f64| {
-            let straight = a + chord * x;
-            if !(sound(&ta) && sound(&tb)) {
-                return straight;
-            }
-            let (x2, x3) = (x * x, x * x * x);
-            straight + (ta - chord) * (x3 - 2.0 * x2 + x) + (tb - chord) * (x3 - x2)
-        };
-        let mut x = if (hb - ha).abs() > 1e-15 { ((height - ha) / (hb - ha)).clamp(0.0, 1.0) } else { 0.5 };
-        // The height is not linear along the edge: two steps of regula falsi.
-        let (mut low, mut high) = ((0.0, ha - height), (1.0, hb - height));
-        for _ in 0..2 {
-            let off = self.band.coordinates_of(&at(x)).1 - height;
-            if (off < 0.0) == (low.1 < 0.0) {
-                low = (x, off);
-            } else {
-                high = (x, off);
-            }
-            let steeper = high.1 - low.1;
-            if steeper.abs() > 1e-15 {
-                x = (low.0 - low.1 * (high.0 - low.0) / steeper).clamp(0.0, 1.0);
-            }
-        }
-        let point = at(x);
+        let curve = EdgeCurve::from_tangents([a, b], [ta, tb]);
+        let over = |p: &Point| self.band.coordinates_of(p).1 - height;
+        let share = curve.zero_of([ha - height, hb - height], over);
+        let point = curve.at(share);
         let seam = !edge && {
             let faces = [t, across as usize].map(|t| self.surface.faces[t]);
             faces[0] != faces[1] && !faces.contains(&NONE)
@@ -323,7 +302,7 @@ impl<'a> BladeSlicer<'a> {
             along: self.band.coordinates_of(&point).0,
             edge,
             seam,
-            chord_offset_mm: (point - (a + chord * x)).norm(),
+            chord_offset_mm: (point - curve.on_chord(share)).norm(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::TriangleMesh;
+use super::edge_curve::EdgeCurve;
 use super::normals::ExactNormals;
 use super::profile::FittedProfile;
 use super::surface::MeshSurface;
@@ -13,8 +14,6 @@ use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 const HALF_PLANES: [f64; 3] = [0.377, 2.531, 4.419];
 /// Hub and cover end at one rim where their radii differ by this share at most.
 const ONE_RIM: f64 = 0.02;
-/// Steps of regula falsi for the place where an edge meets a curve.
-const STEPS: usize = 4;
 
 /// The outlines of a closed body of revolution in half planes through its axis.
 pub struct BodyOutline {
@@ -132,8 +131,11 @@ pub fn trimmed_with_normals(
                 let is_within = beside != NONE && blade.faces[beside as usize] == *face;
                 let number = *met.entry((low, high)).or_insert_with(|| {
                     let at = [low, high].map(|i| heights[i as usize]);
-                    let normals = known.filter(|_| is_within);
-                    mesh.points.push(crossing(&SurfaceEdge { ends, normals }, at, height));
+                    let edge = match known.filter(|_| is_within) {
+                        Some(normals) => EdgeCurve::from_normals(ends, &normals),
+                        None => EdgeCurve::straight(ends),
+                    };
+                    mesh.points.push(edge.at(edge.zero_of(at, height)));
                     (mesh.points.len() - 1) as u32
                 });
                 if let Some([n, m]) = known {
@@ -150,49 +152,6 @@ pub fn trimmed_with_normals(
         }
     }
     (MeshSurface::of_faces(&mesh.compact(), faces), normals)
-}
-
-/// An edge between triangles of a smooth face.
-struct SurfaceEdge {
-    ends: [Point; 2],
-    /// The normals of the face at its ends, where they are known.
-    normals: Option<[Vector; 2]>,
-}
-
-impl SurfaceEdge {
-    /// The point over the edge at a share of it: on the cubic Hermite curve that is tangential to the face at
-    /// both ends, or on the chord.
-    fn at(&self, x: f64) -> Point {
-        let [a, b] = self.ends;
-        let chord = b - a;
-        let straight = a + chord * x;
-        match &self.normals {
-            Some([n, m]) => {
-                let (x2, x3) = (x * x, x * x * x);
-                straight - n * (n.dot(&chord) * (x3 - 2.0 * x2 + x)) - m * (m.dot(&chord) * (x3 - x2))
-            }
-            None => straight,
-        }
-    }
-}
-
-/// Where an edge between two points at heights of different signs has the height 0.
-fn crossing(edge: &SurfaceEdge, [from, to]: [f64; 2], height: impl Fn(&Point) -> f64) -> Point {
-    let (mut low, mut high) = ((0.0, from), (1.0, to));
-    let mut share = 0.5;
-    for _ in 0..STEPS {
-        share = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
-        let h = height(&edge.at(share));
-        if (h < 0.0) == (low.1 < 0.0) {
-            low = (share, h);
-        } else {
-            high = (share, h);
-        }
-        if h == 0.0 || (high.1 - low.1).abs() < 1e-12 {
-            break;
-        }
-    }
-    edge.at(share)
 }
 
 #[cfg(test)]
