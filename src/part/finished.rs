@@ -78,29 +78,31 @@ impl FinishedPart {
 
     /// Minimum signed distance to the blades around the channel, mm, or `cap` where none is nearer than that.
     pub fn blade_clearance_below(&self, cutter: &CutterSolid, cap: f64) -> f64 {
-        self.blades.iter().fold(cap, |least, blade| {
-            blade.nearest_below(cutter, least).map_or(least, |near| near.distance.min(least))
-        })
+        self.nearest_of(cap, |blade, cutoff| blade.nearest_below(cutter, cutoff))
+            .map_or(cap, |near| near.distance)
     }
 
     /// Nearest point of the blades to the cutter, if it is nearer than `cutoff` mm.
     pub fn nearest_within(&self, cutter: &CutterSolid, cutoff: f64) -> Option<NearestOnSide> {
-        let near = self.blades.iter().filter_map(|blade| blade.nearest_below(cutter, cutoff));
-        near.filter(|near| near.distance < cutoff).min_by(|a, b| a.distance.total_cmp(&b.distance))
+        self.nearest_of(cutoff, |blade, cutoff| blade.nearest_below(cutter, cutoff))
     }
 
     /// Nearest point of the blades to `point`, if it is nearer than `cutoff` mm.
     pub fn nearest_blade_below(&self, point: &Point, cutoff: f64) -> Option<NearestOnSide> {
-        let mut nearest: Option<NearestOnSide> = None;
-        for blade in &self.blades {
-            let least = nearest.map_or(cutoff, |near| near.distance);
-            if let Some(near) =
-                blade.nearest_to_point_below(point, least).filter(|near| near.distance < least)
-            {
-                nearest = Some(near);
-            }
-        }
-        nearest
+        self.nearest_of(cutoff, |blade, cutoff| blade.nearest_to_point_below(point, cutoff))
+    }
+
+    /// The nearest point of all blades that is nearer than `cutoff` mm; `nearest` finds that of one blade, if
+    /// it is nearer than another one that is known.
+    fn nearest_of(
+        &self,
+        cutoff: f64,
+        nearest: impl Fn(&SideProbe, f64) -> Option<NearestOnSide>,
+    ) -> Option<NearestOnSide> {
+        self.blades.iter().fold(None, |known: Option<NearestOnSide>, blade| {
+            let least = known.map_or(cutoff, |near| near.distance);
+            nearest(blade, least).filter(|near| near.distance < least).or(known)
+        })
     }
 
     /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.
