@@ -15,13 +15,10 @@ pub mod reach;
 pub mod shape;
 mod tool_placement;
 
-use crate::part::{Blade, BladeWall, WallEnvelope, Workpiece};
-use passage::{PassageKind, PassageMeasure};
+use crate::part::{Blade, BladeWall, WallEnvelope, Workpiece, splitter_name};
+use passage::PassageMeasure;
 use reach::{ReachLimits, ReachMap, ReachSection};
 use shape::BladeShape;
-
-/// Names of the blades of an assessment, in their order.
-pub const BLADE_NAMES: [&str; 2] = ["main", "splitter"];
 
 /// Number of curves per wall in its envelope.
 const ENVELOPE_CURVES: usize = 64;
@@ -29,6 +26,8 @@ const ENVELOPE_CURVES: usize = 64;
 /// Measures of one blade.
 #[derive(Clone, Debug)]
 pub struct BladeMeasure {
+    /// "main", or the splitter by its number where a pitch has several.
+    pub name: String,
     /// Twist and bow.
     pub shape: BladeShape,
     /// Ruled envelopes of suction and pressure side.
@@ -36,11 +35,11 @@ pub struct BladeMeasure {
 }
 
 impl BladeMeasure {
-    /// Measures a blade.
-    pub fn from_blade(blade: &Blade) -> Self {
+    /// Measures a blade of this name.
+    pub fn from_blade(name: String, blade: &Blade) -> Self {
         let envelope = |wall| WallEnvelope::from_blade(blade, wall, ENVELOPE_CURVES);
         let envelopes = [envelope(BladeWall::Suction), envelope(BladeWall::Pressure)];
-        Self { shape: BladeShape::from_blade(blade), envelopes }
+        Self { name, shape: BladeShape::from_blade(blade), envelopes }
     }
 
     /// Twist, rad.
@@ -57,11 +56,11 @@ impl BladeMeasure {
 /// All measures of a part.
 #[derive(Clone, Debug)]
 pub struct Assessment {
-    /// The main blade, then the splitter if there is one.
+    /// The main blade, then the splitters of a pitch from its suction side on, as [`blades_of`] has them.
     pub blades: Vec<BladeMeasure>,
     /// Depth of the channel along s, as (s, mm).
     pub depths: Vec<(f64, f64)>,
-    /// The full channel, then the passages beside the splitter.
+    /// The whole channel, then the passages that splitters divide it into.
     pub passages: Vec<PassageMeasure>,
     /// Reach of the tools; `None` if none were given.
     pub reach: Option<ReachMap>,
@@ -91,10 +90,9 @@ impl Assessment {
         limits: &ReachLimits,
     ) -> Self {
         let Workpiece { part, channel, .. } = workpiece;
-        let blades =
-            std::iter::once(&part.main).chain(part.splitters.first()).map(BladeMeasure::from_blade).collect();
+        let measured = |(name, blade)| BladeMeasure::from_blade(name, blade);
         Self {
-            blades,
+            blades: blades_of(workpiece).into_iter().map(measured).collect(),
             depths: passage::depths(part, channel),
             passages: passage::measure(part, channel),
             reach: (!stretches.is_empty()).then(|| ReachMap::new(workpiece, stretches, limits)),
@@ -128,8 +126,18 @@ impl Assessment {
         self.passages.iter().flat_map(|p| &p.cutters).map(|c| c.diameter).fold(f64::NAN, f64::min)
     }
 
-    /// The measures of one passage.
-    pub fn passage(&self, place: PassageKind) -> Option<&PassageMeasure> {
-        self.passages.iter().find(|p| p.kind == place)
+    /// The measures of the passage between two blades; see [`passage::PassageBlades::splitters`].
+    pub fn passage(&self, splitters: [Option<usize>; 2]) -> Option<&PassageMeasure> {
+        self.passages.iter().find(|passage| passage.blades.splitters == splitters)
     }
+}
+
+/// The blades around a channel with their names: the main blade, then the splitters of a pitch from its
+/// suction side on.
+pub fn blades_of(workpiece: &Workpiece) -> Vec<(String, &Blade)> {
+    let Workpiece { part, channel, .. } = workpiece;
+    let splitters = channel.splitters.iter().enumerate().map(|(number, walls)| {
+        (splitter_name(number, channel.splitters.len()), &part.splitters[walls.index])
+    });
+    std::iter::once(("main".to_owned(), &part.main)).chain(splitters).collect()
 }

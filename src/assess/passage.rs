@@ -3,17 +3,43 @@
 use rayon::prelude::*;
 
 use super::cutter::{LargestCutter, WallPair};
-use crate::part::{BladeSide, Channel, Impeller, Passage, PassageWidth, SideProbe, Wall};
+use crate::part::{
+    BladeSide, BoundedPassage, Channel, Impeller, PassageWidth, SideProbe, Wall, splitter_name,
+};
 
-/// A passage of the channel.
+/// Which passage of a channel: the blades on its two sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PassageKind {
-    /// Between two main blades.
-    Full,
-    /// Between the suction side of a main blade and the splitter.
-    BesideSuction,
-    /// Between the splitter and the pressure side of the next main blade.
-    BesidePressure,
+pub struct PassageBlades {
+    /// Numbers of the splitters on its two sides, counted from 0 at the suction side of the main blade;
+    /// `None` is a main blade.
+    pub splitters: [Option<usize>; 2],
+    /// Number of splitters in a pitch.
+    pub count: usize,
+}
+
+impl PassageBlades {
+    /// Name in texts.
+    pub fn label(self) -> String {
+        let blade = |number: Option<usize>| {
+            number.map_or("main blade".to_owned(), |number| splitter_name(number, self.count))
+        };
+        match (self.splitters, self.count) {
+            ([None, None], _) => "main to main blade".to_owned(),
+            ([None, _], 1) => "beside the splitter, at the suction side".to_owned(),
+            (_, 1) => "beside the splitter, at the pressure side".to_owned(),
+            ([low, high], _) => format!("{} to {}", blade(low), blade(high)),
+        }
+    }
+
+    /// Key in JSON.
+    pub fn key(self) -> String {
+        match (self.splitters, self.count) {
+            ([None, None], _) => "full".to_owned(),
+            ([None, _], 1) => "beside_splitter_suction".to_owned(),
+            (_, 1) => "beside_splitter_pressure".to_owned(),
+            _ => self.label().replace("main blade", "main").replace(' ', "_"),
+        }
+    }
 }
 
 /// Width at one station, mm: minimum distance between the walls on the hub, at mid height and on the shroud.
@@ -30,10 +56,10 @@ pub struct WidthStation {
 #[derive(Clone, Debug)]
 pub struct PassageMeasure {
     /// Which passage.
-    pub kind: PassageKind,
-    /// Widths along s; for the full channel also where a splitter divides it.
+    pub blades: PassageBlades,
+    /// Widths along s; also where a splitter divides it.
     pub widths: Vec<WidthStation>,
-    /// Largest cutters along s, where only these two walls bound them: in a divided channel ahead of the
+    /// Largest cutters along s, where only these two walls bound them: in a divided passage ahead of the
     /// splitter.
     pub cutters: Vec<LargestCutter>,
 }
@@ -69,58 +95,42 @@ pub fn depths(part: &Impeller, channel: &Channel) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// A passage with its bounds.
-struct BoundedPassage<'a> {
-    place: PassageKind,
-    passage: &'a Passage,
-    /// Its walls including noses: a suction side and a pressure side.
-    sides: [&'a BladeSide; 2],
-    /// s at which it begins, on the hub and on the shroud.
-    start: [f64; 2],
-    /// s on the hub at which another blade divides it.
-    end: f64,
-}
-
 /// Measures every passage of the channel.
 pub fn measure(part: &Impeller, channel: &Channel) -> Vec<PassageMeasure> {
     let next = part.main.rotated(part.pitch());
-    let full = BoundedPassage {
-        place: PassageKind::Full,
-        passage: &channel.full,
-        sides: [&part.main.suction, &next.pressure],
-        start: [0.0; 2],
-        end: channel.splitter_s.map_or(f64::INFINITY, |[hub, _]| hub),
+    let measured = |bounded: &BoundedPassage| {
+        let splitter = |number: Option<usize>| Some(&part.splitters[channel.splitters.get(number?)?.index]);
+        let [low, high] = bounded.splitters.map(splitter);
+        // Walls including noses: a suction side and a pressure side.
+        let sides = [&low.unwrap_or(&part.main).suction, &high.unwrap_or(&next).pressure];
+        measure_passage(part, channel, bounded, sides)
     };
-    let mut measures = vec![measure_passage(part, &full)];
-    if let ([near, far], Some(blade), Some(start)) =
-        (&channel.beside_splitter[..], part.splitters.first(), channel.splitter_s)
-    {
-        let beside =
-            |place, passage, sides| BoundedPassage { place, passage, sides, start, end: f64::INFINITY };
-        let suction = beside(PassageKind::BesideSuction, near, [&part.main.suction, &blade.pressure]);
-        let pressure = beside(PassageKind::BesidePressure, far, [&blade.suction, &next.pressure]);
-        measures.extend([suction, pressure].iter().map(|bounded| measure_passage(part, bounded)));
-    }
-    measures
+    channel.bounded_passages().iter().map(measured).collect()
 }
 
-fn measure_passage(part: &Impeller, bounded: &BoundedPassage<'_>) -> PassageMeasure {
-    let BoundedPassage { passage, start, .. } = bounded;
+fn measure_passage(
+    part: &Impeller,
+    channel: &Channel,
+    bounded: &BoundedPassage,
+    sides: [&BladeSide; 2],
+) -> PassageMeasure {
+    let BoundedPassage { splitters, begins, ends, .. } = bounded;
+    let passage = &channel.passages[bounded.index];
     let widths = PassageWidth::new(part, passage);
     let width_at = |s: f64| {
         let width = [0.0, 0.5, 1.0].map(|eta| {
-            let begins = start[0] + eta * (start[1] - start[0]);
+            let begins = begins[0] + eta * (begins[1] - begins[0]);
             (s >= begins).then(|| widths.at(s, eta)).flatten()
         });
         WidthStation { s, width }
     };
-    let pair = WallPair::new(part, passage, bounded.sides[0], bounded.sides[1]);
+    let pair = WallPair::new(part, passage, sides[0], sides[1]);
     let cutter_at = |s: f64| {
-        let within = s >= start[0] && s < bounded.end;
+        let within = s >= begins[0] && s < ends[0];
         within.then(|| pair.largest(s)).flatten()
     };
     PassageMeasure {
-        kind: bounded.place,
+        blades: PassageBlades { splitters: *splitters, count: channel.splitters.len() },
         widths: stations(WIDTH_STEPS).map(width_at).collect(),
         cutters: stations(CUTTER_STEPS).filter_map(cutter_at).collect(),
     }

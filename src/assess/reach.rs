@@ -22,7 +22,7 @@ use rayon::prelude::*;
 pub use super::limits::{MIN_INCLINATION, ReachLimits, ReachSides};
 use super::tool_placement::ReachObstacles;
 use crate::geometry::{Meridional, Point, wrap_angle};
-use crate::part::{Channel, Impeller, Passage, Workpiece};
+use crate::part::{BoundedPassage, Channel, Impeller, Passage, Workpiece};
 use crate::setup::Tool;
 
 /// A section of the channel and its tool.
@@ -95,7 +95,7 @@ impl ReachMap {
             .map(|row| {
                 let s = rows_of(row);
                 let tool = stretches.iter().find(|x| (x.to..=x.from).contains(&s)).map(|x| x.tool);
-                let passages = passages_at(channel, s).iter();
+                let passages = passages_at(channel, s);
                 passages
                     .filter_map(|passage| FloorStrip::new(part, passage, s, tool, &surroundings))
                     .collect()
@@ -191,12 +191,10 @@ struct FloorStrip {
     places: Vec<(f64, ReachSides)>,
 }
 
-/// The passages at `s` on the hub.
-fn passages_at(channel: &Channel, s: f64) -> &[Passage] {
-    match channel.splitter_s {
-        Some([hub, _]) if s >= hub => &channel.beside_splitter,
-        _ => std::slice::from_ref(&channel.full),
-    }
+/// The passages at `s` on the hub, from the first wall to the second.
+fn passages_at(channel: &Channel, s: f64) -> impl Iterator<Item = &Passage> {
+    let here = move |bounded: &BoundedPassage| bounded.begins[0] <= s && s < bounded.ends[0];
+    channel.bounded_passages().into_iter().filter(here).map(|bounded| &channel.passages[bounded.index])
 }
 
 impl FloorStrip {

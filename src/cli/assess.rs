@@ -5,16 +5,16 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::args::AssessArgs;
-use super::output::{head, number};
+use super::output::{blades_text, head, number};
 use super::output_folder::check_directory;
 #[cfg(feature = "gpu")]
 use super::output_folder::create_directory;
 use super::stdout::print_stdout;
 use super::{Failure, open};
-use crate::assess::passage::{PassageKind, PassageMeasure};
+use crate::assess::BladeMeasure;
+use crate::assess::passage::PassageMeasure;
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::Twist;
-use crate::assess::{BLADE_NAMES, BladeMeasure};
 #[cfg(feature = "gpu")]
 use crate::io::write::write_all_atomically;
 use crate::job::assess::AssessedPart;
@@ -101,10 +101,7 @@ fn object(found: &AssessedPart) -> Map<String, Value> {
     }
     put("envelope_gap", number(a.blades.iter().map(BladeMeasure::envelope_gap).fold(0.0, f64::max)));
     put("splitter_leading_edge", json!(found.workpiece.channel.splitter_s));
-    put(
-        "by_blade",
-        a.blades.iter().zip(BLADE_NAMES).map(|(blade, name)| blade_object(blade, name)).collect(),
-    );
+    put("by_blade", a.blades.iter().map(blade_object).collect());
     put("depths", a.depths.iter().map(|(s, depth)| json!({"s": s, "depth": depth})).collect());
     put("passages", a.passages.iter().map(passage_object).collect());
     put("sections", sections_object(found));
@@ -112,7 +109,7 @@ fn object(found: &AssessedPart) -> Map<String, Value> {
     map
 }
 
-fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
+fn blade_object(blade: &BladeMeasure) -> Value {
     let twist = |t: &Twist| {
         json!({
             "span": t.v,
@@ -125,7 +122,7 @@ fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
     };
     let [suction, pressure] = &blade.envelopes;
     json!({
-        "blade": name,
+        "blade": blade.name,
         "twisting": blade.twisting().to_degrees(),
         "normal_turn": blade.shape.normal_turn_rad.to_degrees(),
         "most_twisted": blade.shape.max_twist().map(twist),
@@ -136,15 +133,6 @@ fn blade_object(blade: &BladeMeasure, name: &str) -> Value {
         "envelope_gap_suction": suction.max_gap(),
         "envelope_gap_pressure": pressure.max_gap(),
     })
-}
-
-/// JSON key of a passage.
-fn passage_key(place: PassageKind) -> &'static str {
-    match place {
-        PassageKind::Full => "full",
-        PassageKind::BesideSuction => "beside_splitter_suction",
-        PassageKind::BesidePressure => "beside_splitter_pressure",
-    }
 }
 
 fn passage_object(passage: &PassageMeasure) -> Value {
@@ -165,7 +153,7 @@ fn passage_object(passage: &PassageMeasure) -> Value {
             })
         })
         .collect();
-    json!({"passage": passage_key(passage.kind), "widths": widths, "cutters": cutters})
+    json!({"passage": passage.blades.key(), "widths": widths, "cutters": cutters})
 }
 
 fn sections_object(found: &AssessedPart) -> Value {
@@ -204,31 +192,17 @@ fn reach_object(map: &ReachMap) -> Value {
         .collect()
 }
 
-fn passage_label(place: PassageKind) -> &'static str {
-    match place {
-        PassageKind::Full => "main to main blade",
-        PassageKind::BesideSuction => "beside the splitter, at the suction side",
-        PassageKind::BesidePressure => "beside the splitter, at the pressure side",
-    }
-}
-
 fn tables(found: &AssessedPart) -> String {
     let (part, a) = (&found.workpiece.part, &found.assessment);
-    let mut text = format!(
-        "{}: {} blades{}, D {:.1}\n\n",
-        part.name,
-        part.blade_count,
-        if part.splitters.is_empty() { "" } else { " and as many splitters" },
-        2.0 * part.rim_radius()
-    );
+    let mut text = format!("{}: {}, D {:.1}\n\n", part.name, blades_text(part), 2.0 * part.rim_radius());
     text += "blade        twist °  at span  split at  turn °  tangent ° hub / mid / tip      \
              bow mm      bow °  envelope gap mm\n";
-    for (blade, name) in a.blades.iter().zip(BLADE_NAMES) {
-        let shape = &blade.shape;
+    for blade in &a.blades {
+        let (name, shape) = (&blade.name, &blade.shape);
         let (v, split) = shape.max_twist().map_or((f64::NAN, f64::NAN), |t| (t.v, t.split));
         let [hub, mid, tip] = shape.hub_mid_tip().map(|t| t.max_tangent_rad.to_degrees());
         text += &format!(
-            "{name:<9} {:>10.1}  {v:>7.2}  {split:>8.2}  {:>6.1}  {:>26}  {:>10.3}  {:>9.2}  {:>15.3}\n",
+            "{name:<10} {:>9.1}  {v:>7.2}  {split:>8.2}  {:>6.1}  {:>26}  {:>10.3}  {:>9.2}  {:>15.3}\n",
             blade.twisting().to_degrees(),
             shape.normal_turn_rad.to_degrees(),
             format!("{hub:.1} / {mid:.1} / {tip:.1}"),
@@ -240,7 +214,7 @@ fn tables(found: &AssessedPart) -> String {
     text += "twist: angle of the camber line's chords to the rotation axis (twisting degree)\n\
              turn: rotation of the blade's normal from hub to tip; about 0 for cylindrical blades\n";
     for passage in &a.passages {
-        text += &format!("\n{}\n{}", passage_label(passage.kind), passage_table(passage, &a.depths));
+        text += &format!("\n{}\n{}", passage.blades.label(), passage_table(passage, &a.depths));
     }
     let (narrow, wide) = a.width_range();
     text += &format!(

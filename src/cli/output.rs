@@ -73,6 +73,16 @@ const SHARED_KEYS: [&str; 29] = [
     "max_undercut",
 ];
 
+/// "12 blades and as many splitters".
+pub fn blades_text(part: &Impeller) -> String {
+    let blades = part.blade_count;
+    match part.splitters.len() {
+        0 => format!("{blades} blades"),
+        1 => format!("{blades} blades and as many splitters"),
+        several => format!("{blades} blades and {} splitters", several * blades),
+    }
+}
+
 /// The first keys of every object: the part, and the number of `channels` cut, if any.
 pub fn head(part: &Impeller, channels: Option<usize>) -> Map<String, Value> {
     let mut map: Map<String, Value> =

@@ -11,7 +11,7 @@ use super::curve::{check_policy, curve_text, point_object, time_stock_curve};
 use super::edits::{unapplied_objects, unapplied_text};
 use super::machine_figures::MachineFigures;
 use super::open::OpenSetup;
-use super::output::{PlungeFigures, SectionFigures};
+use super::output::{PlungeFigures, SectionFigures, blades_text};
 use super::output_folder::{check_directory, create_directory, write_report};
 use super::stdout::print_stdout;
 use super::watch::run_with_progress;
@@ -198,10 +198,9 @@ fn plan_text(
     let part = &outcome.workpiece.part;
     let plan = &outcome.after.plan;
     let mut text = format!(
-        "{}: {} blades{}, D {:.1}; {channels} of {} channels planned\n",
+        "{}: {}, D {:.1}; {channels} of {} channels planned\n",
         part.name,
-        part.blade_count,
-        if part.splitters.is_empty() { "" } else { " and as many splitters" },
+        blades_text(part),
         2.0 * part.rim_radius(),
         part.blade_count
     );

@@ -3,7 +3,7 @@
 
 use super::passes::UncutLength;
 use crate::error::ErrorCode;
-use crate::part::{Channel, Division, Impeller, Passage, PassageWidth, Workpiece};
+use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
 use crate::setup::{Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
@@ -127,8 +127,8 @@ pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Opt
 }
 
 /// The tools to choose from: cylindrical ones, of these those that end in a ball, and of these those whose
-/// ball is not larger than the channel is deep (`depth`, mm), so that walls are cut by the cylinder; each where
-/// there are such.
+/// ball is not larger than the channel is deep (`depth`, mm), so that walls are cut by the cylinder; each
+/// where there are such.
 fn suited<'a>(tools: &'a [Tool], depth: f64) -> Result<Vec<&'a Tool>, SetupFault> {
     let cylindrical: Vec<&Tool> = tools.iter().filter(|tool| !tool.is_tapered()).collect();
     if cylindrical.is_empty() {
@@ -171,19 +171,12 @@ fn widths(part: &Impeller, channel: &Channel) -> [f64; 2] {
             .filter(|width| width.is_finite())
             .fold([f64::INFINITY, 0.0], |[least, most], width| [least.min(width), f64::max(most, width)])
     };
-    let mut open = vec![(&channel.full, 0.0, channel.division.as_deref())];
-    let mut found = [f64::INFINITY, 0.0];
-    while let Some((passage, from, division)) = open.pop() {
-        let [hub, shroud] = division.map_or([1.0; 2], |division| division.s);
-        let [nose, beside] = [hub.min(shroud), hub.max(shroud)].map(|s| s.clamp(from, 1.0));
-        let here = along(passage, from, nose);
-        found = [found[0].min(here[0]), found[1].max(here[1])];
-        if let Some(Division { passages, inner, .. }) = division {
-            let both = passages.iter().zip(inner);
-            open.extend(both.map(|(&index, inner)| (&channel.passages[index], beside, inner.as_deref())));
-        }
-    }
-    found
+    channel.bounded_passages().iter().fold([f64::INFINITY, 0.0], |[least, most], bounded| {
+        let begins = bounded.begins[0].max(bounded.begins[1]);
+        let ends = bounded.ends[0].min(bounded.ends[1]).clamp(begins, 1.0);
+        let here = along(&channel.passages[bounded.index], begins, ends);
+        [least.min(here[0]), most.max(here[1])]
+    })
 }
 
 /// Maximum height of the channel above the hub, mm.

@@ -1,5 +1,7 @@
 //! A channel: the space between neighbouring blades, with its coordinates (s, λ, η).
 
+use std::ops::Range;
+
 use super::impeller::{Impeller, sides_around_channel};
 use super::side::BladeSide;
 use crate::geometry::{Meridional, Point, Vector, norm2, wrap_angle};
@@ -330,6 +332,8 @@ pub fn passage_angle(low: f64, high: f64, pitch: f64) -> f64 {
 /// longest divide the passages beside it.
 #[derive(Clone, Debug)]
 pub struct Division {
+    /// Position of the splitter in [`Channel::splitters`].
+    pub splitter: usize,
     /// s of the leading edge of the splitter: on the hub, on the shroud.
     pub s: [f64; 2],
     /// Indices in [`Channel::passages`] of the passages beside it: on the side of the first wall, and of the
@@ -377,7 +381,7 @@ impl Channel {
         let full = Passage { walls: [low, high] };
         let mut passages = vec![full.clone()];
         let splitters = SplitterWalls::across(part, &full);
-        let division = Division::new(&splitters, &full.walls, &mut passages);
+        let division = Division::new(&splitters, 0..splitters.len(), &full.walls, &mut passages);
         let first = splitters.iter().find(|splitter| splitter.index == 0);
         let beside_splitter = first.map_or_else(Vec::new, |first| first.passages_beside(&full.walls).into());
         let splitter_s = first.map(|first| first.s);
@@ -405,18 +409,6 @@ impl Channel {
         let lows = std::iter::once(low).chain(self.splitters.iter().map(|splitter| &splitter.far));
         let highs = self.splitters.iter().map(|splitter| &splitter.near).chain([high]);
         lows.zip(highs).map(|(low, high)| Passage { walls: [low.clone(), high.clone()] }).collect()
-    }
-
-    /// s on hub and shroud at which splitters begin, the longest first.
-    pub fn noses(&self) -> Vec<[f64; 2]> {
-        let mut noses = Vec::new();
-        let mut open: Vec<&Division> = self.division.as_deref().into_iter().collect();
-        while let Some(division) = open.pop() {
-            noses.push(division.s);
-            open.extend(division.inner.iter().flatten().map(AsRef::as_ref));
-        }
-        noses.sort_by(|a, b| (a[0].max(a[1])).total_cmp(&b[0].max(b[1])));
-        noses
     }
 }
 
@@ -472,18 +464,25 @@ impl SplitterWalls {
 }
 
 impl Division {
-    /// How `splitters`, in order, divide the passage between `walls`; adds the passages to `passages`.
-    fn new(splitters: &[SplitterWalls], walls: &[Wall; 2], passages: &mut Vec<Passage>) -> Option<Box<Self>> {
+    /// How those `splitters` of which this are the positions, in order, divide the passage between `walls`;
+    /// adds the passages to `passages`.
+    fn new(
+        splitters: &[SplitterWalls],
+        positions: Range<usize>,
+        walls: &[Wall; 2],
+        passages: &mut Vec<Passage>,
+    ) -> Option<Box<Self>> {
         let begins = |at: &usize| splitters[*at].s[0];
-        let longest = (0..splitters.len()).min_by(|a, b| begins(a).total_cmp(&begins(b)))?;
+        let longest = positions.clone().min_by(|a, b| begins(a).total_cmp(&begins(b)))?;
         let first = passages.len();
         let beside = splitters[longest].passages_beside(walls);
         passages.extend(beside.iter().cloned());
         let inner = [
-            Self::new(&splitters[..longest], &beside[0].walls, passages),
-            Self::new(&splitters[longest + 1..], &beside[1].walls, passages),
+            Self::new(splitters, positions.start..longest, &beside[0].walls, passages),
+            Self::new(splitters, longest + 1..positions.end, &beside[1].walls, passages),
         ];
-        Some(Box::new(Self { s: splitters[longest].s, passages: [first, first + 1], inner }))
+        let s = splitters[longest].s;
+        Some(Box::new(Self { splitter: longest, s, passages: [first, first + 1], inner }))
     }
 
     fn passages_at(division: Option<&Self>, whole: usize, s: f64, found: &mut Vec<usize>) {

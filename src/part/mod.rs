@@ -6,6 +6,7 @@ mod blank_envelope;
 mod blank_mesh;
 pub mod blank_shape;
 pub mod body;
+pub mod bounded_passage;
 mod camber;
 pub mod channel;
 mod closed_blade;
@@ -30,6 +31,7 @@ pub use blade::Blade;
 pub use blank::Blank;
 pub use blank_mesh::BlankMesh;
 pub use blank_shape::{BlankFile, BlankShape};
+pub use bounded_passage::{BoundedPassage, splitter_name};
 pub use channel::{Channel, ChannelPoint, Division, Passage, SplitterWalls, Wall, WallAngle, passage_angle};
 pub use closed_blade::ClosedBlade;
 pub use description::{

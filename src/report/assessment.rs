@@ -4,10 +4,10 @@ use super::chart::{LineChart, Series};
 use super::html::escaped;
 use super::pictures::SIZE;
 use super::{PagePicture, ReportPage};
-use crate::assess::passage::{PassageKind, PassageMeasure, wall_widths};
+use crate::assess::passage::{PassageMeasure, wall_widths};
 use crate::assess::reach::{ReachMap, ReachSides};
 use crate::assess::shape::tangents;
-use crate::assess::{Assessment, BLADE_NAMES};
+use crate::assess::{Assessment, blades_of};
 use crate::drawing::floor::floor_mesh;
 use crate::drawing::scene_of_part;
 use crate::drawing::walls::wall_mesh;
@@ -51,7 +51,7 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
                 .to_owned(),
         });
     }
-    let (width, least, most) = width_mesh(part);
+    let (width, least, most) = width_mesh(workpiece);
     pictures.push(PagePicture {
         name: format!("{prefix}width.png"),
         bytes: picture(width, (least, most))?,
@@ -59,7 +59,7 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
             "Distance to the opposite wall, {least:.1} mm (dark) to {most:.1} mm (bright) and more."
         ),
     });
-    let (gaps, most) = envelope_mesh(part, assessment);
+    let (gaps, most) = envelope_mesh(workpiece, assessment);
     pictures.push(PagePicture {
         name: format!("{prefix}envelope.png"),
         bytes: picture(gaps, (0.0, most.max(0.01)))?,
@@ -67,7 +67,7 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
             "Gap between the walls and their one-sided envelope, 0 (dark) to {most:.3} mm (bright)."
         ),
     });
-    let [passages, twist] = assessment_charts(part, assessment);
+    let [passages, twist] = assessment_charts(workpiece, assessment);
     pictures.push(PagePicture {
         name: format!("{prefix}passage.svg"),
         bytes: passages.svg().into_bytes(),
@@ -83,8 +83,8 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
 }
 
 /// Charts along the channel: depth, narrowest width and largest cutter; twist of the blades.
-pub fn assessment_charts(part: &Impeller, assessment: &Assessment) -> [LineChart; 2] {
-    [passage_chart(assessment), twist_chart(part, assessment)]
+pub fn assessment_charts(workpiece: &Workpiece, assessment: &Assessment) -> [LineChart; 2] {
+    [passage_chart(assessment), twist_chart(workpiece, assessment)]
 }
 
 fn page(part: &Impeller, pictures: &[PagePicture]) -> String {
@@ -133,27 +133,25 @@ fn reach_mesh(workpiece: &Workpiece, setup: &Setup, map: &ReachMap) -> Mesh {
 }
 
 /// The walls of the active channel: each with the other side of its blade and the opposite wall.
-fn walls<'a>(part: &'a Impeller, next: &'a Blade) -> Vec<[&'a BladeSide; 3]> {
-    let (suction, pressure) = (&part.main.suction, &next.pressure);
-    match part.splitters.first() {
-        None => vec![[suction, &part.main.pressure, pressure], [pressure, &next.suction, suction]],
-        Some(splitter) => vec![
-            [suction, &part.main.pressure, &splitter.pressure],
-            [&splitter.pressure, &splitter.suction, suction],
-            [&splitter.suction, &splitter.pressure, pressure],
-            [pressure, &next.suction, &splitter.suction],
-        ],
-    }
+fn walls<'a>(workpiece: &'a Workpiece, next: &'a Blade) -> Vec<[&'a BladeSide; 3]> {
+    let mut blades: Vec<&Blade> = blades_of(workpiece).into_iter().map(|(_, blade)| blade).collect();
+    blades.push(next);
+    let between = |pair: &[&'a Blade]| {
+        let (low, high) = (pair[0], pair[1]);
+        [[&low.suction, &low.pressure, &high.pressure], [&high.pressure, &high.suction, &low.suction]]
+    };
+    blades.windows(2).flat_map(between).collect()
 }
 
 /// Mesh of the walls with the distances to the opposite walls, and a range from minimum to 95th percentile,
 /// mm.
-fn width_mesh(part: &Impeller) -> (Mesh, f32, f32) {
+fn width_mesh(workpiece: &Workpiece) -> (Mesh, f32, f32) {
+    let part = &workpiece.part;
     let (u, v) = (even_steps(WALL_LINES.0), even_steps(WALL_LINES.1));
     let next = part.main.rotated(part.pitch());
     let mut mesh = Mesh::default();
     let mut all = Vec::new();
-    for [wall, back, facing] in walls(part, &next) {
+    for [wall, back, facing] in walls(workpiece, &next) {
         let widths = wall_widths(wall, facing, &u, &v);
         mesh.append(&wall_mesh(wall, back, &u, &v, &widths).unwrap_or_default());
         all.extend(widths);
@@ -164,7 +162,8 @@ fn width_mesh(part: &Impeller) -> (Mesh, f32, f32) {
 }
 
 /// Mesh of the walls with the gaps to their envelopes, and the largest gap, mm.
-fn envelope_mesh(part: &Impeller, assessment: &Assessment) -> (Mesh, f32) {
+fn envelope_mesh(workpiece: &Workpiece, assessment: &Assessment) -> (Mesh, f32) {
+    let part = &workpiece.part;
     let turned = part.main.rotated(part.pitch());
     let mut mesh = Mesh::default();
     let mut most = 0.0f64;
@@ -172,13 +171,11 @@ fn envelope_mesh(part: &Impeller, assessment: &Assessment) -> (Mesh, f32) {
         mesh.append(&wall_mesh(wall, back, &envelope.u, &envelope.v, &envelope.gaps).unwrap_or_default());
         most = most.max(envelope.max_gap());
     };
-    if let Some(blade) = assessment.blades.first() {
-        add(&part.main.suction, &part.main.pressure, &blade.envelopes[0]);
-        add(&turned.pressure, &turned.suction, &blade.envelopes[1]);
-    }
-    if let (Some(blade), Some(splitter)) = (assessment.blades.get(1), part.splitters.first()) {
-        add(&splitter.suction, &splitter.pressure, &blade.envelopes[0]);
-        add(&splitter.pressure, &splitter.suction, &blade.envelopes[1]);
+    for (number, (measured, (_, blade))) in assessment.blades.iter().zip(blades_of(workpiece)).enumerate() {
+        // Of the main blades those walls that bound the channel.
+        let other = if number == 0 { &turned } else { blade };
+        add(&blade.suction, &blade.pressure, &measured.envelopes[0]);
+        add(&other.pressure, &other.suction, &measured.envelopes[1]);
     }
     (mesh, most as f32)
 }
@@ -192,11 +189,7 @@ fn passage_chart(assessment: &Assessment) -> LineChart {
         mark: None,
     }];
     for (k, passage) in assessment.passages.iter().enumerate() {
-        let place = match passage.kind {
-            PassageKind::Full => "main to main",
-            PassageKind::BesideSuction => "beside splitter, suction side",
-            PassageKind::BesidePressure => "beside splitter, pressure side",
-        };
+        let place = passage.blades.label();
         let curve = |name: &str, dash: usize, points: Vec<(f64, f64)>| Series {
             name: format!("{name}, {place}"),
             points,
@@ -221,10 +214,9 @@ fn narrowest(passage: &PassageMeasure) -> Vec<(f64, f64)> {
     passage.widths.iter().filter_map(|w| Some((w.s, least(w.width)?))).collect()
 }
 
-fn twist_chart(part: &Impeller, assessment: &Assessment) -> LineChart {
-    let blades = std::iter::once(&part.main).chain(part.splitters.first());
+fn twist_chart(workpiece: &Workpiece, assessment: &Assessment) -> LineChart {
     let mut series = Vec::new();
-    for (k, ((blade, measure), name)) in blades.zip(&assessment.blades).zip(BLADE_NAMES).enumerate() {
+    for (k, ((name, blade), measure)) in blades_of(workpiece).iter().zip(&assessment.blades).enumerate() {
         for (dash, (twist, place)) in
             measure.shape.hub_mid_tip().iter().zip(["hub", "mid span", "tip"]).enumerate()
         {

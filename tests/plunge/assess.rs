@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use vanecut::assess::Assessment;
-use vanecut::assess::passage::{PassageKind, PassageMeasure};
+use vanecut::assess::passage::PassageMeasure;
 use vanecut::assess::reach::{ReachLimits, ReachMap, ReachSection, ReachSides};
 use vanecut::io::read_part;
 use vanecut::part::{
@@ -69,15 +69,13 @@ fn passages_of_a_real_compressor() {
     let found = assessed(&part);
     near(found.depth(), 65.35, 0.05, "depth");
     near(found.depths.iter().map(|d| d.1).fold(f64::INFINITY, f64::min), 13.6, 0.06, "least depth");
-    let full = found.passage(PassageKind::Full).expect("the channel");
+    let full = found.passage([None, None]).expect("the channel");
     let ((hub_min, hub_max), (tip_min, tip_max)) = (range(full, 0), range(full, 2));
     near(hub_min, 19.11, 0.02, "width at the hub");
     near(hub_max, 80.7, 0.1, "width at the hub");
     near(tip_min, 32.4, 0.1, "width at the tip");
     near(tip_max, 78.1, 0.4, "width at the tip");
-    for (place, hub, tip) in
-        [(PassageKind::BesideSuction, 15.48, 27.36), (PassageKind::BesidePressure, 14.57, 25.17)]
-    {
+    for (place, hub, tip) in [([None, Some(0)], 15.48, 27.36), ([Some(0), None], 14.57, 25.17)] {
         let beside = found.passage(place).expect("a passage beside the splitter");
         near(range(beside, 0).0, hub, 0.06, "width beside the splitter at the hub");
         near(range(beside, 2).0, tip, 0.08, "width beside the splitter at the tip");
@@ -97,17 +95,17 @@ fn largest_cutters_of_a_real_compressor() {
     let blade = &part.splitters[0];
     let cases: [(_, _, &[(f64, f64)]); 3] = [
         (
-            PassageKind::Full,
+            [None, None],
             [&part.main.suction, &next.pressure],
             &[(0.0, 21.1), (0.1, 20.6), (0.2, 25.1), (0.3, 30.8)],
         ),
         (
-            PassageKind::BesideSuction,
+            [None, Some(0)],
             [&part.main.suction, &blade.pressure],
             &[(0.35, 15.5), (0.55, 22.3), (0.75, 31.2), (0.95, 41.2)],
         ),
         (
-            PassageKind::BesidePressure,
+            [Some(0), None],
             [&blade.suction, &next.pressure],
             &[(0.35, 15.1), (0.55, 22.2), (0.75, 31.2), (0.95, 41.3)],
         ),
@@ -169,7 +167,7 @@ fn a_channel_between_parallel_walls_has_their_distance() {
     let part = parallel_walls(24.0);
     let found = assessed(&part);
     // At the ends, the nearest point of the other wall's plane may be beyond the edge of that wall.
-    let full = found.passage(PassageKind::Full).expect("the channel");
+    let full = found.passage([None, None]).expect("the channel");
     for station in full.widths.iter().filter(|w| (0.02..=0.98).contains(&w.s)) {
         for width in station.width {
             near(width.expect("measured"), 24.0, 1e-6, "width");

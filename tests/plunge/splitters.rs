@@ -1,5 +1,7 @@
 //! Several splitters in a pitch: passages, floor and rows beside each of them.
 
+use vanecut::assess::Assessment;
+use vanecut::assess::reach::{ReachLimits, ReachSection};
 use vanecut::geometry::Point;
 use vanecut::job::resolve;
 use vanecut::monitor::Monitor;
@@ -64,6 +66,49 @@ fn each_splitter_divides_the_passage_that_it_stands_in() {
         widths.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.1),
         "{widths:?}, expected {expected:?}"
     );
+}
+
+#[test]
+fn the_machinability_is_that_of_all_passages() {
+    let setup = Setup::default();
+    let limits = ReachLimits {
+        hub_allowance: 0.5,
+        blade_allowance: 0.5,
+        max_tilt_rad: 0.5,
+        clearances: setup.clearances,
+    };
+    let tool = cutter(16.0, 5.0);
+    let workpiece = setup.allowances.workpiece_of(split_disc());
+    let sections = [ReachSection { tool: &tool, from: 1.0, to: 0.0 }];
+    let found = Assessment::from_workpiece(&workpiece, &sections, &limits);
+    let names: Vec<&str> = found.blades.iter().map(|blade| blade.name.as_str()).collect();
+    assert_eq!(names, ["main", "splitter 1", "splitter 2"], "from the suction side of the main blade");
+    let passages: Vec<String> = found.passages.iter().map(|passage| passage.blades.label()).collect();
+    assert_eq!(
+        passages,
+        [
+            "main to main blade",
+            "main blade to splitter 2",
+            "main blade to splitter 1",
+            "splitter 1 to splitter 2",
+            "splitter 2 to main blade"
+        ],
+        "the longer splitter divides the channel, the shorter one the passage beside it"
+    );
+    let keys: Vec<String> = found.passages.iter().map(|passage| passage.blades.key()).collect();
+    assert_eq!(keys[1..4], ["main_to_splitter_2", "main_to_splitter_1", "splitter_1_to_splitter_2"]);
+    // The narrowest place is behind the leading edge of the longer splitter, beside the main blade.
+    let third = 90.0 * workpiece.part.pitch().abs() / 3.0 - 1.5 - HALF;
+    let largest = found.largest_cutter();
+    assert!((0.95 * third..1.05 * third).contains(&largest), "D {largest} beside {third} mm");
+    // Cells of the floor lie in all three passages, and cutters reach most of them.
+    let row =
+        found.reach.as_ref().expect("a tool").rows.iter().find(|row| row.s > s_at(130.0)).expect("a row");
+    let cells = |from: f64, to: f64| {
+        row.cells.iter().filter(|cell| (from..to).contains(&(3.0 * cell.lambda))).count()
+    };
+    assert!((0..3).all(|k| cells(f64::from(k), f64::from(k + 1)) > 10));
+    assert!(row.share(|sides| sides.any) > 0.8, "{}", row.share(|sides| sides.any));
 }
 
 #[test]

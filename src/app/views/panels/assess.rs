@@ -7,8 +7,8 @@ use crate::app::model::units::DisplayUnits;
 use crate::app::views::chart;
 use crate::app::views::command::Command;
 use crate::app::views::units;
+use crate::assess::BladeMeasure;
 use crate::assess::reach::ReachSides;
-use crate::assess::{BLADE_NAMES, BladeMeasure};
 use crate::job::assess::AssessedPart;
 use crate::report::assessment::assessment_charts;
 
@@ -46,7 +46,7 @@ fn show(ui: &mut Ui, assessed: Option<&AssessedPart>, is_busy: bool) -> Option<C
         figures(ui, assessed);
         reach(ui, assessed);
         ui.add_space(8.0);
-        let charts = assessment_charts(&assessed.workpiece.part, &assessed.assessment);
+        let charts = assessment_charts(&assessed.workpiece, &assessed.assessment);
         for chart in &charts {
             chart::show(ui, chart);
             ui.add_space(8.0);
@@ -81,19 +81,18 @@ fn figures(ui: &mut Ui, assessed: &AssessedPart) {
     });
     ui.add_space(8.0);
     // A column for each blade: there are fewer of them than figures.
-    let blades = || measured.blades.iter().zip(BLADE_NAMES);
     Grid::new("blades").num_columns(1 + measured.blades.len()).striped(true).spacing([16.0, 3.0]).show(
         ui,
         |ui| {
             ui.label(RichText::new("Blade").strong())
-                .on_hover_text("Main blade, and splitter if there is one");
-            for (_, name) in blades() {
-                ui.label(RichText::new(name).strong());
+                .on_hover_text("Main blade, and the splitters of a pitch");
+            for blade in &measured.blades {
+                ui.label(RichText::new(&blade.name).strong());
             }
             ui.end_row();
             for (name, tip, figure) in BLADE_FIGURES {
                 ui.label(name).on_hover_text(tip);
-                for (blade, _) in blades() {
+                for blade in &measured.blades {
                     ui.label(figure(blade, units));
                 }
                 ui.end_row();

@@ -12,6 +12,7 @@ use crate::flank::region::{Region, WallName};
 use crate::io::tool_library::flank_cutters;
 use crate::job::flank::FlankOutcome;
 use crate::palette::{ColourMap, Rgb, TABLE_LEN};
+use crate::part::splitter_name;
 use crate::setup::{FlankStrategy, Setup, Tool};
 
 use super::fields::{self, ChoiceSpec, FieldSpec, ListEntry};
@@ -164,8 +165,7 @@ pub fn region_words(region: Region, splitters: usize) -> String {
     let name = |wall: WallName| match wall {
         WallName::Low => "suction side".to_owned(),
         WallName::High => "pressure side".to_owned(),
-        WallName::Splitter(_) if splitters == 1 => "splitter".to_owned(),
-        WallName::Splitter(number) => format!("splitter {}", number + 1),
+        WallName::Splitter(number) => splitter_name(number, splitters),
     };
     match (region, splitters) {
         (Region::INLET, 0) => "the whole channel".to_owned(),
