@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::steps::CutterStep;
+use crate::flank::wall::DeviationMap;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
@@ -17,7 +18,7 @@ const LINES: usize = 12;
 const MILLED_DISTANCE: f64 = 0.5;
 
 /// Deviation of the milled part of the walls from their allowance, mm.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WallDeviation {
     /// Greatest cut below the allowance; NaN where no wall is milled.
     pub(super) overcut: f64,
@@ -25,6 +26,8 @@ pub(super) struct WallDeviation {
     pub(super) undercut: f64,
     /// Share of the samples to which no cutter comes near, 0…1.
     pub(super) unmilled_share: f64,
+    /// What is left at each sample, wall by wall; NaN where no cutter comes near, and below `uncut`.
+    pub(super) maps: Vec<DeviationMap>,
 }
 
 struct Chunk<'a> {
@@ -54,35 +57,33 @@ pub(super) fn wall_deviation(
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
     let splitters = channel.splitters.iter().flat_map(|splitter| [&splitter.near, &splitter.far]);
     let walls = channel.full.walls.iter().chain(splitters);
-    let samples: Vec<Point> = walls
-        .flat_map(|wall| {
-            let flank = wall.side();
-            let (from, to) = flank.u_range();
-            (0..COLUMNS * LINES).map(move |k| {
-                let (i, j) = (k / LINES, k % LINES);
-                let u = from + (to - from) * i as f64 / (COLUMNS - 1) as f64;
-                flank.point(u, j as f64 / (LINES - 1) as f64)
-            })
-        })
-        .filter(|p| hub.project(Meridional::from_point(p)).1 > uncut)
-        .collect();
-    let left: Vec<f64> = samples
-        .par_iter()
-        .map(|p| {
+    let evenly = |from: f64, to: f64, count: usize| -> Vec<f64> {
+        (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
+    };
+    let (mut maps, mut samples) = (Vec::new(), 0);
+    for wall in walls {
+        let flank = wall.side();
+        let (from, to) = flank.u_range();
+        let (u, v) = (evenly(from, to, COLUMNS), evenly(0.0, 1.0, LINES));
+        let places: Vec<Point> = u.iter().flat_map(|&u| v.iter().map(move |&v| flank.point(u, v))).collect();
+        let is_judged = |p: &Point| hub.project(Meridional::from_point(p)).1 > uncut;
+        samples += places.iter().filter(|p| is_judged(p)).count();
+        let left = |p: &Point| {
             monitor.check()?;
-            Ok(nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance)
-        })
-        .filter(|left| !left.as_ref().is_ok_and(|left| *left >= MILLED_DISTANCE))
-        .collect::<Result<_, Cancelled>>()?;
-    let unmilled_share = 1.0 - left.len() as f64 / (samples.len() as f64).max(1.0);
-    if left.is_empty() {
-        return Ok(WallDeviation { overcut: f64::NAN, undercut: f64::NAN, unmilled_share });
+            let left = || nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance;
+            let left = is_judged(p).then(left).filter(|left| *left < MILLED_DISTANCE);
+            Ok(left.unwrap_or(f64::NAN))
+        };
+        let deviation = places.par_iter().map(left).collect::<Result<_, Cancelled>>()?;
+        maps.push(DeviationMap { u, v, deviation });
     }
-    Ok(WallDeviation {
-        unmilled_share,
-        overcut: left.iter().fold(0.0, |most, d| f64::max(most, -d)),
-        undercut: left.iter().fold(0.0, |most, d| f64::max(most, *d)),
-    })
+    let left = || maps.iter().flat_map(|map| &map.deviation).copied().filter(|left| left.is_finite());
+    let unmilled_share = 1.0 - left().count() as f64 / (samples as f64).max(1.0);
+    let (overcut, undercut) = match left().next() {
+        Some(_) => (left().fold(0.0, |most, d| f64::max(most, -d)), left().fold(0.0, f64::max)),
+        None => (f64::NAN, f64::NAN),
+    };
+    Ok(WallDeviation { overcut, undercut, unmilled_share, maps })
 }
 
 fn build_chunk<'a>(steps: &[&'a CutterStep], tools: &[Tool]) -> Chunk<'a> {
