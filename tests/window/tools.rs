@@ -59,9 +59,10 @@ fn automatic_calculation_has_a_tick_in_the_menu() {
     window.run_steps(2);
     assert!(window.state().state().auto_update);
     // The other one is below the button of the calculation.
-    let switches = window.get_all_by_role_and_label(Role::CheckBox, "Auto-update");
-    let in_menu = switches.min_by(|a, b| a.rect().top().total_cmp(&b.rect().top())).expect("two of them");
-    in_menu.click();
+    let switches = || window.get_all_by_role_and_label(Role::CheckBox, "Auto-update");
+    assert_eq!(switches().count(), 2, "one is in the menu");
+    let in_menu = switches().min_by(|a, b| a.rect().top().total_cmp(&b.rect().top()));
+    in_menu.expect("two of them").click();
     window.run_steps(3);
     assert!(!window.state().state().auto_update);
     assert_eq!(window.query_all_by_role_and_label(Role::CheckBox, "Auto-update").count(), 1, "it closes");
