@@ -353,7 +353,7 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
             colour_bar(ui, scale.map, bar);
             let end = ui.label(format_signed(most, most, units));
             end.on_hover_text("Stock above the blade allowance; negative: overcut");
-            unmilled(ui, of_value);
+            unmilled(ui, state, of_value);
         }
         None => ends(ui, state, scale, bar),
     }
@@ -362,16 +362,21 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
     }
 }
 
-/// What the grey of the walls means, where that fits beside the value under the cursor.
-fn unmilled(ui: &mut Ui, of_value: f32) {
+/// What the grey of the walls means, where there is any, and where that fits beside the value under the
+/// cursor.
+fn unmilled(ui: &mut Ui, state: &AppState, of_value: f32) {
     const TEXT: &str = "not milled";
+    let verdict = state.results.flank.as_ref().and_then(|outcome| outcome.verdict.as_ref());
+    if verdict.is_none_or(|verdict| verdict.unmilled_wall_share == 0.0) {
+        return;
+    }
     if ui.available_width() - of_value < theme::width_of_text(ui, TEXT) + SWATCH_AND_SPACES {
         return;
     }
     let of = if ui.visuals().dark_mode { Theme::Dark } else { Theme::Light };
     ui.add_space(SPACE);
     swatch(ui, of.greys().uncut, 10.0);
-    ui.label(TEXT).on_hover_text("No cutter of the program comes near, or only its corner, at the foot");
+    ui.label(TEXT).on_hover_text("No cutter of the program comes near");
 }
 
 /// A bar of the colours of `map`.

@@ -44,7 +44,7 @@ pub struct FlankVerdict {
     /// Share of the walls to which no cutter comes near, of the channel with the most of it, 0…1.
     pub unmilled_wall_share: f64,
     /// What is left on the walls of the first channel above the allowance: first and second main wall, then
-    /// both sides of each splitter; NaN where no cutter comes near, and at the foot.
+    /// both sides of each splitter; NaN where no cutter comes near.
     pub walls: Vec<DeviationMap>,
     /// Shares of the floor on which more is left than the setup's scallop height, of the channel with the
     /// most of it.

@@ -26,7 +26,7 @@ pub(super) struct WallDeviation {
     pub(super) undercut: f64,
     /// Share of the samples to which no cutter comes near, 0…1.
     pub(super) unmilled_share: f64,
-    /// What is left at each sample, wall by wall; NaN where no cutter comes near, and below `uncut`.
+    /// What is left, wall by wall; NaN where no cutter comes near.
     pub(super) maps: Vec<DeviationMap>,
 }
 
@@ -61,29 +61,40 @@ pub(super) fn wall_deviation(
         (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
     };
     let (mut maps, mut samples) = (Vec::new(), 0);
+    let mut milled: Vec<f64> = Vec::new();
     for wall in walls {
         let flank = wall.side();
         let (from, to) = flank.u_range();
         let (u, v) = (evenly(from, to, COLUMNS), evenly(0.0, 1.0, LINES));
         let places: Vec<Point> = u.iter().flat_map(|&u| v.iter().map(move |&v| flank.point(u, v))).collect();
-        let is_judged = |p: &Point| hub.project(Meridional::from_point(p)).1 > uncut;
-        samples += places.iter().filter(|p| is_judged(p)).count();
         let left = |p: &Point| {
             monitor.check()?;
+            let is_judged = hub.project(Meridional::from_point(p)).1 > uncut;
             let left = || nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance;
-            let left = is_judged(p).then(left).filter(|left| *left < MILLED_DISTANCE);
-            Ok(left.unwrap_or(f64::NAN))
+            Ok(is_judged.then(left).map(|left| if left < MILLED_DISTANCE { left } else { f64::NAN }))
         };
-        let deviation = places.par_iter().map(left).collect::<Result<_, Cancelled>>()?;
-        maps.push(DeviationMap { u, v, deviation });
+        let left: Vec<Option<f64>> = places.par_iter().map(left).collect::<Result<_, Cancelled>>()?;
+        samples += left.iter().flatten().count();
+        milled.extend(left.iter().flatten().copied().filter(|left| left.is_finite()));
+        maps.push(map_above_foot(u, &v, &left));
     }
-    let left = || maps.iter().flat_map(|map| &map.deviation).copied().filter(|left| left.is_finite());
-    let unmilled_share = 1.0 - left().count() as f64 / (samples as f64).max(1.0);
-    let (overcut, undercut) = match left().next() {
-        Some(_) => (left().fold(0.0, |most, d| f64::max(most, -d)), left().fold(0.0, f64::max)),
-        None => (f64::NAN, f64::NAN),
-    };
-    Ok(WallDeviation { overcut, undercut, unmilled_share, maps })
+    let unmilled_share = 1.0 - milled.len() as f64 / (samples as f64).max(1.0);
+    let none = if milled.is_empty() { f64::NAN } else { 0.0 };
+    Ok(WallDeviation {
+        overcut: milled.iter().fold(none, |most, left| most.max(-left)),
+        undercut: milled.iter().fold(none, |most, left| most.max(*left)),
+        unmilled_share,
+        maps,
+    })
+}
+
+/// What is `left` at the samples of a wall, from the lowest row that is judged somewhere; 0 at its foot.
+fn map_above_foot(u: Vec<f64>, v: &[f64], left: &[Option<f64>]) -> DeviationMap {
+    let is_judged = |row: &usize| left.iter().skip(*row).step_by(LINES).any(Option::is_some);
+    let lowest = (0..LINES - 2).find(is_judged).unwrap_or(LINES - 2);
+    let deviation = left.chunks(LINES).flat_map(|column| &column[lowest..]);
+    let deviation = deviation.map(|left| left.unwrap_or(0.0)).collect();
+    DeviationMap { u, v: v[lowest..].to_vec(), deviation }
 }
 
 fn build_chunk<'a>(steps: &[&'a CutterStep], tools: &[Tool]) -> Chunk<'a> {
