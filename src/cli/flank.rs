@@ -69,7 +69,8 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     create_directory(&args.output)?;
     let written = write_apt(&program.program);
     let (json, apt) = (args.output.join("flank.json"), args.output.join("flank.apt"));
-    let stored = write_flank(&description, &setup.as_stored(&outcome.setup), &program.plan, channels);
+    let setup = setup.as_stored(&outcome.setup);
+    let stored = write_flank(&description, &setup, &program.plan, &outcome.shown_walls(), channels);
     write_all_atomically(&[(json.clone(), stored.as_bytes()), (apt.clone(), written.as_bytes())])?;
     if args.report {
         write_sheet(&args.output, &outcome, &program)?;

@@ -142,7 +142,7 @@ fn layer_colour(table: &[[u8; 3]; TABLE_LEN], layer: usize, layers: usize) -> Rg
 }
 
 /// Mesh of the walls with the residual stock above the blade allowance (mm, negative for overcut), and its
-/// largest absolute value.
+/// largest absolute value. Where a wall is not milled, the mesh is marked as uncut.
 pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
     let turned = part.main.rotated(part.pitch());
     let splitters = if walls.is_empty() { Vec::new() } else { Channel::from_part(part).splitters };
@@ -162,6 +162,9 @@ pub fn wall_deviations(part: &Impeller, walls: &[ShownWall]) -> (Mesh, f32) {
         let Some([wall, back]): Option<[&BladeSide; 2]> = sides(shown) else { continue };
         mesh.append(&wall_mesh(wall, back, &map.u, &map.v, &map.deviation).unwrap_or_default());
         most = most.max(map.max_overcut()).max(map.max_undercut());
+    }
+    for vertex in mesh.vertices.iter_mut().filter(|vertex| vertex.value.is_nan()) {
+        (vertex.value, vertex.uncut) = (0.0, 1.0);
     }
     (mesh, most as f32)
 }

@@ -20,7 +20,7 @@ pub struct Vertex {
     pub value: f32,
     /// Unit normal, pointing out of the material.
     pub normal: [f32; 3],
-    /// Floor: 1 where no plunge has cut, else 0. Of the stock as a solid: the bits of a [`Paint`].
+    /// Floor and walls: 1 where nothing has cut, else 0. Of the stock as a solid: the bits of a [`Paint`].
     pub uncut: f32,
 }
 
@@ -276,7 +276,8 @@ impl Mesh {
         let (RayCrossing { distance, u, v }, triangle) = nearest?;
         let [a, b, c] = [0, 1, 2].map(|k| self.vertices[triangle[k] as usize]);
         let value = a.value + (b.value - a.value) * u + (c.value - a.value) * v;
-        let is_uncut = a.uncut.to_bits() == Paint::UNCUT.0;
+        let uncut = a.uncut + (b.uncut - a.uncut) * u + (c.uncut - a.uncut) * v;
+        let is_uncut = a.uncut.to_bits() == Paint::UNCUT.0 || uncut > 0.5;
         Some(MeshHit { distance, normal: Vec3::from_array(a.normal), value, is_uncut })
     }
 
@@ -319,7 +320,8 @@ pub struct MeshHit {
     pub normal: Vec3,
     /// Value interpolated between the corners, see [`Vertex::value`].
     pub value: f32,
-    /// Whether it is surface of the blank, on the stock as a solid: [`Paint::UNCUT`].
+    /// Whether nothing has cut there: surface of the blank on the stock as a solid ([`Paint::UNCUT`]), and
+    /// corners that are marked.
     pub is_uncut: bool,
 }
 

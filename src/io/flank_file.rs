@@ -18,6 +18,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Impeller, PartDescription, Workpiece};
 use crate::setup::{FlankStrategy, Setup, tool_of};
 use crate::toolpath::{ClProgram, RAPID_MM_PER_MIN};
+use crate::verify::FlankVerdict;
 
 /// Version of the file format; newer files are rejected.
 pub(super) const VERSION: u32 = 3;
@@ -96,6 +97,9 @@ struct WallFile {
     v: Vec<f64>,
     /// Deviation, row by row of u, mm: stock above the blade allowance, negative below it.
     deviation: Vec<f64>,
+    /// Indices in it where the wall is not milled; there it is 0.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    unmilled: Vec<usize>,
 }
 
 /// What the swept cutter leaves on a wall.
@@ -193,10 +197,24 @@ pub fn shown_passes(plan: &FlankPlan) -> Vec<ShownPass> {
         .collect()
 }
 
-/// The milled walls of a plan as they are displayed.
-pub fn shown_walls(plan: &FlankPlan) -> Vec<ShownWall> {
-    let shown = |w: &MilledWall| ShownWall { wall: w.wall, region: w.region, map: w.axes.map.clone() };
-    plan.walls.iter().map(shown).collect()
+/// The milled walls of a plan as they are displayed: by what its program leaves, or, where that could not be
+/// verified, by what cutters at all positions along the walls would leave.
+pub fn shown_walls(plan: &FlankPlan, verdict: Option<&FlankVerdict>) -> Vec<ShownWall> {
+    let Some(verdict) = verdict else {
+        let shown = |w: &MilledWall| ShownWall { wall: w.wall, region: w.region, map: w.axes.map.clone() };
+        return plan.walls.iter().map(shown).collect();
+    };
+    let splitters = (verdict.walls.len() / 2).saturating_sub(1);
+    let beside = |number: usize| {
+        let low = number.checked_sub(1).map_or(WallName::Low, WallName::Splitter);
+        let high = if number + 1 < splitters { WallName::Splitter(number + 1) } else { WallName::High };
+        let wall = WallName::Splitter(number);
+        [(wall, Region { low, high: wall }), (wall, Region { low: wall, high })]
+    };
+    let sides = [(WallName::Low, Region::INLET), (WallName::High, Region::INLET)];
+    let named = sides.into_iter().chain((0..splitters).flat_map(beside));
+    let shown = named.zip(&verdict.walls);
+    shown.map(|((wall, region), map)| ShownWall { wall, region, map: map.clone() }).collect()
 }
 
 /// A move as a file of it holds it.
@@ -246,12 +264,13 @@ fn rounded(coordinates: [f64; 3], decimals: f64) -> [f64; 3] {
     coordinates.map(|x| (x * decimals).round() / decimals)
 }
 
-/// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame. `channels` is the number
-/// of channels that the plan is repeated for.
+/// Writes a flank plan file (JSON); lengths in mm, feed rates in mm/min, part frame. `walls` are those of
+/// [`shown_walls`], `channels` is the number of channels that the plan is repeated for.
 pub fn write_flank(
     description: &PartDescription,
     setup: &Setup,
     plan: &FlankPlan,
+    walls: &[ShownWall],
     channels: usize,
 ) -> String {
     let curves = shown_passes(plan);
@@ -276,19 +295,22 @@ pub fn write_flank(
         channels,
         feed: plan.feeds.step_mm_per_min,
         layers: layers.collect(),
-        walls: plan
-            .walls
+        walls: walls
             .iter()
-            .map(|w| {
+            .map(|ShownWall { wall, region, map }| {
                 let round = |x: &f64| (x * STEPS_PER_MM).round() / STEPS_PER_MM;
-                let map = &w.axes.map;
-                let (u, v) = (map.u.iter().map(round).collect(), map.v.iter().map(round).collect());
+                let is_milled = |d: &f64| d.is_finite();
                 WallFile {
-                    wall: w.wall,
-                    region: w.region,
-                    u,
-                    v,
-                    deviation: map.deviation.iter().map(round).collect(),
+                    wall: *wall,
+                    region: *region,
+                    u: map.u.iter().map(round).collect(),
+                    v: map.v.iter().map(round).collect(),
+                    deviation: map
+                        .deviation
+                        .iter()
+                        .map(|d| if is_milled(d) { round(d) } else { 0.0 })
+                        .collect(),
+                    unmilled: (0..map.deviation.len()).filter(|&k| !is_milled(&map.deviation[k])).collect(),
                 }
             })
             .collect(),
@@ -382,10 +404,14 @@ pub fn read_flank_bytes(name: &str, bytes: &[u8]) -> Result<StoredFlank, InputEr
         });
     }
     let mut walls = Vec::new();
-    for wall in file.walls {
+    for mut wall in file.walls {
         let numbers = wall.u.iter().chain(&wall.v).chain(&wall.deviation);
         if wall.deviation.len() != wall.u.len() * wall.v.len() || !are_coordinates(numbers) {
             return Err(damaged(name, "the deviation of a wall is damaged"));
+        }
+        for k in wall.unmilled {
+            let place = wall.deviation.get_mut(k);
+            *place.ok_or_else(|| damaged(name, "the deviation of a wall is damaged"))? = f64::NAN;
         }
         let map = DeviationMap { u: wall.u, v: wall.v, deviation: wall.deviation };
         walls.push(ShownWall { wall: wall.wall, region: wall.region, map });

@@ -11,6 +11,7 @@ use crate::flank::fault_removal::MoveFault;
 use crate::flank::path::Times;
 use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, plan};
 use crate::io::apt::{read_apt_bytes, write_apt};
+use crate::io::flank_file::{ShownWall, shown_walls};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
 use crate::machine::{MachineClock, MachineTime, MachineTool};
 use crate::monitor::{Cancelled, Monitor};
@@ -236,6 +237,11 @@ impl FlankOutcome {
     /// positions along the walls.
     pub fn max_undercut(&self) -> f64 {
         self.verdict.as_ref().map_or_else(|| self.plan.max_undercut(), |verdict| verdict.max_undercut)
+    }
+
+    /// The walls as they are displayed, to which these figures belong.
+    pub fn shown_walls(&self) -> Vec<ShownWall> {
+        shown_walls(&self.plan, self.verdict.as_ref())
     }
 }
 

@@ -47,7 +47,7 @@ pub struct SectionView {
     pub plane: CutPlane,
     /// Unit direction of x in the disc of the core: its parts along and across the feed direction.
     pub x_in_disc: [f64; 2],
-    /// Point of the core that meets stock highest above the bottom; `None` where it meets none.
+    /// Point of the core that meets stock highest above the bottom; `None` where it interferes with none.
     pub deepest: Option<PatchCell>,
     /// The finished hub.
     pub hub: Vec<SectionPoint>,
@@ -83,6 +83,8 @@ pub struct PatchCell {
     pub depth: f64,
 }
 
+/// Distance from the plane beyond which the deepest contact does not count as shown, mm.
+const BESIDE: f64 = 0.3;
 /// Samples along x.
 const SAMPLES: usize = 241;
 /// Half width of the view in cutter radii.
@@ -127,7 +129,9 @@ pub fn section_view_in(
     let cutter = tool.placed(tip, axis);
     let column = AxisLines { part, blank, axis, earlier: &earlier };
     let at = |x: f64, across: f64| tip + feed * x + side * across;
-    let deepest = column.deepest_contact(tool.core_radius(), reach, &at);
+    // Rounding that counts as free is not shown as contact.
+    let interferes = position.evaluation.contact.interferes();
+    let deepest = column.deepest_contact(tool.core_radius(), reach, &at).filter(|_| interferes);
     let x_in_disc = match plane {
         CutPlane::Row => [1.0, 0.0],
         CutPlane::Across => [0.0, 1.0],
@@ -173,7 +177,7 @@ pub fn section_view_in(
         view.allowance.extend(column.hub(&origin, allowance, reach).map(|y| [x, y]));
         let mut stock = column.stock(&origin, hub, reach);
         view.before.push([x, stock_top(&stock, hub)]);
-        if x.abs() <= tool.core_radius() {
+        if interferes && x.abs() <= tool.core_radius() {
             let met = stock.iter().filter(|s| s[1] > 0.0).map(|s| (x, [s[0].max(0.0), s[1]]));
             view.contact.extend(met);
         }
@@ -186,7 +190,7 @@ pub fn section_view_in(
         }
     }
     // The deepest contact is often a sliver at the rim, between two samples.
-    if let Some(cell) = deepest.filter(|_| plane == CutPlane::Contact) {
+    if let Some(cell) = deepest.filter(|_| view.shows_deepest()) {
         view.contact.push((view.deepest_along(), [0.0, cell.depth]));
     }
     view.lead_rad = lead_angle(&view.hub);
@@ -200,7 +204,8 @@ pub fn section_view_in(
             }
             let origin = at(x, across);
             let hub = column.hub(&origin, 0.0, reach).unwrap_or(-reach);
-            let top = column.stock(&origin, hub, reach).last().map_or(0.0, |s| s[1].max(0.0));
+            let stock = column.stock(&origin, hub, reach);
+            let top = stock.last().filter(|_| interferes).map_or(0.0, |s| s[1].max(0.0));
             view.patch.push(PatchCell { x, across, depth: top });
         }
     }
@@ -219,6 +224,11 @@ impl SectionView {
     pub fn deepest_beside(&self) -> f64 {
         let [along, across] = self.x_in_disc;
         self.deepest.map_or(0.0, |cell| cell.across * along - cell.x * across)
+    }
+
+    /// Whether the deepest contact lies in the plane of the view, or so near to it that it is drawn there.
+    pub fn shows_deepest(&self) -> bool {
+        self.deepest_beside().abs() < BESIDE
     }
 
     /// x of the deepest contact, mm; 0 without contact.

@@ -8,7 +8,7 @@ use crate::drawing::{scene_of_part, show_plan};
 use crate::error::UserError;
 use crate::gpu::image::draw_png;
 use crate::gpu::{ColourMap, FloorColours, Gpu, Renderer, Scene, SceneOptions, View};
-use crate::io::flank_file::{shown_passes, shown_walls};
+use crate::io::flank_file::shown_passes;
 use crate::job::flank::FlankOutcome;
 use crate::job::{PlanOutcome, PolicyResult};
 use crate::stock::surface::fitting_range;
@@ -37,7 +37,7 @@ pub fn flank_pictures(outcome: &FlankOutcome, prefix: &str) -> Result<Vec<PagePi
     let options = SceneOptions::for_colours(FloorColours::Plain);
     draw(&scene, &options, "passes", "passes by layer: dark next to the hub, light at the top".to_owned())?;
     let mut scene = scene_of_part(&gpu, part);
-    let (mesh, most) = wall_deviations(part, &shown_walls(plan));
+    let (mesh, most) = wall_deviations(part, &outcome.shown_walls());
     let most = most.max(1e-3);
     scene.set_values(&gpu, mesh);
     let options = SceneOptions {

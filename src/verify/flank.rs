@@ -258,6 +258,9 @@ impl<'a> FlankVerifier<'a> {
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
             verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
             verdict.unmilled_wall_share = verdict.unmilled_wall_share.max(walls.unmilled_share);
+            if index == 0 {
+                verdict.walls = walls.maps;
+            }
         }
         verdict.max_overcut =
             verdict.max_overcut.max(setup.allowances.blade_allowance - verdict.min_blade_clearance).max(0.0);

@@ -220,7 +220,7 @@ fn the_time_of_the_wheel_is_that_of_its_program() {
 fn a_file_of_several_channels_gives_their_program() {
     let outcome = ordered(&TURNED, EVERY_ORDER[1]);
     let description = read_part(&sample("pump6.toml")).expect("readable");
-    let text = |channels| write_flank(&description, &outcome.setup, &outcome.plan, channels);
+    let text = |channels| write_flank(&description, &outcome.setup, &outcome.plan, &[], channels);
     assert!(text(1).starts_with("{\"vanecut_flank\":2,") && !text(1).contains("\"channels\":"));
     assert!(text(4).starts_with("{\"vanecut_flank\":3,"));
     let stored = read_flank_bytes("flank.json", text(4).as_bytes()).expect("its own file");

@@ -6,7 +6,7 @@ use std::sync::{Arc, LazyLock};
 use vanecut::error::ErrorCode;
 use vanecut::flank::MoveKind;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::flank_file::{is_flank, read_flank_bytes, write_flank};
+use vanecut::io::flank_file::{ShownWall, is_flank, read_flank_bytes, write_flank};
 use vanecut::io::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
@@ -96,7 +96,7 @@ fn a_cylinder_is_opened_before_the_passes_and_these_are_planned_as_without_it() 
     let program = passes.after_opening(Some(opening));
     assert_eq!(program.moves.len(), 3 * opening.plunges.len() + plan.moves.len());
     let description = read_part(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/pump6.toml"));
-    let text = write_flank(&description.expect("readable"), &outcome.setup, plan, 1);
+    let text = write_flank(&description.expect("readable"), &outcome.setup, plan, &[], 1);
     let read = read_flank_bytes("flank.json", text.as_bytes()).expect("its own file");
     let again = read.program(&Monitor::default()).expect("not cancelled").expect("with tools");
     assert_eq!(again.moves.len(), program.moves.len());
@@ -172,15 +172,24 @@ fn every_curve_has_one_feed_by_what_stands_beside_it() {
 fn a_flank_file_reads_back_and_damage_is_reported() {
     let outcome = &*BALANCED;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller9x9.toml");
-    let text = write_flank(&read_part(&path).expect("readable"), &outcome.setup, &outcome.plan, 1);
+    let (description, mut walls) = (read_part(&path).expect("readable"), outcome.shown_walls());
+    let middle = walls[1].map.deviation.len() / 2;
+    walls[1].map.deviation[middle] = f64::NAN;
+    let text = write_flank(&description, &outcome.setup, &outcome.plan, &walls, 1);
     assert!(is_flank(text.as_bytes()));
     let stored = read_flank_bytes("f.json", text.as_bytes()).expect("it reads its own file");
     assert_eq!(stored.moves.len(), outcome.plan.moves.len());
     assert_eq!(stored.layers, outcome.plan.layout.layers.len());
     assert_eq!(stored.setup.flank, outcome.setup.flank);
-    assert_eq!(stored.walls.len(), outcome.plan.walls.len());
+    assert_eq!(stored.walls.len(), walls.len());
     let most = stored.walls.iter().map(|w| w.map.max_undercut()).fold(0.0, f64::max);
-    assert!((most - outcome.plan.max_undercut()).abs() < 1e-6, "the map holds the figure: {most}");
+    assert!((most - outcome.max_undercut()).abs() < 1e-6, "the map holds the figure: {most}");
+    let unmilled = |walls: &[ShownWall]| {
+        let numbers = walls.iter().flat_map(|w| &w.map.deviation);
+        numbers.filter(|d| d.is_nan()).count()
+    };
+    assert_eq!(unmilled(&stored.walls), unmilled(&walls));
+    assert_eq!(unmilled(&walls), unmilled(&outcome.shown_walls()) + 1);
     for (a, b) in stored.moves.iter().zip(&outcome.plan.moves) {
         assert!((a.tip - b.tip).norm() < 1e-5 && a.axis.angle(&b.axis) < 1e-6 && a.kind == b.kind);
         assert!(

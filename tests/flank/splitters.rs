@@ -194,7 +194,7 @@ fn judge(outcome: &FlankOutcome, splitters: usize) {
 fn a_plan_with_several_splitters_is_read_back() {
     let description = wheel(&NESTED);
     let outcome = &*BALANCED;
-    let text = write_flank(&description, &outcome.setup, &outcome.plan, 1);
+    let text = write_flank(&description, &outcome.setup, &outcome.plan, &outcome.shown_walls(), 1);
     assert!(text.contains("\"splitter-2..splitter-3\""), "between the middle and the last splitter");
     let stored = read_flank_bytes("flank.json", text.as_bytes()).expect("readable");
     let regions = |moves: &[FlankMove]| moves.iter().map(|m| m.region).collect::<Vec<_>>();

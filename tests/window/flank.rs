@@ -9,7 +9,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
-use vanecut::drawing::flank::FlankColours;
+use vanecut::drawing::flank::{FlankColours, wall_deviations};
 use vanecut::flank::UncutLength;
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
@@ -61,6 +61,35 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
     plan_flank(&mut window, 10.0);
     window.get_by_label("1 stretch skipped");
     window.get_by_label("Flank: 1 stretch skipped");
+}
+
+/// Positions that are planned along a wall, but that the program does not have, leave nothing on it.
+#[test]
+fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {
+    let (engine, _) = fake::engine();
+    let planned = Arc::clone(&engine.flank);
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        let mut outcome = planned(request, monitor)?;
+        for wall in Arc::make_mut(&mut outcome.plan.walls) {
+            wall.axes.max_overcut = 2.5;
+            wall.axes.map.deviation.fill(-2.5);
+        }
+        Ok(outcome)
+    };
+    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    plan_flank(&mut window, 8.0);
+    window.get_by_label("walls").click_accesskit();
+    window.run_steps(4);
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    let verdict = outcome.verdict.as_ref().expect("verified");
+    let most = verdict.max_overcut.max(verdict.max_undercut).max(0.02) as f32;
+    for end in [-most, most] {
+        window.get_by_label(&vanecut::app::views::legend::format_signed(end, most, DisplayUnits::Metric));
+    }
+    let (mesh, largest) = wall_deviations(&outcome.workpiece.part, &outcome.shown_walls());
+    assert!(largest <= most + 1e-6, "the colours, too: {largest} of {most}");
+    let grey = mesh.vertices.iter().any(|vertex| vertex.uncut > 0.5);
+    assert_eq!(grey, verdict.unmilled_wall_share > 0.0, "and grey where it does not mill");
 }
 
 #[test]

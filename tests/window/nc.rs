@@ -307,7 +307,8 @@ fn the_flank_plan_is_exported_as_well() {
     let outcome = window.state().state().results.flank.clone().expect("planned");
     // The same as from the file of the plan, whose coordinates are rounded.
     let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
-    let file = write_flank(&read_part(Path::new(sample)).expect("a part"), &outcome.setup, &outcome.plan, 1);
+    let file =
+        write_flank(&read_part(Path::new(sample)).expect("a part"), &outcome.setup, &outcome.plan, &[], 1);
     let stored = read_flank_bytes("flank.json", file.as_bytes()).expect("reads");
     let program = stored.program(&Monitor::default()).expect("not cancelled").expect("it has its tool");
     let target = read_machine(Path::new("ac-trunnion")).unwrap();

@@ -81,6 +81,31 @@ fn the_timeline_jumps_to_tools_and_sections_and_the_cut_explains_the_worst_conta
     );
 }
 
+/// What the line below the section says of the deepest contact is what is drawn.
+#[test]
+fn a_section_that_has_the_deepest_contact_shows_it() {
+    let window = with_sample(shared_engine());
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let (plan, workpiece) = (&planned.outcome.before.plan, &planned.outcome.workpiece);
+    let mut shown = 0;
+    for (k, position) in plan.positions.iter().enumerate().step_by(5) {
+        let contact = &position.evaluation.contact;
+        for plane in [CutPlane::Row, CutPlane::Across, CutPlane::Contact, CutPlane::Meridian] {
+            let view = section_view_in(plane, &workpiece.part, &workpiece.blank, 0.5, plan, k);
+            let view = view.expect("a position");
+            let (drawn, in_plane) = (view.contact_depth(), view.contact_in_plane());
+            if !contact.interferes() {
+                assert!(drawn == 0.0 && in_plane == 0.0, "position {k}: {drawn}, {in_plane}");
+            } else if let Some(deepest) = view.deepest.filter(|_| view.shows_deepest()) {
+                let depth = deepest.depth;
+                assert!(in_plane >= depth, "position {k}, {plane:?}: {in_plane} of {depth}");
+                shown += 1;
+            }
+        }
+    }
+    assert!(shown > 40, "{shown}");
+}
+
 #[test]
 fn conventional_as_the_policy_repairs_nothing() {
     let mut window = with_sample(shared_engine());

@@ -351,3 +351,30 @@ fn the_start_page_offers_the_copy_of_a_session_that_ends_after_it_is_shown() {
     recover(&mut next);
     assert_eq!(step(&next), Some(7.5));
 }
+
+/// As on a full disk: what could be read is not removed before it is written elsewhere.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_copy_stays_where_what_was_recovered_cannot_be_copied() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let near = folder.path().join("home");
+    edit_and_crash(window_with_part(&engine, &near, folder.path()), 6.5);
+    let mut left = std::fs::read_dir(near.join("recovery")).expect("reads").flatten().map(|e| e.path());
+    let left = left.find(|path| path.extension().is_some_and(|e| e == "vanecut")).expect("a copy");
+    // A path may have 4095 bytes: too few for the name of a new copy, enough for a short one.
+    let mut home = folder.path().to_owned();
+    let wanted = 4095 - "/recovery/1-1.vanecut".len();
+    while home.as_os_str().len() < wanted {
+        let rest = wanted - home.as_os_str().len() - 1;
+        home.push("d".repeat(if rest > 202 { 200 } else { rest }));
+    }
+    std::fs::create_dir_all(home.join("recovery")).expect("makes");
+    let copy = home.join("recovery/1-1.vanecut");
+    std::fs::rename(left, &copy).expect("moves");
+    let mut window = window_at(&engine, &home);
+    recover(&mut window);
+    assert_eq!(step(&window), Some(6.5));
+    assert!(copy.exists(), "the only copy");
+    window.get_by_label_contains("No recovery copy was written");
+}

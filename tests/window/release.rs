@@ -73,6 +73,7 @@ fn an_interfering_plan_is_named_as_such_before_it_is_exported() {
     window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
     window.run_steps(2);
     window.get_by_label_contains("The core meets stock in");
+    window.get_by_label_contains("The axis strategy is Isoparametric, not Min. stock as in the setup");
     assert!(window.query_by_label("Recalculate").is_none(), "that would give the same plan");
     window.get_by_label("Export anyway").click();
     window.run_steps(2);

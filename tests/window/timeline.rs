@@ -55,6 +55,20 @@ fn the_table_shows_the_position_that_is_being_cut() {
 }
 
 #[test]
+fn going_to_the_end_while_it_plays_stays_there() {
+    let mut window = with_many();
+    choose_speed(&mut window, "4×");
+    window.key_press(egui::Key::Space);
+    window.run_steps(4);
+    assert!(window.state().state().look.playing.is_some(), "it plays");
+    window.get_by_role_and_label(Role::Button, "Go to end").click();
+    window.run_steps(6);
+    let count = window.state().state().position_count();
+    window.get_by_label(&format!("all {count}"));
+    assert!(window.state().state().look.playing.is_none(), "nothing is left to play");
+}
+
+#[test]
 fn playing_can_loop_and_has_a_clock() {
     let mut window = with_many();
     let count = window.state().state().position_count();

@@ -1,9 +1,14 @@
 //! Tools that the program chooses.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::state::Tone;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
+use vanecut::job::{Listener, PlanRequest};
+use vanecut::monitor::Monitor;
 
 use crate::dialogs::press_enter;
 use crate::fake;
@@ -24,6 +29,43 @@ fn a_tool_without_plunges_says_why() {
     window.get_by_label("T2 Ø16: no plunges, nothing left that is thick enough for another cutter");
     let count = window.state().state().position_count();
     window.get_by_label(&format!("T1 Ø30: {count} plunges"));
+}
+
+#[test]
+fn the_plunges_of_the_tools_are_those_of_the_strategy_that_is_shown() {
+    let (engine, _) = fake::engine();
+    let planned = Arc::clone(&engine.plan);
+    let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = planned(request, monitor, listener)?;
+        outcome.before.plan.positions.truncate(20);
+        Ok(outcome)
+    };
+    let mut window = with_sample(Engine { plan: Arc::new(plan), ..engine });
+    window.set_size(egui::vec2(1100.0, 1400.0));
+    window.run_steps(3);
+    let after = window.state().state().position_count();
+    window.key_press(egui::Key::B);
+    window.run_steps(3);
+    let before = window.state().state().position_count();
+    assert_ne!(before, after);
+    window.get_by_label(&format!("T1 Ø30: {before} plunges"));
+}
+
+#[test]
+fn automatic_calculation_has_a_tick_in_the_menu() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Plan").click();
+    window.run_steps(2);
+    assert!(window.state().state().auto_update);
+    // The other one is below the button of the calculation.
+    let switches = || window.get_all_by_role_and_label(Role::CheckBox, "Auto-update");
+    assert_eq!(switches().count(), 2, "one is in the menu");
+    let in_menu = switches().min_by(|a, b| a.rect().top().total_cmp(&b.rect().top()));
+    in_menu.expect("two of them").click();
+    window.run_steps(3);
+    assert!(!window.state().state().auto_update);
+    assert_eq!(window.query_all_by_role_and_label(Role::CheckBox, "Auto-update").count(), 1, "it closes");
 }
 
 #[test]

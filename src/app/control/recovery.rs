@@ -59,9 +59,8 @@ impl App {
         }
         self.state
             .report_done("Recovered unsaved changes of the last session; save the project to keep them");
-        self.copy_now();
-        // The content is now in this session's own recovery copy.
-        if self.session.copied.is_some() {
+        // Once the content is in this session's own recovery copy.
+        if self.copy_now() {
             self.drop_recoverable(path);
         }
     }
@@ -190,20 +189,21 @@ impl App {
         }
     }
 
-    /// Writes the recovery copy, on the UI thread: it is small and written rarely.
-    pub(in crate::app) fn copy_now(&mut self) {
-        let Some(home) = &self.session.home else { return };
-        let Some(mut project) = project_of(&self.state, self.view.current()) else { return };
+    /// Writes the recovery copy, on the UI thread: it is small and written rarely. Returns whether it is
+    /// written.
+    pub(in crate::app) fn copy_now(&mut self) -> bool {
+        let Some(home) = &self.session.home else { return false };
+        let Some(mut project) = project_of(&self.state, self.view.current()) else { return false };
         project.original.clone_from(&self.state.document.path);
         project.setup_faults = self.state.document.replaced.iter().map(|value| value.fault.clone()).collect();
         project.current_faults = project.setup_faults.len();
-        match home.write_copy(&write_project(&project, home.copy())) {
-            Ok(()) => self.session.copied = Some(self.state.document.edited.clone()),
-            Err(error) => {
-                // Report the error once; the next change tries again.
-                self.session.copied = Some(self.state.document.edited.clone());
-                self.state.report_problem(Problem::from(&error));
-            }
+        let written = home.write_copy(&write_project(&project, home.copy()));
+        // An error is reported once; the next change tries again.
+        self.session.copied = Some(self.state.document.edited.clone());
+        if let Err(error) = &written {
+            let what = format!("No recovery copy was written. {}", Problem::from(error).message);
+            self.state.report_problem(Problem::new(what, "save the project: a crash would lose the changes"));
         }
+        written.is_ok()
     }
 }

@@ -5,8 +5,19 @@ use crate::job::flank::FlankOutcome;
 use crate::job::{PolicyResult, Summary};
 use crate::plunge::Condition;
 use crate::report::words::NOT_ON_MACHINE;
+use crate::setup::AxisPolicy;
 
 use crate::app::model::units::DisplayUnits;
+
+/// Label of an axis strategy.
+pub fn policy_label(policy: AxisPolicy) -> &'static str {
+    match policy {
+        AxisPolicy::Conventional => "Isoparametric",
+        AxisPolicy::Monotone => "Progressive",
+        AxisPolicy::Minimal => "Min. stock",
+        AxisPolicy::Staircase => "Stepped",
+    }
+}
 
 /// Largest share of the accessible floor that may stay uncut without a warning.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;

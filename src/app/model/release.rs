@@ -3,7 +3,7 @@
 use crate::plunge::DropReason;
 use crate::setup::{TILT_TOLERANCE, falls_short};
 
-use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, skipped_length};
+use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, policy_label, skipped_length};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::setup_tools::too_fast;
@@ -41,6 +41,11 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     let (plan, summary) = (shown.plan(), &shown.planned.result(shown.policy).summary);
     let (allowances, units) = (&shown.planned.outcome.setup.allowances, state.look.units);
     let mut found = Vec::new();
+    let wanted = shown.planned.setup.plunge.axis;
+    if shown.policy != wanted {
+        let [shown, wanted] = [shown.policy, wanted].map(policy_label);
+        found.push(format!("The axis strategy is {shown}, not {wanted} as in the setup"));
+    }
     if summary.interfering > 0 {
         found.push(format!(
             "The core meets stock in {} of {} plunges, up to {} deep",
@@ -80,7 +85,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     for why in DropReason::ALL {
         let count = plan.dropped.iter().filter(|dropped| dropped.why == why).count();
         if count > 0 {
-            found.push(format!("Skipped: {count} positions {}", why.words()));
+            found.push(format!("Skipped positions {}: {count}", why.words()));
         }
     }
     if summary.uncut_share > MAX_GOOD_UNCUT_SHARE {

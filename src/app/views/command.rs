@@ -250,6 +250,15 @@ impl Command {
         }
     }
 
+    /// Draws the menu item of a switch; `true` when it was clicked.
+    pub fn menu_switch(self, ui: &mut Ui, mut is_on: bool) -> bool {
+        let clicked = ui.checkbox(&mut is_on, self.label()).on_hover_text(self.tip()).changed();
+        if clicked {
+            ui.close();
+        }
+        clicked
+    }
+
     /// Draws a menu item; `true` when it was clicked.
     pub fn menu_item(self, ui: &mut Ui, enabled: bool) -> bool {
         let mut button = egui::Button::new(self.label());

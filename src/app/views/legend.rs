@@ -5,7 +5,7 @@ use egui::{Color32, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::gpu::scene::FloorColours;
-use crate::palette::{ColourMap, INTERFERING, Rgb, TABLE_LEN, category};
+use crate::palette::{ColourMap, INTERFERING, Rgb, TABLE_LEN, Theme, category};
 
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
@@ -311,8 +311,8 @@ fn class_button(ui: &mut Ui, share: &ClassShare, has_text: bool, hidden: &mut Ve
     }
 }
 
-/// Width of the button that fits the scale, with the space before it, points.
-const FIT_BUTTON: f32 = 72.0;
+/// Label of the button that fits the scale.
+const FIT: &str = "Fit scale";
 /// How far the scale may reach into the margin of the legend, points.
 const MARGIN: f32 = 6.0;
 /// Least length of the bar of a scale, points.
@@ -336,7 +336,8 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
         Some(most) => [-most, most].map(|end| format_signed(end, most, units)),
         None => [low, high].map(|end| units.length(end.into(), 2)),
     };
-    let fit = if scale.walls.is_none() && state.range() != state.fitting_range() { FIT_BUTTON } else { 0.0 };
+    let has_fit = scale.walls.is_none() && state.range() != state.fitting_range();
+    let fit = if has_fit { fit_width(ui) } else { 0.0 };
     let text_width = |text: &str| theme::width_of_text(ui, text);
     let taken: f32 = ends_of_scale.iter().map(|end| text_width(end) + FIELD_MARGIN).sum();
     let of_value = value.as_deref().map_or(0.0, |value| text_width(value) + SPACE);
@@ -352,12 +353,30 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
             colour_bar(ui, scale.map, bar);
             let end = ui.label(format_signed(most, most, units));
             end.on_hover_text("Stock above the blade allowance; negative: overcut");
+            unmilled(ui, state, of_value);
         }
         None => ends(ui, state, scale, bar),
     }
     if let Some(value) = value {
         ui.label(RichText::new(value).strong());
     }
+}
+
+/// What the grey of the walls means, where there is any, and where that fits beside the value under the
+/// cursor.
+fn unmilled(ui: &mut Ui, state: &AppState, of_value: f32) {
+    const TEXT: &str = "not milled";
+    let verdict = state.results.flank.as_ref().and_then(|outcome| outcome.verdict.as_ref());
+    if verdict.is_none_or(|verdict| verdict.unmilled_wall_share == 0.0) {
+        return;
+    }
+    if ui.available_width() - of_value < theme::width_of_text(ui, TEXT) + SWATCH_AND_SPACES {
+        return;
+    }
+    let of = if ui.visuals().dark_mode { Theme::Dark } else { Theme::Light };
+    ui.add_space(SPACE);
+    swatch(ui, of.greys().uncut, 10.0);
+    ui.label(TEXT).on_hover_text("No cutter of the program comes near");
 }
 
 /// A bar of the colours of `map`.
@@ -405,10 +424,9 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     };
     refused = end.show(ui, &mut high, units).or(refused);
     let fitting = state.fitting_range();
-    let fit = || egui::Button::new("Fit scale").small();
+    let fit = || egui::Button::new(FIT).small();
     let tip = "The scale stays while plans change; this fits it to the plan that is shown";
-    let needed = theme::width_of_text(ui, "Fit scale") + FIELD_MARGIN;
-    let has_room = ui.available_width() + MARGIN > needed;
+    let has_room = ui.available_width() + MARGIN > fit_width(ui);
     if state.range() != fitting && has_room && ui.add(fit()).on_hover_text(tip).clicked() {
         state.look.range = Some(fitting);
     } else if (low, high) != before {
@@ -418,6 +436,11 @@ fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
     if let Some(reason) = refused {
         state.report_refusal(reason);
     }
+}
+
+/// Width of the button that fits the scale, with the space before it, points.
+fn fit_width(ui: &Ui) -> f32 {
+    theme::width_of_text(ui, FIT) + FIELD_MARGIN
 }
 
 /// A length of a scale, mm, as it is written: 0.05 is not 0.05000000075.

@@ -255,9 +255,11 @@ impl App {
                 ui.separator();
             }
             for &command in *group {
-                if command.menu_item(ui, self.is_available(command)) {
-                    chosen = Some(command);
-                }
+                let clicked = match command {
+                    Command::FollowEdits => command.menu_switch(ui, self.state.auto_update),
+                    _ => command.menu_item(ui, self.is_available(command)),
+                };
+                chosen = clicked.then_some(command).or(chosen);
             }
         }
         chosen

@@ -8,6 +8,7 @@ use crate::gpu::scene::FloorColours;
 
 use crate::app::model::checked::ProgramFinding;
 use crate::app::model::cutter_colours::CutterColours;
+use crate::app::model::figures::policy_label;
 use crate::app::model::look::{Arrangement, Layers, Look, Operation, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::number::Quantity;
@@ -19,7 +20,6 @@ use crate::app::model::units::DisplayUnits;
 use crate::app::views::command::Command;
 use crate::app::views::count_field;
 use crate::app::views::panels::flank;
-use crate::app::views::panels::setup::policy_label;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::units;
 

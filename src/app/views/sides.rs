@@ -82,10 +82,11 @@ impl App {
         heading(ui, "Axis strategies", fresh, |ui| {
             panels::policies::show(ui, compare, planned.as_deref(), preview.as_deref());
         });
+        let shown = self.state.last_whole_plan(self.state.look.side).map(|shown| shown.policy);
         let change = self.state.results.tool_change.as_deref();
         let setup = &mut self.state.document.edited.setup;
-        let asked =
-            heading(ui, "Tools", fresh, |ui| panels::tools::show(ui, setup, planned.as_deref(), change));
+        let planned = planned.as_deref().zip(shown);
+        let asked = heading(ui, "Tools", fresh, |ui| panels::tools::show(ui, setup, planned, change));
         if let Some(command) = asked.flatten() {
             self.run_command(ui.ctx(), command);
         }

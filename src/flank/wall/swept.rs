@@ -8,14 +8,14 @@ use super::fit::{AxisLine, OffsetSide};
 use crate::geometry::{Point, Vector, search};
 
 /// Swept deviation of a wall, mm.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct DeviationMap {
     /// u of the columns, inlet to outlet, on the flank itself.
     pub u: Vec<f64>,
     /// v of the rows, from the lowest that the cylinder cuts (0 is the hub) to 1 at the tip.
     pub v: Vec<f64>,
     /// Stock left above the allowance at `u[i]`, `v[j]` at index `i · v.len() + j`, mm; negative for overcut,
-    /// 0 where only the corner cuts.
+    /// 0 where only the corner cuts. Of a program NaN where it does not mill the wall.
     pub deviation: Vec<f64>,
 }
 

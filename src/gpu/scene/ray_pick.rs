@@ -89,7 +89,8 @@ impl Scene {
         }
         let walls = self.floor.as_ref().filter(|_| options.show_floor_colours == FloorColours::Walls);
         if let Some(walls) = walls {
-            near(walls.mesh.hit(&ray), true);
+            let hit = walls.mesh.hit(&ray);
+            near(hit, hit.is_some_and(|hit| !hit.is_uncut));
         }
         let blades = self.blades().filter(|_| options.show_blades);
         for (blade, lit) in blades {

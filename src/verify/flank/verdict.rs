@@ -3,6 +3,7 @@
 use super::examine::StepResult;
 use super::steps::CutterStep;
 use super::uncovered::Uncovered;
+use crate::flank::wall::DeviationMap;
 use crate::stock::ResidualStatistics;
 use crate::toolpath::RAPID_MM_PER_MIN;
 use crate::verify::assembly::AssemblyDistances;
@@ -42,6 +43,9 @@ pub struct FlankVerdict {
     pub max_undercut: f64,
     /// Share of the walls to which no cutter comes near, of the channel with the most of it, 0…1.
     pub unmilled_wall_share: f64,
+    /// What is left on the walls of the first channel above the allowance: first and second main wall, then
+    /// both sides of each splitter; NaN where no cutter comes near.
+    pub walls: Vec<DeviationMap>,
     /// Shares of the floor on which more is left than the setup's scallop height, of the channel with the
     /// most of it.
     pub uncovered: Uncovered,
@@ -77,6 +81,7 @@ impl FlankVerdict {
             max_overcut: 0.0,
             max_undercut: f64::NAN,
             unmilled_wall_share: 0.0,
+            walls: Vec::new(),
             uncovered: Uncovered::default(),
             layer: ResidualStatistics::default(),
             deepest_cut: 0.0,

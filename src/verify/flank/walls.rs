@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::steps::CutterStep;
+use crate::flank::wall::DeviationMap;
 use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
@@ -17,7 +18,7 @@ const LINES: usize = 12;
 const MILLED_DISTANCE: f64 = 0.5;
 
 /// Deviation of the milled part of the walls from their allowance, mm.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WallDeviation {
     /// Greatest cut below the allowance; NaN where no wall is milled.
     pub(super) overcut: f64,
@@ -25,6 +26,8 @@ pub(super) struct WallDeviation {
     pub(super) undercut: f64,
     /// Share of the samples to which no cutter comes near, 0…1.
     pub(super) unmilled_share: f64,
+    /// What is left, wall by wall; NaN where no cutter comes near.
+    pub(super) maps: Vec<DeviationMap>,
 }
 
 struct Chunk<'a> {
@@ -54,35 +57,44 @@ pub(super) fn wall_deviation(
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
     let splitters = channel.splitters.iter().flat_map(|splitter| [&splitter.near, &splitter.far]);
     let walls = channel.full.walls.iter().chain(splitters);
-    let samples: Vec<Point> = walls
-        .flat_map(|wall| {
-            let flank = wall.side();
-            let (from, to) = flank.u_range();
-            (0..COLUMNS * LINES).map(move |k| {
-                let (i, j) = (k / LINES, k % LINES);
-                let u = from + (to - from) * i as f64 / (COLUMNS - 1) as f64;
-                flank.point(u, j as f64 / (LINES - 1) as f64)
-            })
-        })
-        .filter(|p| hub.project(Meridional::from_point(p)).1 > uncut)
-        .collect();
-    let left: Vec<f64> = samples
-        .par_iter()
-        .map(|p| {
+    let evenly = |from: f64, to: f64, count: usize| -> Vec<f64> {
+        (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
+    };
+    let (mut maps, mut samples) = (Vec::new(), 0);
+    let mut milled: Vec<f64> = Vec::new();
+    for wall in walls {
+        let flank = wall.side();
+        let (from, to) = flank.u_range();
+        let (u, v) = (evenly(from, to, COLUMNS), evenly(0.0, 1.0, LINES));
+        let places: Vec<Point> = u.iter().flat_map(|&u| v.iter().map(move |&v| flank.point(u, v))).collect();
+        let left = |p: &Point| {
             monitor.check()?;
-            Ok(nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance)
-        })
-        .filter(|left| !left.as_ref().is_ok_and(|left| *left >= MILLED_DISTANCE))
-        .collect::<Result<_, Cancelled>>()?;
-    let unmilled_share = 1.0 - left.len() as f64 / (samples.len() as f64).max(1.0);
-    if left.is_empty() {
-        return Ok(WallDeviation { overcut: f64::NAN, undercut: f64::NAN, unmilled_share });
+            let is_judged = hub.project(Meridional::from_point(p)).1 > uncut;
+            let left = || nearest(p, &chunks, tools, allowance + MILLED_DISTANCE) - allowance;
+            Ok(is_judged.then(left).map(|left| if left < MILLED_DISTANCE { left } else { f64::NAN }))
+        };
+        let left: Vec<Option<f64>> = places.par_iter().map(left).collect::<Result<_, Cancelled>>()?;
+        samples += left.iter().flatten().count();
+        milled.extend(left.iter().flatten().copied().filter(|left| left.is_finite()));
+        maps.push(map_above_foot(u, &v, &left));
     }
+    let unmilled_share = 1.0 - milled.len() as f64 / (samples as f64).max(1.0);
+    let none = if milled.is_empty() { f64::NAN } else { 0.0 };
     Ok(WallDeviation {
+        overcut: milled.iter().fold(none, |most, left| most.max(-left)),
+        undercut: milled.iter().fold(none, |most, left| most.max(*left)),
         unmilled_share,
-        overcut: left.iter().fold(0.0, |most, d| f64::max(most, -d)),
-        undercut: left.iter().fold(0.0, |most, d| f64::max(most, *d)),
+        maps,
     })
+}
+
+/// What is `left` at the samples of a wall, from the lowest row that is judged somewhere; 0 at its foot.
+fn map_above_foot(u: Vec<f64>, v: &[f64], left: &[Option<f64>]) -> DeviationMap {
+    let is_judged = |row: &usize| left.iter().skip(*row).step_by(LINES).any(Option::is_some);
+    let lowest = (0..LINES - 2).find(is_judged).unwrap_or(LINES - 2);
+    let deviation = left.chunks(LINES).flat_map(|column| &column[lowest..]);
+    let deviation = deviation.map(|left| left.unwrap_or(0.0)).collect();
+    DeviationMap { u, v: v[lowest..].to_vec(), deviation }
 }
 
 fn build_chunk<'a>(steps: &[&'a CutterStep], tools: &[Tool]) -> Chunk<'a> {

@@ -209,8 +209,7 @@ impl AppState {
     /// hub.
     pub fn shown_deviation(&self) -> Option<f32> {
         let (outcome, _) = self.shown_flank().filter(|(_, colours)| *colours == FlankColours::Walls)?;
-        let plan = &outcome.plan;
-        Some((plan.max_overcut().max(plan.max_undercut()) as f32).max(MIN_DEVIATION))
+        Some((outcome.max_overcut().max(outcome.max_undercut()) as f32).max(MIN_DEVIATION))
     }
 
     /// Flank plan and colouring that the views show; `None` while it is hidden.

@@ -17,6 +17,8 @@ pub const HEIGHT: f32 = 92.0;
 
 /// The thickness of the chip: hundredths of a mm.
 const CHIP: &str = "Chip";
+/// The engaged arc.
+const ARC: &str = "Arc";
 /// Plots narrower than this do not show their range, points.
 const NARROW: f32 = 112.0;
 /// In plots narrower than this the value is below the name, points.
@@ -34,9 +36,9 @@ struct PlotCurve {
     /// Name in a narrow plot.
     short: &'static str,
     unit: &'static str,
-    /// Units whose decimals its numbers have, and how many more those of a small quantity have.
+    /// Units whose decimals its numbers have, and the decimals of the selected value in metric ones.
     decimals: DisplayUnits,
-    more_decimals: usize,
+    digits: usize,
     from_zero: bool,
     /// Minimum length of the scale, so that noise is not magnified.
     min_range: f64,
@@ -61,7 +63,12 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
             short,
             unit,
             decimals: if unit == " in" { DisplayUnits::Inch } else { DisplayUnits::Metric },
-            more_decimals: if name == CHIP { 2 } else { 0 },
+            digits: match name {
+                CHIP => 4,
+                // It is known to ten degrees.
+                ARC => 0,
+                _ => 2,
+            },
             from_zero,
             min_range: least,
             first: row.start,
@@ -79,7 +86,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
         curve("Contact", "Core", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
         curve("Stock", "St", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
         curve("Step", "Sp", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
-        curve("Arc", "Arc", "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
+        curve(ARC, ARC, "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
         curve(CHIP, "Ch", unit, range(0.02), &|k| units.of_mm(plan.chip_thickness_of(k).unwrap_or(f64::NAN))),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
@@ -221,19 +228,21 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
     let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), ink).size().x;
     let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
-    let digits = |decimals: usize| curve.decimals.decimals(decimals + curve.more_decimals);
+    let digits = |decimals: usize| curve.decimals.decimals(decimals);
     let text = match value {
         Some(v) => {
-            let number = with_minus_signs(&format!("{v:.*}", digits(2)));
+            let number = with_minus_signs(&format!("{v:.*}", digits(curve.digits)));
             // The unit is that of all lengths: it goes before a digit does.
             let text = format!("{number}{}", curve.unit);
             if width(&text) + SIDE_MARGIN <= rect.width() { text } else { number }
         }
         // Only the name fits in a narrow plot.
         None if rect.width() < NARROW => String::new(),
-        None => Some(range_text(values_range, (low, high), digits(1), curve.unit))
-            .filter(|range| fits(curve.name, range))
-            .unwrap_or_default(),
+        None => {
+            Some(range_text(values_range, (low, high), digits(curve.digits.saturating_sub(1)), curve.unit))
+                .filter(|range| fits(curve.name, range))
+                .unwrap_or_default()
+        }
     };
     let beside = if is_tight { "" } else { text.as_str() };
     let name = if fits(curve.name, beside) { curve.name } else { curve.short };
@@ -242,7 +251,8 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
     let tip = response.hover_pos().map(|at| scale.near(at)).and_then(|k| Some((k, *curve.values.get(k)?)));
     if let Some((k, v)) = tip {
-        let value = with_minus_signs(&format!("{v:.*}{}", digits(3), curve.unit));
+        let more = if curve.digits > 0 { 1 } else { 0 };
+        let value = with_minus_signs(&format!("{v:.*}{}", digits(curve.digits + more), curve.unit));
         response.clone().on_hover_text_at_pointer(format!("{} of the row: {value}", k + 1));
     }
     scale.picked(ui, &response, curve.first)

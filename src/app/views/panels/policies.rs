@@ -5,9 +5,9 @@ use egui::{Align, Layout, RichText, Ui};
 use crate::job::PolicyResult;
 use crate::setup::AxisPolicy;
 
-use super::setup::policy_label;
 use crate::app::model::figures::{
-    INTERFERING_TIP, MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, times_tip,
+    INTERFERING_TIP, MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, policy_label,
+    times_tip,
 };
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;

@@ -366,7 +366,8 @@ pub fn details(ui: &mut Ui, state: &AppState, k: usize) {
         if let Some(line) = listing.and_then(|listing| listing.line_after(Some(step))) {
             fact("Program line", line.to_string());
         }
-        fact("s, pitchwise", format!("{:.3}, {:.3}", position.s, position.lambda));
+        let place = format!("{:.3}, {:.3}", position.s, position.lambda);
+        fact("s, pitchwise", with_minus_signs(&place));
         let [hub, blade] =
             [units.number(position.hub_clearance, 3), units.length(position.blade_clearance, 3)];
         fact("Clearance", format!("hub {hub}, blade {blade}"));
@@ -465,7 +466,7 @@ fn row_tooltip(ui: &mut Ui, state: &AppState, k: usize, position: &Position) {
         motion(ui, state, shown, k, 0);
     }
     axis_remarks(ui, state, k);
-    ui.label(format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda));
+    ui.label(with_minus_signs(&format!("s {:.3}, pitchwise {:.3}", position.s, position.lambda)));
     ui.label(format!(
         "Clearance: hub {}, blade {}",
         units.length(position.hub_clearance, 3),

@@ -26,8 +26,6 @@ const DIMENSIONS: f32 = 54.0;
 const ZOOM: [f64; 2] = [0.1, 40.0];
 /// Points of scrolling that double or halve the magnification.
 const SCROLL_PER_OCTAVE: f64 = 240.0;
-/// Distance from the plane beyond which the deepest contact does not count as shown, mm.
-const BESIDE: f64 = 0.3;
 
 /// Label of a plane.
 fn plane_label(plane: CutPlane) -> &'static str {
@@ -249,7 +247,7 @@ fn dimensions(
     let depth = view.contact_in_plane();
     if depth > 0.0 {
         let ink = Condition::Interfering.text(ui.visuals());
-        let (x, depth) = if view.deepest_beside().abs() < BESIDE {
+        let (x, depth) = if view.shows_deepest() {
             // At the deepest contact, on the side of the axis; with its exact depth.
             let at = view.deepest_along();
             (at - at.signum() * 5.0 / frame.scale, position.evaluation.contact.depth)
@@ -354,7 +352,20 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
     if position.lift > 0.0 {
         facts.push(format!("ends {} above full depth", units.length(position.lift, 2)));
     }
-    ui.add(egui::Label::new(RichText::new(with_minus_signs(&facts.join(", "))).small()).wrap());
+    let facts = RichText::new(with_minus_signs(&facts.join(", "))).small();
+    // As high as the longest, so that nothing jumps while the timeline plays.
+    let length = units.length(88.88, 2);
+    let longest = format!(
+        "lead −88.88°, tilt in this cut −88.88°, step {length}, max residual {length}, \
+         ends {length} above full depth"
+    );
+    let longest = egui::WidgetText::from(RichText::new(longest).small());
+    let wrap = Some(egui::TextWrapMode::Wrap);
+    let height = longest.into_galley(ui, wrap, ui.available_width(), egui::TextStyle::Small).size().y;
+    ui.vertical(|ui| {
+        ui.set_min_height(height);
+        ui.add(egui::Label::new(facts).wrap());
+    });
     if let Some(words) = breach_words(position) {
         let colour = Condition::Interfering.text(ui.visuals());
         ui.add(egui::Label::new(RichText::new(words).small().strong().color(colour)).wrap());
@@ -365,11 +376,11 @@ fn show_figures(ui: &mut Ui, view: &SectionView, position: &Position) {
         let text = format!("Core hits stock {depth} above the tip, {share:.0} % of its area");
         let colour = Condition::Interfering.text(ui.visuals());
         ui.add(egui::Label::new(RichText::new(text).small().strong().color(colour)).wrap());
-        let beside = view.deepest_beside().abs();
+        let beside = units.length(view.deepest_beside().abs(), 1);
         // One line either way: the drawing stays where it is while cuts are compared.
-        let text = match beside >= BESIDE {
-            true => format!("The deepest contact lies {} beside this cut", units.length(beside, 1)),
-            false => "The deepest contact lies in this cut".to_owned(),
+        let text = match view.shows_deepest() {
+            true => "The deepest contact lies in this cut".to_owned(),
+            false => format!("The deepest contact lies {beside} beside this cut"),
         };
         ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
     }

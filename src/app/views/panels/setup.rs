@@ -13,21 +13,12 @@ use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
+use crate::app::model::figures::policy_label;
 use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::machine::choose_machine;
 use crate::app::model::setup_tools;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
-
-/// Label of a policy.
-pub fn policy_label(policy: AxisPolicy) -> &'static str {
-    match policy {
-        AxisPolicy::Conventional => "Isoparametric",
-        AxisPolicy::Monotone => "Progressive",
-        AxisPolicy::Minimal => "Min. stock",
-        AxisPolicy::Staircase => "Stepped",
-    }
-}
 
 fn policy_tip(policy: AxisPolicy) -> &'static str {
     match policy {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use egui::{ComboBox, Grid, Id, RichText, Ui};
 
 use crate::io::tool_file::MAX_NUMBER;
-use crate::setup::{CutDirection, SectionKind, SectionSetup, Setup, Tool};
+use crate::setup::{AxisPolicy, CutDirection, SectionKind, SectionSetup, Setup, Tool};
 
 use super::fields::{self, FieldSpec};
 use crate::app::model::field_faults::{FieldScope, SECTION};
@@ -38,7 +38,7 @@ const S: FieldSpec = FieldSpec {
 pub fn show(
     ui: &mut Ui,
     setup: &mut Setup,
-    planned: Option<&DisplayPlan>,
+    planned: Option<(&DisplayPlan, AxisPolicy)>,
     change: Option<&str>,
 ) -> Option<Command> {
     let library = ui.button(Command::ToolLibrary.label()).on_hover_text(Command::ToolLibrary.tip()).clicked();
@@ -46,19 +46,24 @@ pub fn show(
     library.then_some(Command::ToolLibrary)
 }
 
-fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change: Option<&str>) {
-    let chosen = planned.map(|planned| &planned.outcome.setup);
+fn content(
+    ui: &mut Ui,
+    setup: &mut Setup,
+    planned: Option<(&DisplayPlan, AxisPolicy)>,
+    change: Option<&str>,
+) {
+    let chosen = planned.map(|(planned, _)| &planned.outcome.setup);
     if setup.tools.is_empty() {
         ui.label(RichText::new("Chosen from the tool library for the part").weak());
         rest_checkbox(ui, setup);
-        let Some((chosen, planned)) = chosen.zip(planned) else { return };
+        let Some((chosen, (planned, policy))) = chosen.zip(planned) else { return };
         if let Some(change) = change {
             let text = RichText::new(format!("Chosen anew: {change}"));
             ui.add(egui::Label::new(text.color(Condition::Blocked.text(ui.visuals()))).wrap())
                 .on_hover_text("The last edit led to other tools; edit tools and sections to keep them");
         }
         summary(ui, chosen);
-        uses(ui, planned);
+        uses(ui, planned, policy);
         let edit = ui.button("Edit tools and sections").on_hover_text("Copies these into the setup");
         if edit.clicked() {
             copy_sections(setup, chosen);
@@ -67,8 +72,8 @@ fn content(ui: &mut Ui, setup: &mut Setup, planned: Option<&DisplayPlan>, change
     }
     tools(ui, setup, chosen);
     sections(ui, setup);
-    if let Some(planned) = planned.filter(|planned| planned.setup.tools == setup.tools) {
-        uses(ui, planned);
+    if let Some((planned, policy)) = planned.filter(|(planned, _)| planned.setup.tools == setup.tools) {
+        uses(ui, planned, policy);
     }
     if ui.button("Reset to automatic").on_hover_text("Removes these tools and sections").clicked() {
         setup.tools.clear();
@@ -96,9 +101,9 @@ fn summary(ui: &mut Ui, setup: &Setup) {
     });
 }
 
-/// Number of plunges of each section, with the reason where a tool gets none.
-fn uses(ui: &mut Ui, planned: &DisplayPlan) {
-    let (plan, reasons) = (&planned.outcome.after.plan, &planned.outcome.reasons);
+/// Number of plunges of each section by the strategy that is shown, with the reason where a tool gets none.
+fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
+    let (plan, reasons) = (planned.plan(policy), &planned.outcome.reasons);
     for (k, section) in plan.sections.iter().enumerate() {
         let tool =
             format!("T{} {}", section.tool.number, units::display_units(ui).diameter(section.tool.diameter));

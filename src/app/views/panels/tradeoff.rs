@@ -8,9 +8,8 @@ use egui::{
 
 use super::fields;
 use super::goal::goal_rows;
-use super::setup::policy_label;
 use crate::app::App;
-use crate::app::model::figures::format_duration;
+use crate::app::model::figures::{format_duration, policy_label};
 use crate::app::model::state::AppState;
 use crate::app::views::theme::{self, Condition};
 use crate::app::views::ticks::ticks;

@@ -16,7 +16,6 @@ use crate::drawing::flank::{self, FlankColours};
 use crate::drawing::floor::{contact_mesh, floor_meshes, value_mesh};
 use crate::gpu::cutters::DrawnChannel;
 use crate::gpu::mesh::{Mesh, Segment};
-use crate::io::flank_file::shown_walls;
 
 impl SidePicture {
     /// Loads the content; does nothing if it is loaded already.
@@ -131,7 +130,7 @@ impl SidePicture {
         self.flank = shown;
         if let Some(flank) = self.flank.as_ref().filter(|_| self.shows_walls() && !same_walls) {
             let outcome = &flank.run.outcome;
-            let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &shown_walls(&outcome.plan));
+            let (mesh, _) = flank::wall_deviations(&outcome.workpiece.part, &outcome.shown_walls());
             // All channels are cut alike.
             let mut walls = Mesh::default();
             flank.run.turns_rad().iter().for_each(|&turn| walls.append(&mesh.rotated_about_z(turn)));
