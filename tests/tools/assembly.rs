@@ -256,3 +256,47 @@ fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
     tool.overhang = 40.0;
     assert_eq!(overhang_note(&tool, &left("the holder meets the part"), &part), None);
 }
+
+/// An edge of the blank beside the middle of a long holder: by points of the holder.
+#[test]
+fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
+    use vanecut::geometry::Meridional;
+    let part = pump();
+    let workpiece = Setup::for_part(&part).allowances.workpiece_of(part);
+    let text = "[clearance]\nholder = 2\n[[tool]]\ndiameter = 6\noverhang = 30\nholder = [[14, 40, 90]]\n";
+    let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+    let (tool, blank) = (&setup.tools[0], &workpiece.blank);
+    let around = AssemblySurroundings::new(&workpiece.finished, &setup).with_blank(blank);
+    let segments = tool.assembly.segments(tool.overhang);
+    let edges = blank.end_circles();
+    let mut dice = super::sampled_tool::Dice::new(4);
+    let mut beside_middle = 0;
+    for k in 0..600 {
+        // A point of an edge that some height of the holder comes near to, from the side.
+        let at = edges[k % edges.len()].at_angle(dice.between(0.0, std::f64::consts::TAU));
+        let [x, y, z] = [(); 3].map(|()| dice.between(-1.0, 1.0));
+        let Some(axis) = Vector::new(x, y, z).try_normalize(0.1) else { continue };
+        let Some(aside) = axis.cross(&Vector::new(y, z, x)).try_normalize(0.1) else { continue };
+        let share = dice.between(0.0, 1.0);
+        let radius = 7.0 + 13.0 * share;
+        let tip = at + aside * (radius + dice.between(0.2, 3.0)) - axis * (tool.overhang + 90.0 * share);
+        let frustum = segments[0].placed(&tip, &axis);
+        let (e1, e2) = (aside, axis.cross(&aside));
+        let point = |i: u32, j: u32| {
+            let (share, (sin, cos)) =
+                (f64::from(i) / 180.0, (f64::from(j) / 120.0 * std::f64::consts::TAU).sin_cos());
+            frustum.base + axis * (90.0 * share) + (e1 * cos + e2 * sin) * (7.0 + 13.0 * share)
+        };
+        let sampled = |from: u32, to: u32| {
+            let points = (from..=to).flat_map(|i| (0..120).map(move |j| point(i, j)));
+            points.map(|p| blank.nearest_top(Meridional::from_point(&p), &mut None).0).fold(9.0, f64::min)
+        };
+        let nearest = sampled(0, 180);
+        if nearest < setup.clearances.holder - 0.02 {
+            let found = around.first_obstacle(tool, &segments, (tip, axis), 1e-3);
+            assert!(found.is_some(), "{k}: {nearest} mm beside {tip:.2?} {axis:.3?}");
+            beside_middle += usize::from(sampled(0, 10).min(sampled(170, 180)) > 4.0);
+        }
+    }
+    assert!(beside_middle > 20, "{beside_middle}");
+}
