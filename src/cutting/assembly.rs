@@ -297,7 +297,7 @@ fn for_blades(
             axis: rotate_vector_z(&frustum.axis, ball.to_channel_rad),
             ..*frustum
         };
-        let (distance, is_done) = look(&finished.blades()[ball.side], &turned);
+        let (distance, is_done) = look(finished.side_in(ball), &turned);
         if is_done {
             return;
         }

@@ -16,8 +16,8 @@ mod search;
 use crate::cutting::assembly::{ASSEMBLY_TOLERANCE, AssemblySurroundings};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
-use crate::part::{FinishedPart, Workpiece};
-use crate::setup::{AssemblySegment, ClearanceSetup, Tool};
+use crate::part::{ENDLESS, FinishedPart, Workpiece};
+use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Tool};
 use distance_table::DistanceTable;
 use scene::{BladePoints, Cone, MinDistances, NearPoints, ToolShape};
 
@@ -286,7 +286,7 @@ impl<'a> FixedAxisSearch<'a> {
     fn meets_part(&self, tip: Point, axis: Vector) -> bool {
         let allowances = [self.limits.hub_allowance, self.limits.blade_allowance];
         if self.tool.assembly.holder.is_empty()
-            && !self.finished.clears(&self.tool.holder(tip, axis), self.limits.blade_allowance)
+            && !self.finished.clears_wheel(&self.tool.holder(tip, axis), ENDLESS, self.limits.blade_allowance)
         {
             return true;
         }
@@ -307,7 +307,8 @@ impl<'a> FixedAxisSearch<'a> {
     /// What the tool collides with at `tip`: a blade too near to the cutter, or what
     /// [`Self::obstacle_except_blades`] finds.
     pub fn find_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
-        if !self.finished.clears(&self.tool.placed(tip, axis), self.limits.blade_allowance) {
+        let cutter = self.tool.placed(tip, axis);
+        if !self.finished.clears_wheel(&cutter, self.tool.overhang, self.limits.blade_allowance) {
             return Some(AxisObstacle::Blade);
         }
         self.obstacle_except_blades(tip, axis)
@@ -356,7 +357,7 @@ impl<'a> FixedAxisSearch<'a> {
     ) -> Result<f64, AxisObstacle> {
         let tip = self.tip(contact, axis, layer);
         let cutter = self.tool.placed(tip, *axis);
-        let nearest = self.finished.blade_clearance_below(&cutter, least);
+        let nearest = self.finished.wheel_clearance_below(&cutter, self.tool.overhang, least);
         if nearest < self.limits.blade_allowance {
             return Err(AxisObstacle::Blade);
         }

@@ -8,10 +8,15 @@ use vanecut::setup::Setup;
 
 /// A hub that is a cylinder of radius 30, or a plane z = 0, over its range, with a few thin blades on it.
 fn wheel(hub: &str, shroud: &str) -> Impeller {
+    wheel_with_blades(hub, shroud, 2.0)
+}
+
+/// The same with blades of a thickness.
+fn wheel_with_blades(hub: &str, shroud: &str, t: f64) -> Impeller {
     let text = format!(
         "name = \"w\"\nblades = 3\n[hub]\npoints = {hub}\n[shroud]\npoints = {shroud}\n\
-         [[main.span]]\nspan = 0.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, 2.0], [1.0, 2.0]]\n\
-         [[main.span]]\nspan = 1.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, 2.0], [1.0, 2.0]]\n"
+         [[main.span]]\nspan = 0.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, {t}], [1.0, {t}]]\n\
+         [[main.span]]\nspan = 1.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, {t}], [1.0, {t}]]\n"
     );
     Impeller::build(&read_part_bytes("w.toml", text.as_bytes(), "toml").expect("readable")).expect("a wheel")
 }
@@ -92,6 +97,30 @@ fn blades_are_measured_as_by_dense_samples() {
         near += usize::from(found < 30.0);
     }
     assert!(near > 5, "some are near");
+}
+
+#[test]
+fn the_tip_and_the_blunt_end_of_a_thick_blade_are_in_the_way() {
+    let (hub, shroud) =
+        ("[[20, 0], [60, 0], [100, 0], [140, 0]]", "[[20, 40], [60, 40], [100, 40], [140, 40]]");
+    let part = wheel_with_blades(hub, shroud, 12.0);
+    let channel = Channel::from_part(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    for blade in 0..part.blade_count {
+        let turn = part.pitch() * blade as f64;
+        // Thin pins over the middle of the tip, and beside the middle of the trailing edge.
+        let pins = [
+            (Point::new(80.0, 0.5, 42.0), Vector::z(), 2.0),
+            (Point::new(143.0, 0.5, 20.0), Vector::x(), 143.0 - (140.0f64.powi(2) - 36.0).sqrt()),
+        ];
+        for (base, axis, expected) in pins {
+            let (base, axis) =
+                (vanecut::geometry::rotate_z(&base, turn), vanecut::geometry::rotate_vector_z(&axis, turn));
+            let pin = Frustum { base, axis, length: 20.0, radii: [1.0, 1.0] };
+            let found = blade_distance(&finished, &pin, 100.0);
+            assert!((found - expected).abs() < 0.02, "{blade}: {found}, not {expected}");
+        }
+    }
 }
 
 const ASSEMBLY: &str = r#"[stock]

@@ -213,7 +213,9 @@ impl LayerPassMaker<'_> {
     fn is_free(&self, (tip, axis): (Point, Vector), before: Option<(Point, Vector)>) -> bool {
         let maker = self.maker;
         let allowance = maker.setup.allowances.blade_allowance;
-        let near = maker.finished.blade_clearance_below(&maker.tool.placed(tip, axis), allowance + NEAR);
+        let overhang = maker.tool.overhang;
+        let cutter = maker.tool.placed(tip, axis);
+        let near = maker.finished.wheel_clearance_below(&cutter, overhang, allowance + NEAR);
         if near < allowance || maker.search.obstacle_except_blades(tip, axis).is_some() {
             return false;
         }
@@ -229,7 +231,8 @@ impl LayerPassMaker<'_> {
         };
         shares.iter().all(|&share| {
             let between = (turned + (axis - turned) * share).normalize();
-            maker.finished.clears(&maker.tool.placed(last + (tip - last) * share, between), allowance)
+            let cutter = maker.tool.placed(last + (tip - last) * share, between);
+            maker.finished.clears_wheel(&cutter, overhang, allowance)
         })
     }
 
