@@ -136,7 +136,8 @@ impl LayerPassMaker<'_> {
             }
         }
         let why = found.unreachable.first().map_or(AxisObstacle::Blade, |u| u.why);
-        let blocked = found.unreachable.iter().filter(|u| u.why == why && why.is_of_holder());
+        let blocked =
+            found.unreachable.iter().filter(|u| u.why == why && why.is_freed_by_overhang(self.maker.tool));
         let blocked: Vec<LayerContact> =
             blocked.filter_map(|u| stations.get(u.station)?.get(*u.contacts.first()?).copied()).collect();
         // The ends of the stretch stand for it.
@@ -284,6 +285,8 @@ fn obstacle_message(why: AxisObstacle) -> &'static str {
     match why {
         AxisObstacle::Blade => "a blade is too near",
         AxisObstacle::Hub => "the hub is too near",
+        AxisObstacle::Shank => "the shank meets the part",
+        AxisObstacle::ShankInStock => "the shank meets uncut stock",
         AxisObstacle::Holder => "the holder meets the part",
         AxisObstacle::Stock => "the holder meets uncut stock",
         AxisObstacle::Tilt => "the axis would tilt too far",
