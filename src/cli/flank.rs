@@ -63,7 +63,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
         let most = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length));
         let why = most.map_or("the cutter fits nowhere", |left| left.why);
         let what = format!("nothing could be cut: {why}");
-        let help = "give a thinner or a longer cutter, or smaller allowances";
+        let help = help_for_nothing(&outcome);
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
     }
     create_directory(&args.output)?;
@@ -96,6 +96,19 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let Some(first) = faults.first() else { return Ok(()) };
     let help = format!("in all {}: use a thinner cutter, or one with more overhang", count_by_kind(faults));
     Err(Failure::work(ErrorCode::ProgramFaults, first.to_string(), help).at_line(&name, first.line))
+}
+
+/// What to do where no pass could be cut: a longer overhang where one would do.
+fn help_for_nothing(outcome: &FlankOutcome) -> String {
+    let plan = &outcome.plan;
+    let by_holder = plan.uncut.iter().any(|left| left.why.contains("holder"));
+    match overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
+        Some(note) => note,
+        None if by_holder && !plan.tool.assembly.is_empty() => {
+            "no longer overhang would do: give a thinner holder, or a smaller [clearance]".to_owned()
+        }
+        None => "give a thinner or a longer cutter, or smaller allowances".to_owned(),
+    }
 }
 
 /// Keys of the program of all channels, and of several ones.

@@ -6,7 +6,8 @@
 use super::contact::{BlankTop, Earlier, PlungeColumn, core_contact_by};
 use super::retract::bottom_clearance;
 use crate::geometry::{
-    Circle, CutterSolid, Frustum, Meridional, Point, Vector, distance_rate, rotate_vector_z, rotate_z, search,
+    Circle, CutterSolid, Frustum, Meridional, Point, Vector, distance_rate, norm2, rotate_vector_z, rotate_z,
+    search,
 };
 use crate::part::{Blank, FinishedPart, SideProbe};
 use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Setup, Tool};
@@ -134,7 +135,7 @@ impl<'a> AssemblySurroundings<'a> {
         // A shank no wider than its cutter moves where the cutter has cut.
         if let Some(blank) = self.blank.filter(|_| widest > tool.radius()) {
             let clearance = self.clearances.of_part(segment.part);
-            let short = clearance - blank_distance(&frustum, blank);
+            let short = clearance - blank_distance(&frustum, blank, clearance);
             if short > missing && !self.was_removed(&frustum, clearance, tool, pose, blank) {
                 missing = short;
             }
@@ -198,7 +199,7 @@ impl<'a> AssemblySurroundings<'a> {
             let wanted = clearance - tolerance;
             let from_blank = |p: &Point| blank.nearest_top(Meridional::from_point(p), &mut None).0;
             if !is_clear_along(&frustum, wanted, from_blank)
-                && blank_distance(&frustum, blank) < wanted
+                && blank_distance(&frustum, blank, wanted) < wanted
                 && !self.was_removed(&frustum, clearance, tool, pose, blank)
             {
                 return true;
@@ -296,7 +297,7 @@ fn for_blades(
             axis: rotate_vector_z(&frustum.axis, ball.to_channel_rad),
             ..*frustum
         };
-        let (distance, is_done) = look(&finished.blades()[ball.side], &turned);
+        let (distance, is_done) = look(finished.side_in(ball), &turned);
         if is_done {
             return;
         }
@@ -396,6 +397,12 @@ const MIN_AXIS_STEP: f64 = 0.5;
 /// which it counts as a cylinder of the larger one, mm.
 const MAX_HALVINGS: u32 = 8;
 const CYLINDER_STEP: f64 = 0.02;
+/// Maximum number of slices of a piece whose distance from the blank is measured, and how much nearer it may
+/// be between them, mm.
+const MAX_SLICES: usize = 200;
+const SLICE_TOLERANCE: f64 = 2e-3;
+/// Least distance of a slice from the ends of the piece that it divides, as a share of that.
+const MIN_INSET: f64 = 0.02;
 
 /// Height above the lower end of a slice of `frustum` up to which it is in what the `earlier` plunges and
 /// that of the `own` cutter left of `blank`, mm; 0 where it is clear.
@@ -427,12 +434,34 @@ pub fn depth_in_stock(frustum: &Frustum, earlier: Earlier, own: Option<&CutterSo
     deepest
 }
 
-/// Signed distance to the top of the blank, mm, of the ends and the middle.
-pub(super) fn blank_distance(frustum: &Frustum, blank: &Blank) -> f64 {
-    let disc = |share: f64| {
+/// Signed distance to the top of the blank, mm; of what is further than `enough` mm that of an end or the
+/// middle.
+///
+/// The least over slices, by Piyavskii's algorithm: no point of a slice moves faster than one of the widening
+/// side, so neither does the distance of the slice. An edge of the blank may be nearest between two of them.
+pub(super) fn blank_distance(frustum: &Frustum, blank: &Blank, enough: f64) -> f64 {
+    let slice = |share: f64| {
         let tip = frustum.base + frustum.axis * (share * frustum.length);
         let radius = frustum.radius_at(share);
         bottom_clearance(&CutterSolid { tip, axis: frustum.axis, radius, corner_radius: 0.0 }, blank)
     };
-    [0.0, 0.5, 1.0].map(disc).into_iter().fold(f64::INFINITY, f64::min)
+    let rate = norm2(frustum.length, frustum.radii[1] - frustum.radii[0]);
+    let [low, middle, high] = [0.0, 0.5, 1.0].map(|share| (share, slice(share)));
+    let mut least = low.1.min(middle.1).min(high.1);
+    let bound = |[a, b]: [(f64, f64); 2]| 0.5 * (a.1 + b.1 - (b.0 - a.0) * rate);
+    let mut open = vec![[low, middle], [middle, high]];
+    for _ in 0..MAX_SLICES {
+        let next = (0..open.len()).min_by(|&a, &b| bound(open[a]).total_cmp(&bound(open[b])));
+        let is_lower = |k: &usize| bound(open[*k]) < least.min(enough) - SLICE_TOLERANCE;
+        let Some(next) = next.filter(is_lower) else { break };
+        let [a, b] = open.swap_remove(next);
+        // Where both bounds meet.
+        let meet = 0.5 * (a.0 + b.0 + (a.1 - b.1) / rate);
+        let inset = MIN_INSET * (b.0 - a.0);
+        let share = meet.clamp(a.0 + inset, b.0 - inset);
+        let here = (share, slice(share));
+        least = least.min(here.1);
+        open.extend([[a, here], [here, b]]);
+    }
+    least
 }

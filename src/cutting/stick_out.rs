@@ -72,7 +72,7 @@ impl AssemblySurroundings<'_> {
         let blank = || {
             let widest = frustum.radii[0].max(frustum.radii[1]);
             let blank = self.blank.filter(|_| widest > tool.radius())?;
-            let missing = too_near(clearance - blank_distance(&frustum, blank))?;
+            let missing = too_near(clearance - blank_distance(&frustum, blank, clearance))?;
             (!self.was_removed(&frustum, clearance, tool, pose, blank)).then_some(missing)
         };
         blank()

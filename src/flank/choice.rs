@@ -108,7 +108,21 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
 /// found for them; else, of a tool shorter than the channel asks for, one that keeps the holder out of the
 /// channel.
 pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
-    let hindered = || uncut.iter().filter(|left| left.why.contains("holder"));
+    let length = |of: &str| {
+        let by = uncut.iter().filter(|left| left.why.contains(of));
+        by.map(|left| if of == "shank" && left.overhang.is_some() { 0.0 } else { left.length }).sum()
+    };
+    let [by_shank, by_holder]: [f64; 2] = ["shank", "holder"].map(length);
+    if by_shank > by_holder {
+        return Some(
+            "the shank is in the way of passes: give longer flutes, a thinner neck, or a smaller [clearance]"
+                .to_owned(),
+        );
+    }
+    let is_freed = |left: &&UncutLength| {
+        left.why.contains("holder") || left.why.contains("shank") && left.overhang.is_some()
+    };
+    let hindered = || uncut.iter().filter(is_freed);
     let known = hindered().map(|left| left.overhang).reduce(|a, b| a.zip(b).map(|(a, b)| a.max(b)))?;
     let has = tool.overhang;
     if let Some(most) = known {

@@ -16,8 +16,8 @@ mod search;
 use crate::cutting::assembly::{ASSEMBLY_TOLERANCE, AssemblySurroundings};
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Circle, Point, Vector};
-use crate::part::{FinishedPart, Workpiece};
-use crate::setup::{AssemblySegment, ClearanceSetup, Tool};
+use crate::part::{ENDLESS, FinishedPart, Workpiece};
+use crate::setup::{AssemblyPart, AssemblySegment, ClearanceSetup, Tool};
 use distance_table::DistanceTable;
 use scene::{BladePoints, Cone, MinDistances, NearPoints, ToolShape};
 
@@ -66,6 +66,10 @@ pub enum AxisObstacle {
     Blade,
     /// The hub is too near to the cutter.
     Hub,
+    /// The shank meets a blade or the hub.
+    Shank,
+    /// The shank meets uncut stock.
+    ShankInStock,
     /// The holder meets a blade or the hub.
     Holder,
     /// The holder meets uncut stock.
@@ -77,9 +81,14 @@ pub enum AxisObstacle {
 }
 
 impl AxisObstacle {
-    /// Whether shank or holder are what collides: a longer overhang may free the axis.
-    pub fn is_of_holder(self) -> bool {
-        matches!(self, Self::Holder | Self::Stock)
+    /// Whether a longer overhang of `tool` may free the axis: it lifts the holder, and a shank whose lower
+    /// end is not given by the flutes.
+    pub fn is_freed_by_overhang(self, tool: &Tool) -> bool {
+        match self {
+            Self::Holder | Self::Stock => true,
+            Self::Shank | Self::ShankInStock => tool.assembly.flute_length.is_none(),
+            _ => false,
+        }
     }
 }
 
@@ -270,28 +279,56 @@ impl<'a> FixedAxisSearch<'a> {
     /// and with the clearances of those that are given, or the current layer. The layers above are cut
     /// before.
     pub fn holder_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
-        if self.meets_part(tip, axis) {
-            return Some(AxisObstacle::Holder);
-        }
-        let centre = tip + axis * self.tool.corner_radius;
-        let top = self.top(&centre);
-        let is_in_stock = |&(from, radius): &(f64, f64)| {
-            self.above_stock(&(centre + axis * from), &axis, radius, top) < HUB_SLACK
-        };
-        self.shape.holder.iter().any(is_in_stock).then_some(AxisObstacle::Stock)
+        self.part_in_the_way(tip, axis).or_else(|| {
+            let centre = tip + axis * self.tool.corner_radius;
+            self.piece_in_stock(&centre, &axis, self.top(&centre))
+        })
     }
 
-    /// Whether shank or holder meet the finished part: those that are given segment by segment, the assumed
-    /// holder as a cylinder beside blades.
-    fn meets_part(&self, tip: Point, axis: Vector) -> bool {
+    /// Whether shank or holder meet stock that is up to `top` mm high above the hub, with the corner of the
+    /// tool centred at `centre`.
+    fn piece_in_stock(&self, centre: &Point, axis: &Vector, top: f64) -> Option<AxisObstacle> {
+        let is_in_stock = |&&(from, radius): &&(f64, f64)| {
+            self.above_stock(&(centre + axis * from), axis, radius, top) < HUB_SLACK
+        };
+        let &(from, _) = self.shape.holder.iter().find(is_in_stock)?;
+        // Where the clearance below the holder begins.
+        let holder = self.tool.overhang - self.tool.corner_radius - self.limits.clearances.holder;
+        let is_holder = self.tool.assembly.shank.is_empty() || from >= holder - 1e-9;
+        Some(if is_holder { AxisObstacle::Stock } else { AxisObstacle::ShankInStock })
+    }
+
+    /// What of the tool meets the part or stock at a `place` that has no axis, where `axis` comes nearest to
+    /// being free but for `why`.
+    fn nearest_obstacle(&self, place: &PreparedContact, axis: &Vector, why: AxisObstacle) -> AxisObstacle {
+        let contact = &place.contact;
+        match why {
+            AxisObstacle::Holder => {
+                let tip = self.tool.tip_at_contact(&contact.point, &contact.normal, axis);
+                self.part_in_the_way(tip, *axis).unwrap_or(why)
+            }
+            AxisObstacle::Stock => {
+                let along = place.contact.normal.dot(axis);
+                let across = contact.normal - axis * along;
+                let rim = self.tool.radius() - self.tool.corner_radius;
+                let offset = across.try_normalize(1e-9).unwrap_or_else(Vector::zeros) * rim;
+                self.piece_in_stock(&(place.centre + offset), axis, place.top).unwrap_or(why)
+            }
+            _ => why,
+        }
+    }
+
+    /// What of shank and holder meets the finished part: of those that are given segment by segment, of the
+    /// assumed holder as a cylinder beside blades.
+    fn part_in_the_way(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
         let allowances = [self.limits.hub_allowance, self.limits.blade_allowance];
         if self.tool.assembly.holder.is_empty()
-            && !self.finished.clears(&self.tool.holder(tip, axis), self.limits.blade_allowance)
+            && !self.finished.clears_wheel(&self.tool.holder(tip, axis), ENDLESS, self.limits.blade_allowance)
         {
-            return true;
+            return Some(AxisObstacle::Holder);
         }
         if self.segments.is_empty() {
-            return false;
+            return None;
         }
         let clearances = self.limits.clearances;
         let around = AssemblySurroundings {
@@ -301,13 +338,18 @@ impl<'a> FixedAxisSearch<'a> {
             allowances,
             clearances,
         };
-        around.first_obstacle(self.tool, &self.segments, (tip, axis), ASSEMBLY_TOLERANCE).is_some()
+        let part = around.first_obstacle(self.tool, &self.segments, (tip, axis), ASSEMBLY_TOLERANCE)?;
+        Some(match part {
+            AssemblyPart::Shank => AxisObstacle::Shank,
+            AssemblyPart::Holder => AxisObstacle::Holder,
+        })
     }
 
     /// What the tool collides with at `tip`: a blade too near to the cutter, or what
     /// [`Self::obstacle_except_blades`] finds.
     pub fn find_obstacle(&self, tip: Point, axis: Vector) -> Option<AxisObstacle> {
-        if !self.finished.clears(&self.tool.placed(tip, axis), self.limits.blade_allowance) {
+        let cutter = self.tool.placed(tip, axis);
+        if !self.finished.clears_wheel(&cutter, self.tool.overhang, self.limits.blade_allowance) {
             return Some(AxisObstacle::Blade);
         }
         self.obstacle_except_blades(tip, axis)
@@ -356,7 +398,7 @@ impl<'a> FixedAxisSearch<'a> {
     ) -> Result<f64, AxisObstacle> {
         let tip = self.tip(contact, axis, layer);
         let cutter = self.tool.placed(tip, *axis);
-        let nearest = self.finished.blade_clearance_below(&cutter, least);
+        let nearest = self.finished.wheel_clearance_below(&cutter, self.tool.overhang, least);
         if nearest < self.limits.blade_allowance {
             return Err(AxisObstacle::Blade);
         }

@@ -238,7 +238,7 @@ impl<'a> WallFit<'a> {
             let s = self.finished.hub.s_at(hub.project(Meridional::from_point(&line.low)).0);
             let blocked = tip.and_then(|tip| {
                 let cutter = tool.placed(tip, axis);
-                let near = obstacles(self.finished.blades(), None, &cutter, wanted);
+                let near = obstacles(self.finished, None, (&cutter, tool.overhang), wanted);
                 near.min_by(|a, b| a.distance.total_cmp(&b.distance))
             });
             let (u, forced) = (self.places[k], self.strips[layer].fitted[k].level);
@@ -255,19 +255,16 @@ impl WallAxes {
     }
 }
 
-/// The sides, except that of index `but`, to which `cutter` is nearer than `wanted` (mm), each where it is
-/// nearest.
+/// The sides of blades, except that of index `but`, to which a cutter with its overhang is nearer than
+/// `wanted` (mm), each where it is nearest.
 fn obstacles<'a>(
-    sides: &'a [SideProbe],
+    finished: &'a FinishedPart,
     but: Option<usize>,
-    cutter: &'a CutterSolid,
+    (cutter, overhang): (&'a CutterSolid, f64),
     wanted: f64,
 ) -> impl Iterator<Item = BladeObstacle> + 'a {
-    let others = sides.iter().enumerate().filter(move |(side, _)| Some(*side) != but);
-    others.filter_map(move |(side, probe)| {
-        let near = probe.nearest_below(cutter, wanted).filter(|near| near.distance < wanted)?;
-        Some(BladeObstacle { side, u: near.u, v: near.v, distance: near.distance })
-    })
+    let near = finished.sides_within(cutter, overhang, wanted, but);
+    near.map(|(side, near)| BladeObstacle { side, u: near.u, v: near.v, distance: near.distance })
 }
 
 /// Index of the blade side that a wall is part of.

@@ -359,8 +359,8 @@ pub struct Channel {
     pub splitters: Vec<SplitterWalls>,
     /// How they divide the channel; `None` without any.
     pub division: Option<Box<Division>>,
-    /// Both sides of every blade that bounds or divides the channel: the surfaces that a tool in it may
-    /// touch.
+    /// Both sides of every blade that bounds or divides the channel, the first main blade, the second, then
+    /// the splitters: the surfaces that a tool in it touches before any other.
     pub sides: Vec<BladeSide>,
 }
 

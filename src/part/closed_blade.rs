@@ -53,15 +53,9 @@ impl ClosedBlade {
             BladeFace { probe: SideProbe::new(side, 0.0, 1.0), outward }
         };
         let mut faces: Vec<BladeFace> = sides.map(|side| face(side, middle(0.5, 0.5))).into();
-        let tip = ruled(sides.map(BladeSide::u_knots), |which, u| at(which, u, 1.0));
-        faces.push(face(&tip, middle(0.5, 0.9)));
+        faces.push(face(&tip_face(sides), middle(0.5, 0.9)));
         for (end, before) in [(0.0, 0.1), (1.0, 0.9)] {
-            let stations = sides.map(BladeSide::stations);
-            let apart = refined(stations).into_iter().map(|v| (at(0, end, v) - at(1, end, v)).norm());
-            if apart.fold(0.0, f64::max) > MEETING {
-                let strip = ruled(stations, |which, v| at(which, end, v));
-                faces.push(face(&strip, middle(before, 0.5)));
-            }
+            faces.extend(end_face(sides, end).map(|strip| face(&strip, middle(before, 0.5))));
         }
         let balls: Vec<(Point, f64)> = faces.iter().map(|face| face.probe.bounding_ball()).collect();
         let centre = Point::from(balls.iter().map(|ball| ball.0.coords).sum::<Vector>() / balls.len() as f64);
@@ -104,6 +98,25 @@ impl ClosedBlade {
         };
         Some(if is_outside { near.distance } else { -near.distance })
     }
+}
+
+/// The faces of a blade between its sides: at its tip, and at ends where they do not meet.
+pub(super) fn faces_between(sides: [&BladeSide; 2]) -> Vec<BladeSide> {
+    let ends = [0.0, 1.0].into_iter().filter_map(|end| end_face(sides, end));
+    std::iter::once(tip_face(sides)).chain(ends).collect()
+}
+
+/// The ruled face between the upper edges of the sides.
+fn tip_face(sides: [&BladeSide; 2]) -> BladeSide {
+    ruled(sides.map(BladeSide::u_knots), |which, u| sides[which].point(u, 1.0))
+}
+
+/// The ruled face between the sides at the end where u is `end`; `None` where they meet there.
+fn end_face(sides: [&BladeSide; 2], end: f64) -> Option<BladeSide> {
+    let stations = sides.map(BladeSide::stations);
+    let at = |which: usize, v: f64| sides[which].point(end, v);
+    let apart = refined(stations).into_iter().map(|v| (at(0, v) - at(1, v)).norm());
+    (apart.fold(0.0, f64::max) > MEETING).then(|| ruled(stations, at))
 }
 
 /// u of place `i` along a blade, closer towards both ends.

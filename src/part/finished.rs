@@ -1,12 +1,16 @@
 //! Distance of a cutter to the finished part, measured independently of how the cutter was placed.
 
+use super::closed_blade::faces_between;
 use super::flowpath::Flowpath;
 use super::impeller::Impeller;
 use super::probe::{NearestOnSide, SideProbe};
 use super::side::BladeSide;
 use crate::geometry::{
-    Circle, CutterSolid, Meridional, Point, distance_rate, rotate_vector_z, rotate_z, search,
+    Circle, CutterSolid, Frustum, Meridional, Point, distance_rate, rotate_vector_z, rotate_z, search,
 };
+
+/// Length of a tool that has no end, mm.
+pub const ENDLESS: f64 = 1e5;
 
 /// The finished surfaces around a channel, prepared for many distance queries.
 #[derive(Debug)]
@@ -18,15 +22,19 @@ pub struct FinishedPart {
     /// Angle from one main blade to the next, rad; see [`Impeller::pitch`].
     pub pitch: f64,
     blades: Vec<SideProbe>,
-    /// A ball around each side of each blade of the wheel.
+    /// Faces between the sides of the blades of a pitch, at their tips and ends.
+    faces: Vec<SideProbe>,
+    /// A ball around each side of each blade of the wheel, those around channel 1 first, and their number;
+    /// then those around the faces between them.
     balls: Vec<SideBall>,
+    side_count: usize,
 }
 
 /// A ball around a side of a blade of the wheel.
 #[derive(Clone, Copy, Debug)]
 pub struct SideBall {
-    /// Index of the side among those of channel 1.
-    pub side: usize,
+    /// Index of the side among those of channel 1; from their number on, of a face between sides.
+    side: usize,
     /// Angle about the axis of the wheel that brings the blade to channel 1, rad.
     pub to_channel_rad: f64,
     /// Centre of the ball, mm.
@@ -39,21 +47,43 @@ impl FinishedPart {
     /// The surfaces around channel 1 of `part`, whose blade sides are `sides`.
     pub fn new(part: &Impeller, sides: &[BladeSide]) -> Self {
         let blades: Vec<SideProbe> = sides.iter().map(|s| SideProbe::new(s, 0.0, 1.0)).collect();
-        let own: Vec<(Point, f64)> = blades.iter().map(SideProbe::bounding_ball).collect();
+        // The second main blade is the first one turned.
+        let pairs = sides.chunks_exact(2).enumerate().filter(|(blade, _)| *blade != 1);
+        let faces = pairs.flat_map(|(_, pair)| faces_between([&pair[0], &pair[1]]));
+        let faces: Vec<SideProbe> = faces.map(|face| SideProbe::new(&face, 0.0, 1.0)).collect();
+        let own: Vec<(Point, f64)> = blades.iter().chain(&faces).map(SideProbe::bounding_ball).collect();
         let (pitch, count) = (part.pitch(), part.blade_count);
         let ball = |k: usize, side: usize| {
             let (centre, radius) = own[side];
             let to_channel_rad = -pitch * k as f64;
             SideBall { side, to_channel_rad, centre: rotate_z(&centre, -to_channel_rad), radius }
         };
-        let balls = (0..count).flat_map(|k| (0..own.len()).map(move |side| (k, side)));
-        let balls = balls.map(|(k, side)| ball(k, side)).collect();
-        Self { hub: part.hub.clone(), blade_count: part.blade_count, pitch: part.pitch(), blades, balls }
+        // The first main blade of a channel is the second of the one before.
+        let is_again =
+            |k: usize, side: usize| k > 0 && (side < 2 || k + 1 == count && (2..4).contains(&side));
+        let sides = (0..count).flat_map(|k| (0..blades.len()).map(move |side| (k, side)));
+        let mut balls: Vec<SideBall> =
+            sides.filter(|&(k, side)| !is_again(k, side)).map(|(k, side)| ball(k, side)).collect();
+        let side_count = balls.len();
+        let faces_from = blades.len();
+        balls.extend(
+            (0..count)
+                .flat_map(|k| (faces_from..own.len()).map(move |face| (k, face)))
+                .map(|(k, face)| ball(k, face)),
+        );
+        let (hub, blade_count) = (part.hub.clone(), part.blade_count);
+        Self { hub, blade_count, pitch, blades, faces, balls, side_count }
     }
 
-    /// Balls around the sides of all blades of the wheel, blade by blade.
+    /// Balls around the sides of all blades of the wheel, those around channel 1 first, then around the faces
+    /// between them.
     pub fn side_balls(&self) -> &[SideBall] {
         &self.balls
+    }
+
+    /// The side or face in a ball, where its blade is around channel 1.
+    pub fn side_in(&self, ball: &SideBall) -> &SideProbe {
+        self.blades.get(ball.side).unwrap_or_else(|| &self.faces[ball.side - self.blades.len()])
     }
 
     /// The sides of the blades, in the order they were given in.
@@ -76,10 +106,79 @@ impl FinishedPart {
         })
     }
 
-    /// Minimum signed distance to the blades around the channel, mm, or `cap` where none is nearer than that.
+    /// Minimum signed distance to the blades around the channel, mm, or `cap` where none is nearer than that;
+    /// see [`Self::wheel_clearance_below`] for all blades.
     pub fn blade_clearance_below(&self, cutter: &CutterSolid, cap: f64) -> f64 {
         self.nearest_of(cap, |blade, cutoff| blade.nearest_below(cutter, cutoff))
             .map_or(cap, |near| near.distance)
+    }
+
+    /// The sides of blades that are not around channel 1 to which a cutter may be nearer than `cutoff` mm up
+    /// to a height of `length` mm, with its column turned to where they are measured. A tool that leans far
+    /// over the channels beside its own, as between blades that are much wrapped, reaches them.
+    fn sides_beyond(
+        &self,
+        cutter: &CutterSolid,
+        length: f64,
+        cutoff: f64,
+    ) -> impl Iterator<Item = (&SideBall, Frustum)> {
+        let column = Frustum { base: cutter.tip, axis: cutter.axis, length, radii: [cutter.radius; 2] };
+        let may_be_near = move |ball: &&SideBall| {
+            let off = ball.centre - column.base;
+            let up = off.dot(&column.axis).clamp(0.0, length);
+            let reach = column.radii[0] + ball.radius + cutoff;
+            reach >= 0.0 && (off - column.axis * up).norm_squared() <= reach * reach
+        };
+        let turned = move |ball: &SideBall| {
+            let turn = ball.to_channel_rad;
+            let (base, axis) = (rotate_z(&column.base, turn), rotate_vector_z(&column.axis, turn));
+            Frustum { base, axis, ..column }
+        };
+        self.balls[self.blades.len()..self.side_count]
+            .iter()
+            .filter(may_be_near)
+            .map(move |ball| (ball, turned(ball)))
+    }
+
+    /// Minimum signed distance to the blades of the wheel of a cutter that is `length` mm long, mm, or `cap`
+    /// where none is nearer than that; to the blades around the channel as if it had no end.
+    pub fn wheel_clearance_below(&self, cutter: &CutterSolid, length: f64, cap: f64) -> f64 {
+        let around = self.blade_clearance_below(cutter, cap);
+        self.sides_beyond(cutter, length, around).fold(around, |least, (ball, column)| {
+            self.blades[ball.side].frustum_distance_below(&column, least).map_or(least, |d| d.min(least))
+        })
+    }
+
+    /// Whether a cutter that is `length` mm long keeps `allowance` mm from every blade of the wheel.
+    pub fn clears_wheel(&self, cutter: &CutterSolid, length: f64, allowance: f64) -> bool {
+        self.clears(cutter, allowance)
+            && !self
+                .sides_beyond(cutter, length, allowance)
+                .any(|(ball, column)| self.blades[ball.side].frustum_is_within(&column, allowance))
+    }
+
+    /// The sides of blades of the wheel that are nearer than `cutoff` mm to a cutter that is `length` mm
+    /// long, each by its index among those around channel 1, and where it is nearest; without the side of
+    /// index `but` there.
+    pub fn sides_within<'a>(
+        &'a self,
+        cutter: &'a CutterSolid,
+        length: f64,
+        cutoff: f64,
+        but: Option<usize>,
+    ) -> impl Iterator<Item = (usize, NearestOnSide)> + 'a {
+        let near = move |side: usize, cutter: &CutterSolid| {
+            let near = self.blades[side].nearest_below(cutter, cutoff)?;
+            (near.distance < cutoff).then_some((side, near))
+        };
+        let others = (0..self.blades.len()).filter(move |side| Some(*side) != but);
+        let beyond = self.sides_beyond(cutter, length, cutoff).filter_map(move |(ball, column)| {
+            if !self.blades[ball.side].frustum_is_within(&column, cutoff) {
+                return None;
+            }
+            near(ball.side, &CutterSolid { tip: column.base, axis: column.axis, ..*cutter })
+        });
+        others.filter_map(move |side| near(side, cutter)).chain(beyond)
     }
 
     /// Nearest point of the blades to the cutter, if it is nearer than `cutoff` mm.
@@ -105,7 +204,7 @@ impl FinishedPart {
         })
     }
 
-    /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade.
+    /// Whether the cutter (bottom and column) keeps `allowance` mm from every blade around the channel.
     pub fn clears(&self, cutter: &CutterSolid, allowance: f64) -> bool {
         !self.blades.iter().any(|blade| blade.is_within(cutter, allowance))
     }

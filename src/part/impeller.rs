@@ -204,8 +204,8 @@ fn splitter_angle(splitter: &Blade, main: &Blade) -> f64 {
     p.y.atan2(p.x) - nearest.y.atan2(nearest.x)
 }
 
-/// Both sides of the two main blades around channel 1 and of its splitters: the surfaces that a tool in that
-/// channel can touch. No other blade is within its reach.
+/// Both sides of the two main blades around channel 1, then of its splitters: the surfaces that a tool in
+/// that channel touches before any other.
 pub fn sides_around_channel(part: &Impeller) -> Vec<BladeSide> {
     let other = part.main.rotated(part.pitch());
     let mut sides =

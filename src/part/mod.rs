@@ -38,7 +38,7 @@ pub use description::{
     BladeDescription, CamberSpan, CurveDescription, Meridional, PartDescription, PartError,
 };
 pub use envelope::{BladeWall, WallEnvelope};
-pub use finished::FinishedPart;
+pub use finished::{ENDLESS, FinishedPart};
 pub use flowpath::Flowpath;
 pub use impeller::Impeller;
 pub use meridional_outline::{MeridionalOutline, OutlineFault};

@@ -297,10 +297,14 @@ impl<'a> FlankVerifier<'a> {
             }
         };
         let resolved = self.standing.resolved;
+        let around =
+            AssemblySurroundings::new(&self.workpiece.finished, self.setup).with_blank(&self.workpiece.blank);
         let grazes = |contact: &&Contact| contact.part == ToolPart::Cutter && contact.depth <= resolved;
         let fault = |contact: &Contact| {
             let step = &steps[contact.number as usize];
-            standing::finding(contact, self.tools[step.tool].number).at(step.line)
+            let tool = &self.tools[step.tool];
+            let overhang = standing::overhang_for(contact, tool, step, &around);
+            standing::finding(contact, tool.number, overhang).at(step.line)
         };
         let faults = contacts.iter().filter(|contact| !grazes(contact)).map(fault).collect();
         self.grazing = contacts.iter().filter(grazes).map(|c| steps[c.number as usize].line).collect();

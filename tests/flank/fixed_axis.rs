@@ -263,7 +263,9 @@ fn the_overhang_that_frees_an_axis_is_the_least() {
     let search = FixedAxisSearch::new(&workpiece, &short, &LIMITS);
     let blocked: Vec<LayerContact> = contacts
         .into_iter()
-        .filter(|contact| search.blocked(contact, &surface).is_some_and(AxisObstacle::is_of_holder))
+        .filter(|contact| {
+            search.blocked(contact, &surface).is_some_and(|why| why.is_freed_by_overhang(&short))
+        })
         .collect();
     assert!(!blocked.is_empty(), "14 mm are too short");
     let is_free = |search: &FixedAxisSearch| blocked.iter().all(|c| search.blocked(c, &surface).is_none());
@@ -274,4 +276,27 @@ fn the_overhang_that_frees_an_axis_is_the_least() {
     }
     let never = |_: &FixedAxisSearch| false;
     assert_eq!(FixedAxisSearch::min_overhang(&workpiece, &short, &LIMITS, never), None);
+}
+
+/// A thick shank above short flutes is named, not the holder far above it.
+#[test]
+fn a_shank_in_the_way_of_axes_is_named() {
+    let part = part_at("assets/parts/pump6.toml");
+    let workpiece = Setup::default().allowances.workpiece_of(part.clone());
+    let mut thick = tool(6.0, 3.0, 90.0);
+    thick.assembly.flute_length = Some(7.0);
+    thick.assembly.shank = vec![[26.0, 83.0]];
+    thick.assembly.holder = vec![[30.0, 30.0, 40.0]];
+    let channel = Channel::from_part(&part);
+    let passage = &channel.full;
+    let contacts = stations(&part, &channel, passage, &thick, 0.0, (0.3, 0.8, 3), 1);
+    let surface = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + thick.corner_radius);
+    let search = FixedAxisSearch::new(&workpiece, &thick, &LIMITS);
+    let named: Vec<AxisObstacle> =
+        contacts.iter().flatten().filter_map(|contact| search.blocked(contact, &surface)).collect();
+    let of_shank =
+        named.iter().filter(|why| matches!(why, AxisObstacle::Shank | AxisObstacle::ShankInStock)).count();
+    assert!(of_shank > 0, "{named:?}");
+    assert!(!named.iter().any(|why| matches!(why, AxisObstacle::Holder | AxisObstacle::Stock)), "{named:?}");
+    assert!(named.iter().all(|why| !why.is_freed_by_overhang(&thick)));
 }

@@ -200,3 +200,50 @@ fn small_wheels_are_covered_as_large_ones_are() {
         assert!(gap < 1.1 && wide < 1e-3, "D {}: {gap:.3} stepovers, {wide:.4}", 200.0 * scale);
     }
 }
+
+/// A cutter that leans over the channel beside its own may meet a blade that is not around its channel.
+#[test]
+fn a_blade_beyond_the_channel_is_in_the_way_of_a_leaning_cutter() {
+    use vanecut::geometry::{CutterSolid, Point, Vector, rotate_z};
+    use vanecut::mesh::{LengthUnit, MeshOptions};
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels/kj66_cad.glb");
+    let options = MeshOptions { unit: Some(LengthUnit::Millimetre), ..MeshOptions::default() };
+    let description = vanecut::io::part_file::read_part_with(&path, &options).expect("readable");
+    let part = Impeller::build(&description).expect("an impeller");
+    let setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(part);
+    let axis = Vector::new(0.0164, -0.5844, 0.8113).normalize();
+    let tip = Point::new(34.016, 32.234, 14.356);
+    let cutter = CutterSolid { tip, axis, radius: 1.5, corner_radius: 1.5 };
+    let (part, finished) = (&workpiece.part, &workpiece.finished);
+    let mut sampled = f64::INFINITY;
+    for turn in 0..part.blade_count {
+        let grid = (0..=300).flat_map(|i| (0..=60).map(move |j| (f64::from(i) / 300.0, f64::from(j) / 60.0)));
+        for (u, v) in grid {
+            for side in &workpiece.channel.sides {
+                let p = rotate_z(&side.point(u, v), part.pitch() * turn as f64);
+                sampled = sampled.min(cutter.distance(&p));
+            }
+        }
+    }
+    assert!(sampled < -1.0, "the column goes through a blade: {sampled}");
+    assert!(finished.wheel_clearance_below(&cutter, 36.0, 1.0) < sampled + 1e-6);
+    assert!(!finished.clears_wheel(&cutter, 36.0, 0.0));
+    assert_eq!(finished.sides_within(&cutter, 36.0, -1.0, None).count(), 2, "both sides of it");
+    // A cutter that ends below it.
+    assert!(finished.clears_wheel(&cutter, 9.0, 0.4));
+    let goto = |up: f64| {
+        let p = tip + axis * up;
+        format!("GOTO/{},{},{},{},{},{}\n", p.x, p.y, p.z, axis.x, axis.y, axis.z)
+    };
+    let aside = format!("GOTO/{},{},{},{},{},{}\n", tip.x + 0.2, tip.y, tip.z, axis.x, axis.y, axis.z);
+    let program = format!(
+        "LOADTL/1\nCUTTER/3,1.5\nRAPID\n{}FEDRAT/300,MMPM\n{}{aside}{}FINI\n",
+        goto(40.0),
+        goto(0.0),
+        goto(0.0)
+    );
+    let program = read_apt_bytes("p.apt", program.as_bytes()).expect("readable");
+    let verdict = verify_flank(&workpiece, &setup, &program, &Monitor::default()).expect("a verdict");
+    assert!(verdict.min_blade_clearance < sampled + 0.01, "{}", verdict.min_blade_clearance);
+}

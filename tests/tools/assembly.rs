@@ -8,10 +8,15 @@ use vanecut::setup::Setup;
 
 /// A hub that is a cylinder of radius 30, or a plane z = 0, over its range, with a few thin blades on it.
 fn wheel(hub: &str, shroud: &str) -> Impeller {
+    wheel_with_blades(hub, shroud, 2.0)
+}
+
+/// The same with blades of a thickness.
+fn wheel_with_blades(hub: &str, shroud: &str, t: f64) -> Impeller {
     let text = format!(
         "name = \"w\"\nblades = 3\n[hub]\npoints = {hub}\n[shroud]\npoints = {shroud}\n\
-         [[main.span]]\nspan = 0.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, 2.0], [1.0, 2.0]]\n\
-         [[main.span]]\nspan = 1.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, 2.0], [1.0, 2.0]]\n"
+         [[main.span]]\nspan = 0.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, {t}], [1.0, {t}]]\n\
+         [[main.span]]\nspan = 1.0\nangle = [[0.0, 0.0], [1.0, 0.0]]\nthickness = [[0.0, {t}], [1.0, {t}]]\n"
     );
     Impeller::build(&read_part_bytes("w.toml", text.as_bytes(), "toml").expect("readable")).expect("a wheel")
 }
@@ -92,6 +97,30 @@ fn blades_are_measured_as_by_dense_samples() {
         near += usize::from(found < 30.0);
     }
     assert!(near > 5, "some are near");
+}
+
+#[test]
+fn the_tip_and_the_blunt_end_of_a_thick_blade_are_in_the_way() {
+    let (hub, shroud) =
+        ("[[20, 0], [60, 0], [100, 0], [140, 0]]", "[[20, 40], [60, 40], [100, 40], [140, 40]]");
+    let part = wheel_with_blades(hub, shroud, 12.0);
+    let channel = Channel::from_part(&part);
+    let finished = FinishedPart::new(&part, &channel.sides);
+    for blade in 0..part.blade_count {
+        let turn = part.pitch() * blade as f64;
+        // Thin pins over the middle of the tip, and beside the middle of the trailing edge.
+        let pins = [
+            (Point::new(80.0, 0.5, 42.0), Vector::z(), 2.0),
+            (Point::new(143.0, 0.5, 20.0), Vector::x(), 143.0 - (140.0f64.powi(2) - 36.0).sqrt()),
+        ];
+        for (base, axis, expected) in pins {
+            let (base, axis) =
+                (vanecut::geometry::rotate_z(&base, turn), vanecut::geometry::rotate_vector_z(&axis, turn));
+            let pin = Frustum { base, axis, length: 20.0, radii: [1.0, 1.0] };
+            let found = blade_distance(&finished, &pin, 100.0);
+            assert!((found - expected).abs() < 0.02, "{blade}: {found}, not {expected}");
+        }
+    }
 }
 
 const ASSEMBLY: &str = r#"[stock]
@@ -255,4 +284,48 @@ fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
     assert_eq!(overhang_note(&tool, &left("a blade is too near"), &part), None);
     tool.overhang = 40.0;
     assert_eq!(overhang_note(&tool, &left("the holder meets the part"), &part), None);
+}
+
+/// An edge of the blank beside the middle of a long holder: by points of the holder.
+#[test]
+fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {
+    use vanecut::geometry::Meridional;
+    let part = pump();
+    let workpiece = Setup::for_part(&part).allowances.workpiece_of(part);
+    let text = "[clearance]\nholder = 2\n[[tool]]\ndiameter = 6\noverhang = 30\nholder = [[14, 40, 90]]\n";
+    let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("reads");
+    let (tool, blank) = (&setup.tools[0], &workpiece.blank);
+    let around = AssemblySurroundings::new(&workpiece.finished, &setup).with_blank(blank);
+    let segments = tool.assembly.segments(tool.overhang);
+    let edges = blank.end_circles();
+    let mut dice = super::sampled_tool::Dice::new(4);
+    let mut beside_middle = 0;
+    for k in 0..600 {
+        // A point of an edge that some height of the holder comes near to, from the side.
+        let at = edges[k % edges.len()].at_angle(dice.between(0.0, std::f64::consts::TAU));
+        let [x, y, z] = [(); 3].map(|()| dice.between(-1.0, 1.0));
+        let Some(axis) = Vector::new(x, y, z).try_normalize(0.1) else { continue };
+        let Some(aside) = axis.cross(&Vector::new(y, z, x)).try_normalize(0.1) else { continue };
+        let share = dice.between(0.0, 1.0);
+        let radius = 7.0 + 13.0 * share;
+        let tip = at + aside * (radius + dice.between(0.2, 3.0)) - axis * (tool.overhang + 90.0 * share);
+        let frustum = segments[0].placed(&tip, &axis);
+        let (e1, e2) = (aside, axis.cross(&aside));
+        let point = |i: u32, j: u32| {
+            let (share, (sin, cos)) =
+                (f64::from(i) / 180.0, (f64::from(j) / 120.0 * std::f64::consts::TAU).sin_cos());
+            frustum.base + axis * (90.0 * share) + (e1 * cos + e2 * sin) * (7.0 + 13.0 * share)
+        };
+        let sampled = |from: u32, to: u32| {
+            let points = (from..=to).flat_map(|i| (0..120).map(move |j| point(i, j)));
+            points.map(|p| blank.nearest_top(Meridional::from_point(&p), &mut None).0).fold(9.0, f64::min)
+        };
+        let nearest = sampled(0, 180);
+        if nearest < setup.clearances.holder - 0.02 {
+            let found = around.first_obstacle(tool, &segments, (tip, axis), 1e-3);
+            assert!(found.is_some(), "{k}: {nearest} mm beside {tip:.2?} {axis:.3?}");
+            beside_middle += usize::from(sampled(0, 10).min(sampled(170, 180)) > 4.0);
+        }
+    }
+    assert!(beside_middle > 20, "{beside_middle}");
 }

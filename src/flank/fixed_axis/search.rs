@@ -131,6 +131,8 @@ impl<'s, 'a> Greedy<'s, 'a> {
         for why in [
             AxisObstacle::Blade,
             AxisObstacle::Hub,
+            AxisObstacle::Shank,
+            AxisObstacle::ShankInStock,
             AxisObstacle::Holder,
             AxisObstacle::Stock,
             AxisObstacle::Tilt,
@@ -210,10 +212,11 @@ impl<'s, 'a> Greedy<'s, 'a> {
         // The axis that comes nearest to being free: one of these, if there is any. An axis is evaluated only
         // until it falls behind the best one so far.
         let mut nearest = SpareClearance { amount: f64::NEG_INFINITY, by: AxisObstacle::Tilt };
+        let mut nearest_axis = place.contact.normal;
         let mut look = |axis: &Vector| {
             let spare = self.search.spare(place, axis, (nearest.amount, f64::INFINITY));
             if spare.amount >= nearest.amount {
-                nearest = spare;
+                (nearest, nearest_axis) = (spare, *axis);
             }
         };
         if axes.is_empty() {
@@ -221,7 +224,7 @@ impl<'s, 'a> Greedy<'s, 'a> {
         } else {
             axes.iter().for_each(|c| look(&c.axis));
         }
-        alone.blocked = Some(nearest.by);
+        alone.blocked = Some(self.search.nearest_obstacle(place, &nearest_axis, nearest.by));
         alone
     }
 

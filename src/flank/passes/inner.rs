@@ -136,7 +136,8 @@ impl LayerPassMaker<'_> {
             }
         }
         let why = found.unreachable.first().map_or(AxisObstacle::Blade, |u| u.why);
-        let blocked = found.unreachable.iter().filter(|u| u.why == why && why.is_of_holder());
+        let blocked =
+            found.unreachable.iter().filter(|u| u.why == why && why.is_freed_by_overhang(self.maker.tool));
         let blocked: Vec<LayerContact> =
             blocked.filter_map(|u| stations.get(u.station)?.get(*u.contacts.first()?).copied()).collect();
         // The ends of the stretch stand for it.
@@ -213,7 +214,9 @@ impl LayerPassMaker<'_> {
     fn is_free(&self, (tip, axis): (Point, Vector), before: Option<(Point, Vector)>) -> bool {
         let maker = self.maker;
         let allowance = maker.setup.allowances.blade_allowance;
-        let near = maker.finished.blade_clearance_below(&maker.tool.placed(tip, axis), allowance + NEAR);
+        let overhang = maker.tool.overhang;
+        let cutter = maker.tool.placed(tip, axis);
+        let near = maker.finished.wheel_clearance_below(&cutter, overhang, allowance + NEAR);
         if near < allowance || maker.search.obstacle_except_blades(tip, axis).is_some() {
             return false;
         }
@@ -229,7 +232,8 @@ impl LayerPassMaker<'_> {
         };
         shares.iter().all(|&share| {
             let between = (turned + (axis - turned) * share).normalize();
-            maker.finished.clears(&maker.tool.placed(last + (tip - last) * share, between), allowance)
+            let cutter = maker.tool.placed(last + (tip - last) * share, between);
+            maker.finished.clears_wheel(&cutter, overhang, allowance)
         })
     }
 
@@ -281,6 +285,8 @@ fn obstacle_message(why: AxisObstacle) -> &'static str {
     match why {
         AxisObstacle::Blade => "a blade is too near",
         AxisObstacle::Hub => "the hub is too near",
+        AxisObstacle::Shank => "the shank meets the part",
+        AxisObstacle::ShankInStock => "the shank meets uncut stock",
         AxisObstacle::Holder => "the holder meets the part",
         AxisObstacle::Stock => "the holder meets uncut stock",
         AxisObstacle::Tilt => "the axis would tilt too far",

@@ -13,6 +13,7 @@ pub(super) const CHORD: f64 = 0.005;
 /// Reasons why a stretch along a wall is not cut.
 const IN_THE_WAY: &str = "another blade blocks the cutter along the wall";
 pub(super) const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
+const SHANK_IN_THE_WAY: &str = "the shank meets a blade or stock along the wall";
 const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
 const NEAR_FLOOR: &str = "the axis along the wall is within 10° of the floor";
 /// Least cosine of the angle of the axis along a wall to the normal of the layer: 80°.
@@ -98,6 +99,7 @@ impl WallPositions {
                 None if up.dot(&axis) < MIN_NORMAL_COSINE => Some(NEAR_FLOOR),
                 None => search.obstacle_except_blades(tip, axis).map(|obstacle| match obstacle {
                     AxisObstacle::Hub => HUB_IN_THE_WAY,
+                    AxisObstacle::Shank | AxisObstacle::ShankInStock => SHANK_IN_THE_WAY,
                     _ => HOLDER_IN_THE_WAY,
                 }),
             };

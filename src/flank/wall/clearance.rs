@@ -73,7 +73,9 @@ impl WallFit<'_> {
     fn other_blade_is_near(&self, layer: usize, line: &AxisLine) -> bool {
         let wanted = self.milling.blade_allowance - MIN_WALL_TOLERANCE;
         let Some(cutter) = self.cutter(layer, line) else { return false };
-        obstacles(self.finished.blades(), self.own_side, &cutter, wanted).next().is_some()
+        obstacles(self.finished, self.own_side, (&cutter, self.milling.tool.overhang), wanted)
+            .next()
+            .is_some()
     }
 
     /// Shifts the axes of a layer off the own blade where the cutter, at a station or on the way to the next,

@@ -24,7 +24,8 @@ pub struct WallMilling<'a> {
 /// The blade side that a position is too near to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BladeObstacle {
-    /// Index of the blade side in [`crate::part::Channel::sides`].
+    /// Index of the blade side in [`crate::part::Channel::sides`]; of a blade that is not around the channel
+    /// that of the same side there.
     pub side: usize,
     /// u of the nearest point on it, LE 0 to TE 1.
     pub u: f64,

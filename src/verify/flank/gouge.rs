@@ -2,7 +2,7 @@
 
 use super::steps::CutterStep;
 use crate::geometry::{CutterSolid, Meridional};
-use crate::part::FinishedPart;
+use crate::part::{ENDLESS, FinishedPart};
 use crate::setup::Tool;
 
 /// The finished part, prepared for the clearances of many steps.
@@ -45,8 +45,9 @@ impl StepClearance {
 }
 
 impl StepSurroundings<'_> {
-    fn blade(&self, cutter: &CutterSolid) -> f64 {
-        self.finished.blade_clearance_below(cutter, self.blade_allowance + CLEARANCE_CAP)
+    fn blade(&self, cutter: &CutterSolid, tool: &Tool) -> f64 {
+        let cap = self.blade_allowance + CLEARANCE_CAP;
+        self.finished.wheel_clearance_below(cutter, tool.overhang, cap)
     }
 
     fn hub(&self, cutter: &CutterSolid) -> f64 {
@@ -68,15 +69,16 @@ impl StepSurroundings<'_> {
         }
         let holder = tool.holder(cutter.tip, cutter.axis);
         let (_, distance) = self.finished.hub.curve().project(Meridional::from_point(&holder.tip));
-        !self.finished.clears(&holder, self.blade_allowance - HOLDER_TOLERANCE)
+        !self.finished.clears_wheel(&holder, ENDLESS, self.blade_allowance - HOLDER_TOLERANCE)
             || (distance < holder.radius && self.finished.hub_clearance(&holder) < 0.0)
     }
 
     /// Clearance at the parameter `share`, 0…1, of a step.
     pub(super) fn at(&self, step: &CutterStep, share: f64) -> StepClearance {
         let cutter = step.cutter(self.tools, share);
-        let holder = self.holder_meets(&cutter, &self.tools[step.tool]);
-        StepClearance { hub: self.hub(&cutter), blade: self.blade(&cutter), holder }
+        let tool = &self.tools[step.tool];
+        let holder = self.holder_meets(&cutter, tool);
+        StepClearance { hub: self.hub(&cutter), blade: self.blade(&cutter, tool), holder }
     }
 
     /// Least clearance along a step; `ends` are the clearances at both ends, where they are known. What may

@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 
 use super::super::fault::{FaultKind, Finding, core_in_stock};
 use super::steps::CutterStep;
+use crate::cutting::assembly::AssemblySurroundings;
 use crate::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contacts};
 use crate::geometry::{CutterSolid, Point, Vector, rotate_vector_z, rotate_z};
 use crate::monitor::{Cancelled, Monitor};
@@ -251,8 +252,23 @@ fn judge_cores(
     Ok(judged)
 }
 
-/// The fault of a contact in a step with tool number `tool`.
-pub(super) fn finding(contact: &Contact, tool: u32) -> Finding {
+/// An overhang, mm, with which the holder that meets stock in `step` would be clear of all of the blank at
+/// both its ends; `None` for other contacts, or where no overhang does.
+pub(super) fn overhang_for(
+    contact: &Contact,
+    tool: &Tool,
+    step: &CutterStep,
+    around: &AssemblySurroundings,
+) -> Option<f64> {
+    if contact.part != ToolPart::Holder {
+        return None;
+    }
+    let [from, to] = [step.from, step.to].map(|pose| around.stick_out(tool, pose, f64::INFINITY));
+    from.zip(to).map(|(from, to)| from.max(to)).filter(|overhang| *overhang > tool.overhang)
+}
+
+/// The fault of a contact in a step with tool number `tool`, and the overhang that would do.
+pub(super) fn finding(contact: &Contact, tool: u32, overhang: Option<f64>) -> Finding {
     let depth = contact.depth;
     let (kind, what, help) = match contact.part {
         ToolPart::Cutter => (
@@ -272,5 +288,8 @@ pub(super) fn finding(contact: &Contact, tool: u32) -> Finding {
             "remove it first, tilt the axis, or give the tool more overhang",
         ),
     };
-    Finding::new(kind, depth, what).with_help(help)
+    let by_length = overhang.map(|overhang| format!("remove it first, or give an overhang of {overhang} mm"));
+    Finding::new(kind, depth, what)
+        .with_help(by_length.unwrap_or_else(|| help.to_owned()))
+        .with_overhang(overhang)
 }
