@@ -85,7 +85,7 @@ fn no_cutter_is_wider_than_the_passage_it_stands_in() {
         assert!(largest > 0.0 && largest.is_finite(), "{name}: largest cutter {largest}");
         for passage in &found.passages {
             for cutter in &passage.cutters {
-                let place = format!("{name}, {:?} at s = {:.2}", passage.kind, cutter.s);
+                let place = format!("{name}, {} at s = {:.2}", passage.blades.label(), cutter.s);
                 assert!(
                     cutter.diameter <= cutter.section_width + 1e-6,
                     "{place}: D {} in a passage {} wide",
