@@ -43,6 +43,11 @@ pub struct SideBall {
     pub radius: f64,
 }
 
+/// A cutter of the shape of `cutter` where its `column` is.
+fn shaped_as(cutter: &CutterSolid, column: &Frustum) -> CutterSolid {
+    CutterSolid { tip: column.base, axis: column.axis, ..*cutter }
+}
+
 impl FinishedPart {
     /// The surfaces around channel 1 of `part`, whose blade sides are `sides`.
     pub fn new(part: &Impeller, sides: &[BladeSide]) -> Self {
@@ -145,16 +150,25 @@ impl FinishedPart {
     pub fn wheel_clearance_below(&self, cutter: &CutterSolid, length: f64, cap: f64) -> f64 {
         let around = self.blade_clearance_below(cutter, cap);
         self.sides_beyond(cutter, length, around).fold(around, |least, (ball, column)| {
-            self.blades[ball.side].frustum_distance_below(&column, least).map_or(least, |d| d.min(least))
+            // The cutter is what its column and an endless one with its corner have in common.
+            let side = &self.blades[ball.side];
+            let column_distance = side.frustum_distance_below(&column, least).unwrap_or(least);
+            if column_distance >= least {
+                return least;
+            }
+            let near = side.nearest_below(&shaped_as(cutter, &column), least);
+            near.map_or(least, |near| near.distance.max(column_distance).min(least))
         })
     }
 
     /// Whether a cutter that is `length` mm long keeps `allowance` mm from every blade of the wheel.
     pub fn clears_wheel(&self, cutter: &CutterSolid, length: f64, allowance: f64) -> bool {
         self.clears(cutter, allowance)
-            && !self
-                .sides_beyond(cutter, length, allowance)
-                .any(|(ball, column)| self.blades[ball.side].frustum_is_within(&column, allowance))
+            && !self.sides_beyond(cutter, length, allowance).any(|(ball, column)| {
+                let side = &self.blades[ball.side];
+                side.frustum_is_within(&column, allowance)
+                    && side.is_within(&shaped_as(cutter, &column), allowance)
+            })
     }
 
     /// The sides of blades of the wheel that are nearer than `cutoff` mm to a cutter that is `length` mm
@@ -176,7 +190,7 @@ impl FinishedPart {
             if !self.blades[ball.side].frustum_is_within(&column, cutoff) {
                 return None;
             }
-            near(ball.side, &CutterSolid { tip: column.base, axis: column.axis, ..*cutter })
+            near(ball.side, &shaped_as(cutter, &column))
         });
         others.filter_map(move |side| near(side, cutter)).chain(beyond)
     }

@@ -228,6 +228,7 @@ fn a_blade_beyond_the_channel_is_in_the_way_of_a_leaning_cutter() {
     }
     assert!(sampled < -1.0, "the column goes through a blade: {sampled}");
     assert!(finished.wheel_clearance_below(&cutter, 36.0, 1.0) < sampled + 1e-6);
+    assert!(finished.clears(&cutter, 0.0), "those around the channel are not in its way");
     assert!(!finished.clears_wheel(&cutter, 36.0, 0.0));
     assert_eq!(finished.sides_within(&cutter, 36.0, -1.0, None).count(), 2, "both sides of it");
     // A cutter that ends below it.

@@ -3,16 +3,17 @@
 use std::path::Path;
 
 use vanecut::flank::choice::choose_tool;
-use vanecut::io::part_file::read_part;
+use vanecut::io::part_file::{read_part, read_part_with};
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankRequest};
 use vanecut::job::{PlanRequest, resolve, run};
+use vanecut::mesh::{LengthUnit, MeshOptions};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, FlankStrategy, Setup};
 use vanecut::toolpath::ClProgram;
 
-use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly};
+use super::sampled_tool::{Dice, WheelPoints, collisions, with_random_assembly, with_wild_assembly};
 
 fn sample(name: &str) -> Impeller {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/parts/{name}.toml"));
@@ -77,4 +78,89 @@ fn every_flank_strategy_keeps_random_assemblies_clear() {
         assert!(found.is_empty(), "{strategy:?}: {found:#?}\n{:?}", plan.tool);
         assert!(!plan.moves.is_empty(), "{strategy:?} cuts nothing");
     }
+}
+
+/// A wheel of others, in mm.
+fn wheel(file: &str, blades: Option<usize>) -> Impeller {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels").join(file);
+    let options = MeshOptions { unit: Some(LengthUnit::Millimetre), blades, ..MeshOptions::default() };
+    Impeller::build(&read_part_with(&path, &options).expect("readable")).expect("an impeller")
+}
+
+/// Plans a real wheel with any assembly: either what is in the way is named, or no part of the tool comes
+/// near to anything.
+fn check_wheel(file: &str, blades: Option<usize>) {
+    let part = wheel(file, blades);
+    let setup = Setup::for_part(&part);
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let points = WheelPoints::from_workpiece(&workpiece);
+    let chosen = resolve(&setup, &workpiece).expect("tools").setup;
+    let ball = choose_tool(&workpiece, &setup, flank_cutters()).expect("a tool").tool;
+    let part = std::sync::Arc::new(part);
+    let mut planned = 0;
+    for seed in 0..2 {
+        let mut dice = Dice::new(seed);
+        let tools: Vec<_> = chosen.tools.iter().map(|tool| with_wild_assembly(tool, &mut dice)).collect();
+        let ball = if seed == 0 { ball.clone() } else { with_wild_assembly(&ball, &mut dice) };
+        let place = format!("{file}, {seed}: {tools:?} {ball:?}");
+        let mut plunge = Setup { tools, ..setup.clone() };
+        plunge.plunge.rest = false;
+        let (policy, compare) = (AxisPolicy::Minimal, true);
+        let request = PlanRequest { part: part.clone(), setup: plunge, policy, compare, field_cells: 64 };
+        match run(&request, &Monitor::default()) {
+            Err(error) => is_about_the_tool(&error.to_string(), &place),
+            Ok(outcome) => {
+                for result in outcome.policies() {
+                    let program = ClProgram::of_plan(file, &result.plan);
+                    let found = collisions(&workpiece, &points, &outcome.setup, &program);
+                    assert!(found.is_empty(), "{:?}: {found:#?}\n{place}", result.plan.policy);
+                    planned += 1;
+                }
+            }
+        }
+        let mut setup = Setup { tools: vec![ball.clone()], ..setup.clone() };
+        setup.flank.tool = Some(ball.number);
+        match FlankJob::default().run(&FlankRequest { part: part.clone(), setup }, &Monitor::default()) {
+            Err(error) => is_about_the_tool(&error.to_string(), &place),
+            Ok(outcome) => {
+                let plan = &outcome.plan;
+                let program = ClProgram::of_flank(file, &plan.tool, &plan.moves);
+                let found = collisions(&workpiece, &points, &outcome.setup, &program);
+                assert!(found.is_empty(), "flank: {found:#?}\n{place}");
+                planned += usize::from(!plan.moves.is_empty());
+            }
+        }
+    }
+    assert!(planned > 0, "no program of {file}");
+}
+
+#[test]
+#[ignore = "plans of some minutes; scripts/nightly runs it"]
+fn no_assembly_on_hecc_comes_near_to_anything() {
+    check_wheel("hecc.toml", None);
+}
+
+#[test]
+#[ignore = "plans of some minutes; scripts/nightly runs it"]
+fn no_assembly_on_the_kj66_comes_near_to_anything() {
+    check_wheel("kj66_sections.toml", None);
+}
+
+/// Blades beyond the channel were cut by 1.9 mm with the tool that is chosen.
+#[test]
+#[ignore = "plans of some minutes; scripts/nightly runs it"]
+fn no_assembly_on_the_mesh_of_the_kj66_comes_near_to_anything() {
+    check_wheel("kj66_cad.glb", None);
+}
+
+#[test]
+#[ignore = "plans of some minutes; scripts/nightly runs it"]
+fn no_assembly_on_a_wheel_of_12_mm_comes_near_to_anything() {
+    check_wheel("paraturbo.glb", Some(9));
+}
+
+/// A refusal says what to change about the tool.
+fn is_about_the_tool(message: &str, place: &str) {
+    let says = ["overhang", "holder", "shank", "cutter"].iter().any(|word| message.contains(word));
+    assert!(says, "{message}\n{place}");
 }

@@ -1,5 +1,6 @@
-//! Shank and holder of whole programs against the finished wheel and the standing blank, by points: a check
-//! that shares no code with the distances by which plans are made and programs verified.
+//! Cutter, shank and holder of whole programs against the finished wheel, shank and holder against the
+//! standing blank, by points: a check that shares no code with the distances by which plans are made and
+//! programs verified.
 //!
 //! The wheel is a cloud of points of the hub and of every blade, the tool a profile of heights and radii
 //! about its axis, and every move a row of poses. A point is never nearer than the surface it is from, so
@@ -24,14 +25,24 @@ const PASS_TOLERANCE: f64 = 0.4;
 /// Every how many moves of a pass its pose is held against stock.
 const POSES_PER_LOOK: usize = 8;
 
-/// A stack of cylinders and cones above a cutter: `[from, to, lower radius, upper radius]`, and what it is.
+/// A stack of cylinders and cones: `[from, to, lower radius, upper radius]`, and what it is.
 type Profile = Vec<([f64; 4], &'static str)>;
 
-/// Shank and holder of a tool as the setup describes them, from its own lists.
+/// What the edge of the bottom is: a cylinder within a cutter by its corner radius.
+const EDGE: &str = "cutter's edge";
+const CUTTER: &str = "cutter";
+/// Depth of a cutter in the allowance that is tolerated, mm: that of passes along a wall, and rounding.
+const CUTTER_TOLERANCE: f64 = 6e-3;
+
+/// Cutter, shank and holder of a tool as the setup describes them, from its own lists.
 fn profile(tool: &Tool) -> Profile {
     let mut profile = Profile::new();
     let shank: f64 = tool.assembly.shank.iter().map(|segment| segment[1]).sum();
     let mut from = tool.assembly.flute_length.unwrap_or(tool.overhang - shank).max(0.0);
+    let (corner, radius) = (tool.corner_radius, 0.5 * tool.diameter);
+    let top = if tool.assembly.shank.is_empty() { tool.overhang } else { from }.max(corner + 1e-6);
+    profile.push(([corner, top, radius - corner, radius - corner], EDGE));
+    profile.push(([corner, top, radius, radius], CUTTER));
     for (index, [diameter, length]) in tool.assembly.shank.iter().enumerate() {
         let last = index + 1 == tool.assembly.shank.len();
         let to = if last { tool.overhang } else { (from + length).min(tool.overhang) };
@@ -128,16 +139,24 @@ impl WheelPoints {
         Self { hub: clusters(&hub), blades: clusters(&blades) }
     }
 
-    /// What lacks of allowance and clearance in a pose, mm, and what it is of.
-    fn missing(&self, profile: &Profile, setup: &Setup, pose: (Point, Vector)) -> Option<(f64, String)> {
+    /// What lacks of allowance and clearance in a pose, mm, and what it is of; of a cutter with this corner
+    /// radius.
+    fn missing(
+        &self,
+        (profile, corner): (&Profile, f64),
+        setup: &Setup,
+        pose: (Point, Vector),
+    ) -> Option<(f64, String)> {
         let top = profile.iter().map(|(segment, _)| segment[1]).fold(0.0, f64::max);
         let widest = profile.iter().map(|(segment, _)| segment[2].max(segment[3])).fold(0.0, f64::max);
         let bottom = profile.iter().map(|(segment, _)| segment[0]).fold(f64::INFINITY, f64::min);
         let clearance = |what: &str| match what {
             "shank" => setup.clearances.shank,
-            _ => setup.clearances.holder,
+            "holder" => setup.clearances.holder,
+            EDGE => corner - CUTTER_TOLERANCE,
+            _ => -CUTTER_TOLERANCE,
         };
-        let most = setup.clearances.shank.max(setup.clearances.holder);
+        let most = setup.clearances.shank.max(setup.clearances.holder).max(corner);
         let mut worst: Option<(f64, String)> = None;
         let stock = &setup.allowances;
         for (points, allowance, of) in
@@ -191,8 +210,7 @@ fn poses(from: &Move, to: &Move, length: f64) -> Vec<(Point, Vector)> {
     (1..=steps).map(between).collect()
 }
 
-/// What shank and holder of the tools of `setup` run into over `program`, one line for each of the first few
-/// moves.
+/// What the tools of `setup` run into over `program`, one line for each of the first few moves.
 pub fn collisions(
     workpiece: &Workpiece,
     points: &WheelPoints,
@@ -204,19 +222,19 @@ pub fn collisions(
         .iter()
         .map(|described| {
             let tool = setup.tools.iter().find(|tool| tool.number == described.number)?;
-            let profile = profile(tool);
-            (!profile.is_empty()).then(|| (tool.clone(), profile))
+            Some((tool.clone(), profile(tool)))
         })
         .collect();
     let moves = &program.moves;
     let near: Vec<String> = (0..moves.len())
         .into_par_iter()
         .filter_map(|k| {
-            let (_, profile) = tools[moves[k].tool?].as_ref()?;
+            let (tool, profile) = tools[moves[k].tool?].as_ref()?;
             let before = k.checked_sub(1).map(|k| &moves[k]).filter(|before| before.tool == moves[k].tool);
             let length = profile.iter().map(|(segment, _)| segment[1]).fold(0.0, f64::max);
             let poses = poses(before.unwrap_or(&moves[k]), &moves[k], length);
-            let worst = poses.iter().filter_map(|pose| points.missing(profile, setup, *pose));
+            let worst =
+                poses.iter().filter_map(|pose| points.missing((profile, tool.corner_radius), setup, *pose));
             let (_, what) = worst.max_by(|a, b| a.0.total_cmp(&b.0))?;
             Some(format!("move {k}, {:?}: {what}", moves[k].motion))
         })
@@ -259,6 +277,7 @@ fn in_stock(workpiece: &Workpiece, tools: &[Option<(Tool, Profile)>], program: &
     let stands = |&(k, count): &(usize, usize)| {
         let (tool, profile) = tools[moves[k].tool?].as_ref()?;
         let earlier = &columns[..count];
+        // A cutter is no wider than itself.
         let wider = |segment: &[f64; 4]| segment[2].max(segment[3]) > tool.radius();
         profile.iter().filter(|(segment, _)| wider(segment)).find_map(|(segment, what)| {
             let p = standing_point(workpiece, segment, &moves[k], earlier)?;
@@ -313,6 +332,32 @@ impl Dice {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         from + (to - from) * ((self.0 >> 11) as f64 / (1u64 << 53) as f64)
     }
+}
+
+/// The tool with any assembly at all: far too short or too long, with a shank up to twice as thick as the
+/// cutter or none, and a holder of cones either way or none.
+#[allow(dead_code, reason = "not every test that includes this draws them")]
+pub fn with_wild_assembly(tool: &Tool, dice: &mut Dice) -> Tool {
+    let mut tool = tool.clone();
+    let d = tool.diameter;
+    tool.overhang = (tool.overhang * dice.between(0.35, 1.0) * dice.between(1.0, 2.5)).max(1.2 * d);
+    let flutes = (d * dice.between(0.6, 3.0)).clamp(0.6 * d, 0.8 * tool.overhang);
+    tool.assembly.flute_length = Some(flutes);
+    let left = tool.overhang - flutes;
+    let neck = d * dice.between(0.8, 1.0);
+    tool.assembly.shank = match dice.between(0.0, 4.0) as u32 {
+        0 => Vec::new(),
+        1 => vec![[neck, left]],
+        2 => vec![[neck, left * dice.between(0.3, 0.8)], [d * dice.between(1.0, 2.0), left]],
+        _ => vec![[d * dice.between(1.05, 2.0), left]],
+    };
+    let mut lower = d * dice.between(1.1, 3.0);
+    for _ in 0..dice.between(0.2, 3.99) as usize {
+        let upper = lower * dice.between(0.5, 2.0);
+        tool.assembly.holder.push([lower, upper, d * dice.between(0.5, 6.0)]);
+        lower = upper * dice.between(1.0, 1.5);
+    }
+    tool
 }
 
 /// The tool with a neck or shank, and a holder of one to three pieces, some of them so thick or so low that
