@@ -29,8 +29,9 @@ const HOLDER_TOLERANCE: f64 = 0.01;
 /// Largest travel, mm, and turn, rad, between two samples of a step.
 const MAX_SAMPLE_TRAVEL: f64 = 1.0;
 const MAX_SAMPLE_TURN_RAD: f64 = 1.5 * std::f64::consts::PI / 180.0;
-/// Depth below an allowance, mm, that may stay hidden between two samples.
-const HIDDEN_DEPTH: f64 = 0.02;
+/// Depth below an allowance that may stay hidden between two samples: a share of it, and limits, mm.
+const HIDDEN_SHARE: f64 = 0.1;
+const HIDDEN_DEPTH: [f64; 2] = [0.005, 0.02];
 
 impl StepClearance {
     pub(super) const FAR: Self = Self { hub: f64::INFINITY, blade: f64::INFINITY, holder: false };
@@ -100,8 +101,8 @@ impl StepSurroundings<'_> {
         least
     }
 
-    /// Least clearance between two samples of a step, at the shares `range`; halves the piece until less than
-    /// [`HIDDEN_DEPTH`] can be hidden between two samples, then evaluates the minimum of a parabola.
+    /// Least clearance between two samples of a step, at the shares `range`; halves the piece until no more
+    /// than [`HIDDEN_DEPTH`] can be hidden between two samples, then evaluates the minimum of a parabola.
     fn between(&self, step: &CutterStep, range: [f64; 2], ends: [StepClearance; 2]) -> StepClearance {
         let share = range[1] - range[0];
         let ([from, to], [before, after]) = (range, ends);
@@ -115,7 +116,8 @@ impl StepSurroundings<'_> {
         let halfway = 0.5 * (from + to);
         let middle = self.at(step, halfway);
         let min_allowance = self.blade_allowance.min(self.hub_allowance);
-        if self.sag(step, min_allowance, 0.5 * share) > HIDDEN_DEPTH {
+        let hidden = (HIDDEN_SHARE * min_allowance).clamp(HIDDEN_DEPTH[0], HIDDEN_DEPTH[1]);
+        if self.sag(step, min_allowance, 0.5 * share) > hidden {
             let halves = [([from, halfway], [before, middle]), ([halfway, to], [middle, after])];
             return halves
                 .into_iter()
