@@ -9,7 +9,7 @@ use vanecut::app::model::checked::{CheckRequest, FigureValue};
 use vanecut::app::model::figures::{format_duration, format_percent};
 use vanecut::app::tasks::engine::Engine;
 use vanecut::io::apt::write_apt;
-use vanecut::job::{FIELD_CELLS, Listener, PlanRequest};
+use vanecut::job::{FIELD_CELLS, PlanOutcome};
 use vanecut::machine::MachineTime;
 use vanecut::monitor::Monitor;
 use vanecut::plunge::Breach;
@@ -42,13 +42,10 @@ fn the_time_of_a_wheel_is_the_same_in_verdict_operations_and_variants() {
 /// The fake planner, of whose plan after a plunge is out of the reach of the machine.
 fn engine_with_breach() -> Engine {
     let (engine, _) = fake::engine();
-    let plan = Arc::clone(&engine.plan);
-    let beyond = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let beyond = move |outcome: &mut PlanOutcome| {
         outcome.after.plan.positions[3].evaluation.breach = Some(Breach::Tilt);
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(beyond), ..engine }
+    fake::with_changed_plans(engine, beyond)
 }
 
 #[test]

@@ -1,12 +1,9 @@
 //! Defects that a programmer found in the window, each as it was found: they stay repaired.
 
-use std::sync::Arc;
-
 use egui_kittest::kittest::Queryable;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::Condition;
-use vanecut::job::{Listener, PlanRequest};
-use vanecut::monitor::Monitor;
+use vanecut::job::PlanOutcome;
 
 use crate::fake;
 use crate::harness::{Window, pixels_in, settle, window, with_sample};
@@ -23,14 +20,11 @@ fn inked(window: &mut Window, label: &str, condition: Condition) -> usize {
 #[test]
 fn a_plan_that_misses_most_of_the_floor_has_no_green_headline() {
     let (engine, _) = fake::engine();
-    let plan = Arc::clone(&engine.plan);
-    let missing = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let missing = move |outcome: &mut PlanOutcome| {
         outcome.after.summary.uncut_share = 0.75;
-        Ok(outcome)
     };
     let mut sound = with_sample(engine.clone());
-    let mut poor = with_sample(Engine { plan: Arc::new(missing), ..engine });
+    let mut poor = with_sample(fake::with_changed_plans(engine, missing));
     let headline = "Interfering 5 to 0";
     assert!(inked(&mut sound, headline, Condition::Sound) > 20);
     assert_eq!(inked(&mut sound, "1.2 %", Condition::Blocked), 0);

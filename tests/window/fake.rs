@@ -279,29 +279,52 @@ fn plunges(request: &PlanRequest, passage: &Passage, tool: &Tool, policy: AxisPo
     }
 }
 
+/// The engine, with its roughing plans changed.
+pub fn with_changed_plans(
+    engine: Engine,
+    change: impl Fn(&mut PlanOutcome) + Send + Sync + 'static,
+) -> Engine {
+    let inner = Arc::clone(&engine.plan);
+    let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
+        let mut outcome = inner(request, monitor, listener)?;
+        change(&mut outcome);
+        Ok(outcome)
+    };
+    Engine { plan: Arc::new(plan), ..engine }
+}
+
+/// The engine, with its flank plans changed.
+pub fn with_changed_flank(
+    engine: Engine,
+    change: impl Fn(&mut FlankOutcome) + Send + Sync + 'static,
+) -> Engine {
+    let inner = Arc::clone(&engine.flank);
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        let mut outcome = inner(request, monitor)?;
+        change(&mut outcome);
+        Ok(outcome)
+    };
+    Engine { flank: Arc::new(flank), ..engine }
+}
+
 /// The fake planner, whose tools have a shank and a holder.
 pub fn engine_with_holder() -> Engine {
     let (engine, _) = engine();
-    let plan = Arc::clone(&engine.plan);
-    let held = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let held = move |outcome: &mut PlanOutcome| {
         for plan in [&mut outcome.before.plan, &mut outcome.after.plan] {
             for section in &mut plan.sections {
                 section.tool.assembly.shank = vec![[24.0, 40.0]];
                 section.tool.assembly.holder = vec![[40.0, 50.0, 25.0], [63.0, 63.0, 20.0]];
             }
         }
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(held), ..engine }
+    with_changed_plans(engine, held)
 }
 
 /// The fake planner, whose plans have `count` sections of as many tools: the plunges in turn.
 pub fn engine_of_sections(count: usize) -> Engine {
     let (engine, _) = engine();
-    let plan = Arc::clone(&engine.plan);
-    let divided = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let divided = move |outcome: &mut PlanOutcome| {
         for plan in [&mut outcome.before.plan, &mut outcome.after.plan] {
             let first = plan.sections[0].clone();
             let of = |k: usize| {
@@ -315,33 +338,26 @@ pub fn engine_of_sections(count: usize) -> Engine {
             }
         }
         outcome.reasons = vec![None; count];
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(divided), ..engine }
+    with_changed_plans(engine, divided)
 }
 
 /// The fake planner on a machine that takes `time` for each plan.
 pub fn engine_on_machine(time: MachineTime) -> Engine {
     let (engine, _) = engine();
-    let plan = Arc::clone(&engine.plan);
-    let timed = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let timed = move |outcome: &mut PlanOutcome| {
         outcome.after.summary.machine_time = Some(time);
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(timed), ..engine }
+    with_changed_plans(engine, timed)
 }
 
 /// The fake planner on a machine that takes `time` for the plan that is asked for, and refuses all others.
 pub fn engine_that_refuses_others(time: MachineTime) -> Engine {
     let engine = engine_on_machine(time);
-    let plan = Arc::clone(&engine.plan);
-    let refused = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let refused = move |outcome: &mut PlanOutcome| {
         outcome.before.summary.is_refused = true;
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(refused), ..engine }
+    with_changed_plans(engine, refused)
 }
 
 fn rest_tool(tool: &Tool) -> Tool {

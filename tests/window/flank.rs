@@ -15,7 +15,7 @@ use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::JobError;
-use vanecut::job::flank::FlankRequest;
+use vanecut::job::flank::{FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
 use vanecut::setup::FlankStrategy;
 use vanecut::toolpath::Travel;
@@ -49,15 +49,12 @@ pub fn plan_flank(window: &mut Window, depth: f64) {
 #[test]
 fn stretches_that_are_skipped_are_named_in_every_verdict() {
     let (engine, _) = fake::engine();
-    let planned = Arc::clone(&engine.flank);
-    let flank = move |request: &FlankRequest, monitor: &Monitor| {
-        let mut outcome = planned(request, monitor)?;
+    let flank = move |outcome: &mut FlankOutcome| {
         let (why, overhang) = ("no axis is free there", None);
         outcome.plan.uncut =
             vec![UncutLength { layer: 0, region: Region::INLET, length: 12.0, why, overhang }];
-        Ok(outcome)
     };
-    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
     plan_flank(&mut window, 10.0);
     window.get_by_label("1 stretch skipped");
     window.get_by_label("Flank: 1 stretch skipped");
@@ -67,16 +64,13 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
 #[test]
 fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {
     let (engine, _) = fake::engine();
-    let planned = Arc::clone(&engine.flank);
-    let flank = move |request: &FlankRequest, monitor: &Monitor| {
-        let mut outcome = planned(request, monitor)?;
+    let flank = move |outcome: &mut FlankOutcome| {
         for wall in Arc::make_mut(&mut outcome.plan.walls) {
             wall.axes.max_overcut = 2.5;
             wall.axes.map.deviation.fill(-2.5);
         }
-        Ok(outcome)
     };
-    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
     plan_flank(&mut window, 8.0);
     window.get_by_label("walls").click_accesskit();
     window.run_steps(4);

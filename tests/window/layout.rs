@@ -1,7 +1,5 @@
 //! What stays where it is, what a new part starts with, and what can be read.
 
-use std::sync::Arc;
-
 use egui::accesskit::Role;
 use egui::{Color32, Theme};
 use egui_kittest::kittest::Queryable;
@@ -11,8 +9,7 @@ use vanecut::app::model::panels::DockPanel;
 use vanecut::app::model::part_source::PartSource;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::{self, Condition};
-use vanecut::job::{Listener, PlanRequest, PolicyResult};
-use vanecut::monitor::Monitor;
+use vanecut::job::{PlanOutcome, PolicyResult};
 use vanecut::plunge::{AddedPlunges, DropReason, Dropped, StopReason};
 
 use crate::fake;
@@ -286,18 +283,15 @@ fn no_line_of_the_verdict_begins_with_a_divider() {
 /// The fake planner, of whose plans much is to be said.
 fn engine_with_remarks() -> Engine {
     let (engine, _) = fake::engine();
-    let plan = Arc::clone(&engine.plan);
-    let poor = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let poor = move |outcome: &mut PlanOutcome| {
         let (why, stick_out) = (DropReason::Blades, None);
         let PolicyResult { plan, summary, .. } = &mut outcome.after;
         plan.dropped = vec![Dropped { section: 0, row: 0, s: 0.5, why, stick_out }; 56];
         let stopped = StopReason::Cancelled;
         plan.sections[1].added = Some(AddedPlunges { count: 0, stopped });
         (summary.blocked, summary.inaccessible_share) = (Some(56), 0.065);
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(poor), ..engine }
+    fake::with_changed_plans(engine, poor)
 }
 
 /// Also where the plan is out of date and unfinished: the last figure is not cut off.

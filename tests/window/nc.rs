@@ -1,7 +1,6 @@
 //! NC programs leave the window as `vanecut post` writes them.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use egui::accesskit::{Role, Toggled};
 use egui_kittest::kittest::{NodeT, Queryable};
@@ -14,7 +13,7 @@ use vanecut::io::flank_file::{read_flank_bytes, stored_program, write_flank};
 use vanecut::io::machine_file::read_machine;
 use vanecut::io::nc::read_post;
 use vanecut::io::part_file::read_part;
-use vanecut::job::flank::FlankRequest;
+use vanecut::job::flank::FlankOutcome;
 use vanecut::job::post::{PostRequest, post_program};
 use vanecut::machine::{BlankSize, ChannelCalls, OutputKind};
 use vanecut::monitor::Monitor;
@@ -396,15 +395,12 @@ fn the_flank_plan_of_several_channels_is_exported_in_their_order() {
 /// The fake engine, whose flank plans have a pass that ends in the hub, which their verdict does not know of.
 fn engine_that_gouges() -> Engine {
     let (engine, _) = fake::engine();
-    let inner = Arc::clone(&engine.flank);
-    let flank = move |request: &FlankRequest, monitor: &Monitor| {
-        let mut outcome = inner(request, monitor)?;
+    let flank = move |outcome: &mut FlankOutcome| {
         let is_deepest = |step: &&mut FlankMove| step.kind == MoveKind::Cut && step.layer == 0;
         let step = outcome.plan.moves.iter_mut().rfind(is_deepest).expect("a pass at the hub");
         step.tip -= 3.0 * step.axis;
-        Ok(outcome)
     };
-    Engine { flank: Arc::new(flank), ..engine }
+    fake::with_changed_flank(engine, flank)
 }
 
 /// A program of several channels is judged as it is written: what speaks against it is not known before.

@@ -1,17 +1,14 @@
 //! The timeline while it plays.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::cutter_colours::{CutterClass, CutterLegend};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::state::ShownPlan;
-use vanecut::app::tasks::engine::Engine;
 use vanecut::io::apt::read_apt;
-use vanecut::job::{Listener, PlanRequest};
-use vanecut::monitor::Monitor;
+use vanecut::job::PlanOutcome;
 use vanecut::toolpath::{ClProgram, Travel};
 
 use crate::fake;
@@ -202,15 +199,12 @@ fn cutters_are_coloured_by_tool_lead_angle_or_time_with_a_legend() {
 #[test]
 fn the_clock_counts_every_move_of_a_plunge() {
     let (engine, _) = fake::engine();
-    let sound = Arc::clone(&engine.plan);
-    let lifted = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = sound(request, monitor, listener)?;
+    let lifted = move |outcome: &mut PlanOutcome| {
         for position in &mut outcome.after.plan.positions {
             position.evaluation.motion.lead_out = position.axis * 3.0;
         }
-        Ok(outcome)
     };
-    let window = with_sample(Engine { plan: Arc::new(lifted), ..engine });
+    let window = with_sample(fake::with_changed_plans(engine, lifted));
     let state = window.state().state();
     let program = ClProgram::of_plan("", state.shown().expect("planned").plan());
     assert_eq!(program.moves.len(), 4 * state.position_count());
@@ -292,13 +286,10 @@ fn the_place_under_the_pointer_says_how_it_is_cut() {
 #[test]
 fn the_legend_of_both_views_is_of_both_plans() {
     let engine = fake::engine_of_sections(3);
-    let plan = Arc::clone(&engine.plan);
-    let without_first = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let without_first = move |outcome: &mut PlanOutcome| {
         outcome.after.plan.positions.retain(|position| position.section > 0);
-        Ok(outcome)
     };
-    let mut window = with_sample(Engine { plan: Arc::new(without_first), ..engine });
+    let mut window = with_sample(fake::with_changed_plans(engine, without_first));
     window.set_size(egui::vec2(1300.0, 700.0));
     window.run_steps(4);
     colour_by(&mut window, "Tool");

@@ -1,14 +1,10 @@
 //! Tools that the program chooses.
 
-use std::sync::Arc;
-
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::state::Tone;
-use vanecut::app::tasks::engine::Engine;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
-use vanecut::job::{Listener, PlanRequest};
-use vanecut::monitor::Monitor;
+use vanecut::job::PlanOutcome;
 
 use crate::dialogs::press_enter;
 use crate::fake;
@@ -34,13 +30,10 @@ fn a_tool_without_plunges_says_why() {
 #[test]
 fn the_plunges_of_the_tools_are_those_of_the_strategy_that_is_shown() {
     let (engine, _) = fake::engine();
-    let planned = Arc::clone(&engine.plan);
-    let plan = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = planned(request, monitor, listener)?;
+    let plan = move |outcome: &mut PlanOutcome| {
         outcome.before.plan.positions.truncate(20);
-        Ok(outcome)
     };
-    let mut window = with_sample(Engine { plan: Arc::new(plan), ..engine });
+    let mut window = with_sample(fake::with_changed_plans(engine, plan));
     window.set_size(egui::vec2(1100.0, 1400.0));
     window.run_steps(3);
     let after = window.state().state().position_count();

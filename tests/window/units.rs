@@ -1,7 +1,5 @@
 //! Lengths and feed rates in inches: shown and typed, while files stay in mm.
 
-use std::sync::Arc;
-
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
@@ -9,8 +7,7 @@ use vanecut::app::model::look::Operation;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::io::project_file::read_project;
-use vanecut::job::{Listener, PlanRequest};
-use vanecut::monitor::Monitor;
+use vanecut::job::PlanOutcome;
 
 use crate::fake;
 use crate::harness::{Window, labels, settle, snapshot_view, window, with_sample};
@@ -44,15 +41,12 @@ fn allowance(window: &Window) -> f64 {
 /// The fake planner, whose tool has this diameter.
 fn engine_with_tool_of(diameter: f64) -> Engine {
     let (engine, _) = fake::engine();
-    let plan = Arc::clone(&engine.plan);
-    let sized = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let sized = move |outcome: &mut PlanOutcome| {
         for plan in [&mut outcome.before.plan, &mut outcome.after.plan] {
             plan.sections[0].tool.diameter = diameter;
         }
-        Ok(outcome)
     };
-    Engine { plan: Arc::new(sized), ..engine }
+    fake::with_changed_plans(engine, sized)
 }
 
 #[test]
@@ -166,13 +160,10 @@ fn typed_numbers_are_inches_then_and_files_stay_in_mm() {
 #[test]
 fn the_cells_of_the_table_do_not_touch_in_inches() {
     let (engine, _) = fake::engine();
-    let plan = Arc::clone(&engine.plan);
-    let deep = move |request: &PlanRequest, monitor: &Monitor, listener: Listener| {
-        let mut outcome = plan(request, monitor, listener)?;
+    let deep = move |outcome: &mut PlanOutcome| {
         outcome.after.plan.positions[0].evaluation.contact.depth = 9.0;
-        Ok(outcome)
     };
-    let mut window = with_sample(Engine { plan: Arc::new(deep), ..engine });
+    let mut window = with_sample(fake::with_changed_plans(engine, deep));
     choose(&mut window, "Units: inch");
     window.set_size(egui::vec2(1100.0, 700.0));
     window.run_steps(4);
