@@ -8,7 +8,7 @@ use vanecut::geometry::{Circle, CutterSolid, Meridional, Vector};
 use vanecut::part::{Channel, Impeller, Passage, SideProbe, Workpiece};
 use vanecut::setup::{ClearanceSetup, Setup, Tool};
 
-use super::parts::part_at;
+use super::parts::{cutter, part_at};
 
 const LIMITS: FixedAxisLimits = FixedAxisLimits {
     hub_allowance: 0.5,
@@ -17,19 +17,6 @@ const LIMITS: FixedAxisLimits = FixedAxisLimits {
     max_tilt_rad: 60.0 * std::f64::consts::PI / 180.0,
     clearances: ClearanceSetup { shank: 1.0, holder: 1.0 },
 };
-
-fn tool(diameter: f64, corner_radius: f64, overhang: f64) -> Tool {
-    Tool {
-        number: 1,
-        diameter,
-        corner_radius,
-        insert_width: 0.45 * diameter,
-        overhang,
-        plunge_feed: 300.0,
-        spindle: 5000.0,
-        assembly: Default::default(),
-    }
-}
 
 /// Contacts `height` mm above the hub's allowance where the corner of the tool clears the walls: `count`
 /// stations with up to `across` contacts each.
@@ -173,7 +160,7 @@ fn no_finer_grid_does_with_fewer_runs() {
     for (name, diameter, along, height, least) in cases {
         let workpiece = Setup::default().allowances.workpiece_of(part_at(name));
         let Workpiece { part, channel, .. } = &workpiece;
-        let tool = tool(diameter, 0.5 * diameter, 6.0 * diameter);
+        let tool = cutter(diameter, 0.5 * diameter, 6.0 * diameter);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + height + tool.corner_radius);
         let stations = stations(part, channel, &channel.full, &tool, height, along, 3);
         assert!(stations.iter().all(|s| !s.is_empty()), "contacts at every station");
@@ -190,7 +177,7 @@ fn runs_beside_a_splitter_are_free_with_cutters_of_all_shapes() {
     let workpiece = Setup::default().allowances.workpiece_of(part_at("assets/parts/impeller9x9.toml"));
     let Workpiece { part, channel, .. } = &workpiece;
     for (corner, height) in [(3.0, 0.0), (3.0, 6.0), (1.0, 3.0), (0.0, 3.0)] {
-        let tool = tool(6.0, corner, 40.0);
+        let tool = cutter(6.0, corner, 40.0);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + height + corner);
         for passage in &channel.beside_splitter {
             let stations = stations(part, channel, passage, &tool, height, (0.4, 1.0, 30), 6);
@@ -212,7 +199,7 @@ fn lifted_bottoms_stay_above_the_layer() {
     let workpiece = Setup::default().allowances.workpiece_of(part_at("assets/parts/impeller9x9.toml"));
     let Workpiece { part, channel, .. } = &workpiece;
     for corner in [0.0, 1.0, 3.0] {
-        let tool = tool(6.0, corner, 40.0);
+        let tool = cutter(6.0, corner, 40.0);
         let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + 3.0 + corner);
         let search = FixedAxisSearch::new(&workpiece, &tool, &LIMITS);
         for station in stations(part, channel, &channel.full, &tool, 3.0, (0.1, 0.9, 9), 3) {
@@ -238,7 +225,7 @@ fn what_has_no_axis_is_named_with_its_reason() {
     let workpiece = Setup::default().allowances.workpiece_of(part_at("assets/parts/impeller9x9.toml"));
     let Workpiece { part, channel, .. } = &workpiece;
     // The holder is wider than the passage and begins far below the blade tips.
-    let tool = Tool { overhang: 9.0, ..tool(8.0, 4.0, 0.0) };
+    let tool = Tool { overhang: 9.0, ..cutter(8.0, 4.0, 0.0) };
     let layer = DepthSurface::new(part.hub.curve(), LIMITS.hub_allowance + tool.corner_radius);
     let passage = &channel.beside_splitter[0];
     let stations = stations(part, channel, passage, &tool, 0.0, (0.4, 0.6, 6), 6);
@@ -253,7 +240,7 @@ fn what_has_no_axis_is_named_with_its_reason() {
 fn the_overhang_that_frees_an_axis_is_the_least() {
     let part = part_at("assets/parts/pump6.toml");
     let workpiece = Setup::default().allowances.workpiece_of(part.clone());
-    let mut short = tool(6.0, 3.0, 14.0);
+    let mut short = cutter(6.0, 3.0, 14.0);
     short.assembly.holder = vec![[36.0, 44.0, 40.0]];
     let channel = Channel::from_part(&part);
     let passage = &channel.full;
@@ -283,7 +270,7 @@ fn the_overhang_that_frees_an_axis_is_the_least() {
 fn a_shank_in_the_way_of_axes_is_named() {
     let part = part_at("assets/parts/pump6.toml");
     let workpiece = Setup::default().allowances.workpiece_of(part.clone());
-    let mut thick = tool(6.0, 3.0, 90.0);
+    let mut thick = cutter(6.0, 3.0, 90.0);
     thick.assembly.flute_length = Some(7.0);
     thick.assembly.shank = vec![[26.0, 83.0]];
     thick.assembly.holder = vec![[30.0, 30.0, 40.0]];

@@ -1,18 +1,17 @@
 //! `verify` on synthetic flank programs: correct ones, and ones that gouge, collide, cross stock in rapid, or
 //! leave strips.
 
-use std::path::Path;
-
 use vanecut::cutting::drop_cutter::DepthSurface;
 use vanecut::flank::wall::{WallFit, WallMilling, WallStation};
 use vanecut::geometry::{Point, Vector, rotate_vector_z, rotate_z};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::{read_part, read_part_bytes};
 use vanecut::monitor::{Cancelled, Monitor};
-use vanecut::part::{Impeller, Workpiece};
+use vanecut::part::Workpiece;
 use vanecut::setup::{Setup, Tool};
 use vanecut::toolpath::{ClProgram, ClTool, Motion, Move};
 use vanecut::verify::{FaultKind, FlankVerdict, FlankVerifier, VerifyError, verify_flank};
+
+use super::parts::{cutter, described, part_at};
 
 /// Range of the passes, as s of the foot of the axis: beyond the hub's ends, cutters would drop too low.
 const ALONG: std::ops::RangeInclusive<f64> = 0.0..=0.98;
@@ -32,18 +31,8 @@ struct Made {
 /// Passes of a ball-end mill over the floor of the impeller without splitters: two along the walls, `inner`
 /// between them.
 fn made(inner: usize) -> Made {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/parts/impeller532.toml");
-    let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
-    let tool = Tool {
-        number: 1,
-        diameter: 8.0,
-        corner_radius: 4.0,
-        insert_width: 3.6,
-        overhang: 90.0,
-        plunge_feed: 300.0,
-        spindle: 5000.0,
-        assembly: Default::default(),
-    };
+    let part = part_at("assets/parts/impeller532.toml");
+    let tool = cutter(8.0, 4.0, 90.0);
     let setup = Setup::default();
     let workpiece = setup.allowances.workpiece_of(part);
     let Workpiece { part, channel, finished, .. } = &workpiece;
@@ -111,20 +100,10 @@ theta_leading_edge = 0.0
 angle = [[0.0, 30.0], [1.0, 30.0]]
 thickness = [[0.0, 0.3], [1.0, 0.3]]
 "#;
-    let description = read_part_bytes("small.toml", text.as_bytes(), "toml").expect("readable");
-    let part = Impeller::build(&description).expect("an impeller");
+    let part = described(text);
     let mut setup = Setup::default();
     (setup.allowances.hub_allowance, setup.allowances.blade_allowance) = (0.1, 0.1);
-    let tool = Tool {
-        number: 1,
-        diameter: 0.5,
-        corner_radius: 0.1,
-        insert_width: 0.2,
-        overhang: 10.0,
-        plunge_feed: 300.0,
-        spindle: 20_000.0,
-        assembly: Default::default(),
-    };
+    let tool = cutter(0.5, 0.1, 10.0);
     let workpiece = setup.allowances.workpiece_of(part);
     Made { workpiece, tool, setup, walls: Default::default(), inner: Vec::new() }
 }

@@ -7,7 +7,7 @@ use vanecut::geometry::{CutterSolid, Meridional, MeridionalCurve, Point, Vector,
 use vanecut::part::{BladeSide, BladeWall, Channel, FinishedPart, Impeller, Passage, WallEnvelope};
 use vanecut::setup::Tool;
 
-use super::parts::part_at;
+use super::parts::{self, part_at};
 
 /// A part with bowed blades through three span sections.
 const BOWED: &str = "tests/cli/assess_bowed/part.toml";
@@ -15,16 +15,7 @@ const ALLOWANCE: f64 = 0.5;
 const DEPTH: f64 = 3.0;
 
 fn tool(diameter: f64, corner_radius: f64) -> Tool {
-    Tool {
-        number: 1,
-        diameter,
-        corner_radius,
-        insert_width: 0.45 * diameter,
-        overhang: 6.0 * diameter,
-        plunge_feed: 300.0,
-        spindle: 5000.0,
-        assembly: Default::default(),
-    }
+    parts::cutter(diameter, corner_radius, 6.0 * diameter)
 }
 
 fn milling(tool: &Tool) -> WallMilling<'_> {

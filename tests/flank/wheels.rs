@@ -8,7 +8,6 @@ use vanecut::error::ErrorCode;
 use vanecut::flank::LayoutInputs;
 use vanecut::flank::choice::choose_tool;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::{read_part, read_part_bytes};
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
@@ -16,6 +15,8 @@ use vanecut::part::Impeller;
 use vanecut::setup::{FlankStrategy, Setup, Tool};
 use vanecut::toolpath::ClProgram;
 use vanecut::verify::{FlankVerdict, verify_flank};
+
+use super::parts::{cutter, described, part_at};
 
 /// A pump with five nearly cylindrical blades that overlap far: blade angles at the leading edge are 70° from
 /// the meridional direction, on a flat disc.
@@ -41,13 +42,11 @@ thickness = [[0.0, 2.0], [1.0, 2.0]]
 "#;
 
 fn overlapping() -> Impeller {
-    let description = read_part_bytes("overlapping.toml", OVERLAPPING.as_bytes(), "toml");
-    Impeller::build(&description.expect("readable")).expect("an impeller")
+    described(OVERLAPPING)
 }
 
 fn kj66() -> Impeller {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels/kj66_sections.toml");
-    Impeller::build(&read_part(&path).expect("readable")).expect("an impeller")
+    part_at("tests/data/wheels/kj66_sections.toml")
 }
 
 fn planned(part: &Impeller, setup: Setup) -> FlankOutcome {
@@ -123,8 +122,7 @@ fn a_channel_without_room_is_refused_with_values_that_work() {
 #[test]
 fn the_ball_of_a_cutter_is_no_larger_than_the_channel_is_deep() {
     // Three blades far apart, in a channel 6.6 mm deep.
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/step/covered_wheel.step");
-    let part = Impeller::build(&read_part(&path).expect("readable")).expect("an impeller");
+    let part = part_at("tests/data/step/covered_wheel.step");
     let setup = Setup::for_part(&part);
     let workpiece = setup.allowances.workpiece_of(part);
     let chosen = choose_tool(&workpiece, &setup, flank_cutters()).expect("a cutter").tool;
@@ -138,15 +136,9 @@ fn the_ball_of_a_cutter_is_no_larger_than_the_channel_is_deep() {
 #[test]
 fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
     let part = kj66();
-    let cutter = |number: u32, diameter: f64, overhang: f64| Tool {
+    let ball = |number: u32, diameter: f64, overhang: f64| Tool {
         number,
-        diameter,
-        corner_radius: 0.5 * diameter,
-        insert_width: 0.5 * diameter,
-        overhang,
-        plunge_feed: 300.0,
-        spindle: 1200.0,
-        assembly: Default::default(),
+        ..cutter(diameter, 0.5 * diameter, overhang)
     };
     let chosen = |tools: Vec<Tool>| {
         let setup = Setup { tools, ..Setup::for_part(&part) };
@@ -156,11 +148,11 @@ fn a_thicker_cutter_is_taken_where_the_thin_ones_are_too_short() {
             .number
     };
     // The passage is 4.9 mm wide and 28.3 mm deep.
-    let [short, long, thick] = [cutter(1, 2.0, 24.0), cutter(2, 2.0, 40.0), cutter(3, 3.0, 36.0)];
+    let [short, long, thick] = [ball(1, 2.0, 24.0), ball(2, 2.0, 40.0), ball(3, 3.0, 36.0)];
     assert_eq!(chosen(vec![short.clone(), long, thick.clone()]), 2, "the thin one that is long enough");
     assert_eq!(chosen(vec![short.clone(), thick]), 3, "the thick one, as the thin one is short");
-    assert_eq!(chosen(vec![short.clone(), cutter(4, 3.0, 20.0)]), 1, "none is longer");
-    assert_eq!(chosen(vec![short, cutter(5, 4.0, 60.0)]), 1, "what fills the passage does not help");
+    assert_eq!(chosen(vec![short.clone(), ball(4, 3.0, 20.0)]), 1, "none is longer");
+    assert_eq!(chosen(vec![short, ball(5, 4.0, 60.0)]), 1, "what fills the passage does not help");
 }
 
 /// A wheel with six blades, its diameter 200 mm times `scale`.
@@ -182,8 +174,7 @@ fn radial_wheel(scale: f64) -> Impeller {
         span(0.0, 45.0),
         span(1.0, 60.0),
     );
-    let description = read_part_bytes("radial.toml", text.as_bytes(), "toml");
-    Impeller::build(&description.expect("readable")).expect("an impeller")
+    described(&text)
 }
 
 #[test]
