@@ -19,9 +19,9 @@ use rayon::prelude::*;
 
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::flank::region::{Region, WallName};
-use crate::geometry::{CutterSolid, Meridional, Point, Vector};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, evenly};
 use crate::part::{BladeSide, FinishedPart, Passage, SideProbe};
-use fit::{AxisLine, FittedAxis, OffsetSide, evenly};
+use fit::{AxisLine, FittedAxis, OffsetSide};
 pub use milling::{BladeObstacle, WallMilling, WallStation};
 use stations::station_parameters;
 use strip::{MAX_LEAD_ANGLE, MAX_UNFORMED, WallStrip};

@@ -19,6 +19,11 @@ pub type Point = nalgebra::Point3<f64>;
 /// A vector in the part frame, mm (without unit for directions).
 pub type Vector = nalgebra::Vector3<f64>;
 
+/// `count` evenly spaced values from `from` to `to`, at least two.
+pub fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
+}
+
 /// A point of the meridional plane (r, z), mm; also used for directions in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Meridional {

@@ -10,13 +10,8 @@
 use nalgebra::Vector3;
 
 use super::minimax::{LinearDeviation, minimax};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, evenly};
 use crate::part::BladeSide;
-
-/// `count` evenly spaced values from `from` to `to`.
-pub(super) fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
-    (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
-}
 
 /// A blade side with the side of the cutter and the distance of its axis.
 #[derive(Clone, Copy, Debug)]

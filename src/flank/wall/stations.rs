@@ -1,8 +1,8 @@
 //! Spacing of the stations along a wall.
 
-use super::fit::{OffsetSide, evenly};
+use super::fit::OffsetSide;
 use super::milling::WallMilling;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, evenly};
 
 /// Maximum turn of the axis between stations, rad.
 pub(super) const MAX_STATION_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;

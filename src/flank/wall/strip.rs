@@ -3,11 +3,12 @@
 
 use rayon::prelude::*;
 
-use super::fit::{AxisLine, FitHeights, FittedAxis, OffsetSide, evenly};
+use super::fit::{AxisLine, FitHeights, FittedAxis, OffsetSide};
 use super::milling::WallMilling;
 use super::stations::MAX_STATION_TURN;
 use super::swept::{MARGIN, MapColumn, correct_overcuts};
 use crate::cutting::drop_cutter::DepthSurface;
+use crate::geometry::evenly;
 
 /// Share of the height of a wall above which no strip begins: it would be too narrow to define a direction.
 pub(super) const MAX_UNFORMED: f64 = 0.9;

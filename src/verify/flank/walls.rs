@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::steps::CutterStep;
 use crate::flank::wall::DeviationMap;
-use crate::geometry::{CutterSolid, Meridional, Point, Vector, search};
+use crate::geometry::{CutterSolid, Meridional, Point, Vector, evenly, search};
 use crate::monitor::{Cancelled, Monitor};
 use crate::part::{Channel, Impeller};
 use crate::setup::Tool;
@@ -57,9 +57,6 @@ pub(super) fn wall_deviation(
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
     let splitters = channel.splitters.iter().flat_map(|splitter| [&splitter.near, &splitter.far]);
     let walls = channel.full.walls.iter().chain(splitters);
-    let evenly = |from: f64, to: f64, count: usize| -> Vec<f64> {
-        (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
-    };
     let (mut maps, mut samples) = (Vec::new(), 0);
     let mut milled: Vec<f64> = Vec::new();
     for wall in walls {
