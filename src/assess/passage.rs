@@ -20,14 +20,11 @@ pub struct PassageBlades {
 impl PassageBlades {
     /// Name in texts.
     pub fn label(self) -> String {
-        let blade = |number: Option<usize>| {
-            number.map_or("main blade".to_owned(), |number| splitter_name(number, self.count))
-        };
         match (self.splitters, self.count) {
             ([None, None], _) => "main to main blade".to_owned(),
             ([None, _], 1) => "beside the splitter, at the suction side".to_owned(),
             (_, 1) => "beside the splitter, at the pressure side".to_owned(),
-            ([low, high], _) => format!("{} to {}", blade(low), blade(high)),
+            _ => self.names("main blade").join(" to "),
         }
     }
 
@@ -37,8 +34,14 @@ impl PassageBlades {
             ([None, None], _) => "full".to_owned(),
             ([None, _], 1) => "beside_splitter_suction".to_owned(),
             (_, 1) => "beside_splitter_pressure".to_owned(),
-            _ => self.label().replace("main blade", "main").replace(' ', "_"),
+            _ => self.names("main").join("_to_").replace(' ', "_"),
         }
+    }
+
+    /// Names of both blades; `main` is that of a main blade.
+    fn names(self, main: &str) -> [String; 2] {
+        self.splitters
+            .map(|number| number.map_or(main.to_owned(), |number| splitter_name(number, self.count)))
     }
 }
 

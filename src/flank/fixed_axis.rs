@@ -301,21 +301,16 @@ impl<'a> FixedAxisSearch<'a> {
     /// What of the tool meets the part or stock at a `place` that has no axis, where `axis` comes nearest to
     /// being free but for `why`.
     fn nearest_obstacle(&self, place: &PreparedContact, axis: &Vector, why: AxisObstacle) -> AxisObstacle {
-        let contact = &place.contact;
-        match why {
-            AxisObstacle::Holder => {
-                let tip = self.tool.tip_at_contact(&contact.point, &contact.normal, axis);
-                self.part_in_the_way(tip, *axis).unwrap_or(why)
-            }
+        let LayerContact { point, normal, .. } = &place.contact;
+        let tip = self.tool.tip_at_contact(point, normal, axis);
+        let found = match why {
+            AxisObstacle::Holder => self.part_in_the_way(tip, *axis),
             AxisObstacle::Stock => {
-                let along = place.contact.normal.dot(axis);
-                let across = contact.normal - axis * along;
-                let rim = self.tool.radius() - self.tool.corner_radius;
-                let offset = across.try_normalize(1e-9).unwrap_or_else(Vector::zeros) * rim;
-                self.piece_in_stock(&(place.centre + offset), axis, place.top).unwrap_or(why)
+                self.piece_in_stock(&(tip + axis * self.tool.corner_radius), axis, place.top)
             }
-            _ => why,
-        }
+            _ => None,
+        };
+        found.unwrap_or(why)
     }
 
     /// What of shank and holder meets the finished part: of those that are given segment by segment, of the

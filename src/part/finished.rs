@@ -1,5 +1,7 @@
 //! Distance of a cutter to the finished part, measured independently of how the cutter was placed.
 
+use std::ops::Range;
+
 use super::closed_blade::faces_between;
 use super::flowpath::Flowpath;
 use super::impeller::Impeller;
@@ -66,16 +68,14 @@ impl FinishedPart {
         // The first main blade of a channel is the second of the one before.
         let is_again =
             |k: usize, side: usize| k > 0 && (side < 2 || k + 1 == count && (2..4).contains(&side));
-        let sides = (0..count).flat_map(|k| (0..blades.len()).map(move |side| (k, side)));
-        let mut balls: Vec<SideBall> =
-            sides.filter(|&(k, side)| !is_again(k, side)).map(|(k, side)| ball(k, side)).collect();
+        // Blade by blade.
+        let around = |of_blade: Range<usize>| {
+            (0..count).flat_map(move |k| of_blade.clone().map(move |side| (k, side)))
+        };
+        let sides = around(0..blades.len()).filter(|&(k, side)| !is_again(k, side));
+        let mut balls: Vec<SideBall> = sides.map(|(k, side)| ball(k, side)).collect();
         let side_count = balls.len();
-        let faces_from = blades.len();
-        balls.extend(
-            (0..count)
-                .flat_map(|k| (faces_from..own.len()).map(move |face| (k, face)))
-                .map(|(k, face)| ball(k, face)),
-        );
+        balls.extend(around(blades.len()..own.len()).map(|(k, face)| ball(k, face)));
         let (hub, blade_count) = (part.hub.clone(), part.blade_count);
         Self { hub, blade_count, pitch, blades, faces, balls, side_count }
     }

@@ -29,8 +29,9 @@ const HOLDER_TOLERANCE: f64 = 0.01;
 /// Largest travel, mm, and turn, rad, between two samples of a step.
 const MAX_SAMPLE_TRAVEL: f64 = 1.0;
 const MAX_SAMPLE_TURN_RAD: f64 = 1.5 * std::f64::consts::PI / 180.0;
-/// Depth below an allowance that may stay hidden between two samples: a share of it, and limits, mm.
+/// Depth below an allowance that may stay hidden between two samples, as a share of the allowance …
 const HIDDEN_SHARE: f64 = 0.1;
+/// … and its limits, mm.
 const HIDDEN_DEPTH: [f64; 2] = [0.005, 0.02];
 
 impl StepClearance {
@@ -103,9 +104,13 @@ impl StepSurroundings<'_> {
 
     /// Least clearance between two samples of a step, at the shares `range`; halves the piece until no more
     /// than [`HIDDEN_DEPTH`] can be hidden between two samples, then evaluates the minimum of a parabola.
-    fn between(&self, step: &CutterStep, range: [f64; 2], ends: [StepClearance; 2]) -> StepClearance {
-        let share = range[1] - range[0];
-        let ([from, to], [before, after]) = (range, ends);
+    fn between(
+        &self,
+        step: &CutterStep,
+        [from, to]: [f64; 2],
+        [before, after]: [StepClearance; 2],
+    ) -> StepClearance {
+        let share = to - from;
         let may_fall =
             |allowance: f64, distance: f64| distance < allowance + self.sag(step, allowance, share);
         if !may_fall(self.blade_allowance, before.blade.min(after.blade))
@@ -118,10 +123,9 @@ impl StepSurroundings<'_> {
         let min_allowance = self.blade_allowance.min(self.hub_allowance);
         let hidden = (HIDDEN_SHARE * min_allowance).clamp(HIDDEN_DEPTH[0], HIDDEN_DEPTH[1]);
         if self.sag(step, min_allowance, 0.5 * share) > hidden {
-            let halves = [([from, halfway], [before, middle]), ([halfway, to], [middle, after])];
-            return halves
-                .into_iter()
-                .fold(middle, |least, (range, ends)| least.worst_of(self.between(step, range, ends)));
+            let first = self.between(step, [from, halfway], [before, middle]);
+            let second = self.between(step, [halfway, to], [middle, after]);
+            return middle.worst_of(first).worst_of(second);
         }
         let lowest = [(before.hub, middle.hub, after.hub), (before.blade, middle.blade, after.blade)]
             .map(|(a, m, b)| lowest_share(a, m, b));

@@ -238,11 +238,11 @@ impl AppState {
         let steps = ((time - since) * rate).floor().clamp(0.0, 1e6);
         if steps >= 1.0 {
             self.look.playing = Some(since + steps / rate);
-            match self.is_at_end() {
-                true if self.look.play_loop => self.set_timeline(Some(0)),
-                // It was moved there meanwhile; a step from there would begin at the selection.
-                true => {}
-                false => self.step_timeline(steps as isize),
+            // At the end already where it was moved there: a step would begin at the selection.
+            if !self.is_at_end() {
+                self.step_timeline(steps as isize);
+            } else if self.look.play_loop {
+                self.set_timeline(Some(0));
             }
             if self.is_at_end() && !self.look.play_loop {
                 self.look.playing = None;
