@@ -91,8 +91,8 @@ pub struct FlankVerifier<'a> {
 /// How close to its limits a program may come.
 #[derive(Clone, Copy)]
 struct Strictness {
-    /// Share of what the solid does not resolve by which holders keep off stock.
-    holder_margin: f64,
+    /// Share of what the solid does not resolve by which shanks and holders keep off stock.
+    margin: f64,
     /// See [`FlankVerifier::rim_tolerance`].
     rim_tolerance: f64,
     /// See [`FlankVerifier::blade_tolerance`].
@@ -101,10 +101,8 @@ struct Strictness {
 
 impl Strictness {
     /// A planner's: what keeps to it does so after rounding too.
-    const PLAN: Self =
-        Self { holder_margin: 1.0, rim_tolerance: 0.0, blade_tolerance: PLANNED_BLADE_TOLERANCE };
-    const VERIFY: Self =
-        Self { holder_margin: 0.0, rim_tolerance: SKIM_DEPTH, blade_tolerance: BLADE_TOLERANCE };
+    const PLAN: Self = Self { margin: 1.0, rim_tolerance: 0.0, blade_tolerance: PLANNED_BLADE_TOLERANCE };
+    const VERIFY: Self = Self { margin: 0.0, rim_tolerance: SKIM_DEPTH, blade_tolerance: BLADE_TOLERANCE };
 }
 
 /// What is known of the stock under the last program: a job first asks for its faults, then for its verdict.
@@ -152,8 +150,8 @@ impl<'a> FlankVerifier<'a> {
         Self::with(workpiece, setup, Strictness::VERIFY, true)
     }
 
-    /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: holders
-    /// keep off stock by what the solid does not resolve, so that a finer one finds nothing either, cuts are
+    /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: shanks and
+    /// holders keep off stock by what the solid does not resolve, so that a finer one finds nothing either, cuts are
     /// not too deep even at the rim of the cutter, and no blade is overcut by more than 5 µm.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
         Self::with(workpiece, setup, Strictness::PLAN, true)
@@ -161,8 +159,8 @@ impl<'a> FlankVerifier<'a> {
 
     /// A verifier that `keeps` what another program may begin with, or judges one only.
     fn with(workpiece: &'a Workpiece, setup: &'a Setup, strictness: Strictness, keeps: bool) -> Self {
-        let Strictness { holder_margin, rim_tolerance, blade_tolerance } = strictness;
-        let standing = StandingStock::new(holder_margin, keeps);
+        let Strictness { margin, rim_tolerance, blade_tolerance } = strictness;
+        let standing = StandingStock::new(margin, keeps);
         let (tools, cache) = (Vec::new(), HashMap::new());
         Self {
             workpiece,

@@ -22,6 +22,9 @@ const ROUNDING: f64 = 2e-3;
 const STOCK_TOLERANCE: f64 = 0.02;
 /// The same between two poses of a pass, mm.
 const PASS_TOLERANCE: f64 = 0.4;
+/// Depth that the solid does not resolve by which passes are planned, in diameters of the rim: slivers that
+/// are less are tolerated beside passes.
+const UNRESOLVED: f64 = 1.0 / 800.0;
 /// Every how many moves of a pass its pose is held against stock.
 const POSES_PER_LOOK: usize = 8;
 
@@ -274,40 +277,50 @@ fn in_stock(workpiece: &Workpiece, tools: &[Option<(Tool, Profile)>], program: &
             looked_at.push((k, columns.len()));
         }
     }
+    let unresolved = UNRESOLVED * 2.0 * workpiece.part.rim_radius();
     let stands = |&(k, count): &(usize, usize)| {
         let (tool, profile) = tools[moves[k].tool?].as_ref()?;
         let earlier = &columns[..count];
         // What is no wider than the cutter follows it through what it has cut.
         let wider = |segment: &[f64; 4]| segment[2].max(segment[3]) > tool.radius();
         profile.iter().filter(|(segment, _)| wider(segment)).find_map(|(segment, what)| {
-            let p = standing_point(workpiece, segment, &moves[k], earlier)?;
-            Some(format!("move {k}: {what} in standing stock at {p:.2?}"))
+            let (p, depth) = standing_point(workpiece, segment, &moves[k], earlier)?;
+            let is_plunge = moves[k].is_axial_from(&moves[k - 1]);
+            if !is_plunge && depth < unresolved {
+                return None;
+            }
+            Some(format!("move {k}: {what} {depth:.3} mm deep in standing stock at {p:.2?}"))
         })
     };
     looked_at.par_iter().filter_map(stands).collect()
 }
 
-/// A point of the surface of a segment that is in the blank and in none of the columns.
+/// A point of the surface of a segment that is in the blank and in none of the columns, and how deep it is in
+/// what they leave of it, mm.
 fn standing_point(
     workpiece: &Workpiece,
     [from, to, lower, upper]: &[f64; 4],
     step: &Move,
     columns: &[(Point, Vector, f64)],
-) -> Option<Point> {
+) -> Option<(Point, f64)> {
     let (e1, e2) = across(&step.axis);
     (0..=6).flat_map(|i| (0..24).map(move |j| (i, j))).find_map(|(i, j)| {
         let share = f64::from(i) / 6.0;
         let radius = lower + (upper - lower) * share - STOCK_TOLERANCE;
         let (sin, cos) = (std::f64::consts::TAU * f64::from(j) / 24.0).sin_cos();
         let p = step.tip + step.axis * (from + (to - from) * share) + (e1 * cos + e2 * sin) * radius;
-        let removed = || {
-            columns.iter().any(|(tip, axis, radius)| {
-                let d = p - tip;
-                let height = d.dot(axis);
-                height > -STOCK_TOLERANCE && d.norm_squared() - height * height < radius * radius
-            })
+        // How far a point is outside of a column.
+        let outside = |(tip, axis, radius): &(Point, Vector, f64)| {
+            let d = p - tip;
+            let height = d.dot(axis);
+            let off = (d.norm_squared() - height * height).max(0.0).sqrt();
+            (-STOCK_TOLERANCE - height).max(off - radius)
         };
-        (workpiece.blank.depth(Meridional::from_point(&p)) > STOCK_TOLERANCE && !removed()).then_some(p)
+        let depth = workpiece.blank.depth(Meridional::from_point(&p));
+        if depth <= STOCK_TOLERANCE || columns.iter().any(|column| outside(column) < 0.0) {
+            return None;
+        }
+        Some((p, columns.iter().map(outside).fold(depth, f64::min)))
     })
 }
 

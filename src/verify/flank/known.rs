@@ -6,17 +6,18 @@ use crate::stock::solid::{Contact, ToolPart};
 impl FlankVerifier<'_> {
     /// This verifier with what a planner's knows, one of the same workpiece and setup but for tools: the
     /// results of steps, which are the same for both, and what the last program meets of standing stock, if
-    /// even thicker holders meet none.
+    /// even thicker shanks and holders meet none.
     #[must_use]
     pub fn taking_over(self, planner: FlankVerifier<'_>) -> Self {
         let FlankVerifier { tools, cache, last, standing, .. } = planner;
         let known = Self { tools, cache, ..self };
-        let no_holder = |found: &Vec<Contact>| found.iter().all(|contact| contact.part != ToolPart::Holder);
+        let above_cutter = |part: ToolPart| matches!(part, ToolPart::Shank | ToolPart::Holder);
+        let only_cutters = |found: &Vec<Contact>| !found.iter().any(|contact| above_cutter(contact.part));
         match last {
-            Some(last) if last.contacts.as_ref().is_some_and(no_holder) => {
+            Some(last) if last.contacts.as_ref().is_some_and(only_cutters) => {
                 // Depths of cuts count otherwise.
                 let last = LastProgram { floors: None, ..last };
-                Self { last: Some(last), standing: standing.with_exact_holders(), ..known }
+                Self { last: Some(last), standing: standing.with_exact_tools(), ..known }
             }
             _ => known,
         }

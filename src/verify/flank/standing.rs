@@ -32,8 +32,9 @@ const KEPT_PARTS: usize = 16;
 /// Searches programs of one part, with the same tools, for contacts with standing stock. A program that
 /// begins with the same moves as the previous one is simulated from the last stock that was kept within them.
 pub(super) struct StandingStock {
-    /// By how much holders count as thicker, in spacings of the rays: stock between two rays is not seen.
-    holder_margin: f64,
+    /// By how much holders, and shanks that are thicker than their cutter, count as thicker still, in spacings
+    /// of the rays: stock between two rays is not seen.
+    margin: f64,
     /// Whether states are kept for a next program.
     keeps: bool,
     /// The moves of the last program.
@@ -55,18 +56,18 @@ struct KeptStock {
 
 impl StandingStock {
     /// Before the first program; of one after which no other follows nothing is kept.
-    pub(super) fn new(holder_margin: f64, keeps: bool) -> Self {
-        Self { holder_margin, keeps, moves: Vec::new(), resolved: 0.0, kept: Vec::new() }
+    pub(super) fn new(margin: f64, keeps: bool) -> Self {
+        Self { margin, keeps, moves: Vec::new(), resolved: 0.0, kept: Vec::new() }
     }
 
-    /// What is known of a program in which no holder meets stock, for holders that are less thick.
-    pub(super) fn with_exact_holders(self) -> Self {
-        Self { holder_margin: 0.0, ..self }
+    /// What is known of a program in which no shank and no holder meets stock, for those that are less thick.
+    pub(super) fn with_exact_tools(self) -> Self {
+        Self { margin: 0.0, ..self }
     }
 
     /// Forgets the last program: the tools change.
     pub(super) fn forget(&mut self) {
-        *self = Self::new(self.holder_margin, self.keeps);
+        *self = Self::new(self.margin, self.keeps);
     }
 
     /// Where parts of the tools that must not meet stock meet it; `number` of a contact is the index of its
@@ -140,9 +141,9 @@ impl StandingStock {
         let solid = SolidBlank::from_part(part, blank);
         let (low, high) = solid.bounds();
         let spacing = SPACING_SHARE * (high.x - low.x).max(high.y - low.y);
-        let margin = self.holder_margin * spacing;
+        let margin = self.margin * spacing;
         let solid_tools: Vec<SolidTool> =
-            tools.iter().map(|tool| SolidTool::from_tool(&with_thicker_holder(tool, margin))).collect();
+            tools.iter().map(|tool| SolidTool::from_tool(&thickened(tool, margin))).collect();
         let alike = self.moves.iter().zip(&moves).take_while(|(known, new)| known == new).count();
         self.kept.retain(|kept| kept.made + MAX_RUN <= alike);
         self.moves = moves;
@@ -166,9 +167,15 @@ impl StandingStock {
     }
 }
 
-/// `tool` with its holder thicker by `margin` mm all around.
-fn with_thicker_holder(tool: &Tool, margin: f64) -> Tool {
+/// `tool` with its holder, and what of its shank is thicker than the cutter, thicker by `margin` mm all around;
+/// what is no thicker follows the cutter through what it has cut.
+fn thickened(tool: &Tool, margin: f64) -> Tool {
     let mut tool = tool.clone();
+    for [diameter, _] in &mut tool.assembly.shank {
+        if *diameter > tool.diameter {
+            *diameter += 2.0 * margin;
+        }
+    }
     for [lower, upper, _] in &mut tool.assembly.holder {
         *lower += 2.0 * margin;
         *upper += 2.0 * margin;
