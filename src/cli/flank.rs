@@ -32,7 +32,7 @@ use crate::report::pictures::flank_pictures;
 use crate::report::sheet::ProgramFile;
 use crate::report::sheet::flank::{FlankSheetInput, flank_sheet};
 use crate::report::words;
-use crate::setup::FlankStrategy;
+use crate::setup::{AssemblyPart, FlankStrategy};
 use crate::verify::{FlankVerdict, count_by_kind};
 
 /// Plans, writes the files and prints the figures.
@@ -61,7 +61,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
     let plan = &outcome.plan;
     if plan.moves.is_empty() {
         let most = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length));
-        let why = most.map_or("the cutter fits nowhere", |left| left.why);
+        let why = most.map_or("the cutter fits nowhere", |left| left.why.message);
         let what = format!("nothing could be cut: {why}");
         let help = help_for_nothing(&outcome);
         return Err(Failure::work(ErrorCode::NothingMoves, what, help).at_path(&args.part));
@@ -101,7 +101,7 @@ pub fn run(args: &FlankArgs) -> Result<(), Failure> {
 /// What to do where no pass could be cut: a longer overhang where one would do.
 fn help_for_nothing(outcome: &FlankOutcome) -> String {
     let plan = &outcome.plan;
-    let by_holder = plan.uncut.iter().any(|left| left.why.contains("holder"));
+    let by_holder = plan.uncut.iter().any(|left| left.why.is_by(AssemblyPart::Holder));
     match overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
         Some(note) => note,
         None if by_holder && !plan.tool.assembly.is_empty() => {
@@ -220,7 +220,7 @@ fn object(outcome: &FlankOutcome, program: &FlankProgram) -> Map<String, Value> 
                 .iter()
                 .map(|l| {
                     json!({
-                        "layer": l.layer + 1, "region": l.region, "length": l.length, "why": l.why,
+                        "layer": l.layer + 1, "region": l.region, "length": l.length, "why": l.why.message,
                         "overhang": l.overhang,
                     })
                 })
@@ -395,6 +395,7 @@ fn left_out_text(uncut: &[UncutLength]) -> String {
         }
     }
     let line = |UncutLength { layer, length, why, overhang, .. }: UncutLength| {
+        let why = why.message;
         let length = if length < 0.1 { "less than 0.1".to_owned() } else { format!("{length:.1}") };
         let overhang = overhang.map_or(String::new(), |most| format!("; an overhang of {most} mm would do"));
         format!("left out: {length} mm of passes of layer {}, {why}{overhang}\n", layer + 1)
@@ -405,15 +406,16 @@ fn left_out_text(uncut: &[UncutLength]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::flank::UncutReason;
     use crate::flank::region::Region;
 
     #[test]
     fn passes_left_out_are_summed_by_layer_and_reason() {
-        let left = |layer, length, why, overhang| UncutLength {
+        let left = |layer, length, message, overhang| UncutLength {
             layer,
             region: Region::INLET,
             length,
-            why,
+            why: UncutReason::new(message),
             overhang,
         };
         let uncut = [

@@ -1,10 +1,10 @@
 //! The choice of the tool of a flank plan: the one that the setup names, otherwise the thickest that leaves
 //! enough space for passes side by side, or a thicker one where that is too short.
 
-use super::passes::UncutLength;
+use super::uncut::UncutLength;
 use crate::error::ErrorCode;
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
-use crate::setup::{Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
+use crate::setup::{AssemblyPart, Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
 /// walls at once.
@@ -108,20 +108,20 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
 /// found for them; else, of a tool shorter than the channel asks for, one that keeps the holder out of the
 /// channel.
 pub fn overhang_note(tool: &Tool, uncut: &[UncutLength], part: &Impeller) -> Option<String> {
-    let length = |of: &str| {
-        let by = uncut.iter().filter(|left| left.why.contains(of));
-        by.map(|left| if of == "shank" && left.overhang.is_some() { 0.0 } else { left.length }).sum()
+    let is_freed = |left: &&UncutLength| match left.why.hindered_by {
+        Some(AssemblyPart::Holder) => true,
+        Some(AssemblyPart::Shank) => left.overhang.is_some(),
+        None => false,
     };
-    let [by_shank, by_holder]: [f64; 2] = ["shank", "holder"].map(length);
+    let by = |part: AssemblyPart| uncut.iter().filter(move |left| left.why.is_by(part));
+    let by_holder: f64 = by(AssemblyPart::Holder).map(|left| left.length).sum();
+    let by_shank: f64 = by(AssemblyPart::Shank).filter(|left| !is_freed(left)).map(|left| left.length).sum();
     if by_shank > by_holder {
         return Some(
             "the shank is in the way of passes: give longer flutes, a thinner neck, or a smaller [clearance]"
                 .to_owned(),
         );
     }
-    let is_freed = |left: &&UncutLength| {
-        left.why.contains("holder") || left.why.contains("shank") && left.overhang.is_some()
-    };
     let hindered = || uncut.iter().filter(is_freed);
     let known = hindered().map(|left| left.overhang).reduce(|a, b| a.zip(b).map(|(a, b)| a.max(b)))?;
     let has = tool.overhang;

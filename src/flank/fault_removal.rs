@@ -4,8 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::layer::LayerPoint;
-use super::passes::{UncutLength, is_open};
+use super::passes::is_open;
 use super::path::{FlankMove, LayerPasses, MoveKind, MoveOrigin, Pass, PathMaker, Program, path_length};
+use super::uncut::{UncutLength, UncutReason};
 use crate::geometry::{Point, Vector};
 use crate::monitor::{Cancelled, Monitor};
 use crate::setup::Tool;
@@ -15,8 +16,8 @@ use crate::setup::Tool;
 pub struct MoveFault {
     /// Index in the program.
     pub index: usize,
-    /// What is wrong with it, as a message.
-    pub why: &'static str,
+    /// Why it is not cut.
+    pub why: UncutReason,
     /// How far it cuts below the allowance of a blade, mm; `None` where something else is wrong.
     pub overcut: Option<f64>,
     /// The overhang with which a holder in the way would be clear, mm.
@@ -24,7 +25,7 @@ pub struct MoveFault {
 }
 
 /// Why a piece of a pass is removed, and the overhang with which it could be cut, mm.
-type RemovalCause = (&'static str, Option<f64>);
+type RemovalCause = (UncutReason, Option<f64>);
 
 /// Unit direction across the axis in which a cutter, given by tip and axis, gets off the nearest blade, and
 /// the length of the way for each mm of distance from it; `None` where there is none.
@@ -217,13 +218,12 @@ fn split_pass(
         note(path_length(&pass.positions), why);
         return;
     }
-    if cut.moves.is_empty() {
+    let Some(&first_why) = cut.moves.values().next() else {
         layer.passes.push(Pass { linked: pass.linked && !cut.unlinked, ..pass });
         return;
-    }
+    };
     let places = places(layer, &pass);
-    let mut first = 0;
-    let mut last_why = ("", None);
+    let (mut first, mut last_why) = (0, first_why);
     let count = pass.positions.len();
     let mut pieces = Vec::new();
     for k in 0..count {

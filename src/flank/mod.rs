@@ -39,10 +39,11 @@ mod program;
 pub mod region;
 pub mod stepover;
 pub mod strategies;
+mod uncut;
 pub mod wall;
 
 pub use curves::{FlankError, FlankLayout, LayoutInputs};
-pub use passes::UncutLength;
 pub use path::{FlankMove, MoveKind};
 pub use plan::{FlankOpening, FlankPlan, FlankStages, plan};
+pub use uncut::{UncutLength, UncutReason};
 pub use wall::MilledWall;

@@ -23,6 +23,7 @@ use super::layer_regions::RegionStretch;
 use super::path::Pass;
 use super::region::Region;
 use super::strategies::PassRole;
+use super::uncut::{UncutLength, UncutReason};
 use super::wall::MilledWall;
 use crate::cutting::drop_cutter::DepthSurface;
 use crate::geometry::{Point, Vector};
@@ -38,7 +39,7 @@ const MAX_PASS_TURN: f64 = 15.0 * std::f64::consts::PI / 180.0;
 /// Length below which a pass is left out, in stepovers: what it cuts its neighbours have cut.
 const MIN_PASS: f64 = 0.1;
 /// Why it is left out, as a message.
-const TOO_SHORT: &str = "too short between obstacles for a pass";
+const TOO_SHORT: UncutReason = UncutReason::new("too short between obstacles for a pass");
 /// Minimum and maximum step along inner passes, mm.
 const STEPS: [f64; 2] = [0.2, 5.0];
 
@@ -62,30 +63,6 @@ pub struct RegionAxis {
     pub axis: Vector,
     /// Minimum distance of the cutter from the blades, mm.
     pub clearance: f64,
-}
-
-/// A length of passes that is not cut, and why.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UncutLength {
-    /// Layer, 0 at the hub.
-    pub layer: usize,
-    /// Region.
-    pub region: Region,
-    /// Length of the passes there, mm.
-    pub length: f64,
-    /// The reason, as a message.
-    pub why: &'static str,
-    /// Smallest overhang with which the tool would have an axis there, mm; `None` where something else than
-    /// shank or holder is in the way, or no overhang within reason suffices.
-    pub overhang: Option<f64>,
-}
-
-impl UncutLength {
-    /// Adds a length (mm) that is left out for the same reason, and could be cut with an `overhang`.
-    pub fn add(&mut self, length: f64, overhang: Option<f64>) {
-        self.length += length;
-        self.overhang = self.overhang.zip(overhang).map(|(a, b)| a.max(b));
-    }
 }
 
 /// The passes of a layer.
@@ -213,7 +190,7 @@ impl LayerPassMaker<'_> {
     }
 
     /// Records a length of passes (mm) as not cut, for a reason that no overhang removes.
-    fn record_uncut(&self, made: &mut PlannedLayer, region: Region, length: f64, why: &'static str) {
+    fn record_uncut(&self, made: &mut PlannedLayer, region: Region, length: f64, why: UncutReason) {
         self.record_uncut_by(made, region, length, (why, None));
     }
 
@@ -223,7 +200,7 @@ impl LayerPassMaker<'_> {
         made: &mut PlannedLayer,
         region: Region,
         length: f64,
-        (why, overhang): (&'static str, Option<f64>),
+        (why, overhang): (UncutReason, Option<f64>),
     ) {
         if length <= 0.0 {
             return;

@@ -9,7 +9,9 @@ use crate::flank::channels::{FlankChannel, FlankChannels};
 use crate::flank::choice::choose_tool;
 use crate::flank::fault_removal::MoveFault;
 use crate::flank::path::Times;
-use crate::flank::{FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, plan};
+use crate::flank::{
+    FlankError, FlankMove, FlankOpening, FlankPlan, FlankStages, MoveKind, UncutReason, plan,
+};
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::io::flank_file::{ShownWall, shown_walls};
 use crate::io::tool_library::{flank_cutters, plunge_cutters};
@@ -340,7 +342,8 @@ fn faults_as_written(
     monitor: &Monitor,
 ) -> Result<Vec<MoveFault>, Cancelled> {
     let count = written.moves.len();
-    let all = |why: &'static str| {
+    let all = |message: &'static str| {
+        let why = UncutReason::new(message);
         (0..count).map(|index| MoveFault { index, why, overcut: None, overhang: None }).collect()
     };
     let Some(program) = as_written(&written.program()) else {
@@ -421,23 +424,23 @@ fn move_fault(fault: &Fault, index: usize, setup: &Setup) -> Option<MoveFault> {
     Some(MoveFault { index, why: fault_reason(fault.kind)?, overcut, overhang: fault.overhang })
 }
 
-/// Why a move with a fault is left out, as text for users; `None` for faults that do not concern a single
+/// Why a move with a fault is left out; `None` for faults that do not concern a single
 /// move.
-fn fault_reason(kind: FaultKind) -> Option<&'static str> {
+fn fault_reason(kind: FaultKind) -> Option<UncutReason> {
     Some(match kind {
-        FaultKind::HubAllowance => "the cutter would come too near to the hub",
-        FaultKind::BladeAllowance => "the cutter would come too near to a blade",
-        FaultKind::ShankCollision => "the shank would come too near to the part",
-        FaultKind::HolderCollision => "the holder would meet a blade or the hub",
-        FaultKind::HolderInStock => "the holder would meet uncut stock",
+        FaultKind::HubAllowance => UncutReason::new("the cutter would come too near to the hub"),
+        FaultKind::BladeAllowance => UncutReason::new("the cutter would come too near to a blade"),
+        FaultKind::ShankCollision => UncutReason::shank("the shank would come too near to the part"),
+        FaultKind::HolderCollision => UncutReason::holder("the holder would meet a blade or the hub"),
+        FaultKind::HolderInStock => UncutReason::holder("the holder would meet uncut stock"),
         FaultKind::RapidClearance | FaultKind::RapidInStock | FaultKind::ToolInBlank => {
-            "no rapid above the blank reaches it"
+            UncutReason::new("no rapid above the blank reaches it")
         }
-        FaultKind::AxisTilt => "the tilt exceeds the limit of the machine",
-        FaultKind::AxisTurn => "the axis would turn too far in one move",
-        FaultKind::AxisLimit => "an axis of the machine would pass its limit",
-        FaultKind::TooDeep => "the cut would be too deep in one pass",
-        FaultKind::CoreContact => "the core of the cutter would plunge into uncut stock",
+        FaultKind::AxisTilt => UncutReason::new("the tilt exceeds the limit of the machine"),
+        FaultKind::AxisTurn => UncutReason::new("the axis would turn too far in one move"),
+        FaultKind::AxisLimit => UncutReason::new("an axis of the machine would pass its limit"),
+        FaultKind::TooDeep => UncutReason::new("the cut would be too deep in one pass"),
+        FaultKind::CoreContact => UncutReason::new("the core of the cutter would plunge into uncut stock"),
         FaultKind::NoFeed
         | FaultKind::SpindleStopped
         | FaultKind::CutsNothing

@@ -83,7 +83,7 @@ fn no_program_is_written_that_verify_faults() {
         let left: f64 = plan.uncut.iter().map(|l| l.length).sum();
         let all = plan.layout.totals[FlankStrategy::Balanced as usize].length;
         assert!(left < 0.5 * all, "{}: {left} of {all} mm left out", part.name);
-        assert!(plan.uncut.iter().all(|l| l.length > 0.0 && !l.why.is_empty()));
+        assert!(plan.uncut.iter().all(|l| l.length > 0.0 && !l.why.message.is_empty()));
         let verdict = verdict(outcome);
         assert_eq!(outcome.max_overcut(), verdict.max_overcut, "{}: as verify says", part.name);
         let shown: Vec<_> = verdict.faults.iter().take(5).collect();

@@ -271,19 +271,22 @@ fn a_tool_that_is_too_short_is_answered_by_a_length() {
 
 #[test]
 fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
-    use vanecut::flank::{UncutLength, choice::overhang_note, region::Region};
+    use vanecut::flank::{UncutLength, UncutReason, choice::overhang_note, region::Region};
     let part = pump();
     let text = "[[tool]]\ndiameter = 6\ncorner_radius = 3\noverhang = 18\nholder = [[30, 40, 40]]\n";
     let mut tool = read_setup_bytes("s.toml", text.as_bytes()).expect("reads").tools[0].clone();
     let found = |why, overhang| [UncutLength { layer: 0, region: Region::INLET, length: 9.0, why, overhang }];
     let left = |why| found(why, None);
-    let note = overhang_note(&tool, &left("the holder meets the part"), &part).expect("too short");
+    let by_holder = UncutReason::holder("the holder meets the part");
+    let note = overhang_note(&tool, &left(by_holder), &part).expect("too short");
     assert!(note.contains("an overhang of 40 mm keeps it out, instead of 18"), "{note}");
-    let note = overhang_note(&tool, &found("the holder meets the part", Some(33.0)), &part).expect("known");
+    let note = overhang_note(&tool, &found(by_holder, Some(33.0)), &part).expect("known");
     assert!(note.contains("an overhang of 33 mm would do, instead of 18"), "{note}");
-    assert_eq!(overhang_note(&tool, &left("a blade is too near"), &part), None);
+    assert_eq!(overhang_note(&tool, &left(UncutReason::new("a blade is too near")), &part), None);
     tool.overhang = 40.0;
-    assert_eq!(overhang_note(&tool, &left("the holder meets the part"), &part), None);
+    assert_eq!(overhang_note(&tool, &left(by_holder), &part), None);
+    let by_shank = overhang_note(&tool, &left(UncutReason::shank("the shank meets the part")), &part);
+    assert!(by_shank.expect("a thinner one").contains("a thinner neck"));
 }
 
 /// An edge of the blank beside the middle of a long holder: by points of the holder.

@@ -244,7 +244,8 @@ fn flanks_cut_no_wall_deeper_than_5_um() {
     let overcut = outcome.max_overcut();
     assert!(overcut <= judge::MAX_OVERCUT, "{}: {overcut} mm over", wheel.remarks);
     // What cuts a little too deep is moved, not left out.
-    let left = outcome.plan.uncut.iter().filter(|left| left.why.contains("would come too near to a blade"));
+    let left =
+        outcome.plan.uncut.iter().filter(|left| left.why.message.contains("would come too near to a blade"));
     assert_eq!(left.count(), 0, "{:?}", outcome.plan.uncut);
 }
 

@@ -10,9 +10,9 @@ use vanecut::app::model::planned::Side;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::drawing::flank::{FlankColours, wall_deviations};
-use vanecut::flank::UncutLength;
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
+use vanecut::flank::{UncutLength, UncutReason};
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::JobError;
 use vanecut::job::flank::{FlankOutcome, FlankRequest};
@@ -50,7 +50,7 @@ pub fn plan_flank(window: &mut Window, depth: f64) {
 fn stretches_that_are_skipped_are_named_in_every_verdict() {
     let (engine, _) = fake::engine();
     let flank = move |outcome: &mut FlankOutcome| {
-        let (why, overhang) = ("no axis is free there", None);
+        let (why, overhang) = (UncutReason::new("no axis is free there"), None);
         outcome.plan.uncut =
             vec![UncutLength { layer: 0, region: Region::INLET, length: 12.0, why, overhang }];
     };

@@ -1,11 +1,13 @@
 //! Passes along walls, with the axes fitted to the wall.
 
 use super::stretches::pieces_between;
-use super::wall_positions::{HOLDER_IN_THE_WAY, LayerPose, WallPositions, WallStep, split_into_runs};
+use super::wall_positions::{LayerPose, WallPositions, WallStep, split_into_runs};
 use super::{LayerPassMaker, PlannedLayer};
 use crate::flank::layer::LayerPoint;
 use crate::flank::region::{Region, WallName};
 use crate::flank::strategies::PassRole;
+use crate::flank::uncut::UncutReason;
+use crate::setup::AssemblyPart;
 
 /// Distance from the blades beyond the allowance at which the round end runs along a wall, mm.
 const OFF_BLADE: f64 = 0.01;
@@ -18,7 +20,7 @@ const MIN_SLOPE: f64 = 0.1;
 struct BlockedRange {
     from: f64,
     to: f64,
-    why: &'static str,
+    why: UncutReason,
     poses: Vec<LayerPose>,
 }
 
@@ -80,7 +82,7 @@ impl LayerPassMaker<'_> {
                 lost += (length - kept).max(0.0);
                 lines.extend(free);
             }
-            let overhang = match why == HOLDER_IN_THE_WAY && lost > 0.0 {
+            let overhang = match why.is_by(AssemblyPart::Holder) && lost > 0.0 {
                 true => self.maker.overhang_along_wall(&poses),
                 false => None,
             };

@@ -7,6 +7,7 @@ use crate::flank::fixed_axis::{AxisObstacle, LayerContact};
 use crate::flank::layer::LayerPoint;
 use crate::flank::region::Region;
 use crate::flank::strategies::PassRole;
+use crate::flank::uncut::UncutReason;
 use crate::geometry::{Point, Vector};
 
 /// Spacing of the stations of the fixed-axis search, mm along the meridian, and their maximum number.
@@ -74,7 +75,7 @@ impl LayerPassMaker<'_> {
             }
             if round + 1 == first + ROUNDS || round > first && left > MAX_REMAINING_SHARE * before {
                 let overhang = self.maker.overhang_for(&blocked, self.surface);
-                self.record_uncut_by(made, region, left, (obstacle_message(why), overhang));
+                self.record_uncut_by(made, region, left, (uncut_reason(why), overhang));
                 return;
             }
             rest = lost;
@@ -280,16 +281,16 @@ impl LayerPassMaker<'_> {
     }
 }
 
-/// The obstacle as a message.
-fn obstacle_message(why: AxisObstacle) -> &'static str {
-    match why {
-        AxisObstacle::Blade => "a blade is too near",
-        AxisObstacle::Hub => "the hub is too near",
-        AxisObstacle::Shank => "the shank meets the part",
-        AxisObstacle::ShankInStock => "the shank meets uncut stock",
-        AxisObstacle::Holder => "the holder meets the part",
-        AxisObstacle::Stock => "the holder meets uncut stock",
-        AxisObstacle::Tilt => "the axis would tilt too far",
-        AxisObstacle::NoCommonAxis => "no single axis suits all passes there",
+/// The obstacle as the reason why passes are not cut.
+fn uncut_reason(obstacle: AxisObstacle) -> UncutReason {
+    match obstacle {
+        AxisObstacle::Blade => UncutReason::new("a blade is too near"),
+        AxisObstacle::Hub => UncutReason::new("the hub is too near"),
+        AxisObstacle::Shank => UncutReason::shank("the shank meets the part"),
+        AxisObstacle::ShankInStock => UncutReason::shank("the shank meets uncut stock"),
+        AxisObstacle::Holder => UncutReason::holder("the holder meets the part"),
+        AxisObstacle::Stock => UncutReason::holder("the holder meets uncut stock"),
+        AxisObstacle::Tilt => UncutReason::new("the axis would tilt too far"),
+        AxisObstacle::NoCommonAxis => UncutReason::new("no single axis suits all passes there"),
     }
 }

@@ -3,6 +3,7 @@
 use crate::flank::fixed_axis::{AxisObstacle, FixedAxisSearch};
 use crate::flank::layer::{LayerPoint, LayerSurface};
 use crate::flank::region::{Region, WallName};
+use crate::flank::uncut::UncutReason;
 use crate::flank::wall::MilledWall;
 use crate::geometry::{Point, Vector};
 use crate::setup::Tool;
@@ -11,16 +12,14 @@ use crate::setup::Tool;
 /// it.
 pub(super) const CHORD: f64 = 0.005;
 /// Reasons why a stretch along a wall is not cut.
-const IN_THE_WAY: &str = "another blade blocks the cutter along the wall";
-pub(super) const HOLDER_IN_THE_WAY: &str = "the holder meets a blade or stock along the wall";
-const SHANK_IN_THE_WAY: &str = "the shank meets a blade or stock along the wall";
-const HUB_IN_THE_WAY: &str = "the hub is too near to the cutter along the wall";
-const NEAR_FLOOR: &str = "the axis along the wall is within 10° of the floor";
+const IN_THE_WAY: UncutReason = UncutReason::new("another blade blocks the cutter along the wall");
+const HOLDER_IN_THE_WAY: UncutReason =
+    UncutReason::holder("the holder meets a blade or stock along the wall");
+const SHANK_IN_THE_WAY: UncutReason = UncutReason::shank("the shank meets a blade or stock along the wall");
+const HUB_IN_THE_WAY: UncutReason = UncutReason::new("the hub is too near to the cutter along the wall");
+const NEAR_FLOOR: UncutReason = UncutReason::new("the axis along the wall is within 10° of the floor");
 /// Least cosine of the angle of the axis along a wall to the normal of the layer: 80°.
 const MIN_NORMAL_COSINE: f64 = 0.17;
-
-/// The obstacle to a tool position, as a message; `None` if it is free.
-pub(super) type ObstacleMessage = Option<&'static str>;
 
 /// A tool position on a layer.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +54,7 @@ pub(super) enum WallStep {
     /// The pass continues to this position.
     To(LayerPose),
     /// A collision between two x of the layer, mm, with the pose that collides.
-    Blocked { from: f64, to: f64, why: &'static str, pose: LayerPose },
+    Blocked { from: f64, to: f64, why: UncutReason, pose: LayerPose },
     /// The layer ends here and begins again further on; nothing of it is lost in between.
     Apart,
 }
@@ -75,8 +74,8 @@ pub(super) struct WallPositions {
     pub(super) region: Region,
     /// x of the first station on the flank itself, behind the nose.
     pub(super) behind_nose: f64,
-    /// Position and obstacle by station; `None` where the tool misses the layer.
-    pub(super) placed: Vec<Option<(LayerPose, ObstacleMessage)>>,
+    /// Position, and what is in its way, by station; `None` where the tool misses the layer.
+    pub(super) placed: Vec<Option<(LayerPose, Option<UncutReason>)>>,
 }
 
 impl WallPositions {
@@ -105,7 +104,7 @@ impl WallPositions {
             };
             Some((LayerPose { tip, axis, place }, in_the_way))
         });
-        let placed: Vec<Option<(LayerPose, ObstacleMessage)>> = placed.collect();
+        let placed: Vec<Option<(LayerPose, Option<UncutReason>)>> = placed.collect();
         let flank = milled.axes.map.u.first().copied().unwrap_or(0.0);
         let on_flank = stations.iter().zip(&placed).filter(|(station, _)| station.u >= flank);
         let behind_nose = on_flank.filter_map(|(_, p)| *p).map(|(p, _)| p.place.x).next();
@@ -119,8 +118,9 @@ impl WallPositions {
 
     /// Axis at `x`, interpolated between the free stations; beyond both ends that of the nearest.
     pub(super) fn axis(&self, x: f64) -> Option<Vector> {
-        let free =
-            |(placed, in_the_way): &'_ (LayerPose, ObstacleMessage)| in_the_way.is_none().then_some(*placed);
+        let free = |(placed, in_the_way): &'_ (LayerPose, Option<UncutReason>)| {
+            in_the_way.is_none().then_some(*placed)
+        };
         let stations = || self.placed.iter().flatten().filter_map(free);
         let mut last: Option<LayerPose> = None;
         for here in stations() {

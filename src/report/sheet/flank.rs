@@ -83,8 +83,9 @@ fn warnings(input: &FlankSheetInput) -> String {
     if let Some(longest) = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length)) {
         let UncutLength { layer, why, .. } = longest;
         found.push(format!(
-            "{left_out:.0} mm of passes are left out; the longest stretch, on layer {}: {why}.",
-            layer + 1
+            "{left_out:.0} mm of passes are left out; the longest stretch, on layer {}: {}.",
+            layer + 1,
+            why.message
         ));
     }
     if let Some(note) = overhang_note(&plan.tool, &plan.uncut, &outcome.workpiece.part) {
