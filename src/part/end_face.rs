@@ -140,15 +140,17 @@ mod tests {
                 let (p, normal) = (Meridional::from_point(&p), face.normal());
                 (p.r - face.hub.r) * normal.r + (p.z - face.hub.z) * normal.z
             };
-            for i in 0..360 {
-                let (origin, _) = rim.point_and_derivative((TAU * f64::from(i) / 360.0).sin_cos());
+            for i in 0..180 {
+                let (origin, _) = rim.point_and_derivative((TAU * f64::from(i) / 180.0).sin_cos());
                 let at = |h: f64| origin + axis * h;
+                let mut above = distance(at(100.0));
                 for k in (-400..400).rev() {
                     let (low, high) = (0.25 * f64::from(k), 0.25 * f64::from(k + 1));
-                    if distance(at(low)) * distance(at(high)) > 0.0 {
+                    let (from, to) = (distance(at(low)), above);
+                    above = from;
+                    if from * to > 0.0 {
                         continue;
                     }
-                    let (from, to) = (distance(at(low)), distance(at(high)));
                     let h = low + (high - low) * from / (from - to);
                     let r = Meridional::from_point(&at(h)).r;
                     if (20.0..=50.0).contains(&r) {

@@ -21,8 +21,6 @@ mod revolved;
 mod runs;
 mod span;
 pub mod surface;
-#[cfg(test)]
-mod tests;
 
 pub use assembly::{SolidSegment, SolidTool};
 pub use carve::Contact;

@@ -17,7 +17,7 @@ use vanecut::toolpath::ClProgram;
 
 /// The axes of a conventional plan, which interferes, with one cutter in one section.
 fn planned() -> PlanOutcome {
-    let text = include_bytes!("../assets/parts/impeller9x9.toml");
+    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
     let part = Impeller::build(&read_part_bytes("a.toml", text, "toml").expect("readable")).expect("a wheel");
     let tool = Tool {
         number: 1,
@@ -113,7 +113,7 @@ fn contact_and_floor_agree_with_contact_and_heightfield() {
 
 #[test]
 fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
-    let text = include_bytes!("../assets/parts/impeller9x9.toml");
+    let text = include_bytes!("../../assets/parts/impeller9x9.toml");
     let part = Impeller::build(&read_part_bytes("a.toml", text, "toml").expect("readable")).expect("a wheel");
     let workpiece = Setup::default().allowances.workpiece_of(part);
     let Workpiece { part, channel, .. } = &workpiece;
@@ -167,7 +167,7 @@ fn excess_is_the_distance_to_hub_and_blades_and_negative_inside_them() {
 /// Between the sides of a blade prolonged, wherever the foot on a side lies.
 #[test]
 fn excess_is_positive_above_tips_that_lie_below_the_shroud() {
-    let text = include_bytes!("data/wheels/kj66_sections.toml");
+    let text = include_bytes!("../data/wheels/kj66_sections.toml");
     let part = Impeller::build(&read_part_bytes("k.toml", text, "toml").expect("readable")).expect("a wheel");
     let wheel = Setup::default().allowances.workpiece_of(part);
     let (excess, shroud) = (Excess::new(&wheel), wheel.part.shroud.curve());
@@ -251,8 +251,8 @@ fn excess_around_blades_is_the_distance_to_them_as_they_are_drawn() {
         Impeller::build(&read_part_bytes(name, bytes, "toml").expect("readable")).expect("a wheel")
     };
     for (name, bytes) in [
-        ("kj66", &include_bytes!("data/wheels/kj66_sections.toml")[..]),
-        ("impeller9x9", &include_bytes!("../assets/parts/impeller9x9.toml")[..]),
+        ("kj66", &include_bytes!("../data/wheels/kj66_sections.toml")[..]),
+        ("impeller9x9", &include_bytes!("../../assets/parts/impeller9x9.toml")[..]),
     ] {
         let wheel = Setup::default().allowances.workpiece_of(read(name, bytes));
         let (excess, hub) = (Excess::new(&wheel), wheel.part.hub.curve());
