@@ -189,6 +189,8 @@ impl Setup {
         setup.allowances.hub_allowance = hub_allowance;
         setup.allowances.blade_allowance = blade_allowance.max(MIN_ALLOWANCE);
         setup.allowances.safety_distance = scaled(setup.allowances.safety_distance);
+        setup.clearances.shank = scaled(setup.clearances.shank);
+        setup.clearances.holder = scaled(setup.clearances.holder);
         setup.plunge.wall_scallop = scaled(setup.plunge.wall_scallop);
         setup.flank.layer_depth = scaled(setup.flank.layer_depth);
         setup.flank.scallop_height = scaled(setup.flank.scallop_height);

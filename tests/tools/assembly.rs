@@ -289,6 +289,23 @@ fn a_holder_in_the_way_of_passes_is_answered_by_a_length() {
     assert!(by_shank.expect("a thinner one").contains("a thinner neck"));
 }
 
+/// As allowances do. A setup that was written keeps its clearances on every wheel.
+#[test]
+fn the_default_clearance_scales_with_the_wheel() {
+    use vanecut::io::setup_file::read_setup_with_defaults;
+    use vanecut::setup::ClearanceSetup;
+    let hub = "[[5, 10], [6, 4], [9, 1], [16, 0]]";
+    let small = Setup::for_part(&wheel_with_blades(hub, "[[9, 10], [10, 6], [12, 4], [16, 3]]", 0.5));
+    let usual = Setup::for_part(&pump());
+    assert_eq!(usual.clearances, ClearanceSetup::default());
+    for clearance in [small.clearances.shank, small.clearances.holder] {
+        assert!((0.1..0.4).contains(&clearance), "{clearance}");
+        assert_eq!(clearance, 2.0 * small.allowances.hub_allowance);
+    }
+    let read = read_setup_with_defaults("s.toml", write_setup(&usual).as_bytes(), &small).expect("reads");
+    assert_eq!(read.clearances, usual.clearances);
+}
+
 /// An edge of the blank beside the middle of a long holder: by points of the holder.
 #[test]
 fn a_holder_is_in_the_way_of_an_edge_of_the_blank_anywhere_along_it() {

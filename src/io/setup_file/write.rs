@@ -91,10 +91,8 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
     if let Some(material) = &stock.material {
         writeln!(out, "material = {}", quoted(material))?;
     }
-    if setup.clearances != ClearanceSetup::default() {
-        let ClearanceSetup { shank, holder } = setup.clearances;
-        writeln!(out, "\n[clearance]\nshank = {shank:?}\nholder = {holder:?}")?;
-    }
+    let ClearanceSetup { shank, holder } = setup.clearances;
+    writeln!(out, "\n[clearance]\nshank = {shank:?}\nholder = {holder:?}")?;
     write_tools(out, &setup.tools)?;
     let plunge = &setup.plunge;
     let axis = plunge.axis.name();
