@@ -150,9 +150,10 @@ impl<'a> FlankVerifier<'a> {
         Self::with(workpiece, setup, Strictness::VERIFY, true)
     }
 
-    /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: shanks and
-    /// holders keep off stock by what the solid does not resolve, so that a finer one finds nothing either, cuts are
-    /// not too deep even at the rim of the cutter, and no blade is overcut by more than 5 µm.
+    /// As [`Self::new`], for a planner, whose program is judged again after its numbers were rounded: shanks
+    /// and holders keep off stock by what the solid does not resolve, so that a finer one finds nothing
+    /// either, cuts are not too deep even at the rim of the cutter, and no blade is overcut by more than
+    /// 5 µm.
     pub fn for_planner(workpiece: &'a Workpiece, setup: &'a Setup) -> Self {
         Self::with(workpiece, setup, Strictness::PLAN, true)
     }

@@ -222,7 +222,7 @@ fn runs_of_short_cuts_equal_the_cuts_one_by_one() {
     }
     let off = deviation(&whole, &single);
     assert!(off > 0.0, "runs are used");
-    // Runs are within .04 of the spacing of their cuts, and the pieces of moves that turn within .06 of these.
+    // Runs are within .04 spacings of their cuts, and the pieces of moves that turn within .06 of these.
     assert!(off < 0.16 * spacing, "{off} mm");
 }
 

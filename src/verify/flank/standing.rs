@@ -32,8 +32,8 @@ const KEPT_PARTS: usize = 16;
 /// Searches programs of one part, with the same tools, for contacts with standing stock. A program that
 /// begins with the same moves as the previous one is simulated from the last stock that was kept within them.
 pub(super) struct StandingStock {
-    /// By how much holders, and shanks that are thicker than their cutter, count as thicker still, in spacings
-    /// of the rays: stock between two rays is not seen.
+    /// By how much holders, and shanks that are thicker than their cutter, count as thicker still, in
+    /// spacings of the rays: stock between two rays is not seen.
     margin: f64,
     /// Whether states are kept for a next program.
     keeps: bool,
@@ -167,8 +167,8 @@ impl StandingStock {
     }
 }
 
-/// `tool` with its holder, and what of its shank is thicker than the cutter, thicker by `margin` mm all around;
-/// what is no thicker follows the cutter through what it has cut.
+/// `tool` with its holder, and what of its shank is thicker than the cutter, thicker by `margin` mm all
+/// around; what is no thicker follows the cutter through what it has cut.
 fn thickened(tool: &Tool, margin: f64) -> Tool {
     let mut tool = tool.clone();
     for [diameter, _] in &mut tool.assembly.shank {
