@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes pump_wheel.step, pump_bodies.step and pump_covered.step with Open CASCADE (pip install cadquery-ocp): a pump wheel
+"""Writes pump_wheel.step, pump_bodies.step and pump_covered.step with Open CASCADE (pip install "cadquery-ocp<7.9"): a pump wheel
 with five plane blades, whose hub is drawn in pieces: pump_wheel.py one pump_wheel.step; pump_wheel.py bodies
 pump_bodies.step; pump_wheel.py covered pump_covered.step, whose blades go on into the hub, through a cover of 4 mm, and past
 the rim of both.
