@@ -10,5 +10,6 @@ mod mesh_parts;
 mod order;
 mod parts;
 mod round_trips;
+mod sheets;
 mod tessellation;
 mod versions;

@@ -40,6 +40,13 @@ pub struct PlacedBody {
     pub placement: Placement,
 }
 
+impl PlacedBody {
+    /// Whether another one is in the same units and moved alike.
+    pub fn is_beside(&self, other: &Self) -> bool {
+        self.units == other.units && self.placement == other.placement
+    }
+}
+
 /// A rigid motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Placement {

@@ -90,23 +90,37 @@ impl MeshedBody {
     }
 }
 
-/// Meshes a body.
+/// Whether a body is a sheet, or several.
+pub fn is_sheet(model: &Model<'_>, body: &PlacedBody) -> bool {
+    let sheets = ["SHELL_BASED_SURFACE_MODEL", "FACE_BASED_SURFACE_MODEL"];
+    model.exchange.get(body.id).is_some_and(|i| sheets.iter().any(|name| i.record(name).is_some()))
+}
+
+/// Meshes a solid, or sheets at one place as one body; also returns the number of faces of each.
 ///
 /// # Errors
-/// When an instance it needs is missing or not understood.
-pub fn mesh_body(
+/// When the group is empty, or an instance it needs is missing or not understood.
+pub fn mesh_group(
     model: &Model<'_>,
-    body: &PlacedBody,
+    group: &[PlacedBody],
     fineness: StepFineness,
     budget: &AtomicUsize,
-) -> EntityResult<MeshedBody> {
+) -> EntityResult<(MeshedBody, Vec<usize>)> {
+    let body = group.first().ok_or_else(|| EntityFault::new(0, "has no bodies"))?;
     let reader = ShapeReader { model, units: body.units, budget };
-    let (faces, solid) = faces_of(model, body.id)?;
+    let (mut faces, mut counts, mut solid) = (Vec::new(), Vec::new(), true);
+    for body in group {
+        let (own, is_solid) = faces_of(model, body.id)?;
+        counts.push(own.len());
+        faces.extend(own);
+        solid &= is_solid;
+    }
+    let join_mm = if solid { 0.0 } else { fineness.join_mm };
     let mut best: Option<MeshedBody> = None;
     for attempt in 0..=RETRIES {
         let finer = FINER.powi(attempt);
-        let fineness =
-            StepFineness { chord_mm: fineness.chord_mm * finer, turn_rad: fineness.turn_rad * finer.sqrt() };
+        let (chord_mm, turn_rad) = (fineness.chord_mm * finer, fineness.turn_rad * finer.sqrt());
+        let fineness = StepFineness { chord_mm, turn_rad, join_mm };
         let meshed = mesh_once(reader, body, &faces, solid, fineness)?;
         let worse = |m: &MeshedBody| (m.faults.len(), if solid { m.open_edges } else { 0 });
         let crossing = meshed.faults.iter().any(|(_, why)| why.contains("cross"));
@@ -117,7 +131,7 @@ pub fn mesh_body(
             break;
         }
     }
-    best.ok_or_else(|| EntityFault::new(body.id, "has no faces"))
+    best.map(|best| (best, counts)).ok_or_else(|| EntityFault::new(body.id, "has no faces"))
 }
 
 /// Faces of a body with whether each is reversed, and whether the body is a solid.
@@ -283,7 +297,7 @@ fn kind_of(surface: &Surface) -> SurfaceKind {
 
 /// Number of edges that do not have as many triangles on one side as on the other; vertices at one place are
 /// one.
-fn open_edges(mesh: &TriangleMesh) -> usize {
+pub fn open_edges(mesh: &TriangleMesh) -> usize {
     let mut at: HashMap<[u64; 3], u32> = HashMap::new();
     let same: Vec<u32> = mesh
         .points

@@ -8,6 +8,7 @@
 //! | `shape` | geometry from instances |
 //! | `assembly` | bodies with their placements, names and colours |
 //! | `edges`, `chart`, `face`, `body` | tessellation: shared edges, parameter charts, constrained Delaunay |
+//! | `sheets` | sheets that meet, as one body |
 //! | `read` | bodies as named meshes, and as a part |
 //! | `advice` | help where no part can be made from the bodies |
 //! | `write` | parts as solids |
@@ -24,6 +25,7 @@ mod model;
 mod nurbs;
 mod read;
 mod shape;
+mod sheets;
 mod surface;
 #[cfg(test)]
 mod tests;

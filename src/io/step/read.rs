@@ -7,11 +7,12 @@ use rayon::prelude::*;
 
 use super::advice;
 use super::assembly::{PlacedBody, placed_bodies};
-use super::body::{MeshedBody, mesh_body};
+use super::body::{MeshedBody, is_sheet, mesh_group};
 use super::edges::StepFineness;
 use super::exchange::parse;
-use super::model::Model;
+use super::model::{EntityFault, Model};
 use super::shape::MAX_WORK;
+use super::sheets::{apart, grouped};
 use crate::error::ErrorCode;
 use crate::geometry::{Point, Vector};
 use crate::io::InputError;
@@ -129,12 +130,17 @@ fn mesh_scene(name: &str, bytes: &[u8], chord_mm: impl FnOnce(f64) -> f64) -> Re
             "export the wheel's solids or surfaces",
         ));
     }
-    let chord_mm = chord_mm(extent(&model, &bodies));
-    let fineness = StepFineness { chord_mm, turn_rad: TURN };
+    let extent = extent(&model, &bodies);
+    let chord_mm = chord_mm(extent);
+    let fineness = StepFineness { chord_mm, turn_rad: TURN, join_mm: chord_of_part(extent) };
     let budget = AtomicUsize::new(MAX_WORK);
-    let meshed: Result<Vec<MeshedBody>, _> =
-        bodies.par_iter().map(|body| mesh_body(&model, body, fineness, &budget)).collect();
-    let bodies = meshed.map_err(|fault| fault.in_file(name))?;
+    let groups = grouped(bodies, |body| is_sheet(&model, body));
+    let meshed = |group: &Vec<PlacedBody>| {
+        let (body, counts) = mesh_group(&model, group, fineness, &budget)?;
+        Ok(if body.solid { vec![body] } else { apart(body, group, &counts) })
+    };
+    let meshed: Result<Vec<Vec<MeshedBody>>, EntityFault> = groups.par_iter().map(meshed).collect();
+    let bodies = meshed.map_err(|fault| fault.in_file(name))?.into_iter().flatten().collect();
     Ok(StepScene { bodies, chord_mm, rotation: rotation(&model) })
 }
 

@@ -1,0 +1,200 @@
+//! Sheets that meet: surface models come as one sheet for each face, with borders of its own. Sheets at one
+//! place are meshed together, with edges that are alike as one, and fall into the bodies that they make up.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::assembly::PlacedBody;
+use super::body::{BodyFace, MeshedBody, open_edges};
+use crate::geometry::Point;
+use crate::mesh::TriangleMesh;
+use crate::mesh::roles::{Role, role_from_name};
+
+/// The role that names say, the most specific first.
+fn role(body: &PlacedBody) -> Option<Role> {
+    std::iter::once(&body.name).chain(&body.parents).find_map(|name| role_from_name(name))
+}
+
+/// Groups sheets at one place whose names do not give them different roles; `is_sheet` tells them from
+/// solids, which stay alone.
+pub fn grouped(bodies: Vec<PlacedBody>, is_sheet: impl Fn(&PlacedBody) -> bool) -> Vec<Vec<PlacedBody>> {
+    let mut groups: Vec<(Option<Option<Role>>, Vec<PlacedBody>)> = Vec::new();
+    for body in bodies {
+        let own = is_sheet(&body).then(|| role(&body));
+        let joins = |(role, group): &&mut (Option<Option<Role>>, Vec<PlacedBody>)| {
+            own.is_some() && *role == own && group[0].is_beside(&body)
+        };
+        match groups.iter_mut().find(joins) {
+            Some((_, group)) => group.push(body),
+            None => groups.push((own, vec![body])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| group).collect()
+}
+
+/// The root of `i` in a forest (union-find).
+fn root(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+/// Edges of the triangles between two different faces: the faces, and whether both run along it in one
+/// direction.
+fn meetings(mesh: &TriangleMesh, face_of: &[u32]) -> Vec<([usize; 2], bool)> {
+    let mut uses: HashMap<(u32, u32), Vec<(u32, bool)>> = HashMap::new();
+    for (t, face) in mesh.triangles.iter().zip(face_of) {
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            uses.entry((a.min(b), a.max(b))).or_default().push((*face, a < b));
+        }
+    }
+    let mut met: Vec<([usize; 2], bool)> = uses
+        .into_values()
+        .filter_map(|uses| match uses[..] {
+            [(a, forward), (b, onwards)] if a != b => {
+                Some(([a.min(b) as usize, a.max(b) as usize], forward == onwards))
+            }
+            _ => None,
+        })
+        .collect();
+    met.sort_unstable();
+    met
+}
+
+/// Faces that have to be turned over so that neighbours have their material on the same side: by the longer
+/// part of their common borders.
+fn turned_over(count: usize, met: &[([usize; 2], bool)]) -> Vec<bool> {
+    let mut against: BTreeMap<[usize; 2], i64> = BTreeMap::new();
+    for (faces, same) in met {
+        *against.entry(*faces).or_default() += if *same { 1 } else { -1 };
+    }
+    let mut beside: Vec<Vec<(usize, bool)>> = vec![Vec::new(); count];
+    for ([a, b], sum) in against {
+        beside[a].push((b, sum > 0));
+        beside[b].push((a, sum > 0));
+    }
+    let mut turned: Vec<Option<bool>> = vec![None; count];
+    for start in 0..count {
+        if turned[start].is_some() {
+            continue;
+        }
+        turned[start] = Some(false);
+        let mut waiting = vec![(start, false)];
+        while let Some((face, own)) = waiting.pop() {
+            for &(next, contrary) in &beside[face] {
+                if turned[next].is_none() {
+                    turned[next] = Some(own ^ contrary);
+                    waiting.push((next, own ^ contrary));
+                }
+            }
+        }
+    }
+    turned.into_iter().map(|turned| turned == Some(true)).collect()
+}
+
+/// Six times the volume that closed triangles enclose, mm³.
+fn sixfold_volume(mesh: &TriangleMesh) -> f64 {
+    let corner = |i: u32| mesh.points[i as usize].coords;
+    mesh.triangles.iter().map(|t| t.map(corner)).map(|[a, b, c]| a.dot(&b.cross(&c))).sum()
+}
+
+/// The bodies that the `sheets` make up of which `meshed` has all faces: `counts` of them each, in order.
+pub fn apart(mut meshed: MeshedBody, sheets: &[PlacedBody], counts: &[usize]) -> Vec<MeshedBody> {
+    let met = meetings(&meshed.mesh, &meshed.face_of);
+    let turned = turned_over(meshed.faces.len(), &met);
+    for (t, face) in meshed.mesh.triangles.iter_mut().zip(&meshed.face_of) {
+        if turned[*face as usize] {
+            t.swap(1, 2);
+        }
+    }
+    let sheet_of: Vec<usize> =
+        counts.iter().enumerate().flat_map(|(k, count)| std::iter::repeat_n(k, *count)).collect();
+    let mut parent: Vec<usize> = (0..sheets.len()).collect();
+    for ([a, b], _) in met {
+        let (a, b) = (root(&mut parent, sheet_of[a]), root(&mut parent, sheet_of[b]));
+        parent[a.max(b)] = a.min(b);
+    }
+    let roots: Vec<usize> = (0..sheets.len()).map(|k| root(&mut parent, k)).collect();
+    let firsts: Vec<usize> = (0..sheets.len()).filter(|k| roots[*k] == *k).collect();
+    let normals: HashMap<[u64; 3], Vec<usize>> = {
+        let mut at: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
+        for (k, (p, _)) in meshed.normals.iter().enumerate() {
+            at.entry(bits(p)).or_default().push(k);
+        }
+        at
+    };
+    firsts.into_iter().map(|first| component(&meshed, sheets, (&roots, first), &sheet_of, &normals)).collect()
+}
+
+fn bits(p: &Point) -> [u64; 3] {
+    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
+}
+
+/// The body of the sheets whose root is `first`.
+fn component(
+    meshed: &MeshedBody,
+    sheets: &[PlacedBody],
+    (roots, first): (&[usize], usize),
+    sheet_of: &[usize],
+    normals_at: &HashMap<[u64; 3], Vec<usize>>,
+) -> MeshedBody {
+    let is_own = |face: usize| roots[sheet_of[face]] == first;
+    let mut number = vec![0; meshed.faces.len()];
+    let mut faces: Vec<BodyFace> = Vec::new();
+    for (k, face) in meshed.faces.iter().enumerate().filter(|(k, _)| is_own(*k)) {
+        number[k] = faces.len() as u32;
+        faces.push(face.clone());
+    }
+    let own: Vec<usize> = (0..meshed.face_of.len()).filter(|t| is_own(meshed.face_of[*t] as usize)).collect();
+    let triangles = own.iter().map(|t| meshed.mesh.triangles[*t]).collect();
+    let mut mesh = TriangleMesh { points: meshed.mesh.points.clone(), triangles }.compact();
+    let face_of: Vec<u32> = own.iter().map(|t| number[meshed.face_of[*t] as usize]).collect();
+    let mut normals: Vec<usize> =
+        mesh.points.iter().filter_map(|p| normals_at.get(&bits(p))).flatten().copied().collect();
+    normals.sort_unstable();
+    normals.dedup();
+    let open = open_edges(&mesh);
+    let closed = open == 0 && !mesh.triangles.is_empty();
+    if closed && sixfold_volume(&mesh) < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    // Names of the others tell them, too.
+    let of = |k: usize| std::iter::once(&sheets[k].name).chain(&sheets[k].parents);
+    let others = (0..sheets.len()).filter(|k| roots[*k] == first).flat_map(of);
+    let mut parents: Vec<String> = Vec::new();
+    for name in sheets[first].parents.iter().chain(others) {
+        if !name.is_empty() && *name != sheets[first].name && !parents.contains(name) {
+            parents.push(name.clone());
+        }
+    }
+    let ids: Vec<u32> = faces.iter().map(|face| face.id).collect();
+    MeshedBody {
+        id: sheets[first].id,
+        name: sheets[first].name.clone(),
+        parents,
+        mesh,
+        face_of,
+        faces,
+        normals: normals.into_iter().map(|k| meshed.normals[k]).collect(),
+        solid: closed,
+        open_edges: open,
+        faults: meshed.faults.iter().filter(|(id, _)| ids.contains(id)).copied().collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_turned_until_they_agree() {
+        // A strip of four triangles, each a face of its own, of which the second and the third are reversed.
+        let points = (0..6).map(|k| Point::new(f64::from(k / 2), f64::from(k % 2), 0.0)).collect();
+        let triangles = vec![[0, 2, 1], [1, 3, 2], [2, 3, 4], [3, 4, 5]];
+        let met = meetings(&TriangleMesh { points, triangles }, &[0, 1, 2, 3]);
+        assert_eq!(met.len(), 3);
+        assert_eq!(turned_over(4, &met), [false, true, true, false]);
+    }
+}
