@@ -23,7 +23,7 @@ use super::tip_faces::fit_tip_faces;
 use super::tips::fit_tip_curve;
 use super::walls::{Blades, Walls, check_deviation, fit_walls};
 use crate::error::ErrorCode;
-use crate::geometry::{MeridionalCurve, Point, Vector};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription, PartError};
 
 /// Number of points of a side of a section.
@@ -240,7 +240,10 @@ fn describe_roles(
     let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     // With whether the tips turn into leading and trailing edge past its ends.
     let (shroud_curve, past_tips) = match fitted_shroud {
-        Some(shroud) => (shroud, false),
+        Some(shroud) => {
+            let past = goes_past(&main, &through(&shroud), tolerance);
+            (shroud, past)
+        }
         None => {
             let by_edges = || {
                 let hub = MeridionalCurve::through(&hub_curve.points);
@@ -335,6 +338,16 @@ struct NamedBody {
     /// Whether the user says it.
     given: bool,
     mesh: TriangleMesh,
+}
+
+/// Whether the tips of a blade go on past an end of its shroud, straight within `tolerance`, mm.
+fn goes_past(blade: &MeshSurface, shroud: &MeridionalCurve, tolerance: f64) -> bool {
+    let inside = -tolerance..=shroud.length() + tolerance;
+    let is_past = |p: &Point| {
+        let (t, off) = shroud.project_past_ends(Meridional::from_point(p));
+        off.abs() < tolerance && !inside.contains(&t)
+    };
+    blade.points.iter().any(is_past)
 }
 
 /// The axis of the largest of several bodies that is one of revolution.

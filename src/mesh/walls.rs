@@ -16,6 +16,10 @@ const FEWEST: usize = 8;
 /// Blades that are deeper in hub or cover than this many times the tolerance reach into it.
 const REACHES_IN: f64 = 4.0;
 
+/// Corners of a blade that is cut off are on the wall where they are within this many times the tolerance of
+/// it: the foot of a blade that stands on the hub and reaches into it elsewhere only.
+const ON_WALL: f64 = 0.2;
+
 /// The blades of a wheel.
 pub struct Blades {
     /// The main blade.
@@ -93,7 +97,7 @@ pub fn fit_walls(
         let depth = depth_behind(&main, &line);
         if depth > REACHES_IN * tolerance {
             for blade in std::iter::once(&mut main).chain(&mut splitters) {
-                let (cut, at_cut) = trimmed_with_normals(blade, &line, 0.0, normals);
+                let (cut, at_cut) = trimmed_with_normals(blade, &line, ON_WALL * tolerance, normals);
                 normals.extend(at_cut);
                 *blade = cut;
             }

@@ -54,10 +54,10 @@ pub fn write_part(part: &Impeller, file: &str) -> String {
          GLOBAL_UNIT_ASSIGNED_CONTEXT((#{length},#{angle},#{solid_angle}))REPRESENTATION_CONTEXT('',''))"
     ));
     let mut items = vec![out.frame([0.0, 0.0, 0.0], [0.0, 0.0, 1.0])];
-    let hub = turned::hub_surface(&mut out, part);
+    let all: Vec<&Blade> = std::iter::once(&part.main).chain(&part.splitters).collect();
+    let hub = turned::hub_surface(&mut out, part, &all);
     let shroud = turned::shroud_surface(&mut out, part);
     items.push(turned::hub_body(&mut out, part, &hub));
-    let all: Vec<&Blade> = std::iter::once(&part.main).chain(&part.splitters).collect();
     let floors = [(&part.hub, &hub, 0.0), (&part.shroud, &shroud, 1.0)]
         .map(|(path, own, v)| turned::floor_surface(&mut out, (path, own), &all, v));
     let rows = std::iter::once((&part.main, "blade".to_owned())).chain(

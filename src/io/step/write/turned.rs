@@ -20,6 +20,8 @@ pub struct RevolvedSurface {
     curve: u32,
     /// First and last point of the curve.
     ends: [Meridional; 2],
+    /// Their arc lengths, mm.
+    extent: (f64, f64),
 }
 
 fn revolved(out: &mut Instances, curve: &MeridionalCurve, from: f64, to: f64) -> RevolvedSurface {
@@ -30,19 +32,40 @@ fn revolved(out: &mut Instances, curve: &MeridionalCurve, from: f64, to: f64) ->
     let (origin, z) = (out.point([0.0; 3]), out.direction([0.0, 0.0, 1.0]));
     let axis = out.add(&format!("AXIS1_PLACEMENT('',#{origin},#{z})"));
     let id = out.add(&format!("SURFACE_OF_REVOLUTION('',#{curve},#{axis})"));
-    RevolvedSurface { id, curve, ends }
+    RevolvedSurface { id, curve, ends, extent: (from, to) }
 }
 
-/// The surface of the hub, from its nose to the rim.
-pub fn hub_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
+/// The surface of the hub, from its nose to the rim: on straight below the feet of `blades` that begin ahead
+/// of its curve.
+pub fn hub_surface(out: &mut Instances, part: &Impeller, blades: &[&Blade]) -> RevolvedSurface {
     let hub = &part.hub;
-    revolved(out, hub.curve(), hub.arc_at(hub.wheel_from()), hub.arc_at(1.0))
+    let (first, _) = floor_extent(hub, blades, 0.0);
+    revolved(out, hub.curve(), first, hub.arc_at(1.0))
 }
 
 /// The surface of the shroud.
 pub fn shroud_surface(out: &mut Instances, part: &Impeller) -> RevolvedSurface {
     let shroud = &part.shroud;
     revolved(out, shroud.curve(), shroud.arc_at(shroud.wheel_from()), shroud.arc_at(1.0))
+}
+
+/// Arc lengths between which the surface below feet (`v` = 0) or above tips (`v` = 1) of `blades` goes: the
+/// ends of the curve, or some way past those that blades go on past, mm.
+fn floor_extent(path: &Flowpath, blades: &[&Blade], v: f64) -> (f64, f64) {
+    let curve = path.curve();
+    let (from, to) = (path.arc_at(path.wheel_from()), path.arc_at(1.0));
+    let sides = blades.iter().flat_map(|blade| [&blade.suction, &blade.pressure]);
+    let places = sides.flat_map(|side| {
+        let place =
+            move |k: i32| Meridional::from_point(&side.point(f64::from(k) / f64::from(FLOOR_PLACES), v));
+        (0..=FLOOR_PLACES).map(move |k| curve.project_past_ends(place(k)).0)
+    });
+    let (first, last) = places.fold((from, to), |(a, b), t| (a.min(t), b.max(t)));
+    let margin = BEYOND * (to - from);
+    (
+        if from - first < ON_AXIS { from } else { first - margin },
+        if last - to < ON_AXIS { to } else { last + margin },
+    )
 }
 
 /// The surface that the feet (`v` = 0) or tips (`v` = 1) of `blades` lie on: `own`, that of `path`, or where
@@ -53,22 +76,11 @@ pub fn floor_surface(
     blades: &[&Blade],
     v: f64,
 ) -> u32 {
-    let curve = path.curve();
-    let (from, to) = (path.arc_at(path.wheel_from()), path.arc_at(1.0));
-    let sides = blades.iter().flat_map(|blade| [&blade.suction, &blade.pressure]);
-    let places = sides.flat_map(|side| {
-        let place =
-            move |k: i32| Meridional::from_point(&side.point(f64::from(k) / f64::from(FLOOR_PLACES), v));
-        (0..=FLOOR_PLACES).map(move |k| curve.project_past_ends(place(k)).0)
-    });
-    let (first, last) = places.fold((from, to), |(a, b), t| (a.min(t), b.max(t)));
-    if from - first < ON_AXIS && last - to < ON_AXIS {
+    let (first, last) = floor_extent(path, blades, v);
+    if (first, last) == own.extent {
         return own.id;
     }
-    let margin = BEYOND * (to - from);
-    let first = if from - first < ON_AXIS { from } else { first - margin };
-    let last = if last - to < ON_AXIS { to } else { last + margin };
-    revolved(out, curve, first, last).id
+    revolved(out, path.curve(), first, last).id
 }
 
 /// A corner of an outline: its vertex, and its circle where it is off the axis.
