@@ -16,7 +16,7 @@ const NEAR: f64 = 0.01;
 /// Largest cosine between the directions of the slice before and behind an end.
 const BACK: f64 = -0.4;
 /// The faces that turn the slice back as far as any but for this are enough.
-const AS_FAR: f64 = 0.1;
+const AS_FAR: f64 = 0.04;
 /// The directions are taken over this share of the length of the faces, and of the slice at least.
 const ARM: (f64, f64) = (0.25, 0.005);
 

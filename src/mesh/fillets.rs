@@ -52,7 +52,7 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
         // Where the blade is lowest, at its trailing edge, the fillet may reach higher and round that edge.
         let has_round_tail = |section: &SpanSection| section.has_round_tail;
         let same = sections.iter().position(|s| has_round_tail(s) != has_round_tail(&sections[0]));
-        return begun.min(same.unwrap_or(begun)).saturating_sub(2).max(1);
+        return begun.min(same.unwrap_or(begun)).saturating_sub(3).max(1);
     }
     // Close to the end, where blade and hub meet, a slice may fall into pieces.
     if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }
@@ -83,16 +83,16 @@ fn fillet_begins(thick: &[[f64; ZONES]], height: f64) -> Option<usize> {
         let mut usual = over[..=2 * quarter].to_vec();
         usual.sort_by(f64::total_cmp);
         let usual = usual[usual.len() / 2];
-        // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to
-        // it.
-        let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > WHOLE * height;
-        let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
         // Beside a blunt edge a zone holds part of that edge, and more or less of it from height to height.
         let noise =
             (1..=2 * quarter).map(|k| (gain(k) - second).abs()).sum::<f64>() / (2 * quarter).max(1) as f64;
+        let whole = WHOLE * height + NOISES * noise;
+        // Where a fillet begins, a slice may be divided at a wrong place: what is much too thick belongs to
+        // it.
+        let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > whole;
+        let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
         let is_steep = |k: usize| gain(k) > expected(k) + STEEP * height / (2 * STEPS) as f64;
-        (over[last] - usual > WHOLE * height + NOISES * noise && (begun..=last).any(is_steep))
-            .then_some(begun)
+        (over[last] - usual > whole && (begun..=last).any(is_steep)).then_some(begun)
     };
     let begun: Vec<usize> = (0..ZONES).filter_map(begins).collect();
     begun.iter().min().copied().filter(|_| begun.len() >= FEWEST)

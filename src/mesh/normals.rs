@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use nalgebra::{SMatrix, SVector};
 
 use super::surface::MeshSurface;
+use super::weld::NONE;
 use crate::geometry::{Point, Vector, frame_about};
 
 /// Largest number of corners around a corner, and of triangles around one of these: the centre of a fan has
@@ -75,39 +76,32 @@ pub struct CornerNormals {
 }
 
 impl CornerNormals {
-    /// Estimates the normals; `patch` is the number of the smooth patch of each triangle.
-    pub fn new(surface: &MeshSurface, patch: &[u32]) -> Self {
-        let around = CornerTriangles::new(surface);
+    /// Estimates the normals; `joins` tells whether two neighbouring triangles meet smoothly.
+    pub fn new(surface: &MeshSurface, joins: &impl Fn(usize, usize) -> bool) -> Self {
+        let around = CornerTriangles::new(surface, joins);
         let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
         let mut near: Vec<u32> = Vec::new();
         for corner in 0..surface.points.len() {
-            let own = around.triangles(corner);
-            for (k, &t) in own.iter().enumerate() {
-                let here = patch[t as usize];
-                if own[..k].iter().any(|&other| patch[other as usize] == here) {
-                    continue;
-                }
+            for own in around.fans(corner) {
                 near.clear();
                 let mut mean = Vector::zeros();
-                for &first in own.iter().filter(|&&other| patch[other as usize] == here) {
+                for &first in own {
                     mean += surface.normals[first as usize] * surface.area(first as usize);
                     if near.len() > MAX_NEAR {
                         continue;
                     }
-                    for ring in surface.triangles[first as usize] {
-                        for &second in around.triangles(ring as usize).iter().take(MAX_NEAR) {
-                            if patch[second as usize] == here {
-                                near.extend(surface.triangles[second as usize]);
-                            }
+                    for ring in 0..3 {
+                        for &second in around.fan(first as usize, ring).iter().take(MAX_NEAR) {
+                            near.extend(surface.triangles[second as usize]);
                         }
                     }
                 }
                 near.sort_unstable();
                 near.dedup();
                 near.retain(|&i| i as usize != corner);
-                let mean = mean.try_normalize(1e-12).unwrap_or(surface.normals[t as usize]);
+                let mean = mean.try_normalize(1e-12).unwrap_or(surface.normals[own[0] as usize]);
                 let normal = fit_normal(&surface.points, corner, &near, &mean).unwrap_or(mean);
-                for &other in own.iter().filter(|&&other| patch[other as usize] == here) {
+                for &other in own {
                     for c in 0..3 {
                         if surface.triangles[other as usize][c] as usize == corner {
                             of[other as usize][c] = normal;
@@ -181,33 +175,86 @@ fn fit_normal(points: &[Point], corner: usize, near: &[u32], mean: &Vector) -> O
     (normal.dot(mean) > 0.7).then_some(normal)
 }
 
-/// Triangles around each corner, in compressed rows.
-struct CornerTriangles {
+/// Triangles around each corner, in compressed rows, by fans: those of a fan meet smoothly at the corner. An
+/// edge may be sharp at one end and run out in a smooth face at the other.
+struct CornerTriangles<'a> {
+    surface: &'a MeshSurface,
     starts: Vec<u32>,
     list: Vec<u32>,
+    /// Where in `list` the fan of each corner of each triangle begins and ends.
+    fans: Vec<[(u32, u32); 3]>,
 }
 
-impl CornerTriangles {
-    fn new(surface: &MeshSurface) -> Self {
+impl<'a> CornerTriangles<'a> {
+    fn new(surface: &'a MeshSurface, joins: &impl Fn(usize, usize) -> bool) -> Self {
+        let triangles = &surface.triangles;
         let mut starts = vec![0_u32; surface.points.len() + 1];
-        for i in surface.triangles.iter().flatten() {
+        for i in triangles.iter().flatten() {
             starts[*i as usize + 1] += 1;
         }
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let mut list = vec![0; 3 * surface.triangles.len()];
-        for (t, triangle) in surface.triangles.iter().enumerate() {
+        let mut list = vec![0; 3 * triangles.len()];
+        for (t, triangle) in triangles.iter().enumerate() {
             for i in triangle {
                 list[next[*i as usize] as usize] = t as u32;
                 next[*i as usize] += 1;
             }
         }
-        Self { starts, list }
+        let beside = |(t, beside): (usize, &[u32; 3])| beside.map(|n| n != NONE && joins(t, n as usize));
+        let smooth: Vec<[bool; 3]> = surface.neighbours.iter().enumerate().map(beside).collect();
+        let mut fans = vec![[(0, 0); 3]; triangles.len()];
+        let mut waiting = vec![false; triangles.len()];
+        for corner in 0..surface.points.len() {
+            let rows = starts[corner] as usize..starts[corner + 1] as usize;
+            let (mut end, own) = (rows.start, list[rows].to_vec());
+            own.iter().for_each(|t| waiting[*t as usize] = true);
+            for first in own {
+                if !std::mem::take(&mut waiting[first as usize]) {
+                    continue;
+                }
+                let begin = end;
+                list[end] = first;
+                end += 1;
+                let mut at = begin;
+                while at < end {
+                    let t = list[at] as usize;
+                    at += 1;
+                    for k in (0..3).filter(|k| smooth[t][*k]) {
+                        let other = surface.neighbours[t][k];
+                        let meets = [k, (k + 1) % 3].iter().any(|c| triangles[t][*c] as usize == corner);
+                        if meets && std::mem::take(&mut waiting[other as usize]) {
+                            list[end] = other;
+                            end += 1;
+                        }
+                    }
+                }
+                for t in list[begin..end].iter().map(|t| *t as usize) {
+                    for c in (0..3).filter(|c| triangles[t][*c] as usize == corner) {
+                        fans[t][c] = (begin as u32, end as u32);
+                    }
+                }
+            }
+        }
+        Self { surface, starts, list, fans }
     }
 
-    fn triangles(&self, corner: usize) -> &[u32] {
-        &self.list[self.starts[corner] as usize..self.starts[corner + 1] as usize]
+    /// The fans of a corner.
+    fn fans(&self, corner: usize) -> impl Iterator<Item = &[u32]> {
+        let (mut at, to) = (self.starts[corner], self.starts[corner + 1]);
+        std::iter::from_fn(move || {
+            let first = *self.list.get(at as usize).filter(|_| at < to)? as usize;
+            let c = self.surface.triangles[first].iter().position(|i| *i as usize == corner)?;
+            at = self.fans[first][c].1;
+            Some(self.fan(first, c))
+        })
+    }
+
+    /// The fan of a triangle around its corner `c`.
+    fn fan(&self, triangle: usize, c: usize) -> &[u32] {
+        let (begin, end) = self.fans[triangle][c];
+        &self.list[begin as usize..end as usize]
     }
 }

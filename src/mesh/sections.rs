@@ -11,6 +11,12 @@ use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// As [`SHARP`], between a side and a cap.
 const CAP_TURN: f64 = 0.995;
+/// Edges within smooth patches, which faces have that are one patch by way of a fillet around the end of the
+/// edge: smallest cosine of the angle between triangles that they do not divide, and between the faces of
+/// which the file tells the normals. Coarse noses have edges that turn further than faces of CAD.
+const CREASED: (f64, f64) = (0.5, 0.906);
+/// Share of a shroud up to the ends of which tips go from which on it is their own.
+const MOST: f64 = 0.95;
 /// Range of a blade between its slanted edges, relative to its length.
 const MIDDLE: std::ops::Range<f64> = 0.35..0.9;
 /// Triangles within this share of the height from hub or shroud are caps of the blade.
@@ -73,7 +79,15 @@ impl ChannelCoordinates {
             }
         }
         let found = |ends: (f64, f64), all: (f64, f64)| if ends.0 < ends.1 { ends } else { all };
-        let shroud_ends = if past_tips { shroud_ends } else { found(ends[1], shroud_ends) };
+        let along = found(ends[1], shroud_ends);
+        // Tips make a shroud up to its ends; another one may begin far ahead of the blades.
+        let within = (along.0.max(shroud_ends.0), along.1.min(shroud_ends.1));
+        let reaches = within.1 - within.0 > MOST * shroud_ends.1;
+        let shroud_ends = match (past_tips, reaches) {
+            (true, true) => shroud_ends,
+            (true, false) => within,
+            (false, _) => along,
+        };
         Self { hub_ends: found(ends[0], hub_ends), shroud_ends, ..whole }
     }
 
@@ -156,6 +170,21 @@ fn classify_caps(surface: &MeshSurface, places: &[(f64, f64)]) -> Vec<u8> {
     (0..surface.triangles.len()).map(cap).collect()
 }
 
+/// Whether the edge between two neighbouring triangles of one smooth patch divides them.
+fn is_crease(surface: &MeshSurface, exact: &ExactNormals, a: usize, b: usize) -> bool {
+    if surface.normals[a].dot(&surface.normals[b]) < CREASED.0 {
+        return true;
+    }
+    let faces = [surface.faces[a], surface.faces[b]];
+    if exact.is_empty() || faces[0] == faces[1] || faces.contains(&NONE) {
+        return false;
+    }
+    // Where the file tells no normals a face is plane.
+    let normal = |p: &Point, t: usize| exact.near(p, &surface.normals[t]).unwrap_or(surface.normals[t]);
+    let common = surface.triangles[a].iter().filter(|i| surface.triangles[b].contains(i));
+    common.map(|i| &surface.points[*i as usize]).all(|p| normal(p, a).dot(&normal(p, b)) < CREASED.1)
+}
+
 /// One piece of a slice: a loop, or a line with two ends.
 #[derive(Clone, Debug)]
 pub struct SlicePiece {
@@ -171,7 +200,8 @@ pub struct BladeSlicer<'a> {
     band: &'a ChannelCoordinates,
     /// (along, height) of the corners.
     places: Vec<(f64, f64)>,
-    patch: Vec<u32>,
+    /// Of each triangle, whether it meets its neighbours smoothly.
+    smooth: Vec<[bool; 3]>,
     normals: CornerNormals,
 }
 
@@ -185,9 +215,16 @@ impl<'a> BladeSlicer<'a> {
             let straight = surface.normals[a].dot(&surface.normals[b]);
             straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
         });
-        let mut normals = CornerNormals::new(surface, &patch);
+        let joins = |a: usize, b: usize| patch[a] == patch[b] && !is_crease(surface, exact, a, b);
+        let mut normals = CornerNormals::new(surface, &joins);
         normals.replace_by(surface, exact);
-        Self { surface, band, places, patch, normals }
+        let smooth = surface
+            .neighbours
+            .iter()
+            .enumerate()
+            .map(|(t, beside)| beside.map(|n| n != NONE && joins(t, n as usize)))
+            .collect();
+        Self { surface, band, places, smooth, normals }
     }
 
     /// (along, height) of the corners.
@@ -264,7 +301,7 @@ impl<'a> BladeSlicer<'a> {
         let (a, b) = (self.surface.points[i], self.surface.points[j]);
         let (ha, hb) = (self.places[i].1, self.places[j].1);
         let across = self.surface.neighbours[t][k];
-        let edge = across == NONE || self.patch[across as usize] != self.patch[t];
+        let edge = !self.smooth[t][k];
         let chord = b - a;
         let tangent = |n: &Vector| chord - n * n.dot(&chord);
         let (ta, tb) = match across {

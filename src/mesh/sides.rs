@@ -15,6 +15,9 @@ const NEAR_TAIL: f64 = 0.02;
 const FLAT: f64 = 0.25;
 /// Points closer together than this share of the local spacing are merged.
 const CROWDED: f64 = 0.35;
+/// Points that are nearer to each other than they were moved off their chords are merged up to this distance,
+/// mm.
+const CERTAIN: f64 = 0.01;
 /// Share of the parameter range of a side that its nose takes (and a round trailing edge as much again).
 const NOSE_SHARE: f64 = 0.35;
 /// Both ends of a gap at an open leading or trailing edge are within this share of the length from it.
@@ -158,7 +161,9 @@ fn thinned(points: &[SlicePoint]) -> Vec<SlicePoint> {
         let (from, to) = (i.saturating_sub(2), (i + 2).min(last));
         let spacing = (points[to].point - points[from].point).norm() / (to - from) as f64;
         let (Some(previous), point) = (kept.last().copied(), points[i]) else { break };
-        let is_crowded = (point.point - previous.point).norm() < CROWDED * spacing;
+        // Nearer to each other than they are certain, two points tell no direction.
+        let certain = (previous.chord_offset_mm + point.chord_offset_mm).min(CERTAIN);
+        let is_crowded = (point.point - previous.point).norm() < certain.max(CROWDED * spacing);
         let replaces = i == last || point.edge || point.chord_offset_mm < previous.chord_offset_mm;
         if is_crowded && replaces && !previous.edge && kept.len() > 1 {
             kept.pop();

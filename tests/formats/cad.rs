@@ -23,6 +23,8 @@ const OPEN_WHEEL: &[u8] = include_bytes!("../data/step/open_wheel.step");
 const PLANE_BLADES: &[u8] = include_bytes!("../data/step/plane_blades.step");
 /// A wheel in one body with a cover that bends about the blades, and a blade with a nose of its own.
 const COVERED_WHEEL: &[u8] = include_bytes!("../data/step/covered_wheel.step");
+/// The second with root fillets of 1.2 mm.
+const FILLETED: &[u8] = include_bytes!("../data/step/filleted_blades.step");
 const NOSE_BLADE: &[u8] = include_bytes!("../data/step/nose_blade.step");
 /// A pump wheel whose hub is drawn in pieces, in one body, in several, and with blades that go on through
 /// hub, cover and rim, made by the script beside them.
@@ -209,7 +211,7 @@ fn an_open_wheel_in_one_body_has_its_shroud_at_its_turned_tips() {
         let off = |p: Meridional| ((p.r - 50.0).hypot(p.z - middle) - radius).abs();
         assert!(points.map(off).fold(0.0, f64::max) < 1e-3, "{name}");
         // From the leading edge, which is straight across the blade, to the rim.
-        assert!((curve.point(0.0).r - 39.992).abs() < 5e-3, "{name}: from r = {}", curve.point(0.0).r);
+        assert!((curve.point(0.0).r - 39.992).abs() < 0.01, "{name}: from r = {}", curve.point(0.0).r);
         assert!((curve.point(1.0).r - 50.0).abs() < 5e-3, "{name}: to r = {}", curve.point(1.0).r);
     }
     for v in [0.0, 0.5, 1.0] {
@@ -240,6 +242,35 @@ fn a_trailing_edge_that_goes_on_below_the_rim_is_cut_at_the_hub() {
         assert!(nearer < 0.01, "a side is {nearer} mm off its plane");
         let rim = [0.0, 0.5, 1.0].map(|v| Meridional::from_point(&side.point(1.0, v)).r);
         assert!(rim.iter().all(|r| (r - 50.0).abs() < 0.01), "{rim:?}");
+    }
+}
+
+/// The faces of blunt ends and sides are one smooth patch by way of the fillet below them.
+#[test]
+fn blunt_blades_with_root_fillets_keep_their_edges() {
+    let description = read_bytes("filleted.step", FILLETED, &MeshOptions::default());
+    let notes = description.as_ref().map(|part| part.notes.join("; ")).expect("sound");
+    assert!(!notes.contains("jumps"), "{notes}");
+    let part = built(&description);
+    assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
+    // The leading edge is the middle of the plane x = 40 mm, and the sides are planes, as without fillets.
+    let least = |of: &dyn Fn(Point) -> f64, p: Point| {
+        (0..3).map(|k| of(rotate_z(&p, part.pitch() * f64::from(k))).abs()).fold(f64::INFINITY, f64::min)
+    };
+    for side in [&part.main.suction, &part.main.pressure] {
+        let across =
+            |y: f64, by_z: f64| move |p: Point| p.y - (y - 2.0 * (p.x - 40.0) / 16.0 + by_z * (p.z - 3.4));
+        let off = |y: f64, by_z: f64| {
+            let places = (0..=30).flat_map(|i| (0..=10).map(move |j| (0.4 + 0.02 * f64::from(i), j)));
+            let points = places.map(|(u, j)| side.point(u, f64::from(j) / 10.0));
+            points.map(|p| least(&across(y, by_z), p)).fold(0.0, f64::max)
+        };
+        let nearer = off(-1.4, 0.9 / 27.6).min(off(1.2, -0.2 / 27.6));
+        assert!(nearer < 0.02, "a side is {nearer} mm off its plane");
+        for v in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let ahead = least(&|p: Point| (p.x - 40.0).hypot(p.y + 0.15), side.point(0.0, v));
+            assert!(ahead < 0.25, "{v}: the leading edge is {ahead} mm off");
+        }
     }
 }
 
@@ -336,6 +367,12 @@ fn blades_that_go_on_past_the_ends_of_their_shroud_are_written_closed() {
     let text = write_part(&part, "a.step");
     let scene = read_scene_bytes("a.step", text.as_bytes(), Some(0.05)).expect("sound");
     assert!(scene.notes().is_empty(), "{:?}", scene.notes());
+    // The hub goes on below their feet, and its shroud sheet ends where the tips turn into the edges.
+    let again = built(&read_bytes("a.step", text.as_bytes(), &MeshOptions::default()));
+    let (_, sides) = apart(&part, &again);
+    let off = |k: i32| again.hub.curve().project(part.hub.point(f64::from(k) / 100.0)).1.abs();
+    let hub = (0..=100).map(off).fold(0.0, f64::max);
+    assert!(hub < LIMIT && sides < 0.05, "hub {hub}, sides {sides} mm");
 }
 
 /// Largest distance of a part from itself after it was written and read, mm.

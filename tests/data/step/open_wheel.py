@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Writes open_wheel.step, plane_blades.step and covered_wheel.step with Open CASCADE (pip install "cadquery-ocp<7.9"): three
-blades fused to a hub, their tips turned: open_wheel.py cylindrical open_wheel.step; open_wheel.py plane plane_blades.step;
-open_wheel.py covered covered_wheel.step, whose blades are those of the first, fused to a cover of 2.5 mm, too.
+"""Writes open_wheel.step, plane_blades.step, filleted_blades.step and covered_wheel.step with Open CASCADE (pip install
+"cadquery-ocp<7.9"): three blades fused to a hub, their tips turned: open_wheel.py cylindrical open_wheel.step; open_wheel.py
+plane plane_blades.step; open_wheel.py filleted filleted_blades.step, the same with root fillets of 1.2 mm; open_wheel.py
+covered covered_wheel.step, whose blades are those of the first, fused to a cover of 2.5 mm, too.
 
 Hub and shroud are arcs about (50, 40), of radius 36, and about (50, 27), of radius 18, in the meridional plane (r, z), mm.
 """
@@ -9,12 +10,14 @@ import math
 import sys
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Fuse
+from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.BRepBuilderAPI import (
     BRepBuilderAPI_MakeEdge,
     BRepBuilderAPI_MakeFace,
     BRepBuilderAPI_MakePolygon,
     BRepBuilderAPI_MakeWire,
 )
+from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
 from OCP.BRepOffsetAPI import BRepOffsetAPI_ThruSections
 from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
 from OCP.GC import GC_MakeArcOfCircle
@@ -22,7 +25,11 @@ from OCP.GeomAPI import GeomAPI_Interpolate
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
 from OCP.TColgp import TColgp_HArray1OfPnt
+from OCP.TopAbs import TopAbs_EDGE
+from OCP.TopExp import TopExp
 from OCP.TopLoc import TopLoc_Location
+from OCP.TopTools import TopTools_IndexedMapOfShape
+from OCP.TopoDS import TopoDS
 from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 
 AXIS = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
@@ -97,8 +104,33 @@ def plane():
     return loft.Shape()
 
 
+def filleted(body):
+    """With fillets where blades stand on the hub, which goes on past the rim."""
+
+    def is_root(edge):
+        curve = BRepAdaptor_Curve(edge)
+        first, last = curve.FirstParameter(), curve.LastParameter()
+        for share in (0.13, 0.5, 0.87):
+            p = curve.Value(first + (last - first) * share)
+            r, z = math.hypot(p.X(), p.Y()), p.Z()
+            on_hub = abs(math.hypot(r - 50, z - 40) - 36) < 1e-3 and 20 < r <= 50 or abs(z - 4) < 1e-3 and r < 59.9
+            if not on_hub or abs(r - 50) < 1e-4:
+                return False
+        return True
+
+    edges = TopTools_IndexedMapOfShape()
+    TopExp.MapShapes_s(body, TopAbs_EDGE, edges)
+    fillet = BRepFilletAPI_MakeFillet(body)
+    for edge in (TopoDS.Edge_s(edges.FindKey(k)) for k in range(1, edges.Extent() + 1)):
+        if is_root(edge):
+            fillet.Add(1.2, edge)
+    return fillet.Shape()
+
+
 def main(kind, path):
-    body = turned([arc(hub), line((50, 4), (50, 0)), line((50, 0), (5, 0)), line((5, 0), (5, 40)), line((5, 40), (14, 40))])
+    rim = [line((50, 4), (60, 4)), line((60, 4), (60, 0)), line((60, 0), (5, 0))]
+    rim = rim if kind == "filleted" else [line((50, 4), (50, 0)), line((50, 0), (5, 0))]
+    body = turned([arc(hub), *rim, line((5, 0), (5, 40)), line((5, 40), (14, 40))])
     tip, top = (outside, 34.5) if kind == "covered" else (shroud, 32)
     # What the wheel is turned to: the shroud, the rim, and a cylinder before the shroud.
     envelope = turned(
@@ -109,10 +141,12 @@ def main(kind, path):
     for k in range(3):
         turn = gp_Trsf()
         turn.SetRotation(AXIS, 2 * math.pi * k / 3)
-        blade = plane() if kind == "plane" else cylindrical()
+        blade = plane() if kind in ("plane", "filleted") else cylindrical()
         if kind == "covered":
             blade = BRepAlgoAPI_Common(blade, envelope).Shape()
         body = BRepAlgoAPI_Fuse(body, blade.Moved(TopLoc_Location(turn))).Shape()
+    if kind == "filleted":
+        body = filleted(body)
     if kind != "covered":
         body = BRepAlgoAPI_Common(body, envelope).Shape()
     writer = STEPControl_Writer()
