@@ -7,6 +7,7 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
+use vanecut::app::model::solid::SolidSource;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::drawing::flank::{FlankColours, wall_deviations};
@@ -342,6 +343,7 @@ fn the_flank_plan_is_shown_in_several_channels_in_the_order_of_their_program() {
     let [x, y, z] = [step.tip.x, step.tip.y, step.tip.z];
     window.get_by_label_contains(&format!(": GOTO/{x:.6},{y:.6},{z:.6}"));
     let solid = window.state().state().solid_source(Side::After).expect("planned");
+    let SolidSource::Plans(solid) = solid else { panic!("it is that of plans") };
     assert_eq!((solid.channels, solid.flank.map(|run| run.count())), (2, Some(2)), "the solid stock, too");
 
     // Another order is another program.

@@ -2,14 +2,18 @@
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
-use vanecut::app::model::look::{PlaneOrientation, SectionPlaneLook};
+use vanecut::app::model::look::{Operation, PlaneOrientation, SectionPlaneLook};
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::solid::SolidColours;
 use vanecut::error::ErrorCode;
+use vanecut::io::apt::write_apt;
 use vanecut::io::stl::read_stl_bytes;
+use vanecut::toolpath::ClProgram;
 
 use crate::fake;
-use crate::harness::{Window, labels, settle, snapshot_view, with_sample};
+use crate::flank::plan_flank;
+use crate::harness::{Window, labels, pixels_in, settle, snapshot_view, with_sample};
+use crate::program::{check, write};
 
 /// A window with the layer shown, seen onto the channel.
 fn with_stock() -> Window {
@@ -133,4 +137,65 @@ fn the_solid_is_exported_as_stl_and_gltf_and_nothing_else() {
     std::fs::remove_dir_all(&folder).unwrap();
     let problems = &window.state().state().problems;
     assert!(problems.iter().any(|p| p.code == Some(ErrorCode::FileFormat)), "{problems:?}");
+}
+
+/// Pixels of the view in the blue-green that lines of passes and programs have, and stock has not.
+fn blue_green(window: &mut Window) -> usize {
+    let view = window.get_by_label("3D view").rect();
+    let is_it = |[r, g, b, _]: &&[u8; 4]| *g > r.saturating_add(60) && *b > r.saturating_add(60);
+    pixels_in(window, view).iter().filter(is_it).count()
+}
+
+/// The stock of the plan says nothing about a program from elsewhere.
+#[test]
+fn the_stock_of_a_checked_program_is_its_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = with_stock();
+    let of_plan = volume(&window);
+    let mut plan = window.state().state().shown().expect("planned").plan().clone();
+    plan.positions.truncate(8);
+    let program = ClProgram::of_plan("impeller532", &plan);
+    let path = write(folder.path(), "eight.apt", &write_apt(&program));
+    window.key_press(egui::Key::S);
+    check(&mut window, &path);
+    assert_eq!(window.state().state().look.operation, Operation::Program);
+    window.key_press(egui::Key::S);
+    window.run_steps(2);
+    settle(&mut window);
+    let after = volume(&window);
+    assert!(after > 1.001 * of_plan, "it takes less than the plan: {after} {of_plan}");
+    assert!(blue_green(&mut window) < 10, "they do not hide what they leave");
+    let solid = window.state().solid(Side::After).expect("a solid");
+    assert!(!solid.is_coarse, "fine in the end");
+    // The timeline is that of its moves.
+    window.key_press(egui::Key::Home);
+    window.run_steps(2);
+    settle(&mut window);
+    let blank = volume(&window);
+    assert!(blank > after, "nothing is cut yet: {blank} {after}");
+    window.state_mut().look_mut().solid_colours = SolidColours::Fault;
+    window.key_press(egui::Key::End);
+    window.run_steps(2);
+    settle(&mut window);
+    assert!((volume(&window) - after).abs() < 1e-6 * after);
+    let solid = window.state().solid(Side::After).expect("a solid");
+    assert!(solid.names.iter().any(|(_, name)| name == "Sound"), "{:?}", solid.names);
+}
+
+/// Their colours have another scale than those of the stock, and they would cover it.
+#[test]
+fn passes_do_not_hide_the_stock_that_they_leave() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1200.0, 760.0));
+    plan_flank(&mut window, 10.0);
+    window.key_press(egui::Key::Num4);
+    window.run_steps(4);
+    assert!(blue_green(&mut window) > 50, "the passes are shown");
+    window.key_press(egui::Key::S);
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(window.query_by_label("layer 1, at the hub").is_none());
+    let left = blue_green(&mut window);
+    assert!(left < 10, "{left} pixels of passes");
 }

@@ -338,7 +338,7 @@ impl App {
         let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
         let size = settings.size.unwrap_or(self.screen_size());
         let content = self.content(side);
-        let program = self.state.shown_program().cloned();
+        let program = self.state.drawn_program().cloned();
         let (flank, tool) = (self.flank_content(), self.shown_tool());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
         picture.load(content);

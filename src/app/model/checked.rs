@@ -10,7 +10,7 @@ use super::units::DisplayUnits;
 use crate::geometry::{Point, Vector};
 use crate::gpu::mesh::Segment;
 use crate::io::program_file::NcMachine;
-use crate::part::Impeller;
+use crate::part::{Impeller, Workpiece};
 use crate::setup::Setup;
 use crate::toolpath::ClProgram;
 use crate::verify::Fault;
@@ -112,6 +112,8 @@ pub struct CheckedProgram {
     pub notes: Vec<String>,
     /// The program itself.
     pub program: ClProgram,
+    /// Part and blank that it was checked against.
+    pub workpiece: Arc<Workpiece>,
     /// The machine of NC code, with the rotary positions that the code names; `None` for APT.
     pub on_machine: Option<NcMachine>,
     /// Its text, with the line of each move.

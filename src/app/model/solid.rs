@@ -1,7 +1,9 @@
-//! The stock as a solid that the views show: of which plans, after how many plunges, in which colours.
+//! The stock as a solid that the views show: of which plans or program, after how many moves, in which
+//! colours.
 
 use std::sync::Arc;
 
+use crate::app::model::checked::CheckedProgram;
 use crate::app::model::flank_run::FlankRun;
 use crate::app::model::planned::DisplayPlan;
 use crate::setup::AxisPolicy;
@@ -14,9 +16,10 @@ pub enum SolidColours {
     Distance,
     /// The tool that cut it.
     Tool,
-    /// The section of the plan that cut it.
+    /// The section of the plan or program that cut it.
     Section,
-    /// Whether the plunge that cut it is sound, blocked, or meets stock with its core.
+    /// Whether the plunge that cut it is sound, blocked, or meets stock with its core; of a program, whether
+    /// its move has a fault.
     Fault,
 }
 
@@ -35,9 +38,18 @@ impl SolidColours {
     }
 }
 
-/// What is simulated: a plunge plan, and after it a flank plan.
+/// What is simulated.
 #[derive(Clone, Debug)]
-pub struct SolidSource {
+pub enum SolidSource {
+    /// A plunge plan, and after it a flank plan.
+    Plans(PlannedSolid),
+    /// A checked program, alone.
+    Program(Arc<CheckedProgram>),
+}
+
+/// A plunge plan, and after it a flank plan.
+#[derive(Clone, Debug)]
+pub struct PlannedSolid {
     /// The set of plans.
     pub planned: Arc<DisplayPlan>,
     /// Policy of the plunge plan.
@@ -49,19 +61,25 @@ pub struct SolidSource {
 }
 
 impl PartialEq for SolidSource {
-    /// Plans are immutable, so pointer equality suffices.
+    /// Plans and checked programs are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
-        let flank = match (&self.flank, &other.flank) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        flank
-            && (self.policy, self.channels) == (other.policy, other.channels)
-            && Arc::ptr_eq(&self.planned, &other.planned)
+        match (self, other) {
+            (Self::Plans(a), Self::Plans(b)) => {
+                let flank = match (&a.flank, &b.flank) {
+                    (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+                    (a, b) => a.is_none() && b.is_none(),
+                };
+                flank
+                    && (a.policy, a.channels) == (b.policy, b.channels)
+                    && Arc::ptr_eq(&a.planned, &b.planned)
+            }
+            (Self::Program(a), Self::Program(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
     }
 }
 
-/// How much of the plans is made.
+/// How much of the plans, or of the program, is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StockMoment {
     /// Everything.
@@ -70,12 +88,14 @@ pub enum StockMoment {
     Plunges(usize),
     /// All plunges, and the first n moves of the flank plan.
     FlankMoves(usize),
+    /// The first n moves of a checked program.
+    Moves(usize),
 }
 
 /// A state of the stock, with its colours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidRequest {
-    /// The plans.
+    /// The plans, or the program.
     pub source: SolidSource,
     /// How much of them is made.
     pub moment: StockMoment,

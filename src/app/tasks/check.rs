@@ -106,6 +106,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         clock: Travel::clock(&program),
         listing: Arc::new(listing),
         program,
+        workpiece: Arc::new(workpiece),
         on_machine,
     })
 }

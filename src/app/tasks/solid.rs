@@ -11,6 +11,7 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::palette::{self, Rgb, category};
 use crate::part::{Impeller, Workpiece};
 use crate::plunge::{Condition, PlungePlan, Position};
+use crate::setup::Setup;
 use crate::stock::excess::Excess;
 use crate::stock::solid::{
     COARSE_RAYS, Contact, FINE_RAYS, SolidBlank, SolidError, SolidProgram, SolidStock, SpanEnd, StockPlayer,
@@ -19,7 +20,7 @@ use crate::stock::solid::{
 use crate::toolpath::ClProgram;
 
 use super::Repaint;
-use crate::app::model::solid::{SolidColours, SolidRequest, SolidSource, StockMoment};
+use crate::app::model::solid::{PlannedSolid, SolidColours, SolidRequest, SolidSource, StockMoment};
 
 /// The solid to draw.
 #[derive(Clone, Debug)]
@@ -42,15 +43,7 @@ pub struct SolidPicture {
     pub is_coarse: bool,
 }
 
-impl SolidSource {
-    fn workpiece(&self) -> &Workpiece {
-        &self.planned.outcome.workpiece
-    }
-
-    fn part(&self) -> &Impeller {
-        &self.workpiece().part
-    }
-
+impl PlannedSolid {
     /// The plunge plan of its channels.
     fn plan(&self) -> PlungePlan {
         let (outcome, result) = (&self.planned.outcome, self.planned.result(self.policy));
@@ -61,9 +54,10 @@ impl SolidSource {
 
     /// The moves of `plan`, its plunge plan, and of the flank plan, as the exported programs have them.
     fn program(&self, plan: &PlungePlan) -> ClProgram {
-        let mut program = ClProgram::of_plan(&self.part().name, plan);
+        let name = &self.planned.outcome.workpiece.part.name;
+        let mut program = ClProgram::of_plan(name, plan);
         if let Some(flank) = &self.flank {
-            let after = ClProgram::of_flank(&self.part().name, &flank.outcome.plan.tool, flank.moves());
+            let after = ClProgram::of_flank(name, &flank.outcome.plan.tool, flank.moves());
             let first = program.tools.len();
             program.tools.extend(after.tools);
             program.moves.extend(after.moves.into_iter().map(|mut step| {
@@ -73,22 +67,78 @@ impl SolidSource {
         }
         program
     }
+}
 
-    /// Number of moves of the `program` of `plan` that are made.
-    fn moves_until(&self, moment: StockMoment, plan: &PlungePlan, program: &ClProgram) -> usize {
-        let all = program.moves.len();
-        match moment {
-            StockMoment::End => all,
-            StockMoment::Plunges(cut) => {
+/// What is simulated, as a program: with the plunge plan that it begins with, where it is one of plans.
+struct SolidCuts {
+    plan: Option<PlungePlan>,
+    program: ClProgram,
+}
+
+impl SolidSource {
+    fn workpiece(&self) -> &Workpiece {
+        match self {
+            Self::Plans(plans) => &plans.planned.outcome.workpiece,
+            Self::Program(checked) => &checked.workpiece,
+        }
+    }
+
+    fn part(&self) -> &Impeller {
+        &self.workpiece().part
+    }
+
+    fn setup(&self) -> &Setup {
+        match self {
+            Self::Plans(plans) => &plans.planned.outcome.setup,
+            Self::Program(checked) => &checked.request.setup,
+        }
+    }
+
+    /// The moves of a checked program that have a fault, in order.
+    fn faulty_moves(&self) -> Vec<usize> {
+        let Self::Program(checked) = self else { return Vec::new() };
+        let mut moves: Vec<usize> =
+            checked.findings.iter().filter_map(|finding| finding.first_move).collect();
+        moves.sort_unstable();
+        moves
+    }
+
+    /// Whether more than the first channel may be cut.
+    fn cuts_several_channels(&self) -> bool {
+        match self {
+            Self::Plans(plans) => plans.channels > 1,
+            Self::Program(_) => true,
+        }
+    }
+
+    fn cuts(&self) -> SolidCuts {
+        match self {
+            Self::Plans(plans) => {
+                let plan = plans.plan();
+                let program = plans.program(&plan);
+                SolidCuts { plan: Some(plan), program }
+            }
+            Self::Program(checked) => SolidCuts { plan: None, program: checked.program.clone() },
+        }
+    }
+
+    /// Number of moves of `cuts` that are made.
+    fn moves_until(&self, moment: StockMoment, cuts: &SolidCuts) -> usize {
+        let all = cuts.program.moves.len();
+        match (moment, self) {
+            (StockMoment::End, _) => all,
+            (StockMoment::Moves(made), _) => made.min(all),
+            (StockMoment::Plunges(cut), _) => {
+                let Some(plan) = &cuts.plan else { return all };
                 // A plunge without a tool has no moves.
                 let has_tool = |position: &&Position| plan.sections.get(position.section).is_some();
                 let plunges = plan.positions.iter().take(cut).filter(has_tool).count();
-                program.plunge_starts().get(plunges).copied().unwrap_or(all)
+                cuts.program.plunge_starts().get(plunges).copied().unwrap_or(all)
             }
-            StockMoment::FlankMoves(made) => {
-                let of_flank = self.flank.as_ref().map_or(0, |flank| flank.moves().len());
-                all - of_flank.saturating_sub(made)
+            (StockMoment::FlankMoves(made), Self::Plans(PlannedSolid { flank: Some(flank), .. })) => {
+                all - flank.moves().len().saturating_sub(made)
             }
+            (StockMoment::FlankMoves(_), _) => all,
         }
     }
 
@@ -103,23 +153,21 @@ impl SolidSource {
 /// The players of one source, which keep what was simulated.
 struct Bench {
     source: SolidSource,
-    plan: PlungePlan,
-    program: ClProgram,
+    cuts: SolidCuts,
     coarse: (StockPlayer, f64),
     fine: Option<(StockPlayer, f64)>,
 }
 
 impl Bench {
     fn new(source: &SolidSource) -> Result<Self, String> {
-        let plan = source.plan();
-        let program = source.program(&plan);
-        let coarse = player(source, &program, COARSE_RAYS)?;
-        Ok(Self { source: source.clone(), plan, program, coarse, fine: None })
+        let cuts = source.cuts();
+        let coarse = player(source, &cuts.program, COARSE_RAYS)?;
+        Ok(Self { source: source.clone(), cuts, coarse, fine: None })
     }
 }
 
 fn player(source: &SolidSource, program: &ClProgram, rays: f64) -> Result<(StockPlayer, f64), String> {
-    let moves = SolidProgram::new(program, &source.planned.outcome.setup).map_err(|e| e.to_string())?;
+    let moves = SolidProgram::new(program, source.setup()).map_err(|e| e.to_string())?;
     let (blank, spacing) = source.blank(rays).map_err(|e| e.to_string())?;
     Ok((StockPlayer::new(moves, blank), spacing))
 }
@@ -236,7 +284,7 @@ fn simulate(
         Some(known) => bench.insert(known),
         None => bench.insert(Bench::new(&request.source)?),
     };
-    let count = request.source.moves_until(request.moment, &bench.plan, &bench.program);
+    let count = request.source.moves_until(request.moment, &bench.cuts);
     let picture = |(player, spacing): &mut (StockPlayer, f64), is_coarse| {
         let (stock, contacts) = player.at(count, monitor).map_err(|error| match error {
             SolidError::Cancelled(_) => String::new(),
@@ -244,8 +292,7 @@ fn simulate(
         })?;
         let surface = StockSurface::from_stock(stock);
         monitor.check().map_err(|_| String::new())?;
-        let (mesh, names) =
-            painted(request, (&bench.plan, &bench.program), contacts, &surface, *spacing, monitor)?;
+        let (mesh, names) = painted(request, &bench.cuts, contacts, &surface, *spacing, monitor)?;
         Ok::<_, String>(SolidPicture {
             request: request.clone(),
             mesh: Arc::new(mesh),
@@ -261,7 +308,7 @@ fn simulate(
     let draft = Some(Arc::clone(&coarse.mesh));
     listen(coarse);
     if bench.fine.is_none() {
-        bench.fine = Some(player(&request.source, &bench.program, FINE_RAYS)?);
+        bench.fine = Some(player(&request.source, &bench.cuts.program, FINE_RAYS)?);
     }
     let Some(fine) = &mut bench.fine else { return Err(String::new()) };
     Ok(SolidPicture { draft, ..picture(fine, false)? })
@@ -270,16 +317,16 @@ fn simulate(
 /// The triangles of a surface in the colours of a request, and the names of the colours.
 fn painted(
     request: &SolidRequest,
-    (plan, program): (&PlungePlan, &ClProgram),
+    cuts: &SolidCuts,
     contacts: &[Contact],
     surface: &StockSurface,
     spacing: f64,
     monitor: &Monitor,
 ) -> Result<(Mesh, Vec<(Rgb, String)>), String> {
-    let painter = Painter::new(request, plan, program, contacts);
+    let painter = Painter::new(request, cuts, contacts);
     let excess = (request.colours == SolidColours::Distance).then(|| {
         let excess = Excess::new(request.source.workpiece());
-        if request.source.channels > 1 { excess.in_all_channels() } else { excess }
+        if request.source.cuts_several_channels() { excess.in_all_channels() } else { excess }
     });
     let paint = |cut_by: u32| painter.paint(cut_by);
     // Cancelled by a newer request.
@@ -296,7 +343,8 @@ struct Painter {
 }
 
 impl Painter {
-    fn new(request: &SolidRequest, plan: &PlungePlan, program: &ClProgram, contacts: &[Contact]) -> Self {
+    fn new(request: &SolidRequest, cuts: &SolidCuts, contacts: &[Contact]) -> Self {
+        let SolidCuts { plan, program } = cuts;
         let mut names: Vec<(Rgb, String)> = Vec::new();
         let mut note = |colour: Rgb, name: String| {
             if !names.iter().any(|(_, known)| *known == name) {
@@ -306,34 +354,46 @@ impl Painter {
         };
         let starts = program.plunge_starts();
         // The plunges that have moves, in their order.
-        let positions: Vec<_> =
-            plan.positions.iter().filter(|p| plan.sections.get(p.section).is_some()).collect();
+        let sections = plan.as_ref().map_or(0, |plan| plan.sections.len());
+        let positions = plan.iter().flat_map(|plan| &plan.positions).filter(|p| p.section < sections);
+        let positions: Vec<_> = positions.collect();
+        let position =
+            |number: usize| positions.get(starts.partition_point(|start| *start <= number).saturating_sub(1));
+        let section = |number: usize| match plan {
+            Some(_) => position(number).map(|p| p.section),
+            None => program
+                .rows
+                .partition_point(|row| row.first_move <= number)
+                .checked_sub(1)
+                .map(|row| program.rows[row].section),
+        };
+        let faulty = request.source.faulty_moves();
         let collides =
             |number: usize| contacts.binary_search_by_key(&number, |contact| contact.number as usize).is_ok();
-        let colour = |(number, step): (usize, &crate::toolpath::Move)| {
-            let position = positions.get(starts.partition_point(|start| *start <= number).saturating_sub(1));
-            match request.colours {
-                SolidColours::Distance => [0.0; 3],
-                SolidColours::Tool => {
-                    let index = step.tool.unwrap_or_default();
-                    let name = program
-                        .tools
-                        .get(index)
-                        .map_or_else(String::new, |tool| format!("T{} D{}", tool.number, tool.diameter));
-                    note(category(index), name)
-                }
-                SolidColours::Section => match position {
-                    Some(p) => note(category(p.section), format!("Section {}", p.section + 1)),
-                    None => note(category(plan.sections.len()), "Flank".to_owned()),
-                },
-                SolidColours::Fault => {
-                    let of = position.map_or(Condition::Sound, |position| position.condition());
-                    match of {
-                        Condition::Interfering => note(palette::INTERFERING, "Interfering".to_owned()),
-                        _ if collides(number) => note(palette::INTERFERING, "Interfering".to_owned()),
-                        Condition::Blocked => note(palette::BLOCKED, "Blocked".to_owned()),
-                        Condition::Sound => note(palette::SOUND, "Sound".to_owned()),
+        let colour = |(number, step): (usize, &crate::toolpath::Move)| match request.colours {
+            SolidColours::Distance => [0.0; 3],
+            SolidColours::Tool => {
+                let index = step.tool.unwrap_or_default();
+                let name = program
+                    .tools
+                    .get(index)
+                    .map_or_else(String::new, |tool| format!("T{} D{}", tool.number, tool.diameter));
+                note(category(index), name)
+            }
+            SolidColours::Section => match section(number) {
+                Some(section) => note(category(section), format!("Section {}", section + 1)),
+                None if plan.is_some() => note(category(sections), "Flank".to_owned()),
+                None => note(category(0), "No section".to_owned()),
+            },
+            SolidColours::Fault => {
+                match position(number).map_or(Condition::Sound, |position| position.condition()) {
+                    Condition::Interfering => note(palette::INTERFERING, "Interfering".to_owned()),
+                    _ if faulty.binary_search(&number).is_ok() => {
+                        note(palette::INTERFERING, "Fault".to_owned())
                     }
+                    _ if collides(number) => note(palette::INTERFERING, "Interfering".to_owned()),
+                    Condition::Blocked => note(palette::BLOCKED, "Blocked".to_owned()),
+                    Condition::Sound => note(palette::SOUND, "Sound".to_owned()),
                 }
             }
         };
@@ -365,10 +425,9 @@ pub(in crate::app) fn solid_bytes(
     moment: StockMoment,
     is_scene: bool,
 ) -> Result<Vec<u8>, String> {
-    let plan = source.plan();
-    let program = source.program(&plan);
-    let (mut player, _) = player(source, &program, EXPORTED)?;
-    let count = source.moves_until(moment, &plan, &program);
+    let cuts = source.cuts();
+    let (mut player, _) = player(source, &cuts.program, EXPORTED)?;
+    let count = source.moves_until(moment, &cuts);
     let (stock, _) = player.at(count, &Monitor::default()).map_err(|error| error.to_string())?;
     let surface = StockSurface::from_stock(stock);
     let name = &source.part().name;

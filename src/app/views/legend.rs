@@ -155,7 +155,8 @@ pub fn show(ui: &mut Ui, rect: Rect, state: &mut AppState, values: Values) {
                     show_scale(ui, state, &scale, values);
                 }
                 None => {
-                    if let Some((outcome, colours)) = state.shown_flank() {
+                    let passes = state.shown_flank().filter(|_| !state.look.layers.stock);
+                    if let Some((outcome, colours)) = passes {
                         flank::key(ui, colours, &outcome.plan, outcome.workpiece.part.splitters.len());
                     }
                 }

@@ -190,7 +190,7 @@ impl App {
         // The next stage replaces a preview soon, so draw it coarsely.
         let moving = moving || preview.is_some();
         let preview = preview.map(|preview| &preview.shown).or(tool.as_ref());
-        let program = self.state.shown_program();
+        let program = self.state.drawn_program();
         // So does the next position of a timeline that plays or is dragged.
         let held = ui.input(|input| input.pointer.any_down());
         let look = &self.state.look;
@@ -284,7 +284,7 @@ impl App {
         if roughing {
             self.section_borders(ui, panes, &camera);
         }
-        if self.state.look.layers.stock && self.state.results.planned.is_some() {
+        if self.state.look.layers.stock && self.state.solid_source(self.state.look.side).is_some() {
             let solid = self.solids[self.state.look.side].shown();
             let bar = self.state.look.section.map_or(0.0, |_| overlay::section_bar_height(whole));
             legend::solid_legend(ui, whole, solid.map(|solid| &**solid), bar + 10.0);
@@ -346,6 +346,8 @@ impl App {
             run: Arc::clone(run),
             colours: look.colours,
             made: look.cut,
+            // The passes would hide what they leave.
+            passes: !self.state.look.layers.stock,
             selected: pass.map(|pass| [pass.from, pass.end]),
         })
     }

@@ -46,6 +46,11 @@ impl AppState {
         self.results.checked.as_ref().filter(|_| self.look.operation == Operation::Program)
     }
 
+    /// The checked program whose moves are drawn: they would hide the stock that they leave.
+    pub fn drawn_program(&self) -> Option<&Arc<CheckedProgram>> {
+        self.shown_program().filter(|_| !self.look.layers.stock)
+    }
+
     /// The selected fault of the shown program.
     pub fn selected_finding(&self) -> Option<&ProgramFinding> {
         self.shown_program()?.findings.get(self.look.finding?)

@@ -17,6 +17,8 @@ pub struct ShownFlank {
     pub colours: FlankColours,
     /// Number of moves made; `None`: all.
     pub made: Option<usize>,
+    /// Whether the passes are drawn, and not only the selected one.
+    pub passes: bool,
     /// Moves of the selected pass: index of the first position, and index after the last one.
     pub selected: Option<[usize; 2]>,
 }
@@ -24,7 +26,8 @@ pub struct ShownFlank {
 impl PartialEq for ShownFlank {
     /// Plans are immutable, so pointer equality suffices.
     fn eq(&self, other: &Self) -> bool {
-        (self.colours, self.made, self.selected) == (other.colours, other.made, other.selected)
+        (self.colours, self.made, self.passes, self.selected)
+            == (other.colours, other.made, other.passes, other.selected)
             && Arc::ptr_eq(&self.run, &other.run)
     }
 }
@@ -35,7 +38,8 @@ impl ShownFlank {
         let (plan, moves) = (&self.run.outcome.plan, self.run.moves());
         let layers = plan.layout.layers.len();
         let mut lines = match self.made {
-            None => flank::toolpath_lines(&self.passes(), moves, layers, self.colours),
+            _ if !self.passes => Vec::new(),
+            None => flank::toolpath_lines(&self.all_passes(), moves, layers, self.colours),
             Some(made) => flank::move_lines(&moves[..made.min(moves.len())], moves, layers, self.colours),
         };
         if let Some(moves) = self.selected.and_then(|[from, end]| moves.get(from..end)) {
@@ -45,7 +49,7 @@ impl ShownFlank {
     }
 
     /// The passes in all channels.
-    fn passes(&self) -> Vec<ShownPass> {
+    fn all_passes(&self) -> Vec<ShownPass> {
         let of_one = shown_passes(&self.run.outcome.plan);
         let turned = |turn_rad: f64| {
             of_one.iter().map(move |pass| {
