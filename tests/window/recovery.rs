@@ -352,6 +352,31 @@ fn the_start_page_offers_the_copy_of_a_session_that_ends_after_it_is_shown() {
     assert_eq!(step(&next), Some(7.5));
 }
 
+/// The same where the part is given at the start, as after a crash it mostly is.
+#[test]
+fn an_open_part_offers_the_copy_of_a_session_that_ends_after_it_is_opened() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let home = folder.path().join("home");
+    let (engine, _) = fake::engine();
+    let mut dying = window_with_part(&engine, &home, folder.path());
+    edit_step(&mut dying, 7.5);
+    dying.run_steps(14);
+    let mut next = window_with_part(&engine, &home, folder.path());
+    next.run_steps(8);
+    assert!(next.query_by_label("Recover").is_none(), "its session runs");
+    edit_step(&mut next, 3.0);
+    drop(dying);
+    next.run_steps(8);
+    next.get_by_label("Unsaved changes of wheel, just now");
+    recover(&mut next);
+    // What was edited meanwhile is not lost unasked.
+    assert_eq!(step(&next), Some(3.0));
+    click_enabled(&next, "Don't save");
+    next.run_steps(3);
+    settle(&mut next);
+    assert_eq!(step(&next), Some(7.5));
+}
+
 /// As on a full disk: what could be read is not removed before it is written elsewhere.
 #[cfg(target_os = "linux")]
 #[test]

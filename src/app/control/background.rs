@@ -392,7 +392,7 @@ impl App {
         {
             let path = path.to_owned();
             self.note_recent(&path);
-            self.find_copy_of_part(&path);
+            self.find_copy_of_open();
         }
         if let Some(file) = changed_part {
             self.state.report_problem(Problem::new(

@@ -41,6 +41,8 @@ pub(in crate::app) struct Session {
     pub(super) copied_at: Option<f64>,
     /// When recovery copies of other sessions are looked for again, s; `None` where none of them runs.
     pub(super) look_for_copies_at: Option<f64>,
+    /// How often they are still looked for while a project or part is open.
+    pub(super) looks_left: u32,
     /// Tool library in its copy on disk, when that was due last, s, and the copy that another session has
     /// left.
     pub(super) copied_library: Option<LibraryState>,
@@ -320,7 +322,7 @@ impl App {
             self.take_recovered(&path, project);
         } else {
             self.note_recent(&path);
-            self.find_copy_of(&path);
+            self.find_copy_of_open();
         }
     }
 

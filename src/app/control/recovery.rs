@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use egui::{Context, Ui};
 
+use super::unsaved::Pending;
 use crate::app::App;
 use crate::app::model::problem::Problem;
 use crate::app::model::shop_library::ShopLibrary;
@@ -23,13 +24,17 @@ const COPY_EVERY: Duration = Duration::from_secs(1);
 /// Time between two looks for the copies of sessions that end while the start page is shown.
 const LOOK_EVERY: Duration = Duration::from_secs(1);
 
+/// How often they are looked for once a project or part is open: a session that was killed ends sooner, and
+/// one that runs on is that of another window.
+const LOOKS: u32 = 15;
+
 impl App {
-    /// Offers, while nothing is open, the copies of sessions that still ran at the start: one that was just
-    /// killed may take seconds to end. Call once per frame.
+    /// Offers the copies of sessions that still ran at the start, or when the project or part was opened: one
+    /// that was just killed may take seconds to end. Call once per frame.
     pub(in crate::app) fn look_for_copies(&mut self, ctx: &Context) {
-        let Some(at) = self.session.look_for_copies_at.filter(|_| self.state.document.part.is_none()) else {
-            return;
-        };
+        let is_open = self.state.document.part.is_some();
+        let is_due = !is_open || (self.session.looks_left > 0 && !self.is_asking());
+        let Some(at) = self.session.look_for_copies_at.filter(|_| is_due) else { return };
         let (now, every) = (ctx.input(|input| input.time), LOOK_EVERY.as_secs_f64());
         let Some(home) = self.session.home.as_ref().filter(|_| now >= at) else {
             ctx.request_repaint_after(Duration::from_secs_f64((at - now).clamp(0.0, every)));
@@ -38,6 +43,10 @@ impl App {
         let still_runs = home.has_running_session();
         self.state.recoverable = home.recoverable();
         self.session.look_for_copies_at = still_runs.then_some(now + every);
+        if is_open {
+            self.session.looks_left -= 1;
+            self.take_copy_of_open();
+        }
         ctx.request_repaint_after(LOOK_EVERY);
     }
 
@@ -65,20 +74,26 @@ impl App {
         }
     }
 
-    /// Looks for unsaved changes of the project at `path`, which was just opened.
-    pub(super) fn find_copy_of(&mut self, path: &Path) {
-        self.find_copy(|copy| copy.project.as_deref().is_some_and(|project| is_same_file(project, path)));
-    }
-
-    /// Looks for unsaved changes of a session with the part at `path`, which was just opened alone.
-    pub(super) fn find_copy_of_part(&mut self, path: &Path) {
-        self.find_copy(|copy| copy.part.as_deref().is_some_and(|part| is_same_file(part, path)));
-    }
-
-    fn find_copy(&mut self, is_it: impl Fn(&RecoveryCopy) -> bool) {
+    /// Looks for unsaved changes of the project, or of a session with the part, that was just opened.
+    pub(super) fn find_copy_of_open(&mut self) {
         let Some(home) = &self.session.home else { return };
+        // First, as a session may end in between.
+        let runs = home.has_running_session();
         self.state.recoverable = home.recoverable();
-        self.session.found = self.state.recoverable.iter().find(|copy| is_it(copy)).cloned();
+        self.take_copy_of_open();
+        let looks_on = runs && self.session.found.is_none();
+        (self.session.look_for_copies_at, self.session.looks_left) = (looks_on.then_some(0.0), LOOKS);
+    }
+
+    /// Takes a copy of the open project, or of its part where it is none, to ask about it.
+    fn take_copy_of_open(&mut self) {
+        let document = &self.state.document;
+        let part = document.part.as_ref().and_then(|part| part.source.file()).map(|(file, _)| file);
+        let is_it = |copy: &&RecoveryCopy| match &document.path {
+            Some(path) => copy.project.as_deref().is_some_and(|project| is_same_file(project, path)),
+            None => copy.part.as_deref().zip(part).is_some_and(|(of, part)| is_same_file(of, part)),
+        };
+        self.session.found = self.state.recoverable.iter().find(is_it).cloned();
     }
 
     /// Whether the recovery copy at `path`, which is offered, is gone: another window has taken it over. Says
@@ -99,7 +114,9 @@ impl App {
         let Some(answer) = answer else { return };
         let Some(copy) = self.session.found.take() else { return };
         match answer {
-            RecoverAnswer::Recover => self.open_file(copy.path),
+            // Nothing was edited before the first look.
+            RecoverAnswer::Recover if self.session.looks_left == LOOKS => self.open_file(copy.path),
+            RecoverAnswer::Recover => self.run_guarded(ui.ctx(), Pending::Open(copy.path)),
             RecoverAnswer::Discard => self.drop_recoverable(&copy.path),
             RecoverAnswer::Later => {}
         }
