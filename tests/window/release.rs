@@ -81,6 +81,61 @@ fn an_interfering_plan_is_named_as_such_before_it_is_exported() {
     assert!(path.exists());
 }
 
+/// The command line ends with exit code 1 then.
+#[test]
+fn a_plan_that_did_not_converge_is_asked_about() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.apt");
+    let (engine, _) = fake::engine();
+    let engine = fake::with_changed_plans(engine, |outcome| outcome.after.plan.converged = false);
+    let mut window = with_sample(engine);
+    assert!(window.get_all_by_label_contains("not converged").count() > 0);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    window.get_by_label_contains("before it converged");
+    settle(&mut window);
+    assert!(!path.exists(), "nothing is written");
+}
+
+/// The plan is that of one channel.
+#[test]
+fn what_is_counted_in_one_channel_is_said_to_be_in_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().look_mut().side = Side::Before;
+    let ctx = window.ctx.clone();
+    for (channels, words) in [(1, "plunges, up to"), (17, "plunges in each channel, up to")] {
+        let path = folder.path().join("before.apt");
+        window.state_mut().file_chosen(&ctx, Purpose::ExportCl { channels }, path);
+        window.run_steps(2);
+        window.get_by_label_contains(words);
+        window.key_press(egui::Key::Escape);
+        window.run_steps(2);
+    }
+}
+
+/// A message about a file that could not be written ends when one of the same kind is.
+#[test]
+fn a_file_that_is_written_ends_the_message_about_the_one_that_was_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let ctx = window.ctx.clone();
+    let mut export = |purpose, name: &str| {
+        window.state_mut().file_chosen(&ctx, purpose, folder.path().join(name));
+        window.run_steps(2);
+        settle(&mut window);
+        window.run_steps(2);
+        window.query_all_by_label_contains("p.apt").count()
+    };
+    let shown = export(ONE_CHANNEL, "nowhere/p.apt");
+    assert!(shown > 0, "it cannot be written");
+    assert!(export(Purpose::SaveSetup, "s.toml") > 0, "another kind of file");
+    assert_eq!(export(ONE_CHANNEL, "q.apt"), 0);
+}
+
 #[test]
 fn after_do_not_save_no_recovery_copy_is_left() {
     let folder = tempfile::tempdir().expect("a folder");

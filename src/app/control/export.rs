@@ -57,7 +57,7 @@ impl App {
     pub fn file_chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         let concerns = match purpose {
             Purpose::SaveLibrary => self.library_losses(&path),
-            _ => concerns(&self.state, purpose),
+            _ => concerns(&self.state, purpose, self.channels_of(purpose)),
         };
         if concerns.is_empty() {
             self.use_file(ctx, purpose, path, OnFaults::Ask);
@@ -69,6 +69,15 @@ impl App {
                 _ => &release::PROGRAM,
             };
             self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: false });
+        }
+    }
+
+    /// Number of channels of the program that `purpose` writes.
+    fn channels_of(&self, purpose: Purpose) -> usize {
+        match purpose {
+            Purpose::ExportCl { channels } | Purpose::ExportFlank { channels } => channels,
+            Purpose::ExportNc { .. } => self.nc_dialog.question().map_or(1, |question| question.channels),
+            _ => 1,
         }
     }
 

@@ -10,11 +10,14 @@ use crate::app::model::setup_tools::too_fast;
 use crate::app::model::state::AppState;
 use crate::verify::Fault;
 
-/// What speaks against running the program that `purpose` writes, the gravest first; none for other files.
-pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
+/// What speaks against running the program of `channels` channels that `purpose` writes, the gravest first;
+/// none for other files.
+pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<String> {
+    // Plans are those of one channel, and so is what is counted in them.
+    let each = if channels > 1 { " in each channel" } else { "" };
     let mut found = match purpose.planned_operation() {
-        Some(Operation::Roughing) => plunge_concerns(state),
-        Some(Operation::Flank) => flank_concerns(state),
+        Some(Operation::Roughing) => plunge_concerns(state, each),
+        Some(Operation::Flank) => flank_concerns(state, each),
         Some(Operation::Program) | None => return Vec::new(),
     };
     // The post refuses such a program by itself.
@@ -36,7 +39,7 @@ pub fn concerns(state: &AppState, purpose: Purpose) -> Vec<String> {
     found
 }
 
-fn plunge_concerns(state: &AppState) -> Vec<String> {
+fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
     let Some(shown) = state.last_whole_plan(state.look.side) else { return Vec::new() };
     let (plan, summary) = (shown.plan(), &shown.planned.result(shown.policy).summary);
     let (allowances, units) = (&shown.planned.outcome.setup.allowances, state.look.units);
@@ -48,7 +51,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     }
     if summary.interfering > 0 {
         found.push(format!(
-            "The core meets stock in {} of {} plunges, up to {} deep",
+            "The core meets stock in {} of {} plunges{each}, up to {} deep",
             summary.interfering,
             summary.positions,
             units.length(summary.max_contact_depth, 2)
@@ -69,7 +72,7 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     let beyond =
         plan.positions.iter().filter(|p| machine.excess_tilt_rad(part, &p.axis) > TILT_TOLERANCE).count();
     if beyond > 0 {
-        found.push(format!("{beyond} tool axes are beyond the reach of the machine"));
+        found.push(format!("{beyond} tool axes{each} are beyond the reach of the machine"));
     }
     found.extend(too_fast(allowances, plan.sections.iter().map(|section| &section.tool)));
     if state.out_of_date() {
@@ -81,11 +84,13 @@ fn plunge_concerns(state: &AppState) -> Vec<String> {
     found.extend(state.unapplied_words());
     if plan.is_unfinished() {
         found.push("The calculation was cancelled: this is the best plan so far".to_owned());
+    } else if !plan.converged {
+        found.push("The calculation stopped at its limit of iterations before it converged".to_owned());
     }
     for why in DropReason::ALL {
         let count = plan.dropped.iter().filter(|dropped| dropped.why == why).count();
         if count > 0 {
-            found.push(format!("Skipped positions {}: {count}", why.words()));
+            found.push(format!("Skipped positions {}: {count}{each}", why.words()));
         }
     }
     if summary.uncut_share > MAX_GOOD_UNCUT_SHARE {
@@ -107,7 +112,7 @@ pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     lines
 }
 
-fn flank_concerns(state: &AppState) -> Vec<String> {
+fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
     let Some(outcome) = &state.results.flank else { return Vec::new() };
     let mut found = fault_lines(&outcome.faults);
     if outcome.verdict.is_none() {
@@ -119,8 +124,8 @@ fn flank_concerns(state: &AppState) -> Vec<String> {
     let lost = || skipped_length(&outcome.plan, state.look.units);
     match outcome.plan.uncut.len() {
         0 => {}
-        1 => found.push(format!("1 stretch of a pass is left out, {}", lost())),
-        n => found.push(format!("{n} stretches of passes are left out, {} in all", lost())),
+        1 => found.push(format!("1 stretch of a pass is left out{each}, {}", lost())),
+        n => found.push(format!("{n} stretches of passes are left out{each}, together {}", lost())),
     }
     found
 }
