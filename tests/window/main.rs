@@ -304,7 +304,7 @@ fn a_fault_is_one_line_with_its_cure() {
     window.run_steps(2);
     window.key_press(egui::Key::F5);
     settle(&mut window);
-    window.get_by_label("the hub allowance of 12 mm leaves no channel at s 0.31");
+    window.get_by_label("The hub allowance of 12 mm leaves no channel at s 0.31");
     window.get_by_label("Fix: make it smaller");
     snapshot_ui(&mut window, "problem");
     window.get_by_label("Dismiss").click();

@@ -6,6 +6,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::app::views::legend::format_signed;
 use vanecut::io::project_file::read_project;
 use vanecut::job::PlanOutcome;
 
@@ -179,4 +180,14 @@ fn the_cells_of_the_table_do_not_touch_in_inches() {
         let space = pair[1].left() - pair[0].right();
         assert!(space >= 10.0, "{space} points between {} and {}", pair[0], pair[1]);
     }
+}
+
+/// A deviation that is rounded away is on neither side.
+#[test]
+fn what_is_shown_as_zero_has_no_sign() {
+    let text = |value| format_signed(value, 0.02, DisplayUnits::Inch);
+    assert_eq!(text(-0.000_01), "0.00000 in");
+    assert_eq!(text(0.0), "0.00000 in");
+    assert_eq!(text(-0.01), "−0.00039 in");
+    assert_eq!(text(0.01), "+0.00039 in");
 }

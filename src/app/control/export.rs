@@ -91,6 +91,7 @@ impl App {
     pub(super) fn take_written(&mut self, ctx: &egui::Context, end: Outcome<Written, WriteError>) {
         match end {
             Outcome::Done(written) => {
+                self.state.solve(Topic::Writing(written.kind));
                 self.state.report_done(written.text);
                 if let Some((plan, file)) = written.program {
                     self.state.results.exported.note(plan, file);
@@ -109,8 +110,8 @@ impl App {
                 self.ask_about_faults(purpose, path, &faults);
             }
             Outcome::Failed(WriteError::ChangedOnDisk(path)) => self.session.changed_on_disk = Some(path),
-            Outcome::Failed(WriteError::Failed(error)) => {
-                self.state.report_problem(Problem::from(&error));
+            Outcome::Failed(WriteError::Failed(error, kind)) => {
+                self.state.report_problem(Problem::of_writing(kind, &error));
             }
             Outcome::Panicked(what) => {
                 self.state.report_problem(panic_problem(Topic::Other, "Writing", &what));

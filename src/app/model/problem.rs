@@ -20,6 +20,8 @@ pub enum Topic {
     Stock,
     /// A file that was not opened: solved by the next that is.
     Opening,
+    /// A file of this kind that was not written: solved by the next that is.
+    Writing(&'static str),
     /// Anything else: stays until it is dismissed.
     Other,
 }
@@ -27,7 +29,7 @@ pub enum Topic {
 impl Topic {
     /// Whether it is about a calculation, of which only the last one counts.
     pub fn is_of_calculation(self) -> bool {
-        !matches!(self, Self::Project | Self::Opening | Self::Other)
+        !matches!(self, Self::Project | Self::Opening | Self::Writing(_) | Self::Other)
     }
 }
 
@@ -49,12 +51,18 @@ pub struct Problem {
 impl Problem {
     /// A problem that stays until it is dismissed.
     pub fn new(what: impl Into<String>, help: impl Into<String>) -> Self {
-        Self { message: what.into(), help: help.into(), topic: Topic::Other, code: None, field: None }
+        let message = as_sentence(what.into());
+        Self { message, help: help.into(), topic: Topic::Other, code: None, field: None }
     }
 
     /// A file that was not opened.
     pub fn of_opening(error: &InputError) -> Self {
         Self { topic: Topic::Opening, ..Self::from(error) }
+    }
+
+    /// A file that was not written, of a kind.
+    pub fn of_writing(kind: &'static str, error: &InputError) -> Self {
+        Self { topic: Topic::Writing(kind), ..Self::from(error) }
     }
 
     /// The device that draws has failed.
@@ -69,7 +77,8 @@ impl Problem {
 
     /// A problem of a calculation. Keys of setup files are replaced by the labels of their fields.
     pub fn about(topic: Topic, what: &str, help: &str) -> Self {
-        Self { message: with_labels(what), help: with_labels(help), topic, code: None, field: None }
+        let message = as_sentence(with_labels(what));
+        Self { message, help: with_labels(help), topic, code: None, field: None }
     }
 
     /// The same problem with the code of its error.
@@ -105,6 +114,16 @@ impl From<&InputError> for Problem {
         };
         Self::new(message, error.help.clone()).with_code(error.code)
     }
+}
+
+/// A text that begins with a capital letter, unless it begins with a name.
+pub fn as_sentence(text: String) -> String {
+    let word = text.split([' ', ',']).next().unwrap_or_default();
+    if word.is_empty() || !word.bytes().all(|byte| byte.is_ascii_lowercase()) {
+        return text;
+    }
+    let (first, rest) = text.split_at(1);
+    first.to_ascii_uppercase() + rest
 }
 
 /// A text without the signs of Markdown that messages of files have for the command line.
@@ -176,7 +195,21 @@ fn with_labels(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::with_labels;
+    use super::{as_sentence, with_labels};
+
+    #[test]
+    fn sentences_begin_with_a_capital_letter_and_names_stay() {
+        for (text, shown) in [
+            ("the wheel would be 100 m across", "The wheel would be 100 m across"),
+            ("plunge.apt: cannot be read", "plunge.apt: cannot be read"),
+            ("/tmp/a: cannot be read", "/tmp/a: cannot be read"),
+            ("hub_allowance is 9", "hub_allowance is 9"),
+            ("9 blades differ", "9 blades differ"),
+            ("", ""),
+        ] {
+            assert_eq!(as_sentence(text.to_owned()), shown);
+        }
+    }
 
     #[test]
     fn keys_become_labels_and_words_stay() {

@@ -172,6 +172,8 @@ pub fn check_openable(path: &Path) -> Result<(), InputError> {
 
 /// Result of a write task.
 pub struct Written {
+    /// What was written; see [`WriteTask::kind`].
+    pub kind: &'static str,
     /// Message for the status bar.
     pub text: String,
     /// A project that was written; `None` for other files.
@@ -219,8 +221,8 @@ impl ProjectTask {
 pub enum WriteError {
     /// The project's file was written by another window or program; see [`ProjectTask::known`].
     ChangedOnDisk(PathBuf),
-    /// It cannot be written.
-    Failed(InputError),
+    /// It cannot be written; see [`WriteTask::kind`].
+    Failed(InputError, &'static str),
     /// A program of several channels has faults, which are asked about first.
     Faulty {
         /// What the file is for.
@@ -240,14 +242,14 @@ impl WriteError {
         match unwritten {
             UnwrittenProgram::Cancelled => Self::Cancelled,
             UnwrittenProgram::Faulty(faults) => Self::Faulty { purpose, path: path.to_owned(), faults },
-            UnwrittenProgram::Failed(error) => Self::Failed(error),
+            UnwrittenProgram::Failed(error) => Self::from(error),
         }
     }
 }
 
 impl From<InputError> for WriteError {
     fn from(error: InputError) -> Self {
-        Self::Failed(error)
+        Self::Failed(error, "")
     }
 }
 
@@ -293,6 +295,23 @@ pub enum WriteTask {
 }
 
 impl WriteTask {
+    /// What is written: a file of one kind does not make up for one of another.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Project(_) => "project",
+            Self::Setup(..) => "setup",
+            Self::Library(..) => "tool library",
+            Self::Cl(..) => "plunge program",
+            Self::Nc(..) => "NC program",
+            Self::Flank(..) => "flank program",
+            Self::Scene(..) => "scene",
+            Self::Stock(..) => "stock",
+            Self::Sheet(..) => "setup sheet",
+            Self::Assessment(..) => "machinability page",
+            Self::Picture(..) => "picture",
+        }
+    }
+
     /// Whether it is a flank program of several channels, which is judged first: that takes as long as to
     /// plan it, and can be cancelled. Everything else takes a moment.
     pub fn is_judged_first(&self) -> bool {
@@ -312,6 +331,14 @@ impl WriteTask {
 /// [`WriteError`] when the file cannot be made or written, is a project that was changed on disk, or a
 /// program that is asked about first; when `monitor` is cancelled.
 pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError> {
+    match write_file(task, monitor) {
+        Ok(written) => Ok(Written { kind: task.kind(), ..written }),
+        Err(WriteError::Failed(error, _)) => Err(WriteError::Failed(error, task.kind())),
+        Err(other) => Err(other),
+    }
+}
+
+fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError> {
     // What the message says beside the path.
     let mut about = String::new();
     let (path, bytes) = match task {
@@ -375,12 +402,13 @@ pub fn write(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError>
         WriteTask::Nc(_, content) => Some((content.source.plan(), content.file(name))),
         _ => None,
     };
-    Ok(Written { text: format!("Wrote {}{about}", path.display()), project, library, program })
+    Ok(Written { kind: "", text: format!("Wrote {}{about}", path.display()), project, library, program })
 }
 
 fn write_document(path: &Path, document: &ReportPage) -> Result<Written, InputError> {
     write_all_atomically(&document.files_at(path))?;
     Ok(Written {
+        kind: "",
         text: format!("Wrote {} and its pictures, in mm", path.display()),
         project: None,
         library: None,

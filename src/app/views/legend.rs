@@ -344,10 +344,14 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
     let of_value = value.as_deref().map_or(0.0, |value| text_width(value) + SPACE);
     // In a narrow view the value under the cursor takes the place of the heading.
     let rest = width + MARGIN - fit - taken - of_value - MIN_BAR - 2.0 * SPACE;
-    if rest > text_width(scale.head) + SPACE {
+    let head = text_width(scale.head) + SPACE;
+    let has_head = rest > head;
+    if has_head {
         ui.label(scale.head);
     }
-    let bar = (width - fit - 330.0).clamp(MIN_BAR, 180.0);
+    // No longer than what is beside it leaves.
+    let most = rest + MIN_BAR - if has_head { head } else { 0.0 };
+    let bar = (width - fit - 330.0).min(most).clamp(MIN_BAR, 180.0);
     match scale.walls {
         Some(most) => {
             ui.label(format_signed(-most, most, units));
@@ -489,6 +493,14 @@ impl ScaleEnd {
 /// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
 pub fn format_signed(value: f32, most: f32, units: DisplayUnits) -> String {
     let digits = if most < 0.1 { 4 } else { 3 };
-    let sign = if value < 0.0 { '−' } else { '+' };
-    format!("{sign}{}", units.length(value.abs().into(), digits))
+    let text = units.length(value.abs().into(), digits);
+    let is_zero = !text.chars().any(|c| ('1'..='9').contains(&c));
+    let sign = if is_zero {
+        ""
+    } else if value < 0.0 {
+        "−"
+    } else {
+        "+"
+    };
+    format!("{sign}{text}")
 }

@@ -196,7 +196,7 @@ fn synonyms(command: Command) -> &'static str {
         C::Difference => "compare delta",
         C::KeepSet => "what-if snapshot compare",
         C::Measure | C::MeasureHere => "distance ruler dimension",
-        C::SectionPlane => "clip cut cross-section",
+        C::SectionPlane => "clip cut cross-section meridional axial",
         C::SwitchTheme => "dark light mode appearance",
         C::FollowEdits => "live automatic recalculate",
         C::Fit => "zoom all",

@@ -6,6 +6,7 @@ mod system;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use egui::{Context, Ui};
 
@@ -23,8 +24,9 @@ pub struct Dialogs {
     slot: AnswerSlot,
     /// Number of the last request to a dialog thread.
     requests: u64,
-    /// Whether the system dialog of the last request is open.
+    /// Whether the system dialog of the last request is open, and when it was asked for.
     open: bool,
+    asked: Option<Instant>,
     /// Whether the window asks itself, without trying the system dialog.
     own_only: bool,
     prompt: Option<Prompt>,
@@ -41,6 +43,7 @@ impl Dialogs {
             slot: AnswerSlot::default(),
             requests: 0,
             open: false,
+            asked: None,
             own_only: false,
             prompt: None,
             suggestion: String::new(),
@@ -54,9 +57,10 @@ impl Dialogs {
         self.own_only = true;
     }
 
-    /// Whether the window's own dialog is open; shortcuts are disabled then.
+    /// Whether the window's own dialog is open, or may open in a moment; shortcuts are disabled then: what is
+    /// typed is meant as a name.
     pub fn is_asking(&self) -> bool {
-        self.prompt.is_some()
+        self.prompt.is_some() || (self.open && self.asked.is_some_and(|asked| asked.elapsed() < OPENING))
     }
 
     /// Whether an answer or a folder is awaited that comes without input.
@@ -86,7 +90,7 @@ impl Dialogs {
             ctx.request_repaint();
         };
         match std::thread::Builder::new().name("file dialog".to_owned()).spawn(ask) {
-            Ok(_) => self.open = true,
+            Ok(_) => (self.open, self.asked) = (true, Some(Instant::now())),
             Err(_) => self.start_prompt(purpose, NO_DIALOG),
         }
     }
@@ -136,6 +140,9 @@ impl Dialogs {
         self.folder = file.parent().map(Path::to_owned).or(self.folder.take());
     }
 }
+
+/// How long a dialog of the system that does not open may take to say so.
+const OPENING: Duration = Duration::from_secs(1);
 
 /// Why the window asks itself.
 const NO_DIALOG: &str = "The system's file dialog did not open";

@@ -7,6 +7,7 @@ use super::figures::divided_figure;
 use crate::app::model::checked::{CheckedProgram, ProgramFinding};
 use crate::app::model::figures::format_duration;
 use crate::app::model::number::with_minus_signs;
+use crate::app::model::problem::as_sentence;
 use crate::app::model::state::AppState;
 use crate::app::views::theme::Condition;
 use crate::app::views::units;
@@ -83,7 +84,7 @@ pub fn form(ui: &mut Ui, state: &mut AppState) {
         }
     });
     for note in &checked.notes {
-        ui.add(Label::new(RichText::new(note).weak()).wrap());
+        ui.add(Label::new(RichText::new(as_sentence(note.clone())).weak()).wrap());
     }
 }
 

@@ -11,6 +11,7 @@ use crate::mesh::Role;
 
 use crate::app::App;
 use crate::app::model::part_source::PartSource;
+use crate::app::model::problem::as_sentence;
 use crate::app::model::role_choices::{RoleChoices, hint_for_dialog};
 use crate::app::tasks::mesh_nodes::UnassignedRoles;
 use crate::app::tasks::open_task::OpenTask;
@@ -92,7 +93,7 @@ impl RolesDialog {
             ui.label(RichText::new(format!("Assign surfaces, {file}")).strong());
             if let Some(fault) = &asked.unassigned.fault {
                 let red = Condition::Interfering.text(ui.visuals());
-                ui.label(RichText::new(&fault.message).color(red));
+                ui.label(RichText::new(as_sentence(fault.message.clone())).color(red));
                 ui.label(format!("Fix: {}", hint_for_dialog(&fault.help)));
             }
             ui.separator();
