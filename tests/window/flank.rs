@@ -61,6 +61,27 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
     window.get_by_label("Flank: 1 stretch skipped");
 }
 
+/// How far an axis tilts limits passes, too, and times are those on the machine.
+#[test]
+fn a_flank_plan_is_out_of_date_on_another_machine() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    plan_flank(&mut window, 10.0);
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(4);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!window.state().state().flank_is_stale(), "no plunges open the channel for it");
+    window.get_by_role_and_label(Role::SpinButton, "Max machine tilt").set_value_accesskit(60.0);
+    window.run_steps(3);
+    settle(&mut window);
+    window.get_by_label("Flank: out of date").click();
+    window.run_steps(6);
+    settle(&mut window);
+    assert!(!window.state().state().flank_is_stale(), "it is calculated when it is selected");
+}
+
 /// Positions that are planned along a wall, but that the program does not have, leave nothing on it.
 #[test]
 fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {

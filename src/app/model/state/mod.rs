@@ -233,7 +233,8 @@ impl AppState {
         }
     }
 
-    /// Whether allowances, tool or flank fields were edited after the flank plan was requested.
+    /// Whether what the flank plan depends on was edited after it was requested: of the plunges only where
+    /// some open the channel for its passes.
     pub fn flank_is_stale(&self) -> bool {
         let Some(outcome) = &self.results.flank else { return false };
         let now = &self.document.edited.setup;
@@ -242,8 +243,14 @@ impl AppState {
         if outcome.plan.reason.is_some() && now.flank.tool.is_none() {
             asked.flank.tool = None;
         }
+        let opens = outcome.plan.opening.is_some();
+        // Edits by hand are those of the roughing plan.
+        asked.plunge.edits.clone_from(&now.plunge.edits);
         asked.flank != now.flank
             || asked.allowances != now.allowances
+            || asked.clearances != now.clearances
+            || asked.machine != now.machine
+            || opens && asked.plunge != now.plunge
             || !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool)
     }
 
