@@ -517,3 +517,36 @@ fn the_selected_plunge_is_not_drawn_where_plunges_are_not_shown() {
     let (without, with) = (view(&mut window, None), view(&mut window, Some(0)));
     assert!(without == with, "the plunge of the other operation is in the view");
 }
+
+/// The next NC program may be for another machine, as after an export.
+#[test]
+fn a_checked_apt_program_is_not_out_of_date_with_another_machine_for_nc_code() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, _) = with_checked_program(folder.path());
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    let look = window.state_mut().look_mut();
+    (look.check_machine, look.check_control) = ("bc-trunnion".to_owned(), Some("siemens".to_owned()));
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!window.state().state().program_is_stale());
+    assert!(window.query_by_label("Program: out of date").is_none());
+}
+
+/// How near shank and holder may come is judged, too.
+#[test]
+fn a_checked_program_is_out_of_date_with_other_clearances() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, _) = with_checked_program(folder.path());
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    assert!(!window.state().state().program_is_stale());
+    let mut setup = window.state().state().document.edited.setup.clone();
+    setup.clearances.holder += 1.0;
+    let path = write(folder.path(), "setup.toml", &write_setup(&setup));
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, Purpose::OpenSetup, path);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.state().state().program_is_stale());
+}

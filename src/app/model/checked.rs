@@ -37,7 +37,8 @@ impl CheckRequest {
         self.path == other.path
             && (&self.machine, &self.control) == (&other.machine, &other.control)
             && Arc::ptr_eq(&self.part, &other.part)
-            && (&a.allowances, &a.tools, &a.machine) == (&b.allowances, &b.tools, &b.machine)
+            && (&a.allowances, &a.clearances) == (&b.allowances, &b.clearances)
+            && (&a.tools, &a.machine) == (&b.tools, &b.machine)
     }
 }
 

@@ -38,7 +38,15 @@ impl AppState {
     /// Whether the setup was edited after the program was checked.
     pub fn program_is_stale(&self) -> bool {
         let checked = self.results.checked.as_ref().zip(self.check_request());
-        checked.is_some_and(|(checked, now)| !checked.request.is_same(&now))
+        checked.is_some_and(|(checked, now)| {
+            // APT is not posted for a machine: it is read alike whatever that is.
+            let own = checked.request.clone();
+            let now = match checked.on_machine {
+                Some(_) => now,
+                None => CheckRequest { machine: own.machine, control: own.control, ..now },
+            };
+            !checked.request.is_same(&now)
+        })
     }
 
     /// The checked program, while it is shown.
