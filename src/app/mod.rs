@@ -356,6 +356,10 @@ impl eframe::App for App {
             let words = Palette::take_typed(ctx);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
+                // Keys of the same frame are meant for the dialog that it has opened.
+                if self.is_asking() {
+                    break;
+                }
             }
             self.palette.begin_with(words);
         }

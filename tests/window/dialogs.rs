@@ -5,6 +5,7 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::planned::Side;
 use vanecut::geometry::Point;
 use vanecut::io::setup_file::read_setup;
 use vanecut::io::stl::write_stl;
@@ -215,4 +216,25 @@ fn a_blank_is_picked_from_a_file_and_saved_with_the_setup() {
     assert!(text.contains("blank = \"casting.stl\""), "{text}");
     let read = read_setup(&path, &Setup::default()).expect("reads").allowances.blank;
     assert!(matches!(&read, BlankShape::File(again) if again.outline == file.outline), "{read:?}");
+}
+
+/// A slow frame brings several keys at once.
+#[test]
+fn what_is_typed_behind_the_shortcut_of_a_dialog_is_no_shortcut() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    let key = |key, modifiers| egui::Event::Key {
+        key,
+        pressed: true,
+        modifiers,
+        repeat: false,
+        physical_key: None,
+    };
+    let keys = [key(egui::Key::E, egui::Modifiers::COMMAND), key(egui::Key::B, egui::Modifiers::NONE)];
+    window.input_mut().events.extend(keys);
+    window.step();
+    window.run_steps(2);
+    window.get_by_label("Export CL (APT)");
+    assert_eq!(window.state().state().look.side, Side::After);
 }
