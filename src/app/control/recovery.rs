@@ -26,7 +26,7 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 
 /// How often they are looked for once a project or part is open: a session that was killed ends sooner, and
 /// one that runs on is that of another window.
-const LOOKS: u32 = 15;
+const LOOKS: u32 = 30;
 
 impl App {
     /// Offers the copies of sessions that still ran at the start, or when the project or part was opened: one
