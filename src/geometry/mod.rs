@@ -24,6 +24,11 @@ pub fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| from + (to - from) * k as f64 / (count - 1) as f64).collect()
 }
 
+/// A point by the bits of its coordinates, as a key; both zeros are one.
+pub fn bits_of(p: &Point) -> [u64; 3] {
+    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
+}
+
 /// A point of the meridional plane (r, z), mm; also used for directions in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Meridional {

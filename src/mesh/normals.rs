@@ -7,8 +7,7 @@ use std::collections::HashMap;
 use nalgebra::{SMatrix, SVector};
 
 use super::surface::MeshSurface;
-use super::weld::NONE;
-use crate::geometry::{Point, Vector, frame_about};
+use crate::geometry::{Point, Vector, bits_of, frame_about};
 
 /// Largest number of corners around a corner, and of triangles around one of these: the centre of a fan has
 /// many.
@@ -35,7 +34,7 @@ impl ExactNormals {
     /// Adds points and normals.
     pub fn extend(&mut self, normals: impl IntoIterator<Item = (Point, Vector)>) {
         for (p, n) in normals {
-            self.at.entry(key(&p)).or_default().push(n);
+            self.at.entry(bits_of(&p)).or_default().push(n);
         }
     }
 
@@ -57,15 +56,10 @@ impl ExactNormals {
 
     /// The normal at `p` that is nearest to `estimated`, if any is near it.
     pub fn near(&self, p: &Point, estimated: &Vector) -> Option<Vector> {
-        let normals = self.at.get(&key(p))?;
+        let normals = self.at.get(&bits_of(p))?;
         let best = normals.iter().max_by(|a, b| a.dot(estimated).abs().total_cmp(&b.dot(estimated).abs()))?;
         (best.dot(estimated).abs() > ALIKE).then(|| best * best.dot(estimated).signum())
     }
-}
-
-/// A point by the bits of its coordinates; both zeros are one.
-fn key(p: &Point) -> [u64; 3] {
-    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
 }
 
 /// Normals of a surface's corners.
@@ -76,9 +70,9 @@ pub struct CornerNormals {
 }
 
 impl CornerNormals {
-    /// Estimates the normals; `joins` tells whether two neighbouring triangles meet smoothly.
-    pub fn new(surface: &MeshSurface, joins: &impl Fn(usize, usize) -> bool) -> Self {
-        let around = CornerTriangles::new(surface, joins);
+    /// Estimates the normals; `smooth` tells of each triangle whether it meets its neighbours smoothly.
+    pub fn new(surface: &MeshSurface, smooth: &[[bool; 3]]) -> Self {
+        let around = CornerTriangles::new(surface, smooth);
         let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
         let mut near: Vec<u32> = Vec::new();
         for corner in 0..surface.points.len() {
@@ -186,7 +180,7 @@ struct CornerTriangles<'a> {
 }
 
 impl<'a> CornerTriangles<'a> {
-    fn new(surface: &'a MeshSurface, joins: &impl Fn(usize, usize) -> bool) -> Self {
+    fn new(surface: &'a MeshSurface, smooth: &[[bool; 3]]) -> Self {
         let triangles = &surface.triangles;
         let mut starts = vec![0_u32; surface.points.len() + 1];
         for i in triangles.iter().flatten() {
@@ -203,8 +197,6 @@ impl<'a> CornerTriangles<'a> {
                 next[*i as usize] += 1;
             }
         }
-        let beside = |(t, beside): (usize, &[u32; 3])| beside.map(|n| n != NONE && joins(t, n as usize));
-        let smooth: Vec<[bool; 3]> = surface.neighbours.iter().enumerate().map(beside).collect();
         let mut fans = vec![[(0, 0); 3]; triangles.len()];
         let mut waiting = vec![false; triangles.len()];
         for corner in 0..surface.points.len() {

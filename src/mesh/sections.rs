@@ -216,14 +216,10 @@ impl<'a> BladeSlicer<'a> {
             straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
         });
         let joins = |a: usize, b: usize| patch[a] == patch[b] && !is_crease(surface, exact, a, b);
-        let mut normals = CornerNormals::new(surface, &joins);
+        let beside = |(t, beside): (usize, &[u32; 3])| beside.map(|n| n != NONE && joins(t, n as usize));
+        let smooth: Vec<[bool; 3]> = surface.neighbours.iter().enumerate().map(beside).collect();
+        let mut normals = CornerNormals::new(surface, &smooth);
         normals.replace_by(surface, exact);
-        let smooth = surface
-            .neighbours
-            .iter()
-            .enumerate()
-            .map(|(t, beside)| beside.map(|n| n != NONE && joins(t, n as usize)))
-            .collect();
         Self { surface, band, places, smooth, normals }
     }
 

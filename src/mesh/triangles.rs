@@ -1,5 +1,7 @@
 //! Triangles over shared points, and those of grids.
 
+use std::collections::HashMap;
+
 use crate::geometry::Point;
 
 /// The triangles of a grid of corners, two for each cell with `keep(row, column)`. Corners are numbered row
@@ -33,6 +35,20 @@ impl TriangleMesh {
         let first = self.points.len() as u32;
         self.points.extend_from_slice(&other.points);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+
+    /// Some of the triangles, by their numbers, with the points that they have: takes time by these alone.
+    #[must_use]
+    pub fn some(&self, triangles: &[usize]) -> Self {
+        let (mut to, mut points) = (HashMap::new(), Vec::new());
+        let mut new = |i: u32| {
+            *to.entry(i).or_insert_with(|| {
+                points.push(self.points[i as usize]);
+                points.len() as u32 - 1
+            })
+        };
+        let triangles = triangles.iter().map(|t| self.triangles[*t].map(&mut new)).collect();
+        Self { points, triangles }
     }
 
     /// The same triangles, without unused points.

@@ -9,7 +9,7 @@ use super::face::mesh_face;
 use super::model::{EntityArguments, EntityFault, EntityResult, Model};
 use super::shape::ShapeReader;
 use super::surface::Surface;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, bits_of};
 use crate::mesh::TriangleMesh;
 
 /// How often a body is meshed again, each time this many times finer, where borders of its faces cross.
@@ -299,12 +299,8 @@ fn kind_of(surface: &Surface) -> SurfaceKind {
 /// one.
 pub fn open_edges(mesh: &TriangleMesh) -> usize {
     let mut at: HashMap<[u64; 3], u32> = HashMap::new();
-    let same: Vec<u32> = mesh
-        .points
-        .iter()
-        .enumerate()
-        .map(|(i, p)| *at.entry([p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())).or_insert(i as u32))
-        .collect();
+    let same: Vec<u32> =
+        mesh.points.iter().enumerate().map(|(i, p)| *at.entry(bits_of(p)).or_insert(i as u32)).collect();
     let mut balance: BTreeMap<(u32, u32), i32> = BTreeMap::new();
     for t in &mesh.triangles {
         let t = t.map(|i| same[i as usize]);

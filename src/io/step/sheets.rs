@@ -1,11 +1,12 @@
 //! Sheets that meet: surface models come as one sheet for each face, with borders of its own. Sheets at one
 //! place are meshed together, with edges that are alike as one, and fall into the bodies that they make up.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::hash::Hash;
 
 use super::assembly::PlacedBody;
 use super::body::{BodyFace, MeshedBody, open_edges};
-use crate::geometry::Point;
+use crate::geometry::bits_of;
 use crate::mesh::TriangleMesh;
 use crate::mesh::roles::{Role, role_from_name};
 
@@ -116,63 +117,78 @@ pub fn apart(mut meshed: MeshedBody, sheets: &[PlacedBody], counts: &[usize]) ->
         let (a, b) = (root(&mut parent, sheet_of[a]), root(&mut parent, sheet_of[b]));
         parent[a.max(b)] = a.min(b);
     }
+    // The bodies in the order of their first sheets, and what each has.
+    let mut bodies: BTreeMap<usize, Members> = BTreeMap::new();
     let roots: Vec<usize> = (0..sheets.len()).map(|k| root(&mut parent, k)).collect();
-    let firsts: Vec<usize> = (0..sheets.len()).filter(|k| roots[*k] == *k).collect();
-    let normals: HashMap<[u64; 3], Vec<usize>> = {
-        let mut at: HashMap<[u64; 3], Vec<usize>> = HashMap::new();
-        for (k, (p, _)) in meshed.normals.iter().enumerate() {
-            at.entry(bits(p)).or_default().push(k);
-        }
-        at
-    };
-    firsts.into_iter().map(|first| component(&meshed, sheets, (&roots, first), &sheet_of, &normals)).collect()
+    for (k, root) in roots.iter().enumerate() {
+        bodies.entry(*root).or_default().sheets.push(k);
+    }
+    for (k, sheet) in sheet_of.iter().enumerate() {
+        bodies.entry(roots[*sheet]).or_default().faces.push(k);
+    }
+    for (k, face) in meshed.face_of.iter().enumerate() {
+        bodies.entry(roots[sheet_of[*face as usize]]).or_default().triangles.push(k);
+    }
+    let normals_at = by_key(meshed.normals.iter().map(|(p, _)| bits_of(p)));
+    let faults_of = by_key(meshed.faults.iter().map(|(id, _)| *id));
+    let body = |members: Members| component(&meshed, sheets, &members, &normals_at, &faults_of);
+    bodies.into_values().map(body).collect()
 }
 
-fn bits(p: &Point) -> [u64; 3] {
-    [p.x, p.y, p.z].map(|x| (x + 0.0).to_bits())
+/// Numbers of what has each key, in order.
+type Numbers<K> = HashMap<K, Vec<usize>>;
+
+fn by_key<K: Eq + Hash>(keys: impl Iterator<Item = K>) -> Numbers<K> {
+    let mut numbers: Numbers<K> = HashMap::new();
+    keys.enumerate().for_each(|(k, key)| numbers.entry(key).or_default().push(k));
+    numbers
 }
 
-/// The body of the sheets whose root is `first`.
+/// The numbers that `keys` have, in order and once each.
+fn of_keys<K: Eq + Hash>(numbers: &Numbers<K>, keys: impl Iterator<Item = K>) -> Vec<usize> {
+    let mut found: Vec<usize> = keys.filter_map(|key| numbers.get(&key)).flatten().copied().collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// What a body has of what was meshed together, by number.
+#[derive(Default)]
+struct Members {
+    sheets: Vec<usize>,
+    faces: Vec<usize>,
+    triangles: Vec<usize>,
+}
+
+/// The body of some of the sheets.
 fn component(
     meshed: &MeshedBody,
     sheets: &[PlacedBody],
-    (roots, first): (&[usize], usize),
-    sheet_of: &[usize],
-    normals_at: &HashMap<[u64; 3], Vec<usize>>,
+    members: &Members,
+    normals_at: &Numbers<[u64; 3]>,
+    faults_of: &Numbers<u32>,
 ) -> MeshedBody {
-    let is_own = |face: usize| roots[sheet_of[face]] == first;
-    let mut number = vec![0; meshed.faces.len()];
-    let mut faces: Vec<BodyFace> = Vec::new();
-    for (k, face) in meshed.faces.iter().enumerate().filter(|(k, _)| is_own(*k)) {
-        number[k] = faces.len() as u32;
-        faces.push(face.clone());
-    }
-    let own: Vec<usize> = (0..meshed.face_of.len()).filter(|t| is_own(meshed.face_of[*t] as usize)).collect();
-    let triangles = own.iter().map(|t| meshed.mesh.triangles[*t]).collect();
-    let mut mesh = TriangleMesh { points: meshed.mesh.points.clone(), triangles }.compact();
-    let face_of: Vec<u32> = own.iter().map(|t| number[meshed.face_of[*t] as usize]).collect();
-    let mut normals: Vec<usize> =
-        mesh.points.iter().filter_map(|p| normals_at.get(&bits(p))).flatten().copied().collect();
-    normals.sort_unstable();
-    normals.dedup();
+    let number: HashMap<usize, u32> = members.faces.iter().copied().zip(0..).collect();
+    let faces: Vec<BodyFace> = members.faces.iter().map(|k| meshed.faces[*k].clone()).collect();
+    let mut mesh = meshed.mesh.some(&members.triangles);
+    let face_of = members.triangles.iter().map(|t| number[&(meshed.face_of[*t] as usize)]).collect();
+    let normals = of_keys(normals_at, mesh.points.iter().map(bits_of));
     let open = open_edges(&mesh);
     let closed = open == 0 && !mesh.triangles.is_empty();
     if closed && sixfold_volume(&mesh) < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }
+    let first = &sheets[members.sheets[0]];
     // Names of the others tell them, too.
-    let of = |k: usize| std::iter::once(&sheets[k].name).chain(&sheets[k].parents);
-    let others = (0..sheets.len()).filter(|k| roots[*k] == first).flat_map(of);
-    let mut parents: Vec<String> = Vec::new();
-    for name in sheets[first].parents.iter().chain(others) {
-        if !name.is_empty() && *name != sheets[first].name && !parents.contains(name) {
-            parents.push(name.clone());
-        }
-    }
-    let ids: Vec<u32> = faces.iter().map(|face| face.id).collect();
+    let of = |k: &usize| std::iter::once(&sheets[*k].name).chain(&sheets[*k].parents);
+    let others = members.sheets.iter().flat_map(of);
+    let mut known: HashSet<&String> = HashSet::from([&first.name]);
+    let names = first.parents.iter().chain(others);
+    let parents = names.filter(|name| !name.is_empty() && known.insert(name)).cloned().collect();
+    let faults = of_keys(faults_of, faces.iter().map(|face| face.id));
     MeshedBody {
-        id: sheets[first].id,
-        name: sheets[first].name.clone(),
+        id: first.id,
+        name: first.name.clone(),
         parents,
         mesh,
         face_of,
@@ -180,13 +196,14 @@ fn component(
         normals: normals.into_iter().map(|k| meshed.normals[k]).collect(),
         solid: closed,
         open_edges: open,
-        faults: meshed.faults.iter().filter(|(id, _)| ids.contains(id)).copied().collect(),
+        faults: faults.into_iter().map(|k| meshed.faults[k]).collect(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
 
     #[test]
     fn neighbours_are_turned_until_they_agree() {
