@@ -40,11 +40,16 @@ fn edit_step(window: &mut Window, step: f64) {
     settle(window);
 }
 
-/// Edits, waits until the recovery copy is written, and crashes: nothing of the window gets to run any more.
-fn edit_and_crash(mut window: Window, step: f64) {
-    edit_step(&mut window, step);
+/// Edits, and waits until the recovery copy is written.
+fn edit_until_copied(window: &mut Window, step: f64) {
+    edit_step(window, step);
     // The harness clock advances by a quarter of a second per frame.
     window.run_steps(14);
+}
+
+/// The same, and crashes: nothing of the window gets to run any more.
+fn edit_and_crash(mut window: Window, step: f64) {
+    edit_until_copied(&mut window, step);
     drop(window);
 }
 
@@ -323,8 +328,7 @@ fn what_was_undone_is_not_offered_after_a_crash() {
     let home = folder.path().join("home");
     let (engine, _) = fake::engine();
     let mut first = window_with_part(&engine, &home, folder.path());
-    edit_step(&mut first, 6.5);
-    first.run_steps(14);
+    edit_until_copied(&mut first, 6.5);
     let copies = || std::fs::read_dir(home.join("recovery")).into_iter().flatten().count();
     assert!(copies() > 0, "written");
     press(&mut first, egui::Modifiers::COMMAND, egui::Key::Z);
@@ -341,8 +345,7 @@ fn the_start_page_offers_the_copy_of_a_session_that_ends_after_it_is_shown() {
     let home = folder.path().join("home");
     let (engine, _) = fake::engine();
     let mut dying = window_with_part(&engine, &home, folder.path());
-    edit_step(&mut dying, 7.5);
-    dying.run_steps(14);
+    edit_until_copied(&mut dying, 7.5);
     let mut next = window_at(&engine, &home);
     next.run_steps(8);
     assert!(next.query_by_label("Recover").is_none(), "its session runs");
@@ -359,8 +362,7 @@ fn an_open_part_offers_the_copy_of_a_session_that_ends_after_it_is_opened() {
     let home = folder.path().join("home");
     let (engine, _) = fake::engine();
     let mut dying = window_with_part(&engine, &home, folder.path());
-    edit_step(&mut dying, 7.5);
-    dying.run_steps(14);
+    edit_until_copied(&mut dying, 7.5);
     let mut next = window_with_part(&engine, &home, folder.path());
     next.run_steps(8);
     assert!(next.query_by_label("Recover").is_none(), "its session runs");

@@ -11,7 +11,7 @@ use vanecut::io::stl::read_stl_bytes;
 use vanecut::toolpath::ClProgram;
 
 use crate::fake;
-use crate::flank::plan_flank;
+use crate::flank;
 use crate::harness::{Window, labels, pixels_in, settle, snapshot_view, with_sample};
 use crate::program::{check, write};
 
@@ -185,12 +185,7 @@ fn the_stock_of_a_checked_program_is_its_own() {
 /// Their colours have another scale than those of the stock, and they would cover it.
 #[test]
 fn passes_do_not_hide_the_stock_that_they_leave() {
-    let (engine, _) = fake::engine();
-    let mut window = with_sample(engine);
-    window.set_size(egui::vec2(1200.0, 760.0));
-    plan_flank(&mut window, 10.0);
-    window.key_press(egui::Key::Num4);
-    window.run_steps(4);
+    let mut window = flank::with_plan();
     assert!(blue_green(&mut window) > 50, "the passes are shown");
     window.key_press(egui::Key::S);
     window.run_steps(2);

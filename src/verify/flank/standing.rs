@@ -168,7 +168,7 @@ impl StandingStock {
 }
 
 /// `tool` with its holder, and what of its shank is thicker than the cutter, thicker by `margin` mm all
-/// around; what is no thicker follows the cutter through what it has cut.
+/// around. A shank that is no thicker passes through what the cutter has cut.
 fn thickened(tool: &Tool, margin: f64) -> Tool {
     let mut tool = tool.clone();
     for [diameter, _] in &mut tool.assembly.shank {
