@@ -12,6 +12,7 @@ use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::flank_file::{StoredFlank, read_flank_bytes, write_flank};
 use vanecut::io::read_part;
 use vanecut::job::flank::{FlankJob, FlankOutcome, FlankRequest};
+use vanecut::job::flank_channels::FlankProgram;
 use vanecut::monitor::Monitor;
 use vanecut::part::{BlankShape, Impeller};
 use vanecut::setup::{ChannelOrder, ChannelSequence, ChannelSetup, FlankStrategy, Setup, Tool};
@@ -58,6 +59,13 @@ static TURNED: LazyLock<FlankOutcome> =
 static WITH_SPLITTER: LazyLock<FlankOutcome> =
     LazyLock::new(|| planned("impeller9x9.toml", 2, EVERY_ORDER[1], 20.0, BlankShape::Edges));
 
+/// The program of three channels of the first, as it is judged with its plan.
+static PUMP_IN_THREE: LazyLock<FlankProgram> = LazyLock::new(|| judged(&PUMP, 3));
+
+fn judged(outcome: &FlankOutcome, channels: usize) -> FlankProgram {
+    outcome.program_for_channels(channels, &Monitor::default()).expect("judged")
+}
+
 /// All three in every order, with the program of so many channels: a whole wheel, and parts of wheels.
 static IN_CHANNELS: LazyLock<Vec<(FlankOutcome, usize, FlankChannels)>> = LazyLock::new(|| {
     let plans = [(&*PUMP, 6), (&*TURNED, 6), (&*WITH_SPLITTER, 4)];
@@ -84,12 +92,14 @@ fn in_channels(outcome: &FlankOutcome, channels: usize) -> FlankChannels {
 /// figures are those of one channel where a channel is what counts.
 #[test]
 fn verify_finds_no_fault_in_programs_of_several_channels() {
-    for (outcome, channels) in [(&*PUMP, 3), (&*TURNED, 2), (&*WITH_SPLITTER, 2)] {
+    let (turned, splitter) = (judged(&TURNED, 2), judged(&WITH_SPLITTER, 2));
+    for (outcome, channels, judged) in
+        [(&*PUMP, 3, &*PUMP_IN_THREE), (&TURNED, 2, &turned), (&WITH_SPLITTER, 2, &splitter)]
+    {
         let name = &outcome.workpiece.part.name;
         let one = outcome.verdict.as_ref().expect("verified");
         let order = outcome.setup.channels;
         let place = format!("{name}, {}", order.words());
-        let judged = outcome.program_for_channels(channels, &Monitor::default()).expect("judged");
         assert_eq!(judged.faults, [], "{place}");
         let verdict = judged.verdict.as_ref().expect("verified");
         assert_eq!((verdict.channels, verdict.positions), (channels, judged.positions()), "{place}");
@@ -238,11 +248,11 @@ fn a_file_of_several_channels_gives_their_program() {
 #[test]
 fn figures_of_a_program_are_those_of_verify() {
     let outcome = &*PUMP;
-    let judged = outcome.program_for_channels(2, &Monitor::default()).expect("judged");
+    let judged = &*PUMP_IN_THREE;
     let text = write_apt(&judged.program);
     let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("readable");
     let setup =
         Setup { flank: outcome.setup.flank.clone(), channels: outcome.setup.channels, ..Setup::default() };
     let verdict = verify_flank(&outcome.workpiece, &setup, &program, &Monitor::default()).expect("judged");
-    assert_eq!(format!("{verdict:?}"), format!("{:?}", judged.verdict.expect("verified")));
+    assert_eq!(format!("{verdict:?}"), format!("{:?}", judged.verdict.as_ref().expect("verified")));
 }

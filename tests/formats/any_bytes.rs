@@ -330,9 +330,15 @@ fn program(bytes: &[u8]) {
     }
 }
 
-/// Number of cases: `PROPTEST_CASES`, else 256.
-fn cases() -> ProptestConfig {
-    ProptestConfig { failure_persistence: None, max_shrink_iters: 200, ..ProptestConfig::default() }
+/// Number of changed files per reader: `FILES_COUNT`, else so few, as the gate draws the same ones each time.
+fn cases() -> u32 {
+    std::env::var("FILES_COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(128)
+}
+
+/// `PROPTEST_CASES` would override the numbers of all tests, also of those that take long.
+fn config(cases: u32) -> ProptestConfig {
+    let cases = cases.max(1);
+    ProptestConfig { failure_persistence: None, max_shrink_iters: 200, cases, ..ProptestConfig::default() }
 }
 
 #[test]
@@ -399,7 +405,7 @@ fn read_turbogrid(files: &[String; 4], which: usize, bytes: &[u8]) -> Option<Par
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases().cases / 16, ..cases() })]
+    #![proptest_config(config(cases() / 16))]
 
     // Fewer cases: small numbers may give a long plan; only the size of a plan is limited.
     #[test]
@@ -409,7 +415,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases().cases / 4, ..cases() })]
+    #![proptest_config(config(cases() / 4))]
 
     // Fewer cases: of most files a part is still made, and tools chosen for it.
     #[test]
@@ -441,7 +447,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(config(cases()))]
 
     #[test]
     fn random_bytes(bytes in vec(any::<u8>(), 0..400)) {

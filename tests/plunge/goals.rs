@@ -16,7 +16,7 @@ use vanecut::toolpath::ClProgram;
 use vanecut::tradeoff::{Thinning, ThinningInput, ThinningLimits, Tradeoff};
 use vanecut::verify::verify;
 
-use super::samples::sample;
+use super::samples::{sample, sample_job, sample_plans};
 
 /// Rough settings, so that the plan is small.
 const TOOL: &str = "[[tool]]\nnumber = 1\ndiameter = 20\ninsert_width = 6\noverhang = 90\n";
@@ -43,6 +43,15 @@ fn planned(setup: Setup) -> PlanOutcome {
 }
 
 pub static WHOLE: LazyLock<PlanOutcome> = LazyLock::new(|| planned(setup("")));
+
+/// A sample planned with the defaults and a goal.
+fn planned_sample(name: &str, goal: &str, field_cells: usize) -> PlanOutcome {
+    let (job, part) = sample_job(name);
+    let setup = read_setup_bytes("s.toml", format!("[plunge]\n{goal}\n").as_bytes()).expect("a setup");
+    let (part, policy) = (Arc::clone(part), AxisPolicy::Minimal);
+    let request = PlanRequest { part, setup, policy, compare: false, field_cells };
+    job.run(&request, &Monitor::default()).expect("a plan")
+}
 
 /// Faults of the program of a plan.
 fn faults(outcome: &PlanOutcome, plan: &PlungePlan) -> Vec<String> {
@@ -175,26 +184,21 @@ fn rows_beside_walls_keep_their_scallop_and_added_plunges_go() {
 
 #[test]
 fn less_time_beats_the_published_rule() {
-    let part = Arc::new(sample("impeller532"));
-    let planned = |policy: AxisPolicy, goal: &str| {
-        let text = format!("[plunge]\n{goal}\n");
-        let setup = read_setup_bytes("s.toml", text.as_bytes()).expect("a setup");
-        let part = Arc::clone(&part);
-        let request = PlanRequest { part, setup, policy, compare: false, field_cells: 256 };
-        run(&request, &Monitor::default()).expect("a plan")
-    };
-    let monotone = planned(AxisPolicy::Monotone, "");
-    let allowance = monotone.setup.allowances.hub_allowance;
-    let monotone = monotone.after.summary;
+    let name = "impeller532";
+    let outcome = sample_plans(name);
+    let allowance = outcome.setup.allowances.hub_allowance;
+    let by_rule = |result: &&PolicyResult| result.plan.policy == AxisPolicy::Monotone;
+    let policies = outcome.policies();
+    let monotone = &policies.into_iter().find(by_rule).expect("all policies were planned").summary;
     let excess = monotone.residual_p95 - allowance;
 
     let in_its_time = format!("goal = \"stock\"\nmax_time = {}", monotone.time_estimate / 60.0);
-    let in_its_time = planned(AxisPolicy::Minimal, &in_its_time);
+    let in_its_time = planned_sample(name, &in_its_time, 512);
     let summary = &in_its_time.after.summary;
     assert!(summary.time_estimate <= monotone.time_estimate);
     assert!(summary.residual_p95 - allowance <= 0.75 * excess, "{} of {excess} mm", summary.residual_p95);
 
-    let with_its_stock = planned(AxisPolicy::Minimal, &format!("goal = \"time\"\nmax_stock = {excess}"));
+    let with_its_stock = planned_sample(name, &format!("goal = \"time\"\nmax_stock = {excess}"), 512);
     let summary = &with_its_stock.after.summary;
     let share = summary.time_estimate / monotone.time_estimate;
     assert!(summary.residual_p95 - allowance <= excess + 0.01 && share <= 0.8, "{share} of the time");
@@ -206,10 +210,7 @@ fn less_time_beats_the_published_rule() {
 
 #[test]
 fn much_less_time_takes_fewer_rows() {
-    let setup = read_setup_bytes("s.toml", b"[plunge]\ngoal = \"time\"\nmax_stock = 2\n").expect("a setup");
-    let part = sample("impeller9x9").into();
-    let request = PlanRequest { part, setup, policy: AxisPolicy::Minimal, compare: false, field_cells: 128 };
-    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    let outcome = planned_sample("impeller9x9", "goal = \"time\"\nmax_stock = 2", 128);
     assert_eq!(outcome.density, RowDensity::Sparse);
     let whole = outcome.whole.as_ref().expect("plunges are left out");
     assert!(3 * outcome.after.plan.positions.len() < whole.positions.len(), "{}", whole.positions.len());

@@ -1,10 +1,10 @@
 //! The sample wheels, and their plans with the defaults: planned once for all tests.
 
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use vanecut::io::part_file::read_part;
-use vanecut::job::{PlanOutcome, PlanRequest, run};
+use vanecut::job::{PlanJob, PlanOutcome, PlanRequest, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::Impeller;
 use vanecut::setup::{AxisPolicy, Setup};
@@ -22,23 +22,38 @@ pub fn sample(name: &str) -> Impeller {
 
 /// Plans by all policies.
 pub fn compared(part: &Impeller, setup: &Setup) -> PlanOutcome {
-    let request = PlanRequest {
-        part: part.clone().into(),
-        setup: setup.clone(),
-        policy: AxisPolicy::Minimal,
-        compare: true,
-        field_cells: 512,
-    };
-    run(&request, &Monitor::default()).expect("a plan")
+    run(&comparison(part.clone().into(), setup), &Monitor::default()).expect("a plan")
+}
+
+fn comparison(part: Arc<Impeller>, setup: &Setup) -> PlanRequest {
+    PlanRequest { part, setup: setup.clone(), policy: AxisPolicy::Minimal, compare: true, field_cells: 512 }
+}
+
+/// A sample, and the job of its plans: what was found for one serves the others.
+pub fn sample_job(name: &str) -> &'static (PlanJob, Arc<Impeller>) {
+    static JOBS: [LazyLock<(PlanJob, Arc<Impeller>)>; 3] = [
+        LazyLock::new(|| (PlanJob::default(), sample(SAMPLES[0]).into())),
+        LazyLock::new(|| (PlanJob::default(), sample(SAMPLES[1]).into())),
+        LazyLock::new(|| (PlanJob::default(), sample(SAMPLES[2]).into())),
+    ];
+    &JOBS[index(name)]
 }
 
 /// A sample's plans by all policies with the defaults.
 pub fn sample_plans(name: &str) -> &'static PlanOutcome {
     static PLANS: [LazyLock<PlanOutcome>; 3] = [
-        LazyLock::new(|| compared(&sample(SAMPLES[0]), &Setup::default())),
-        LazyLock::new(|| compared(&sample(SAMPLES[1]), &Setup::default())),
-        LazyLock::new(|| compared(&sample(SAMPLES[2]), &Setup::default())),
+        LazyLock::new(|| compared_sample(SAMPLES[0])),
+        LazyLock::new(|| compared_sample(SAMPLES[1])),
+        LazyLock::new(|| compared_sample(SAMPLES[2])),
     ];
-    let index = SAMPLES.iter().position(|&sample| sample == name).expect("a sample");
-    &PLANS[index]
+    &PLANS[index(name)]
+}
+
+fn compared_sample(name: &str) -> PlanOutcome {
+    let (job, part) = sample_job(name);
+    job.run(&comparison(Arc::clone(part), &Setup::default()), &Monitor::default()).expect("a plan")
+}
+
+fn index(name: &str) -> usize {
+    SAMPLES.iter().position(|&sample| sample == name).expect("a sample")
 }
