@@ -60,11 +60,13 @@ pub(in crate::app) fn open(
         OpenTask::Project(path, instead) => {
             let bytes = read_bytes(path)?;
             let mut project = read_project_bytes(path, &bytes)?;
-            on_disk = match &project.original {
-                None => Some(content_hash(&bytes)),
+            on_disk = match (&project.original, project.original_hash) {
+                (None, _) => Some(content_hash(&bytes)),
+                // Another window may have saved it before the copy was written, too.
+                (Some(_), Some(known)) => Some(known),
                 // Saved after the copy was written, it is not what that is of: no project is empty.
-                Some(original) if is_newer(original, path) => Some(content_hash(&[])),
-                Some(original) => read_bytes(original).ok().map(|bytes| content_hash(&bytes)),
+                (Some(original), None) if is_newer(original, path) => Some(content_hash(&[])),
+                (Some(original), None) => read_bytes(original).ok().map(|bytes| content_hash(&bytes)),
             };
             let sets = project.sets.iter_mut().map(|set| &mut set.setup);
             for setup in std::iter::once(&mut project.setup).chain(sets) {
