@@ -38,6 +38,8 @@ pub(in crate::app) struct Opened {
     pub study: Option<StudyResults>,
     /// Whether the setup is to be planned even where edits are not.
     pub is_run: bool,
+    /// Whether it is a flank plan, so that flank milling is planned, too.
+    pub is_flank_plan: bool,
     /// The part's file, if it is not what the run was planned with.
     pub changed_part: Option<PathBuf>,
     /// A project, and its part, whose file does not exist.
@@ -140,7 +142,8 @@ pub(in crate::app) fn open(
             let defaults = Setup::for_part(&impeller);
             let setup = read(Some(&defaults))?;
             let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
-            Ok(Opened { part, setup, project, on_disk, ..Opened::default() })
+            let is_flank_plan = plan.as_ref().is_some_and(|plan| plan.is_flank);
+            Ok(Opened { part, setup, project, on_disk, is_flank_plan, ..Opened::default() })
         }
         Err(error) => {
             let nodes = source
