@@ -222,7 +222,7 @@ impl App {
             C::ViewSection => self.view.look(View::Section(self.current_section() + 1)),
             C::Perspective => self.view.switch_projection(),
             C::SectionPlane => {
-                look.section = if look.section.is_some() { None } else { Some(Default::default()) };
+                look.switch_section();
                 self.turn_section_to_viewer();
             }
             C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },

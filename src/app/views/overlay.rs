@@ -346,7 +346,7 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
         ui.add(slider).labelled_by(title.id);
     });
     if close {
-        look.section = None;
+        look.switch_section();
     }
 }
 
