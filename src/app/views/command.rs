@@ -261,7 +261,11 @@ impl Command {
 
     /// Draws the menu item of a switch; `true` when it was clicked.
     pub fn menu_switch(self, ui: &mut Ui, mut is_on: bool) -> bool {
-        let clicked = ui.checkbox(&mut is_on, self.label()).on_hover_text(self.tip()).changed();
+        let shown = ui.scope(|ui| {
+            super::theme::draw_box_edges(ui);
+            ui.checkbox(&mut is_on, self.label())
+        });
+        let clicked = shown.inner.on_hover_text(self.tip()).changed();
         if clicked {
             ui.close();
         }
