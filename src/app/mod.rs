@@ -366,7 +366,7 @@ impl eframe::App for App {
             self.palette.begin_with(words);
         }
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
-        self.claim_project();
+        self.claim_project(ctx);
         self.look_for_copies(ctx);
         self.keep_copy(ctx);
         self.keep_library_copy(ctx);
