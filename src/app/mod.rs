@@ -53,6 +53,7 @@ use views::command::Command;
 use views::dialogs::Dialogs;
 use views::dock::Dock;
 use views::help::Help;
+use views::key_order::KeyOrder;
 use views::nc_dialog::NcDialog;
 use views::palette::Palette;
 use views::panels::library::{LibraryAnswer, LibraryPanel};
@@ -137,6 +138,7 @@ impl App {
     /// The application over other functions; used by tests.
     pub fn with_engine(cc: &CreationContext<'_>, engine: Engine) -> Self {
         theme::apply(&cc.egui_ctx);
+        cc.egui_ctx.add_plugin(KeyOrder::default());
         let pictures = cc.wgpu_render_state.as_ref().map(Pictures::new);
         let device = pictures.as_ref().map_or_else(|| "no 3D view".to_owned(), Pictures::device_name);
         Self {
@@ -364,7 +366,7 @@ impl eframe::App for App {
             self.palette.begin_with(words);
         }
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
-        self.claim_project();
+        self.claim_project(ctx);
         self.look_for_copies(ctx);
         self.keep_copy(ctx);
         self.keep_library_copy(ctx);

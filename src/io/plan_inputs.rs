@@ -9,6 +9,7 @@ use serde::Deserialize;
 use super::InputError;
 use super::source::{name_of, read_bytes};
 use super::stored::{StoredInputs, check_version, read_inputs};
+use super::tool_library::flank_cutters;
 use super::{flank_file, plan_file};
 use crate::error::ErrorCode;
 use crate::part::PartDescription;
@@ -24,6 +25,8 @@ pub struct PlanInputs {
     pub description: PartDescription,
     /// The setup, with every default filled in.
     pub setup: Setup,
+    /// Whether it is a flank plan.
+    pub is_flank: bool,
 }
 
 /// The keys of both kinds of plan files that are read here.
@@ -65,6 +68,22 @@ pub fn read_plan_inputs(path: &Path) -> Result<PlanInputs, InputError> {
     {
         check_version(&name, "plan file", version.unwrap_or(0), known)?;
     }
-    let StoredInputs { description, setup, .. } = read_inputs(&name, &file.part, &file.setup)?;
-    Ok(PlanInputs { description, setup })
+    let StoredInputs { description, mut setup, .. } = read_inputs(&name, &file.part, &file.setup)?;
+    let is_flank = file.vanecut_flank.is_some();
+    if is_flank {
+        leave_out_chosen_tool(&mut setup);
+    }
+    Ok(PlanInputs { description, setup, is_flank })
+}
+
+/// Takes out of the setup of a flank plan the tool that was chosen for it: where a setup has no tools, the
+/// file has that one alone, and plunges would be planned with it. Its number names it among the tools of the
+/// program.
+fn leave_out_chosen_tool(setup: &mut Setup) {
+    if let [tool] = &setup.tools[..]
+        && setup.flank.tool == Some(tool.number)
+        && flank_cutters().contains(tool)
+    {
+        setup.tools.clear();
+    }
 }

@@ -172,6 +172,8 @@ pub struct Project {
     pub chosen: PlanSelection,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
+    /// In such a copy, the hash of that file as the session knew it, if it did.
+    pub original_hash: Option<u64>,
     /// Faults in its setups when it was read: each faulty entry has its default. Those of sets name no entry.
     pub setup_faults: Vec<SetupEntryFault>,
     /// How many of them, from the first on, are in the current setup; the others are in variants. A recovery
@@ -194,6 +196,8 @@ struct ProjectFile {
     chosen: PlanSelection,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     original: Option<PathBuf>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    original_hash: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     replaced: Vec<ReplacedFile>,
 }
@@ -261,6 +265,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
         viewpoint: project.viewpoint,
         chosen: project.chosen,
         original: project.original.clone(),
+        original_hash: project.original_hash.map(|hash| format!("{hash:016x}")),
         replaced: project.setup_faults.iter().take(project.current_faults).map(ReplacedFile::new).collect(),
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
@@ -300,9 +305,12 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         let what = format!("{} sets, more than {MAX_SETS}", file.sets.len());
         return Err(fault(0, what, "remove some").with_code(ErrorCode::FileTooLarge));
     }
-    let part_hash = u64::from_str_radix(&file.part_hash, 16).map_err(|_| {
-        fault(0, "part_hash is not a hexadecimal number".to_owned(), "save the project again")
-    })?;
+    let hash = |key: &str, text: &str| {
+        u64::from_str_radix(text, 16)
+            .map_err(|_| fault(0, format!("{key} is not a hexadecimal number"), "save the project again"))
+    };
+    let part_hash = hash("part_hash", &file.part_hash)?;
+    let original_hash = file.original_hash.as_deref().map(|text| hash("original_hash", text)).transpose()?;
     let mut setup_faults: Vec<SetupEntryFault> = file.replaced.into_iter().map(ReplacedFile::fault).collect();
     let known_faults = setup_faults.len();
     let mut read_setup = |what: &str, text: &str| {
@@ -338,6 +346,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         viewpoint: file.viewpoint.filter(Viewpoint::is_usable),
         chosen: file.chosen,
         original: file.original,
+        original_hash,
         setup_faults,
         current_faults: known_faults + current_faults,
     })
@@ -393,6 +402,7 @@ mod tests {
                 channel: 1,
             },
             original: None,
+            original_hash: None,
             setup_faults: Vec::new(),
             current_faults: 0,
         }

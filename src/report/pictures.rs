@@ -69,7 +69,8 @@ pub fn plan_pictures(
     let gpu = Gpu::headless()?;
     let mut renderer = Renderer::new(&gpu);
     let mut scene = scene_of_part(&gpu, &outcome.workpiece.part);
-    let range = fitting_range(&outcome.grid, &outcome.before.field.heights);
+    let fit = |result: &PolicyResult| fitting_range(&outcome.grid, &result.field.heights);
+    let range = common_range(fit(&outcome.before), fit(after));
     let stock = format!("stock on the hub, {:.2} mm (dark) to {:.2} mm (bright)", range.0, range.1);
     let mut pictures = Vec::new();
     for (name, result) in [("before", &outcome.before), ("after", after)] {
@@ -85,4 +86,24 @@ pub fn plan_pictures(
         }
     }
     Ok(pictures)
+}
+
+/// A scale that fits both of two plans, mm. One that is narrower than its captions tell would show what is
+/// next to nothing in the colours of extremes.
+fn common_range(a: (f32, f32), b: (f32, f32)) -> (f32, f32) {
+    const MIN_WIDTH: f32 = 0.1;
+    let low = a.0.min(b.0);
+    (low, a.1.max(b.1).max(low + MIN_WIDTH))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::common_range;
+
+    #[test]
+    fn the_scale_fits_both_plans_and_is_no_narrower_than_its_captions_tell() {
+        assert_eq!(common_range((0.5, 4.0), (0.4, 1.2)), (0.4, 4.0));
+        assert_eq!(common_range((0.5, 0.502), (0.5, 0.9)), (0.5, 0.9));
+        assert_eq!(common_range((0.5, 0.502), (0.5, 0.501)), (0.5, 0.6));
+    }
 }

@@ -17,8 +17,8 @@ use vanecut::toolpath::{Motion, Move};
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
 use crate::harness::{
-    Window, choose_in_file_menu, choose_in_list, labels, pixels_in, settle, snapshot_ui, snapshot_view,
-    with_sample, words,
+    Window, choose_in_file_menu, choose_in_list, labels, pixels_in, press, settle, snapshot_ui,
+    snapshot_view, with_sample, words,
 };
 use crate::machine::with_machine;
 
@@ -94,6 +94,25 @@ fn the_order_is_chosen_beside_the_number_of_channels_and_kept() {
         settle(&mut window);
     }
     assert_eq!(window.state().state().document.edited.setup.channels, ChannelSetup::default());
+}
+
+#[test]
+fn enter_confirms_the_question_unless_a_field_takes_it() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    ask(&mut window);
+    let field = window.get_by_role_and_label(Role::SpinButton, "Channels").rect().center();
+    press(&mut window, field);
+    window.run_steps(2);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text("99".into()));
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    window.get_by_label_contains("99 is too much: at most 17");
+    window.key_press(egui::Key::Enter);
+    window.run_steps(3);
+    assert!(window.query_by_label("Channel order").is_none(), "confirmed");
+    window.get_by_label_contains("Export CL of several channels (APT)");
 }
 
 #[test]

@@ -5,10 +5,13 @@ use std::sync::Arc;
 
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
+use vanecut::io::flank_file::write_flank;
 use vanecut::io::part_file::read_part;
 use vanecut::io::plan_file::write_plan;
 
 use crate::fake;
+use crate::flank::plan_flank;
 use crate::harness::{Window, settle, window, with_sample};
 
 /// A file as the desktop passes it to the window.
@@ -152,6 +155,31 @@ fn a_plan_opens_with_its_part_and_setup() {
     drop_on(&mut third, &[&strange]);
     let said = &third.state().state().problems;
     assert!(said.iter().any(|p| p.message.contains("strange.json")), "{said:?}");
+}
+
+#[test]
+fn a_flank_plan_opens_as_one_and_plunges_are_not_planned_with_its_tool() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    plan_flank(&mut first, 8.0);
+    let outcome = first.state().state().results.flank.clone().expect("planned");
+    let number = outcome.plan.tool.number;
+    assert_eq!(outcome.setup.tools.len(), 1, "the chosen tool is filled in");
+    let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/parts/impeller532.toml");
+    let description = read_part(Path::new(sample)).expect("a part");
+    let plan = folder.path().join("flank.json");
+    std::fs::write(&plan, write_flank(&description, &outcome.setup, &outcome.plan, &[], 1)).expect("writes");
+
+    let mut second = window(engine);
+    drop_on(&mut second, &[&plan]);
+    let state = second.state().state();
+    let setup = &state.document.edited.setup;
+    assert_eq!((setup.tools.len(), setup.flank.tool), (0, Some(number)));
+    assert_eq!(state.look.operation, Operation::Flank);
+    let again = state.results.flank.as_ref().expect("calculated");
+    assert_eq!(again.plan.tool, outcome.plan.tool);
+    assert!(state.results.planned.is_some(), "roughing as well");
 }
 
 #[test]

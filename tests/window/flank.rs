@@ -121,7 +121,8 @@ fn flank_curves_are_planned_shown_and_written() {
     // The figures of the command line, of the program and not of its positions.
     let verdict = planned.verdict.as_ref().expect("verified");
     let [gouge, left] = [verdict.max_overcut, verdict.max_undercut];
-    window.get_by_label(&format!("−{gouge:.4} / +{left:.4} mm"));
+    let [gouge, left] = [-gouge, left].map(|mm| DisplayUnits::Metric.signed(mm, 4));
+    window.get_by_label(&format!("{gouge} / {left} mm"));
     window.get_by_label("Floor above scallop");
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     window.get_by_label_contains(&format!(

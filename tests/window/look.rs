@@ -10,7 +10,8 @@ use vanecut::drawing::flank::FlankColours;
 use crate::fake;
 use crate::flank::{plan_flank, with_plan};
 use crate::harness::{
-    Window, click_enabled, press, sample_in, scaled, settle, snapshot_view, turn_wheel, window, with_sample,
+    Window, click_enabled, pixels_in, press, sample_in, scaled, settle, snapshot_view, turn_wheel, window,
+    with_sample,
 };
 
 #[test]
@@ -103,6 +104,34 @@ fn the_last_button_of_the_setup_takes_clicks_on_a_dense_screen() {
     press(&mut window, at);
     window.run_steps(4);
     assert!(!window.state().state().document.edited.setup.tools.is_empty(), "clicked at {at} of {button}");
+}
+
+/// Number of pixels of the box of an entry that stand out from what is around it.
+fn seen(window: &mut Window, entry: &str) -> usize {
+    let rect = window.get_by_role_and_label(Role::CheckBox, entry).rect();
+    let pixels = pixels_in(window, rect.with_max_x(rect.left() + rect.height()));
+    let light = |pixel: &[u8; 4]| {
+        let linear = |byte: u8| ((f64::from(byte) / 255.0 + 0.055) / 1.055).powf(2.4);
+        0.2126 * linear(pixel[0]) + 0.7152 * linear(pixel[1]) + 0.0722 * linear(pixel[2]) + 0.05
+    };
+    let ground = light(&pixels[0]);
+    pixels.iter().map(light).filter(|light| light.max(ground) / light.min(ground) >= 2.0).count()
+}
+
+#[test]
+fn boxes_without_a_mark_are_seen_in_menus() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    for theme in [egui::Theme::Dark, egui::Theme::Light] {
+        window.ctx.set_theme(theme);
+        window.run_steps(2);
+        window.get_by_role_and_label(Role::Button, "Layers").click();
+        window.run_steps(3);
+        let count = seen(&mut window, "Shroud");
+        assert!(count > 20, "{theme:?}: {count}");
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+    }
 }
 
 /// Texts of the legend and beside the timeline that do not end within the view.

@@ -234,6 +234,25 @@ fn a_program_that_cannot_be_read_is_a_problem_with_its_line() {
 }
 
 /// Moves the timeline to after `cut` moves.
+#[test]
+fn a_check_that_could_not_be_repeated_is_out_of_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
+    let path = folder.path().join("deep.apt");
+    let again = |window: &mut Window| {
+        window.key_press(egui::Key::F7);
+        window.run_steps(2);
+        settle(window);
+        window.query_by_label("Out of date:").is_some()
+    };
+    assert!(window.query_by_label("Out of date:").is_none());
+    std::fs::remove_file(&path).expect("removes");
+    assert!(again(&mut window), "the verdict is that of a file that is gone");
+    window.get_by_label("Program: out of date");
+    write(folder.path(), "deep.apt", &text);
+    assert!(!again(&mut window), "checked again");
+}
+
 fn scrub(window: &mut Window, cut: usize) {
     window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(cut as f64);
     window.run_steps(3);

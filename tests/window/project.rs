@@ -240,9 +240,16 @@ fn a_second_window_on_a_project_says_so() {
     // A new project lets the file go.
     first.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::N);
     first.run_steps(3);
+    // The harness clock advances by a quarter of a second per frame.
+    second.run_steps(8);
+    assert!(!is_open_twice(&second), "{:?}", second.state().state().problems);
+    assert!(second.query_by_label_contains("is open in another window").is_none());
     let mut third = opened();
     third.state_mut().open_path(path);
     settle(&mut third);
+    assert!(is_open_twice(&third), "the second one still has it");
+    drop(second);
+    third.run_steps(8);
     assert!(!is_open_twice(&third), "{:?}", third.state().state().problems);
 }
 

@@ -190,6 +190,32 @@ fn what_was_saved_after_a_crash_is_not_replaced_unasked() {
 }
 
 #[test]
+fn what_another_window_saved_before_a_crash_is_not_replaced_unasked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
+    let (engine, _) = fake::engine();
+    let mut first = window_with_part(&engine, &home, folder.path());
+    save_as(&mut first, &project);
+    let mut other = window_at(&engine, &home);
+    other.state_mut().open_path(project.clone());
+    settle(&mut other);
+    edit_step(&mut other, 7.0);
+    press(&mut other, egui::Modifiers::COMMAND, egui::Key::S);
+    assert_eq!(read_project(&project).expect("reads").setup.plunge.step, Some(7.0), "saved");
+    drop(other);
+    // Its copy is newer than what the other window has saved.
+    edit_and_crash(first, 6.5);
+    let mut recovered = window_at(&engine, &home);
+    recovered.state_mut().open_path(project.clone());
+    settle(&mut recovered);
+    recover(&mut recovered);
+    assert_eq!(step(&recovered), Some(6.5));
+    press(&mut recovered, egui::Modifiers::COMMAND, egui::Key::S);
+    recovered.get_by_label("p.vanecut was changed on disk");
+    assert_eq!(read_project(&project).expect("reads").setup.plunge.step, Some(7.0), "still there");
+}
+
+#[test]
 fn a_message_on_the_start_page_does_not_hide_what_it_offers() {
     let folder = tempfile::tempdir().expect("a folder");
     let home = folder.path().join("home");

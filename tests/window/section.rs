@@ -252,6 +252,34 @@ fn a_meridional_plane_contains_the_axis_and_turns_about_it() {
 }
 
 #[test]
+fn a_closed_section_plane_opens_as_it_was() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 860.0));
+    let plane = |window: &Window| window.state().state().look.section.map(|s| (s.across, s.offset));
+    window.key_press(egui::Key::X);
+    window.run_steps(3);
+    assert_eq!(plane(&window), Some((PlaneOrientation::Row, 0.0)));
+    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::Button, "Meridional").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
+    window.run_steps(3);
+    for close in ["the key", "the button"] {
+        match close {
+            "the key" => window.key_press(egui::Key::X),
+            _ => window.get_by_role_and_label(Role::Button, "Close").click(),
+        }
+        window.run_steps(3);
+        assert_eq!(plane(&window), None, "{close} closes it");
+        window.key_press(egui::Key::X);
+        window.run_steps(3);
+        assert_eq!(plane(&window), Some((PlaneOrientation::Meridian, 12.0)), "after {close}");
+    }
+}
+
+#[test]
 fn the_sectional_view_shows_shank_and_holder_when_it_is_zoomed_out() {
     let mut window = with_sample(fake::engine_with_holder());
     window.set_size(egui::vec2(1280.0, 860.0));

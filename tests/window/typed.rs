@@ -45,6 +45,31 @@ fn says(window: &Window, text: &str) -> bool {
     window.query_all_by(|node| node.value().is_some_and(|value| value.starts_with(text))).next().is_some()
 }
 
+/// A slow frame brings several keys at once.
+#[test]
+fn what_is_typed_behind_the_tab_key_goes_to_the_next_field_alone() {
+    let mut window = with_tool_form();
+    let field = window.get_by_role_and_label(Role::SpinButton, "Corner radius").rect().center();
+    press(&mut window, field);
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.run_steps(2);
+    let key = |key| egui::Event::Key {
+        key,
+        pressed: true,
+        modifiers: egui::Modifiers::NONE,
+        repeat: false,
+        physical_key: None,
+    };
+    let text = |text: &str| egui::Event::Text(text.to_owned());
+    let keys = [text("1"), key(egui::Key::Tab), text("150"), key(egui::Key::Enter)];
+    window.input_mut().events.extend(keys);
+    window.run_steps(8);
+    settle(&mut window);
+    let tool = tool(&window);
+    assert_eq!((tool.corner_radius, tool.overhang), (1.0, 150.0));
+}
+
 #[test]
 fn an_impossible_size_of_a_tool_is_refused_at_its_field_with_the_cure() {
     let mut window = with_tool_form();

@@ -46,6 +46,40 @@ fn escape_closes_the_window_in_front_before_it_cancels_the_calculation() {
 }
 
 #[test]
+fn a_window_that_is_clicked_comes_above_the_messages_and_a_new_one_above_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let fail = |window: &mut harness::Window, name: &str| {
+        window.state_mut().open_path(folder.path().join(name));
+        settle(window);
+        window.run_steps(2);
+    };
+    window.key_press(egui::Key::A);
+    window.run_steps(3);
+    settle(&mut window);
+    fail(&mut window, "missing.toml");
+    let layer = |window: &harness::Window, at: egui::Pos2| window.ctx.layer_id_at(at).expect("a layer");
+    let at = window.get_by_label("Dismiss").rect().center();
+    let messages = layer(&window, at);
+    let floating = window.get_by_label("Machinability").rect().center();
+    let floating = layer(&window, floating);
+    assert_ne!(messages, floating, "both are there");
+    let is_above = |window: &harness::Window| {
+        let order: Vec<_> = window.ctx.memory(|memory| memory.layer_ids().collect());
+        let place = |layer| order.iter().position(|known| *known == layer);
+        place(messages) > place(floating)
+    };
+    assert!(is_above(&window), "what is new is seen");
+    let title = window.get_by_label("Machinability").rect().center();
+    harness::press(&mut window, title);
+    window.run_steps(3);
+    assert!(!is_above(&window), "the window was clicked");
+    fail(&mut window, "another.toml");
+    assert!(is_above(&window), "what is new is seen");
+}
+
+#[test]
 fn no_tooltip_stays_over_a_dialog() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);

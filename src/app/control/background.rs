@@ -309,6 +309,7 @@ impl App {
             library,
             study,
             is_run,
+            is_flank_plan,
             changed_part,
             missing_part,
             unassigned,
@@ -406,6 +407,10 @@ impl App {
         // The first plan of a part starts automatically.
         if new_part || is_run || self.state.results.planned.is_none() {
             self.plan();
+        }
+        if is_flank_plan {
+            self.state.look.operation = Operation::Flank;
+            self.plan_flank();
         }
     }
 

@@ -63,6 +63,11 @@ impl App {
 
     /// Handles the result of a check.
     pub(in crate::app) fn take_checked(&mut self, outcome: Outcome<CheckedProgram, CheckError>) {
+        if let (Outcome::Failed(CheckError::Input(_)) | Outcome::Panicked(_), Some(asked)) =
+            (&outcome, &self.work.asked_check)
+        {
+            self.state.note_failed_check(&asked.path);
+        }
         match outcome {
             Outcome::Done(checked) => {
                 self.state.solve(Topic::Opening);
@@ -90,7 +95,7 @@ impl App {
     pub(in crate::app) fn close_program(&mut self) {
         self.work.checker.cancel();
         self.work.asked_check = None;
-        self.state.results.checked = None;
+        (self.state.results.checked, self.state.results.recheck_failed) = (None, false);
         self.state.look.operation = Operation::Roughing;
         (self.state.look.finding, self.state.look.program_cut) = (None, None);
         self.state.look.playing = None;

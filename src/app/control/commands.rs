@@ -4,6 +4,7 @@ use std::path::Path;
 
 use egui::Context;
 
+use crate::drawing::flank::FlankColours;
 use crate::gpu::view::View;
 
 use crate::app::App;
@@ -39,6 +40,9 @@ impl App {
             }
             C::ExportCl | C::ExportClSome | C::ExportClAll | C::ExportNc | C::ExportSheet => {
                 !self.planned_operations().is_empty()
+            }
+            C::PassesByLayer | C::PassesByRegion | C::PassesByFeed | C::PassesByWalls => {
+                self.state.look.operation == Operation::Flank && self.state.results.flank.is_some()
             }
             C::ExportFlank | C::FlankCurves => self.state.results.flank.is_some(),
             C::ExportScene
@@ -222,7 +226,7 @@ impl App {
             C::ViewSection => self.view.look(View::Section(self.current_section() + 1)),
             C::Perspective => self.view.switch_projection(),
             C::SectionPlane => {
-                look.section = if look.section.is_some() { None } else { Some(Default::default()) };
+                look.switch_section();
                 self.turn_section_to_viewer();
             }
             C::Measure => look.measure = if look.measure.is_some() { None } else { Some(Vec::new()) },
@@ -273,6 +277,18 @@ impl App {
                 look.units = if command == C::UnitsInch { DisplayUnits::Inch } else { DisplayUnits::Metric };
                 self.store_preferences();
             }
+            C::PassesByLayer | C::PassesByRegion | C::PassesByFeed | C::PassesByWalls => {
+                look.flank.shown = true;
+                look.flank.colours = match command {
+                    C::PassesByLayer => FlankColours::Layer,
+                    C::PassesByRegion => FlankColours::Region,
+                    C::PassesByFeed => FlankColours::Feed,
+                    _ => FlankColours::Walls,
+                };
+            }
+            C::TextLarger => egui::gui_zoom::zoom_in(ctx),
+            C::TextSmaller => egui::gui_zoom::zoom_out(ctx),
+            C::TextUsual => ctx.set_zoom_factor(1.0),
             C::ShowTour => self.tour.begin(),
             C::ShowShortcuts => self.help.open(HelpPage::Shortcuts),
             C::ShowGlossary => self.help.open(HelpPage::Glossary),

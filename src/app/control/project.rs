@@ -1,6 +1,7 @@
 //! The project: saving, its lock, and what is restored when it is opened.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use egui::{Context, Rect, Ui};
 
@@ -30,6 +31,9 @@ use crate::io::setup_file::SetupEntryFault;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
+
+/// Time between two attempts to hold the lock of a project that another window has open, s.
+const CLAIM_EVERY: f64 = 1.0;
 
 /// State of the session that is not part of [`AppState`].
 #[derive(Default)]
@@ -71,6 +75,8 @@ pub(in crate::app) struct Session {
     offers_tour: bool,
     /// The open project's file, and its lock where no other window holds it.
     claim: Option<(PathBuf, Option<HeldLock>)>,
+    /// Time of the next attempt to hold its lock, while another window does.
+    claim_again_at: Option<f64>,
 }
 
 impl Session {
@@ -224,26 +230,44 @@ impl App {
         }
     }
 
-    /// Holds the lock of the open project's file, and says so where another window has that file open.
-    pub(in crate::app) fn claim_project(&mut self) {
+    /// Holds the lock of the open project's file, and says so where another window has that file open, until
+    /// that closes it. Call once per frame.
+    pub(in crate::app) fn claim_project(&mut self, ctx: &Context) {
         let path = self.state.document.path.as_ref();
-        if self.session.claim.as_ref().map(|(claimed, _)| claimed) == path {
-            return;
+        let is_known = self.session.claim.as_ref().map(|(claimed, _)| claimed) == path;
+        let now = ctx.input(|input| input.time);
+        if is_known {
+            let Some(at) = self.session.claim_again_at else { return };
+            ctx.request_repaint_after(Duration::from_secs_f64((at - now).clamp(0.0, CLAIM_EVERY)));
+            if now < at {
+                return;
+            }
         }
         // The file that was open before is free for others.
-        self.session.claim = None;
-        let Some((path, home)) = path.cloned().zip(self.session.home.as_ref()) else { return };
+        (self.session.claim, self.session.claim_again_at) = (None, None);
+        let Some((path, home)) = path.cloned().zip(self.session.home.as_ref()) else {
+            return self.state.withdraw(Topic::SharedProject);
+        };
         let lock = match home.hold_project(&path) {
             LockTry::Held(lock) => Some(lock),
             LockTry::Unknown => None,
             LockTry::HeldElsewhere => {
-                self.state.report_problem(Problem::new(
-                    format!("{} is open in another window", path.display()),
-                    "close one of the two, or save under another name; saving asks before it replaces work of the other",
-                ));
+                self.session.claim_again_at = Some(now + CLAIM_EVERY);
+                ctx.request_repaint_after(Duration::from_secs_f64(CLAIM_EVERY));
+                if !is_known {
+                    self.state.withdraw(Topic::SharedProject);
+                    let message = format!("{} is open in another window", path.display());
+                    let help = "close one of the two, or save under another name; saving asks before it \
+                                replaces work of the other";
+                    let problem = Problem::new(message, help);
+                    self.state.report_problem(Problem { topic: Topic::SharedProject, ..problem });
+                }
                 None
             }
         };
+        if self.session.claim_again_at.is_none() {
+            self.state.withdraw(Topic::SharedProject);
+        }
         self.session.claim = Some((path, lock));
     }
 

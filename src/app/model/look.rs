@@ -309,6 +309,8 @@ pub struct Look {
     pub fly: bool,
     /// Section plane, if shown.
     pub section: Option<SectionPlaneLook>,
+    /// The one that was closed last: it opens as it was.
+    pub closed_section: SectionPlaneLook,
     /// Measured points while measuring, mm; at most two.
     pub measure: Option<Vec<glam::Vec3>>,
     /// Which panels are open, and which float.
@@ -436,6 +438,7 @@ impl Default for Look {
             check_control: None,
             fly: false,
             section: None,
+            closed_section: SectionPlaneLook::default(),
             measure: None,
             panels: Panels::default(),
             tab: Tab::Section,
@@ -472,6 +475,14 @@ impl Look {
             check_control,
             ..Self::default()
         };
+    }
+
+    /// Shows the section plane, or closes it.
+    pub fn switch_section(&mut self) {
+        match self.section.take() {
+            Some(shown) => self.closed_section = shown,
+            None => self.section = Some(self.closed_section),
+        }
     }
 
     /// Selects a position and zooms to it.

@@ -16,6 +16,8 @@ pub enum Topic {
     Program,
     /// What is faulty in an opened project: solved by saving what stands in its place.
     Project,
+    /// The project, which another window has open: solved when that closes it.
+    SharedProject,
     /// The stock as a solid: solved by the next plan.
     Stock,
     /// A file that was not opened: solved by the next that is.
@@ -29,7 +31,7 @@ pub enum Topic {
 impl Topic {
     /// Whether it is about a calculation, of which only the last one counts.
     pub fn is_of_calculation(self) -> bool {
-        !matches!(self, Self::Project | Self::Opening | Self::Writing(_) | Self::Other)
+        !matches!(self, Self::Project | Self::SharedProject | Self::Opening | Self::Writing(_) | Self::Other)
     }
 }
 

@@ -61,6 +61,8 @@ pub struct Results {
     pub passes: Arc<FlankPasses>,
     /// The program that was checked last.
     pub checked: Option<Arc<CheckedProgram>>,
+    /// Whether the last attempt to check it again failed.
+    pub recheck_failed: bool,
     /// The shown plan on the machine of the setup; `None` without a machine, or until it is known.
     pub on_machine: Option<Result<Arc<ProgramOnMachine>, InputError>>,
     /// The program of the shown plan; `None` until it is known.

@@ -79,6 +79,23 @@ impl DisplayUnits {
         format!("{} {}", self.number(mm, decimals), self.length_unit())
     }
 
+    /// A length with its sign, without its unit; one that is shown as zero has none.
+    pub fn signed(self, mm: f64, decimals: usize) -> String {
+        let text = self.number(mm.abs(), decimals);
+        let is_zero = !text.chars().any(|c| ('1'..='9').contains(&c));
+        let sign = match (is_zero, mm < 0.0) {
+            (true, _) => "",
+            (false, true) => "−",
+            (false, false) => "+",
+        };
+        format!("{sign}{text}")
+    }
+
+    /// As [`Self::signed`], with its unit.
+    pub fn signed_length(self, mm: f64, decimals: usize) -> String {
+        format!("{} {}", self.signed(mm, decimals), self.length_unit())
+    }
+
     /// Two lengths with one unit, "a to b".
     pub fn range(self, from: f64, to: f64, decimals: usize) -> String {
         format!("{} to {}", self.number(from, decimals), self.length(to, decimals))
@@ -149,6 +166,13 @@ mod tests {
     fn negative_lengths_have_a_minus_sign_that_is_read_again() {
         assert_eq!((Metric.number(-1.5, 1), Metric.length(-12.0, 0)), ("−1.5".into(), "−12 mm".into()));
         assert_eq!(Metric.parse("−1.5", Quantity::Length), Some(-1.5));
+    }
+
+    #[test]
+    fn only_what_is_not_shown_as_zero_has_a_sign() {
+        let shown = [-0.01, -0.00004, 0.0, 0.00004, 0.01].map(|mm| Metric.signed(mm, 4));
+        assert_eq!(shown, ["−0.0100", "0.0000", "0.0000", "0.0000", "+0.0100"]);
+        assert_eq!(Inch.signed_length(-0.254, 3), "−0.0100 in");
     }
 
     #[test]

@@ -38,6 +38,8 @@ pub(in crate::app) struct Opened {
     pub study: Option<StudyResults>,
     /// Whether the setup is to be planned even where edits are not.
     pub is_run: bool,
+    /// Whether it is a flank plan, so that flank milling is planned, too.
+    pub is_flank_plan: bool,
     /// The part's file, if it is not what the run was planned with.
     pub changed_part: Option<PathBuf>,
     /// A project, and its part, whose file does not exist.
@@ -60,11 +62,13 @@ pub(in crate::app) fn open(
         OpenTask::Project(path, instead) => {
             let bytes = read_bytes(path)?;
             let mut project = read_project_bytes(path, &bytes)?;
-            on_disk = match &project.original {
-                None => Some(content_hash(&bytes)),
+            on_disk = match (&project.original, project.original_hash) {
+                (None, _) => Some(content_hash(&bytes)),
+                // Another window may have saved it before the copy was written, too.
+                (Some(_), Some(known)) => Some(known),
                 // Saved after the copy was written, it is not what that is of: no project is empty.
-                Some(original) if is_newer(original, path) => Some(content_hash(&[])),
-                Some(original) => read_bytes(original).ok().map(|bytes| content_hash(&bytes)),
+                (Some(original), None) if is_newer(original, path) => Some(content_hash(&[])),
+                (Some(original), None) => read_bytes(original).ok().map(|bytes| content_hash(&bytes)),
             };
             let sets = project.sets.iter_mut().map(|set| &mut set.setup);
             for setup in std::iter::once(&mut project.setup).chain(sets) {
@@ -138,7 +142,8 @@ pub(in crate::app) fn open(
             let defaults = Setup::for_part(&impeller);
             let setup = read(Some(&defaults))?;
             let part = Some((OpenPart { source, impeller, defaults, hash }, mesh));
-            Ok(Opened { part, setup, project, on_disk, ..Opened::default() })
+            let is_flank_plan = plan.as_ref().is_some_and(|plan| plan.is_flank);
+            Ok(Opened { part, setup, project, on_disk, is_flank_plan, ..Opened::default() })
         }
         Err(error) => {
             let nodes = source

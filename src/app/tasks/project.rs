@@ -38,6 +38,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
             channel: state.look.selected_channel,
         },
         original: None,
+        original_hash: None,
         setup_faults: Vec::new(),
         current_faults: 0,
     })

@@ -4,7 +4,7 @@ use egui::{Grid, Modal, RichText, Ui};
 
 use super::channel_order;
 use super::count_field;
-use super::modal::is_dismissed;
+use super::modal::{is_confirmed, is_dismissed};
 use crate::app::model::figures::format_duration;
 use crate::job::Summary;
 use crate::setup::ChannelSetup;
@@ -31,7 +31,7 @@ impl ChannelsDialog {
     /// setup.
     pub fn show(&mut self, ui: &Ui, plan: Option<&Summary>, order: &mut ChannelSetup) -> Option<usize> {
         let (chosen, count) = self.asked.as_mut()?;
-        let (mut save, mut cancel) = (false, false);
+        let (mut save, mut cancel) = (is_confirmed(ui.ctx()), false);
         let modal = Modal::new(egui::Id::unique("channels")).show(ui.ctx(), |ui| {
             ui.set_width(340.0);
             ui.label(RichText::new("Export CL of several channels").strong());
@@ -49,7 +49,7 @@ impl ChannelsDialog {
             }
             ui.add_space(8.0);
             ui.horizontal(|ui| {
-                save = ui.button("Save as…").clicked();
+                save |= ui.button("Save as…").clicked();
                 cancel = ui.button("Cancel").clicked();
             });
         });

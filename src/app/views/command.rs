@@ -184,6 +184,15 @@ commands! {
     Machine "Machine"
         "Shows table and head of the machine of the setup, as simple solids that move with the timeline" [];
     FlankCurves "Flank passes" "Shows the passes of the flank plan" [];
+    PassesByLayer "Passes by layer" "Colours the flank passes by layer" [];
+    PassesByRegion "Passes by region" "Colours the flank passes by region of the channel" [];
+    PassesByFeed "Passes by feed rate"
+        "Colours the flank passes by feed rate: dark slow, light fast, rapids grey" [];
+    PassesByWalls "Passes by walls"
+        "Colours the walls by what flank milling leaves on them, and by overcut" [];
+    TextLarger "Text size: larger" "Makes text and controls larger (Ctrl +)" [];
+    TextSmaller "Text size: smaller" "Makes text and controls smaller (Ctrl −)" [];
+    TextUsual "Text size: usual" "Shows text and controls in their usual size (Ctrl 0)" [];
     MouseVanecut "Mouse: Vanecut" "Left button orbits, middle or shift-left pans" [];
     MouseNx "Mouse: NX" "Middle button orbits, shift-middle pans, ctrl-middle zooms" [];
     MouseSolidworks "Mouse: SolidWorks" "Middle button orbits, ctrl-middle pans, shift-middle zooms" [];
@@ -252,7 +261,11 @@ impl Command {
 
     /// Draws the menu item of a switch; `true` when it was clicked.
     pub fn menu_switch(self, ui: &mut Ui, mut is_on: bool) -> bool {
-        let clicked = ui.checkbox(&mut is_on, self.label()).on_hover_text(self.tip()).changed();
+        let shown = ui.scope(|ui| {
+            super::theme::draw_box_edges(ui);
+            ui.checkbox(&mut is_on, self.label())
+        });
+        let clicked = shown.inner.on_hover_text(self.tip()).changed();
         if clicked {
             ui.close();
         }

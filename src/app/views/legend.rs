@@ -492,15 +492,5 @@ impl ScaleEnd {
 
 /// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
 pub fn format_signed(value: f32, most: f32, units: DisplayUnits) -> String {
-    let digits = if most < 0.1 { 4 } else { 3 };
-    let text = units.length(value.abs().into(), digits);
-    let is_zero = !text.chars().any(|c| ('1'..='9').contains(&c));
-    let sign = if is_zero {
-        ""
-    } else if value < 0.0 {
-        "−"
-    } else {
-        "+"
-    };
-    format!("{sign}{text}")
+    units.signed_length(value.into(), if most < 0.1 { 4 } else { 3 })
 }

@@ -11,7 +11,7 @@ use super::panels::part::name_in_list;
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
 use crate::app::model::panels::DockPanel;
-use crate::app::views::scroll_area;
+use crate::app::views::{scroll_area, theme};
 
 /// The menus: groups of commands, with separators between the groups.
 const MENUS: [(&str, &[&[Command]]); 3] = [
@@ -166,6 +166,7 @@ impl App {
                     chosen = command.or(chosen);
                 });
                 ui.separator();
+                theme::draw_box_edges(ui);
                 for (shown, command) in overlay::switches(&mut self.state.look.layers) {
                     ui.checkbox(shown, command.label()).on_hover_text(command.tip());
                 }
@@ -224,13 +225,16 @@ impl App {
     /// The menu of the panels: which are shown, and where; returns what was chosen for one.
     fn panels_menu(&mut self, ui: &mut Ui) -> Option<(DockPanel, PanelRequest)> {
         let mut changed = None;
-        for panel in DockPanel::ALL.into_iter().filter(|panel| panel.can_leave()) {
-            let mut is_open = self.state.look.panels.is_open(panel);
-            let item = ui.checkbox(&mut is_open, panel.title()).on_hover_text(panel.tip());
-            if item.changed() {
-                self.state.look.panels.toggle(panel);
+        ui.scope(|ui| {
+            theme::draw_box_edges(ui);
+            for panel in DockPanel::ALL.into_iter().filter(|panel| panel.can_leave()) {
+                let mut is_open = self.state.look.panels.is_open(panel);
+                let item = ui.checkbox(&mut is_open, panel.title()).on_hover_text(panel.tip());
+                if item.changed() {
+                    self.state.look.panels.toggle(panel);
+                }
             }
-        }
+        });
         ui.separator();
         ui.menu_button("Arrange", |ui| {
             for panel in DockPanel::ALL {

@@ -14,6 +14,7 @@ pub(in crate::app) mod dock;
 pub(in crate::app) mod drop_sign;
 pub(in crate::app) mod field_faults;
 pub mod help;
+pub mod key_order;
 pub mod legend;
 mod menu;
 pub mod missing_part;

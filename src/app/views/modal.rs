@@ -34,6 +34,13 @@ pub fn is_dismissed<T>(dialog: &ModalResponse<T>) -> bool {
     dialog.response.should_close() || dialog.is_top_modal && !dialog.any_popup_open && escape()
 }
 
+/// Whether Enter confirms a dialog: while no field, button or list in it takes the key. To be asked before it
+/// is drawn, as a field that takes the key is left with it.
+pub fn is_confirmed(ctx: &Context) -> bool {
+    let is_taken = ctx.memory(|memory| memory.focused().is_some()) || Popup::is_any_open(ctx);
+    !is_taken && ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter))
+}
+
 /// A question with one button for each answer.
 pub struct Question<'a> {
     /// Distinguishes it from other dialogs.

@@ -6,7 +6,7 @@ use egui::{ComboBox, Grid, Label, Modal, RichText, Ui};
 
 use super::channel_order;
 use super::count_field;
-use super::modal::is_dismissed;
+use super::modal::{is_confirmed, is_dismissed};
 use super::panels::fields;
 use super::theme::{self, Condition};
 use crate::app::model::look::Operation;
@@ -129,6 +129,7 @@ impl NcDialog {
         let question = self.question.as_mut().filter(|_| self.is_open)?;
         let remark = self.remark.as_ref();
         let (mut answer, mut changed, mut close) = (None, None, false);
+        let save = is_confirmed(ui.ctx());
         let modal = Modal::new(egui::Id::unique("nc program")).show(ui.ctx(), |ui| {
             ui.set_width(340.0);
             ui.label(RichText::new("Export NC program").strong());
@@ -139,7 +140,7 @@ impl NcDialog {
             ui.label(RichText::new(UNPROVEN).weak());
             ui.add_space(8.0);
             ui.horizontal(|ui| {
-                if ui.button("Save as…").clicked() {
+                if ui.button("Save as…").clicked() || save {
                     answer = Some(NcAnswer::Save);
                 }
                 close = ui.button("Cancel").clicked();

@@ -156,6 +156,7 @@ pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look, channels: usize) {
     floating(ui, at, |ui| {
         let stay = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
         MenuButton::new("Layers").config(stay).ui(ui, |ui| {
+            theme::draw_box_edges(ui);
             for (shown, command) in switches(&mut look.layers) {
                 ui.checkbox(shown, command.label()).on_hover_text(command.tip());
             }
@@ -214,6 +215,7 @@ pub fn mouse_help(ui: &mut Ui, rect: Rect, mouse: MousePreset) -> Option<Command
 /// Menu items of the mouse presets.
 pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
     let mut chosen = None;
+    theme::draw_box_edges(ui);
     for (preset, command) in MousePreset::all() {
         if ui.radio(preset == mouse, command.label()).on_hover_text(preset.help()).clicked() {
             chosen = Some(command);
@@ -226,6 +228,7 @@ pub fn mouse_choice(ui: &mut Ui, mouse: MousePreset) -> Option<Command> {
 /// Menu items of the units.
 pub fn unit_choice(ui: &mut Ui, units: DisplayUnits) -> Option<Command> {
     let mut chosen = None;
+    theme::draw_box_edges(ui);
     for (choice, command) in
         [(DisplayUnits::Metric, Command::UnitsMetric), (DisplayUnits::Inch, Command::UnitsInch)]
     {
@@ -346,7 +349,7 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
         ui.add(slider).labelled_by(title.id);
     });
     if close {
-        look.section = None;
+        look.switch_section();
     }
 }
 

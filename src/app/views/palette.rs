@@ -203,6 +203,9 @@ fn synonyms(command: Command) -> &'static str {
         C::ShowShortcuts => "help keys keyboard hotkeys",
         C::ShowGlossary => "help words terms",
         C::ShowAbout => "help version licence",
+        C::PassesByLayer | C::PassesByRegion | C::PassesByFeed => "colour color flank curves",
+        C::PassesByWalls => "colour color flank deviation residual gouge",
+        C::TextLarger | C::TextSmaller | C::TextUsual => "font zoom scale ui scaling hidpi",
         C::Quit => "exit close",
         _ => "",
     }
@@ -278,6 +281,10 @@ mod tests {
             ("screenshot", Command::SavePicture),
             ("zoom", Command::FlyToSelection),
             ("Units: m", Command::UnitsMetric),
+            ("text size", Command::TextLarger),
+            ("larger", Command::TextLarger),
+            ("passes layer", Command::PassesByLayer),
+            ("colour walls", Command::PassesByWalls),
         ] {
             assert_eq!(find_commands(words).first(), Some(&first), "{words}");
         }

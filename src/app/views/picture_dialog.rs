@@ -2,7 +2,7 @@
 
 use egui::{Modal, RichText, Ui};
 
-use super::modal::is_dismissed;
+use super::modal::{is_confirmed, is_dismissed};
 use super::typed::{self, TypedLimits};
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
@@ -47,7 +47,7 @@ impl ExportDialog {
         if !self.open {
             return false;
         }
-        let (mut save, mut cancel) = (false, false);
+        let (mut save, mut cancel) = (is_confirmed(ui.ctx()), false);
         let modal = Modal::new(egui::Id::unique("save picture")).show(ui.ctx(), |ui| {
             ui.set_width(300.0);
             ui.label(RichText::new("Save the 3D view as a picture").strong());
@@ -79,7 +79,7 @@ impl ExportDialog {
             ui.checkbox(&mut settings.legend, "Include legend");
             ui.add_space(6.0);
             ui.horizontal(|ui| {
-                save = ui.button("Save as…").clicked();
+                save |= ui.button("Save as…").clicked();
                 cancel = ui.button("Cancel").clicked();
             });
         });

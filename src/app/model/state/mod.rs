@@ -431,4 +431,13 @@ impl AppState {
     pub fn solve(&mut self, topic: Topic) {
         self.problems.retain(|problem| problem.topic != topic);
     }
+
+    /// Removes the problems of a topic that are past; their message leaves the status bar, too.
+    pub fn withdraw(&mut self, topic: Topic) {
+        let count = self.problems.len();
+        self.solve(topic);
+        if self.problems.len() < count {
+            self.notice = self.notice.take().filter(|notice| notice.tone != Tone::Fault);
+        }
+    }
 }

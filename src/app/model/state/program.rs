@@ -1,6 +1,6 @@
 //! The checked program, and its selected fault.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::AppState;
@@ -20,6 +20,7 @@ impl AppState {
         self.solve(Topic::Program);
         self.notice = None;
         self.results.checked = Some(Arc::new(checked));
+        self.results.recheck_failed = false;
     }
 
     /// The check of the program of the last check against the present setup.
@@ -35,8 +36,20 @@ impl AppState {
         Some(CheckRequest { path, machine, control, part, setup: self.document.edited.setup.clone() })
     }
 
-    /// Whether the setup was edited after the program was checked.
+    /// Notes that a check of the program at `path` failed.
+    pub fn note_failed_check(&mut self, path: &Path) {
+        let is_shown = self.results.checked.as_ref().is_some_and(|known| known.request.path == path);
+        self.results.recheck_failed |= is_shown;
+    }
+
+    /// Whether the shown check may not hold any more: the setup was edited after it, or the program could not
+    /// be checked again.
     pub fn program_is_stale(&self) -> bool {
+        self.results.recheck_failed || self.setup_differs_from_check()
+    }
+
+    /// Whether the setup was edited after the program was checked.
+    fn setup_differs_from_check(&self) -> bool {
         let checked = self.results.checked.as_ref().zip(self.check_request());
         checked.is_some_and(|(checked, now)| {
             // APT is not posted for a machine: it is read alike whatever that is.

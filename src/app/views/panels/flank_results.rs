@@ -49,7 +49,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     }
     let units = state.look.units;
     let [gouge, left] = [outcome.max_overcut(), outcome.max_undercut()];
-    let walls = format!("−{} / +{}", units.number(gouge, 4), units.length(left, 4));
+    let walls = format!("{} / {}", units.signed(-gouge, 4), units.signed_length(left, 4));
     divided_figure(
         ui,
         "Wall error",
@@ -144,16 +144,17 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         ui.label(note);
     }
     ui.label(format!(
-        "{} layers, cutter {}, floor {}; wall error: −{} overcut, +{} undercut; {}",
+        "{} layers, cutter {}, floor {}; wall error: {} overcut, {} undercut; {}",
         curves.layers.len(),
         units.diameter(plan.tool.diameter),
         match units {
             DisplayUnits::Metric => format!("{:.2} m", 1e-3 * curves.floor_length),
             DisplayUnits::Inch => format!("{:.0} in", units.of_mm(curves.floor_length)),
         },
-        units.length(outcome.max_overcut(), 4),
-        units.length(outcome.max_undercut(), 4),
-        format_duration(outcome.time_s()),
+        units.signed_length(-outcome.max_overcut(), 4),
+        units.signed_length(outcome.max_undercut(), 4),
+        // No line breaks within it.
+        format_duration(outcome.time_s()).replace(' ', "\u{a0}"),
     ));
     if let Some(verdict) = &outcome.verdict {
         let Uncovered { fillet, no_axis, gap } = verdict.uncovered;

@@ -37,9 +37,21 @@ fn texts(ui: &mut Ui, problem: &Problem) {
     }
 }
 
+/// Whether there is a problem that was not there in the frame before.
+fn is_new(ui: &Ui, problems: Vec<Problem>) -> bool {
+    let key = Id::unique("problems that were shown");
+    let known = ui.data_mut(|data| data.get_temp::<Vec<Problem>>(key)).unwrap_or_default();
+    let is_new = problems.iter().any(|problem| !known.contains(problem));
+    if known != problems {
+        ui.data_mut(|data| data.insert_temp(key, problems));
+    }
+    is_new
+}
+
 /// Draws the problems over the view `whole`; returns how far down they reach, 0 without any.
 pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     if state.problems.is_empty() {
+        is_new(ui, Vec::new());
         return 0.0;
     }
     let (mut is_undone, mut dismissed) = (false, None);
@@ -50,9 +62,12 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     let at = Rect::from_min_max(corner, egui::pos2(corner.x + width, whole.bottom() - 4.0));
     let fill = ui.visuals().panel_fill;
     let height = at.height().min((MAX_SHARE * whole.height() - TOP).max(MIN_HEIGHT));
-    // Above the windows of panels: what a command in one of them reports is seen there, too.
+    // A new one comes above the windows of panels: what a command in one of them reports is seen there, too.
+    // Then a window that is clicked comes above them.
     let layer = LayerId::new(Order::Middle, Id::unique("problems"));
-    ui.ctx().move_to_top(layer);
+    if is_new(ui, state.problems.clone()) {
+        ui.ctx().move_to_top(layer);
+    }
     let shown =
         Area::new(layer.id).order(layer.order).fixed_pos(at.min).movable(false).show(ui.ctx(), |ui| {
             ui.set_max_size(at.size());

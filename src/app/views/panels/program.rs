@@ -39,7 +39,10 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     };
     if state.program_is_stale() {
         let text = RichText::new("Out of date:").color(Condition::Blocked.text(ui.visuals()));
-        ui.label(text).on_hover_text("The setup was edited after this check");
+        ui.label(text).on_hover_text(match state.results.recheck_failed {
+            true => "The program could not be checked again: this is the check before",
+            false => "The setup was edited after this check",
+        });
     }
     let colour = condition(checked).text(ui.visuals());
     let text = RichText::new(format!("Faults {}", checked.findings.len())).strong().color(colour);

@@ -80,6 +80,7 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
         (None, _) if state.look.operation == Operation::Flank => flank_message(state),
         (None, _) if state.look.operation == Operation::Program => match &state.results.checked {
             None => RichText::new("No program is checked").weak(),
+            Some(_) if state.results.recheck_failed => RichText::new("Not checked again: check again (F7)"),
             Some(_) if state.program_is_stale() => RichText::new("Setup edited: check again (F7)"),
             Some(checked) => RichText::new(format!("Checked {}", checked.name())).weak(),
         },
