@@ -70,9 +70,18 @@ pub struct CornerNormals {
 }
 
 impl CornerNormals {
-    /// Estimates the normals; `smooth` tells of each triangle whether it meets its neighbours smoothly.
-    pub fn new(surface: &MeshSurface, smooth: &[[bool; 3]]) -> Self {
-        let around = CornerTriangles::new(surface, smooth);
+    /// Estimates the normals; `smooth` tells of each triangle whether it meets its neighbours smoothly, and
+    /// `jumps` over which of its edges the curvature jumps.
+    pub fn new(surface: &MeshSurface, smooth: &[[bool; 3]], jumps: &[[bool; 3]]) -> Self {
+        let even = |t: usize| std::array::from_fn(|k| smooth[t][k] && !jumps[t][k]);
+        let around = CornerTriangles::new(surface, &(0..smooth.len()).map(even).collect::<Vec<_>>());
+        let mut at_jump = vec![false; surface.points.len()];
+        for (corners, jumps) in surface.triangles.iter().zip(jumps) {
+            for k in (0..3).filter(|k| jumps[*k]) {
+                at_jump[corners[k] as usize] = true;
+                at_jump[corners[(k + 1) % 3] as usize] = true;
+            }
+        }
         let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
         let mut near: Vec<u32> = Vec::new();
         for corner in 0..surface.points.len() {
@@ -94,7 +103,10 @@ impl CornerNormals {
                 near.dedup();
                 near.retain(|&i| i as usize != corner);
                 let mean = mean.try_normalize(1e-12).unwrap_or(surface.normals[own[0] as usize]);
-                let normal = fit_normal(&surface.points, corner, &near, &mean).unwrap_or(mean);
+                // The corners on one side of a jump lie on few lines, which tell no quadratic surface; facets
+                // that are large have the normals of the surface.
+                let fit = || fit_normal(&surface.points, corner, &near, &mean);
+                let normal = if at_jump[corner] { mean } else { fit().unwrap_or(mean) };
                 for &other in own {
                     for c in 0..3 {
                         if surface.triangles[other as usize][c] as usize == corner {
