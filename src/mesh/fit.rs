@@ -23,8 +23,8 @@ const ONE_PLACE: f64 = 0.125;
 const STIFFNESS: f64 = 1e-4;
 /// As [`STIFFNESS`], for the second differences: just enough to make the fit unique with only two distinct x.
 const STRAIGHTNESS: f64 = 1e-9;
-/// Weight of a point above a lower envelope, how many times [`STIFFNESS`] it has, as it is to bridge intervals
-/// with points above it only, and largest number of times that it is fitted.
+/// Weight of a point above a lower envelope, how many times [`STIFFNESS`] it has, as it is to bridge
+/// intervals with points above it only, and largest number of times that it is fitted.
 const ABOVE: f64 = 1e-4;
 const STIFFER: f64 = 100.0;
 const MAX_REWEIGHTINGS: usize = 40;
