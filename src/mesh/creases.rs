@@ -267,7 +267,8 @@ mod tests {
     fn the_curvature_jumps_where_a_fillet_begins() {
         let side = (0..4).map(|_| (0.0, 5.0));
         let filleted = cylinder(&line(side.chain([(0.1, 0.2)]).chain((0..6).map(|_| (0.2, 0.2)))));
-        assert_eq!(marked(&filleted, &find_curvature_jumps(&filleted)), [4]);
+        // The end of the surface is as good as straight.
+        assert_eq!(marked(&filleted, &find_curvature_jumps(&filleted)), [4, 10]);
         let round = cylinder(&line((0..20).map(|_| (0.2, 0.2))));
         let jumps = marked(&round, &find_curvature_jumps(&round));
         assert!(jumps.iter().all(|k| [1, 19].contains(k)), "{jumps:?}");
