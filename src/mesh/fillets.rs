@@ -12,8 +12,8 @@ const STEPS: usize = 24;
 const BEGUN: f64 = 2.5e-4;
 /// Smallest excess of the thickness at the end of a fillet, mm per mm of the blade's height.
 const WHOLE: f64 = 4e-3;
-/// Smallest excess growth of the thickness over some step of a fillet, mm per mm of height: a fillet meets
-/// the hub at a steep angle. The thickness of a blade may change unevenly, but hardly as fast.
+/// Smallest excess growth of the thickness over the last step of a fillet, mm per mm of height: a fillet
+/// meets the hub at a steep angle. The thickness of a blade may change unevenly, but hardly as fast.
 const STEEP: f64 = 0.2;
 /// Smallest excess of the thickness at the end of a fillet, in mean deviations of the growth away from it.
 const NOISES: f64 = 4.0;
@@ -91,8 +91,10 @@ fn fillet_begins(thick: &[[f64; ZONES]], height: f64) -> Option<usize> {
         // it.
         let in_fillet = |k: usize| gain(k) > expected(k) + BEGUN * height || over[k] - usual > whole;
         let begun = (1..=last).rev().take_while(|&k| in_fillet(k)).last()?;
-        let is_steep = |k: usize| gain(k) > expected(k) + STEEP * height / (2 * STEPS) as f64;
-        (over[last] - usual > whole && (begun..=last).any(is_steep)).then_some(begun)
+        // It is steepest where it ends: elsewhere a step may be one of a zone from face to face of a blunt
+        // edge.
+        let is_steep = gain(last) > expected(last) + STEEP * height / (2 * STEPS) as f64;
+        (over[last] - usual > whole && is_steep).then_some(begun)
     };
     let begun: Vec<usize> = (0..ZONES).filter_map(begins).collect();
     begun.iter().min().copied().filter(|_| begun.len() >= FEWEST)

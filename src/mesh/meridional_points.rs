@@ -11,6 +11,8 @@ use crate::geometry::{Meridional, Vector, norm2};
 const PARTS: f64 = 320.0;
 /// Smallest cosine between an edge and the meridional curve at its ends.
 const ALONG: f64 = 0.9;
+/// Length of edges that are straight, as a share of the extent.
+const STRAIGHT: f64 = 0.1;
 /// Ends of edges that are nearer than this share of the extent are the same: edges all around have the same.
 const SAME: f64 = 1e-6;
 
@@ -62,6 +64,41 @@ pub fn meridional_points(
                 points.extend((1..=count).map(|k| {
                     let x = k as f64 / (count + 1) as f64;
                     hermite((p, from), (q, to), length, x)
+                }));
+            }
+        }
+    }
+    points
+}
+
+/// The corners of `triangles`, and points along their longest edges, of a mesh without exact normals: edges
+/// longer than [`STRAIGHT`] would be far from the surface if it were not straight there.
+pub fn straight_points(surface: &MeshSurface, triangles: &[usize]) -> Vec<Meridional> {
+    let corner = |i: u32| Meridional::from_point(&surface.points[i as usize]);
+    let mut used: Vec<u32> = triangles.iter().flat_map(|t| surface.triangles[*t]).collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut points: Vec<Meridional> = used.into_iter().map(corner).collect();
+    let (low, high) = points.iter().fold(
+        (Meridional { r: f64::INFINITY, z: f64::INFINITY }, Meridional { r: 0.0, z: f64::NEG_INFINITY }),
+        |(low, high), p| {
+            let (r, z) = (low.r.min(p.r), low.z.min(p.z));
+            (Meridional { r, z }, Meridional { r: high.r.max(p.r), z: high.z.max(p.z) })
+        },
+    );
+    let size = norm2(high.r - low.r, high.z - low.z);
+    let rounded = |p: Meridional| [p.r, p.z].map(|x| (x / (SAME * size)).round() as i64);
+    let mut seen = HashSet::new();
+    for t in triangles.iter().map(|t| surface.triangles[*t]) {
+        for k in 0..3 {
+            let (i, j) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
+            let (p, q) = (corner(i), corner(j));
+            let length = p.distance(q);
+            if length > STRAIGHT * size && seen.insert((rounded(p), rounded(q))) {
+                let count = (length * PARTS / size) as usize;
+                points.extend((1..=count).map(|k| {
+                    let x = k as f64 / (count + 1) as f64;
+                    Meridional { r: p.r + (q.r - p.r) * x, z: p.z + (q.z - p.z) * x }
                 }));
             }
         }

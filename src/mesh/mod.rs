@@ -2,6 +2,7 @@
 
 pub mod axis;
 mod bodies;
+mod creases;
 pub mod describe;
 mod edge_curve;
 mod edges;

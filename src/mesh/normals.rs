@@ -70,17 +70,45 @@ pub struct CornerNormals {
 }
 
 impl CornerNormals {
-    /// Estimates the normals; `smooth` tells of each triangle whether it meets its neighbours smoothly.
-    pub fn new(surface: &MeshSurface, smooth: &[[bool; 3]]) -> Self {
-        let around = CornerTriangles::new(surface, smooth);
+    /// Estimates the normals; `smooth` tells of each triangle whether it meets its neighbours smoothly, and
+    /// `jumps` over which of its edges the curvature jumps.
+    pub fn new(surface: &MeshSurface, smooth: &[[bool; 3]], jumps: &[[bool; 3]]) -> Self {
+        let even = |t: usize| std::array::from_fn(|k| smooth[t][k] && !jumps[t][k]);
+        let around = CornerTriangles::new(surface, &(0..smooth.len()).map(even).collect::<Vec<_>>());
+        let whole = CornerTriangles::new(surface, smooth);
+        let mut at_jump = vec![false; surface.points.len()];
+        for (corners, jumps) in surface.triangles.iter().zip(jumps) {
+            for k in (0..3).filter(|k| jumps[*k]) {
+                at_jump[corners[k] as usize] = true;
+                at_jump[corners[(k + 1) % 3] as usize] = true;
+            }
+        }
         let mut of = vec![[Vector::zeros(); 3]; surface.triangles.len()];
+        let set = |of: &mut Vec<[Vector; 3]>, corner: usize, fan: &[u32], normal: Vector| {
+            for &t in fan {
+                for c in (0..3).filter(|c| surface.triangles[t as usize][*c] as usize == corner) {
+                    of[t as usize][c] = normal;
+                }
+            }
+        };
         let mut near: Vec<u32> = Vec::new();
         for corner in 0..surface.points.len() {
+            // The corners on one side of a jump lie on few lines, which tell no quadratic surface; but where
+            // it hardly bends its facets are large, and have the normal of both sides.
+            if at_jump[corner] {
+                for own in whole.fans(corner) {
+                    let sides = around.fans(corner).filter(|side| own.contains(&side[0]));
+                    let sums = sides.map(|side| surface.sum_of_normals(side));
+                    let largest = sums.max_by(|a, b| a.norm_squared().total_cmp(&b.norm_squared()));
+                    let flat = surface.normals[own[0] as usize];
+                    let normal = largest.and_then(|sum| sum.try_normalize(1e-12)).unwrap_or(flat);
+                    set(&mut of, corner, own, normal);
+                }
+                continue;
+            }
             for own in around.fans(corner) {
                 near.clear();
-                let mut mean = Vector::zeros();
                 for &first in own {
-                    mean += surface.normals[first as usize] * surface.area(first as usize);
                     if near.len() > MAX_NEAR {
                         continue;
                     }
@@ -93,15 +121,10 @@ impl CornerNormals {
                 near.sort_unstable();
                 near.dedup();
                 near.retain(|&i| i as usize != corner);
-                let mean = mean.try_normalize(1e-12).unwrap_or(surface.normals[own[0] as usize]);
+                let mean = surface.sum_of_normals(own).try_normalize(1e-12);
+                let mean = mean.unwrap_or(surface.normals[own[0] as usize]);
                 let normal = fit_normal(&surface.points, corner, &near, &mean).unwrap_or(mean);
-                for &other in own {
-                    for c in 0..3 {
-                        if surface.triangles[other as usize][c] as usize == corner {
-                            of[other as usize][c] = normal;
-                        }
-                    }
-                }
+                set(&mut of, corner, own, normal);
             }
         }
         Self { per_triangle: of }

@@ -23,8 +23,6 @@ const PIECE: f64 = 0.005;
 const VOTERS: usize = 1000;
 /// Largest number of cubic pieces of a curve.
 const MAX_SPANS: usize = 240;
-/// Largest number of iterations that remove points above a curve.
-const MAX_ITERATIONS: usize = 40;
 /// Largest number of rounds that remove the feet of fillets, the distance along the course within which a
 /// lower point tells a foot, as a share of the curve, and how much lower, as a share of the tolerance.
 const MAX_FOOT_ROUNDS: usize = 12;
@@ -122,8 +120,8 @@ impl Course {
         Meridional { r: x * self.along.r + y * self.across.r, z: x * self.along.z + y * self.across.z }
     }
 
-    /// The curve along the side of `points` that faces away from `above`: fits repeatedly and removes points
-    /// that are too far above the curve, such as those of fillets, until all are within `tolerance`, mm.
+    /// The curve along the side of `points` that faces away from `above`: through those within `tolerance`,
+    /// mm, of their lower envelope, which those of fillets are above.
     pub fn fit_bottom(
         &self,
         points: &[Meridional],
@@ -131,31 +129,16 @@ impl Course {
         tolerance: f64,
     ) -> Option<FittedProfile> {
         let sign = self.side_of(above, points);
-        let mut kept = points.to_vec();
-        let mut near = f64::INFINITY;
-        for _ in 0..MAX_ITERATIONS {
-            let profile = self.fit_curve(&kept)?;
-            if profile.max_deviation_mm < tolerance {
-                return Some(self.without_feet(kept, profile, sign, tolerance));
-            }
-            let curve = SmoothFunction::fit(&self.pairs(&profile.points), MAX_SPANS)?;
-            let over: Vec<f64> = kept
-                .iter()
-                .map(|p| {
-                    let (x, y) = self.coordinates_of(*p);
-                    sign * (y - curve.at(x)) / norm2(1.0, curve.slope(x))
-                })
-                .collect();
-            let highest = over.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            near = (0.6 * highest.min(near)).max(0.5 * tolerance);
-            let before = kept.len();
-            let mut at = over.iter();
-            kept.retain(|_| at.next().is_some_and(|over| *over < near));
-            if kept.len() < 8 || (kept.len() == before && near <= 0.5 * tolerance) {
-                return None;
-            }
-        }
-        None
+        let turned_up = |(x, y): (f64, f64)| (x, sign * y);
+        let pairs: Vec<(f64, f64)> = self.pairs(points).into_iter().map(turned_up).collect();
+        let below = SmoothFunction::fit_below(&pairs, MAX_SPANS)?;
+        let over = |(x, y): (f64, f64)| (y - below.at(x)) / norm2(1.0, below.slope(x));
+        let on = points.iter().zip(&pairs).filter(|(_, pair)| over(**pair) < 0.5 * tolerance);
+        let kept: Vec<Meridional> = on.map(|(p, _)| *p).collect();
+        let profile = self
+            .fit_curve(&kept)
+            .filter(|profile| kept.len() >= 8 && profile.max_deviation_mm < tolerance)?;
+        Some(self.without_feet(kept, profile, sign, tolerance))
     }
 
     /// The curve through all `points` but those at the feet of fillets on the side of `above`, which are

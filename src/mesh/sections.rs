@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::creases::{find_creases, find_curvature_jumps};
 use super::edge_curve::EdgeCurve;
 use super::normals::{CornerNormals, ExactNormals};
 use super::surface::{MeshSurface, SHARP};
@@ -11,10 +12,6 @@ use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// As [`SHARP`], between a side and a cap.
 const CAP_TURN: f64 = 0.995;
-/// Edges within smooth patches, which faces have that are one patch by way of a fillet around the end of the
-/// edge: smallest cosine of the angle between triangles that they do not divide, and between the faces of
-/// which the file tells the normals. Coarse noses have edges that turn further than faces of CAD.
-const CREASED: (f64, f64) = (0.5, 0.906);
 /// Share of a shroud up to the ends of which tips go from which on it is their own.
 const MOST: f64 = 0.95;
 /// Range of a blade between its slanted edges, relative to its length.
@@ -170,21 +167,6 @@ fn classify_caps(surface: &MeshSurface, places: &[(f64, f64)]) -> Vec<u8> {
     (0..surface.triangles.len()).map(cap).collect()
 }
 
-/// Whether the edge between two neighbouring triangles of one smooth patch divides them.
-fn is_crease(surface: &MeshSurface, exact: &ExactNormals, a: usize, b: usize) -> bool {
-    if surface.normals[a].dot(&surface.normals[b]) < CREASED.0 {
-        return true;
-    }
-    let faces = [surface.faces[a], surface.faces[b]];
-    if exact.is_empty() || faces[0] == faces[1] || faces.contains(&NONE) {
-        return false;
-    }
-    // Where the file tells no normals a face is plane.
-    let normal = |p: &Point, t: usize| exact.near(p, &surface.normals[t]).unwrap_or(surface.normals[t]);
-    let common = surface.triangles[a].iter().filter(|i| surface.triangles[b].contains(i));
-    common.map(|i| &surface.points[*i as usize]).all(|p| normal(p, a).dot(&normal(p, b)) < CREASED.1)
-}
-
 /// One piece of a slice: a loop, or a line with two ends.
 #[derive(Clone, Debug)]
 pub struct SlicePiece {
@@ -215,10 +197,15 @@ impl<'a> BladeSlicer<'a> {
             let straight = surface.normals[a].dot(&surface.normals[b]);
             straight > SHARP && (caps[a] == caps[b] || straight > CAP_TURN)
         });
-        let joins = |a: usize, b: usize| patch[a] == patch[b] && !is_crease(surface, exact, a, b);
-        let beside = |(t, beside): (usize, &[u32; 3])| beside.map(|n| n != NONE && joins(t, n as usize));
-        let smooth: Vec<[bool; 3]> = surface.neighbours.iter().enumerate().map(beside).collect();
-        let mut normals = CornerNormals::new(surface, &smooth);
+        let creases = find_creases(surface, exact);
+        let joins = |t: usize, k: usize| {
+            let n = surface.neighbours[t][k];
+            n != NONE && patch[t] == patch[n as usize] && !creases[t][k]
+        };
+        let smooth: Vec<[bool; 3]> =
+            (0..surface.triangles.len()).map(|t| [0, 1, 2].map(|k| joins(t, k))).collect();
+        let jumps = find_curvature_jumps(surface);
+        let mut normals = CornerNormals::new(surface, &smooth, &jumps);
         normals.replace_by(surface, exact);
         Self { surface, band, places, smooth, normals }
     }

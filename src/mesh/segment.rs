@@ -1,7 +1,7 @@
 //! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
 //! cover, the rest is blades.
 
-use super::meridional_points::meridional_points;
+use super::meridional_points::{meridional_points, straight_points};
 use super::normals::ExactNormals;
 use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal, towards};
 use super::round::{SECTORS, TURNED, is_round, radii, sectors_met};
@@ -73,6 +73,8 @@ const PAST_BLADES: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
 /// Mean height of the middle of the blades over the planes of a face's triangles, as a share of their
 /// distance from it, below which the face is turned away from the blades.
 const BENDS: f64 = 0.35;
+/// Sine of the angle by which a face turns away over an edge of the body.
+const CORNER: f64 = 0.3;
 /// Share of the area of a face on its curve from which on no shorter curve is tried.
 const NEARLY_ALL: f64 = 0.9;
 
@@ -192,6 +194,11 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     let (course, middle) = (Course::from_blades(&standing, wheel, |t| turned[t]), mean_point(&standing));
     // Rims and backs of a solid face away from the middle of its blades. Of a cover that bends about the
     // blades their middle tells nothing, but what meets it: blades are in front of it.
+    let rise = |t: usize, k: usize| {
+        let way =
+            wheel.centre(wheel.neighbours[t][k] as usize) - wheel.points[wheel.triangles[t][k] as usize];
+        wheel.normals[t].dot(&way) / way.norm().max(1e-300)
+    };
     let (mut facing, mut reach, mut in_front) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for t in (0..group.len()).filter(|&t| turned[t]) {
         let f = group[t] as usize;
@@ -201,9 +208,7 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
             if n != NONE && !turned[n as usize] {
                 let corners = wheel.triangles[t];
                 let (a, b) = (corners[k] as usize, corners[(k + 1) % 3] as usize);
-                let way = wheel.centre(n as usize) - wheel.points[a];
-                let rise = wheel.normals[t].dot(&way) / way.norm().max(1e-300);
-                in_front[f] += rise * (wheel.points[b] - wheel.points[a]).norm();
+                in_front[f] += rise(t, k) * (wheel.points[b] - wheel.points[a]).norm();
             }
         }
     }
@@ -228,14 +233,28 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
         let at_blade = |t: usize| wheel.neighbours[t].iter().any(|n| *n != NONE && !turned[*n as usize]);
-        let feet = of(&|t| own(t) && at_blade(t));
+        // By way of a fillet a leading edge that is turned is part of the face: its corners with the sides of
+        // the blade are no feet.
+        let at_foot = |t: usize| {
+            let meets = |k: usize| {
+                let n = wheel.neighbours[t][k];
+                n != NONE && !turned[n as usize] && outward.is_none_or(|sign| sign * rise(t, k) > -CORNER)
+            };
+            (0..3).any(meets)
+        };
+        let mut feet = of(&|t| own(t) && at_foot(t));
+        if feet.is_empty() {
+            feet = of(&|t| own(t) && at_blade(t));
+        }
         let fitted = |points: &[Meridional]| {
             curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance))
         };
         // Long edges of fillets that join the face smoothly are not on its curve: then its corners tell it.
         let (points, own_corners) = (meridional_points(wheel, &triangles, exact), of(&own));
         let has_more = points.len() > own_corners.len();
-        let profile = fitted(&points).or_else(|| if has_more { fitted(&own_corners) } else { None })?;
+        let profile = fitted(&points)
+            .or_else(|| if has_more { fitted(&own_corners) } else { None })
+            .or_else(|| fitted(&straight_points(wheel, &triangles)))?;
         let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
         let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&standing);
         let heights = corners.iter().map(|p| curve.project(*p).1).collect();

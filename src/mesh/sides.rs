@@ -24,6 +24,8 @@ const NOSE_SHARE: f64 = 0.35;
 const AT_GAP: f64 = 0.05;
 /// Widest gap that is bridged anywhere else, as a share of the length.
 const BRIDGED: f64 = 0.01;
+/// Fewest points that a side is interpolated through.
+const FEWEST: usize = 4;
 /// Share of a side's length at which the thickness of the nose is measured.
 const NOSE_END: f64 = 0.04;
 
@@ -52,8 +54,15 @@ impl SideCurve {
         let mut raw: Vec<([f64; 4], bool)> =
             thinned(points).iter().map(|p| ([p.point.x, p.point.y, p.point.z, p.along], p.edge)).collect();
         raw.dedup_by(|(a, _), (b, _)| (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs() < 1e-9);
-        if raw.len() < 4 {
+        if raw.len() < 2 {
             return None;
+        }
+        // A plane side may have corners at its ends only.
+        while raw.len() < FEWEST {
+            let length = |k: &usize| (0..3).map(|i| (raw[k + 1].0[i] - raw[*k].0[i]).powi(2)).sum::<f64>();
+            let longest = (0..raw.len() - 1).max_by(|a, b| length(a).total_cmp(&length(b)))?;
+            let middle = std::array::from_fn(|i| 0.5 * (raw[longest].0[i] + raw[longest + 1].0[i]));
+            raw.insert(longest + 1, (middle, false));
         }
         let places: Vec<[f64; 3]> = raw.iter().map(|(p, _)| [p[0], p[1], p[2]]).collect();
         // A blunt edge has a corner where the side begins.
@@ -356,7 +365,7 @@ fn split(cut: &SlicePiece) -> Option<SplitSlice> {
             line.push(trailing);
         }
     }
-    (first.len() > 3 && second.len() > 3).then_some(SplitSlice { first, second, round_tail })
+    (first.len() > 1 && second.len() > 1).then_some(SplitSlice { first, second, round_tail })
 }
 
 /// The seams at both ends of a trailing edge that is nearly flat and has a face of its own: its corners may

@@ -102,6 +102,11 @@ impl MeshSurface {
         0.5 * (b - a).cross(&(c - a)).norm()
     }
 
+    /// Sum of the normals of triangles, weighted by area, mm².
+    pub fn sum_of_normals(&self, triangles: &[u32]) -> Vector {
+        triangles.iter().map(|&t| self.normals[t as usize] * self.area(t as usize)).sum()
+    }
+
     /// Volume that a closed surface encloses, mm³ (divergence theorem): negative where its normals point into
     /// it; `None` where it is open.
     pub fn signed_volume(&self) -> Option<f64> {

@@ -1,6 +1,7 @@
 //! Hub and cover of a wheel as meridional curves, and its blades cut off at them: blades of solids that were
 //! not united go on into hub and cover, through the cover, and past the rim of both.
 
+use super::meridional_points::straight_points;
 use super::normals::ExactNormals;
 use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
 use super::surface::MeshSurface;
@@ -116,8 +117,18 @@ fn fit_revolved(
     tolerance: f64,
 ) -> Result<FittedProfile, PartError> {
     let side = find_flow_side(surface, course, blades, exact, name)?;
-    let fitted = course.fit_without_feet(&side.points, mean_point(blades), tolerance);
-    let profile = fitted.ok_or_else(|| {
+    let above = mean_point(blades);
+    let fit = |points: &[Meridional]| {
+        let profile = course.fit_without_feet(points, above, tolerance)?;
+        if profile.max_deviation_mm <= tolerance {
+            return Some(profile);
+        }
+        let bottom = course.fit_bottom(points, above, tolerance);
+        let on_bottom =
+            |p: &FittedProfile| p.area_share_on_curve(surface, &side.triangles, tolerance) > MOSTLY;
+        bottom.filter(on_bottom).or(Some(profile))
+    };
+    let profile = fit(&side.points).ok_or_else(|| {
         PartError::new(
             ErrorCode::MeshRoles,
             0,
@@ -126,10 +137,10 @@ fn fit_revolved(
         )
     })?;
     if profile.max_deviation_mm > tolerance
-        && let Some(bottom) = course.fit_bottom(&side.points, mean_point(blades), tolerance)
-        && bottom.area_share_on_curve(surface, &side.triangles, tolerance) > MOSTLY
+        && let Some(straight) = fit(&straight_points(surface, &side.triangles))
+        && straight.max_deviation_mm <= tolerance
     {
-        return Ok(bottom);
+        return Ok(straight);
     }
     check_deviation(profile, name, tolerance)
 }

@@ -80,7 +80,7 @@ const KJ66_BLADE: [[(f64, f64, f64); 10]; 2] = [
 const KJ66_EDGE: [(f64, f64, f64); 3] =
     [(10.0011, -27.0394, 39.6748), (9.1065, -24.9705, 39.7387), (11.5973, -26.9562, 38.2988)];
 
-fn built(description: &Result<PartDescription, InputError>) -> Impeller {
+pub fn built(description: &Result<PartDescription, InputError>) -> Impeller {
     match description {
         Ok(description) => Impeller::build(description).expect("an impeller"),
         Err(error) => panic!("{error}"),
@@ -104,14 +104,14 @@ fn sides_apart(blade: &Blade, other: &Blade) -> f64 {
 }
 
 /// The rotation of `blade` by whole pitches that is nearest to `other`.
-fn alike(blade: &Blade, other: &Blade, part: &Impeller) -> Blade {
+pub fn alike(blade: &Blade, other: &Blade, part: &Impeller) -> Blade {
     let off = |b: &Blade| (b.suction.point(0.5, 0.5) - other.suction.point(0.5, 0.5)).norm();
     let all = (0..part.blade_count).map(|k| blade.rotated(part.pitch() * k as f64));
     all.min_by(|a, b| off(a).total_cmp(&off(b))).expect("it has blades")
 }
 
 /// Largest distances of hub and blade sides of `other` from those of `part`, mm.
-fn apart(part: &Impeller, other: &Impeller) -> (f64, f64) {
+pub fn apart(part: &Impeller, other: &Impeller) -> (f64, f64) {
     assert_eq!((part.blade_count, part.splitters.len()), (other.blade_count, other.splitters.len()));
     let hub = (0..=100).map(|i| part.hub.curve().project(other.hub.point(f64::from(i) / 100.0)).1.abs());
     let mut sides = sides_apart(&part.main, &alike(&other.main, &part.main, other));

@@ -4,6 +4,7 @@
 
 mod any_bytes;
 mod cad;
+mod cad_as_mesh;
 mod gltf;
 mod gltf_faults;
 mod mesh_parts;
