@@ -176,8 +176,8 @@ pub struct Project {
     pub original_hash: Option<u64>,
     /// Faults in its setups when it was read: each faulty entry has its default. Those of sets name no entry.
     pub setup_faults: Vec<SetupEntryFault>,
-    /// How many of them, from the first on, are in the current setup; the others are in variants. A recovery
-    /// copy keeps those of the current setup, as nobody has looked at the defaults; a saved project has none.
+    /// How many of them, from the first on, are in the current setup; the others are in variants. The file
+    /// keeps those of the current setup, until somebody has given another value.
     pub current_faults: usize,
 }
 
@@ -483,6 +483,6 @@ mod tests {
         assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
         let copy = Project { setup_faults: read.setup_faults[..1].to_vec(), ..read };
         let again = read_project_bytes(path, write_project(&copy, path).as_bytes()).expect("reads");
-        assert_eq!(again, copy, "a recovery copy keeps what was faulty");
+        assert_eq!(again, copy, "the file keeps what was faulty");
     }
 }

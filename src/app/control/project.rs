@@ -218,7 +218,7 @@ impl App {
         let WrittenProject { path, edited, hash } = written;
         self.note_recent(&path);
         self.state.document.note_saved(path, edited, hash);
-        self.state.solve(Topic::Project);
+        self.state.forget_faults_of_variants();
         if !self.state.document.is_unsaved() {
             if let Some(home) = &self.session.home {
                 home.drop_copy();

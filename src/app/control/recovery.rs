@@ -213,8 +213,6 @@ impl App {
         let Some(mut project) = project_of(&self.state, self.view.current()) else { return false };
         project.original.clone_from(&self.state.document.path);
         project.original_hash = self.state.document.on_disk.filter(|_| project.original.is_some());
-        project.setup_faults = self.state.document.replaced.iter().map(|value| value.fault.clone()).collect();
-        project.current_faults = project.setup_faults.len();
         let written = home.write_copy(&write_project(&project, home.copy()));
         // An error is reported once; the next change tries again.
         self.session.copied = Some(self.state.document.edited.clone());

@@ -54,8 +54,8 @@ pub struct Document {
     pub path: Option<PathBuf>,
     /// Hash of that file as this window read or wrote it last; `None` where it has not.
     pub on_disk: Option<u64>,
-    /// Faulty values of the setup in the file, in whose place defaults stand: until the field is edited, or
-    /// what stands there is saved.
+    /// Faulty values of the setup in the file, in whose place defaults stand until the field is edited. A
+    /// saved project keeps them.
     pub replaced: Vec<ReplacedValue>,
     /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
@@ -91,7 +91,6 @@ impl Document {
         self.path = Some(absolute(path));
         self.on_disk = Some(hash);
         self.saved = Some(edited);
-        self.replaced.clear();
     }
 
     /// Marks the content as never saved, e.g. after recovery.

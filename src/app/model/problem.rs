@@ -14,7 +14,7 @@ pub enum Topic {
     Flank,
     /// The checked program: solved by the next check.
     Program,
-    /// What is faulty in an opened project: solved by saving what stands in its place.
+    /// What is faulty in an opened project: solved where its field is edited, in variants by saving.
     Project,
     /// The project, which another window has open: solved when that closes it.
     SharedProject,

@@ -39,8 +39,9 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
         },
         original: None,
         original_hash: None,
-        setup_faults: Vec::new(),
-        current_faults: 0,
+        // Nobody has said that the defaults in their place are meant.
+        setup_faults: state.document.replaced.iter().map(|value| value.fault.clone()).collect(),
+        current_faults: state.document.replaced.len(),
     })
 }
 
