@@ -1,7 +1,7 @@
 //! Contact that is narrower than the lines of a core are apart, and corners of the blank: against other
 //! methods.
 
-use vanecut::cutting::contact::{BlankTop, PlungeColumn};
+use vanecut::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Point, Vector};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Workpiece};
@@ -9,12 +9,40 @@ use vanecut::stock::solid::{SolidBlank, SolidProgram, SolidStock, ToolPart, Turn
 use vanecut::toolpath::ClProgram;
 
 use super::goals::WHOLE;
-use super::samples::sample_plans;
+use super::probe::kj66;
+use super::samples::{sample, sample_plans};
 
 /// The next pseudo-random number in −1…1 (linear congruential, Knuth's constants).
 fn next(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+}
+
+/// Wherever its axis leads out of the wheel, also nearly along the shroud or far across the passage: nothing
+/// is cut before, so that the core meets the blank up to where it leaves it.
+#[test]
+fn a_core_meets_all_of_a_blank_that_nothing_was_cut_from() {
+    let mut state = 5;
+    for part in [kj66(), sample("impeller532"), sample("pump6")] {
+        let blank = Blank::from_part(&part, 0.0);
+        let (top, size) = (BlankTop::new(&blank), part.rim_radius());
+        for _ in 0..600 {
+            let s = 0.5 + 0.5 * next(&mut state);
+            let (foot, normal) = (part.hub.point(s), part.hub.normal(s));
+            let axis = normal.direction_at_angle(0.0) + Vector::from_fn(|_, _| 2.0 * next(&mut state));
+            let Some(axis) = axis.try_normalize(0.1) else { continue };
+            let tip = foot.lerp(part.shroud.point(s), 0.05 + 0.1 * next(&mut state).abs()).at_angle(0.0);
+            let cutter = CutterSolid { tip, axis, radius: 0.02 * size, corner_radius: 0.0 };
+            let column = PlungeColumn::new(cutter, 0.01 * size, &top);
+            let solid = |h: f64| blank.depth(Meridional::from_point(&(tip + axis * h))) > 0.0;
+            // Short chords at the rim are not what is asked for.
+            let step = 0.008 * size;
+            let heights = (1..=400).map(|k| f64::from(k) * step);
+            let highest = heights.filter(|&h| solid(h) && solid(h - step)).fold(0.0, f64::max);
+            let found = core_contact(&column, Columns::default().all(), &blank).depth;
+            assert!(found > highest - 1e-3, "{}, {tip}, {axis}: {found} of {highest} mm", part.name);
+        }
+    }
 }
 
 #[test]

@@ -42,7 +42,7 @@ fn nearest_is_never_beaten_by_a_dense_scan() {
 }
 
 /// A wheel with noisy sections.
-fn kj66() -> Impeller {
+pub fn kj66() -> Impeller {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels/kj66_sections.toml");
     Impeller::build(&read_part(&file).expect("readable")).expect("an impeller")
 }

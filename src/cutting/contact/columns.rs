@@ -30,6 +30,9 @@ impl PlungeColumn {
     }
 }
 
+/// Height above the top of a column at which its axis is looked at for stock, mm.
+const CLEAR: f64 = 1e-3;
+
 /// Computes up to which height core columns can meet stock.
 #[derive(Debug)]
 pub struct BlankTop<'a> {
@@ -55,11 +58,13 @@ impl<'a> BlankTop<'a> {
         let radius = core_radius.max(1e-6);
         let shroud = surface.touch(&cutter.tip, &cutter.axis, radius).map(|touch| touch.height);
         let faces = self.blank.end_face_touch(&cutter.tip, &cutter.axis, radius);
-        shroud
-            .into_iter()
-            .chain(faces)
-            .max_by(f64::total_cmp)
-            .unwrap_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, radius))
+        let found = shroud.into_iter().chain(faces).max_by(f64::total_cmp);
+        // The search for the shroud may end where the axis crosses it before, or on the far side of the wheel.
+        let is_clear = |&top: &f64| {
+            let (low, high) = (top.max(0.0) + CLEAR, f64::INFINITY);
+            self.blank.highest_inside(&cutter.tip, &cutter.axis, low, high, &mut None).is_none()
+        };
+        found.filter(is_clear).unwrap_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, radius))
     }
 }
 
