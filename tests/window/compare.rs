@@ -50,6 +50,25 @@ fn both_sides_share_one_camera_and_one_scale() {
     assert_eq!(state.range(), state.fitting_range(), "and back");
 }
 
+/// The same in the list of strategies as in the headline.
+#[test]
+fn figures_of_strategies_are_marked_until_they_are_calculated_anew() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    assert!(window.query_by_label("0 interfering").is_some());
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(window.query_by_label("0 interfering").is_none());
+    window.get_by_label("Out of date: 0 interfering");
+    window.key_press(egui::Key::F5);
+    window.run_steps(2);
+    settle(&mut window);
+    window.get_by_label("0 interfering");
+}
+
 #[test]
 fn the_wipe_has_a_border_to_drag() {
     let (engine, _) = fake::engine();

@@ -115,6 +115,9 @@ pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, preview: Option<&Prev
         let count = preview.count();
         let (words, colour) = match preview.interfering_count() {
             None => (format!("New {policy}: {count} positions, not checked yet"), ui.visuals().text_color()),
+            Some(_) if count == 0 => {
+                (format!("New {policy}: no position can be cut"), orange.text(ui.visuals()))
+            }
             Some(0) => {
                 (format!("New {policy}: none of {count} interferes"), Condition::Sound.text(ui.visuals()))
             }

@@ -77,10 +77,11 @@ impl App {
         {
             self.run_command(ui.ctx(), command);
         }
+        let is_stale = self.state.out_of_date();
         let compare = &mut self.state.compare;
         let preview = self.state.results.preview.as_ref().and_then(|preview| preview.planned.clone());
         heading(ui, "Axis strategies", fresh, |ui| {
-            panels::policies::show(ui, compare, planned.as_deref(), preview.as_deref());
+            panels::policies::show(ui, compare, (planned.as_deref(), is_stale), preview.as_deref());
         });
         let shown = self.state.last_whole_plan(self.state.look.side).map(|shown| shown.policy);
         let change = self.state.results.tool_change.as_deref();

@@ -14,31 +14,45 @@ use crate::app::views::theme::Condition;
 use crate::app::views::units;
 
 /// Draws the switch and the figures; a policy that the running task has finished, in its `preview`, goes
-/// first.
-pub fn show(ui: &mut Ui, compare: &mut bool, planned: Option<&DisplayPlan>, preview: Option<&DisplayPlan>) {
+/// first. Those of `planned` are marked where it `is_stale`.
+pub fn show(
+    ui: &mut Ui,
+    compare: &mut bool,
+    (planned, is_stale): (Option<&DisplayPlan>, bool),
+    preview: Option<&DisplayPlan>,
+) {
     ui.checkbox(compare, "Compare all strategies")
         .on_hover_text("The next calculation plans every strategy, not only the chosen one");
     let Some(whole) = planned.or(preview) else { return };
     for policy in AxisPolicy::ALL {
-        let of = [preview, Some(whole)].into_iter().flatten().find(|planned| planned.has(policy));
-        let Some(result) = of.map(|planned| planned.result(policy)) else { continue };
+        let (of, is_stale) = match preview.filter(|preview| preview.has(policy)) {
+            Some(preview) => (preview, false),
+            None => (whole, is_stale),
+        };
+        if !of.has(policy) {
+            continue;
+        }
         let name = RichText::new(policy_label(policy));
         let is_asked = policy == whole.outcome.after.plan.policy;
         let channels = whole.outcome.workpiece.part.blade_count;
-        lines(ui, if is_asked { name.strong() } else { name }, result, channels);
+        lines(ui, if is_asked { name.strong() } else { name }, of.result(policy), (channels, is_stale));
     }
 }
 
 /// Figures of a policy in three lines; a table would be wider than the panel.
-fn lines(ui: &mut Ui, policy: RichText, result: &PolicyResult, channels: usize) {
+fn lines(ui: &mut Ui, policy: RichText, result: &PolicyResult, (channels, is_stale): (usize, bool)) {
     let summary = &result.summary;
     ui.horizontal(|ui| {
         ui.label(policy);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let count = result.plan.count_interfering();
-            let condition = if count == 0 { Condition::Sound } else { Condition::Interfering };
-            ui.label(RichText::new(format!("{count} interfering")).color(condition.text(ui.visuals())))
-                .on_hover_text(INTERFERING_TIP);
+            let text = format!("{count} interfering");
+            let (text, condition) = match count {
+                _ if is_stale => (format!("Out of date: {text}"), Condition::Blocked),
+                0 => (text, Condition::Sound),
+                _ => (text, Condition::Interfering),
+            };
+            ui.label(RichText::new(text).color(condition.text(ui.visuals()))).on_hover_text(INTERFERING_TIP);
         });
     });
     ui.horizontal(|ui| {
