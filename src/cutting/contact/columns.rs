@@ -59,7 +59,7 @@ impl<'a> BlankTop<'a> {
         let shroud = surface.touch(&cutter.tip, &cutter.axis, radius).map(|touch| touch.height);
         let faces = self.blank.end_face_touch(&cutter.tip, &cutter.axis, radius);
         let found = shroud.into_iter().chain(faces).max_by(f64::total_cmp);
-        // The search for the shroud may end where the axis crosses it before, or on the far side of the wheel.
+        // The search for the shroud may end where the axis crosses it before, or on the far side.
         let is_clear = |&top: &f64| {
             let (low, high) = (top.max(0.0) + CLEAR, f64::INFINITY);
             self.blank.highest_inside(&cutter.tip, &cutter.axis, low, high, &mut None).is_none()
