@@ -7,6 +7,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::disjoint_sets::DisjointSets;
 use super::normals::ExactNormals;
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
@@ -111,31 +112,21 @@ fn extent(surface: &MeshSurface) -> f64 {
 /// The edges of the chains of `candidates` that are at least as long, and turn as much in the mean, as
 /// `least` says (mm, rad).
 fn lines_of(candidates: &[CreaseEdge], least: (f64, f64)) -> HashSet<(u32, u32)> {
-    // Union-find over the ends of edges between the same faces.
-    let mut number: HashMap<([u32; 2], u32), usize> = HashMap::new();
-    let mut parent: Vec<usize> = Vec::new();
-    let mut root = |parent: &mut Vec<usize>, faces: [u32; 2], corner: u32| {
-        let mut at = *number.entry((faces, corner)).or_insert_with(|| {
-            parent.push(parent.len());
-            parent.len() - 1
-        });
-        while parent[at] != at {
-            parent[at] = parent[parent[at]];
-            at = parent[at];
-        }
-        at
-    };
-    for c in candidates {
-        let [a, b] = c.corners.map(|corner| root(&mut parent, c.faces, corner));
-        parent[a] = b;
-    }
-    let mut sums: HashMap<usize, (f64, f64)> = HashMap::new();
-    let chain: Vec<usize> = candidates.iter().map(|c| root(&mut parent, c.faces, c.corners[0])).collect();
+    // Chains have the ends of their edges in common, and the faces beside them.
+    let mut number: HashMap<([u32; 2], u32), u32> = HashMap::new();
+    let mut sets = DisjointSets::default();
+    let ends: Vec<[u32; 2]> = candidates
+        .iter()
+        .map(|c| c.corners.map(|corner| *number.entry((c.faces, corner)).or_insert_with(|| sets.add())))
+        .collect();
+    ends.iter().for_each(|[a, b]| sets.join(*b, *a));
+    let chain: Vec<u32> = ends.iter().map(|[a, _]| sets.root(*a)).collect();
+    let mut sums: HashMap<u32, (f64, f64)> = HashMap::new();
     for (c, chain) in candidates.iter().zip(&chain) {
         let sum = sums.entry(*chain).or_default();
         *sum = (sum.0 + c.length, sum.1 + c.length * c.turn);
     }
-    let is_line = |chain: &usize| {
+    let is_line = |chain: &u32| {
         let (length, turns) = sums[chain];
         length > least.0 && turns > least.1 * length
     };

@@ -28,6 +28,30 @@ pub fn meridional_points(
     triangles: &[usize],
     exact: &ExactNormals,
 ) -> Vec<Meridional> {
+    let shortest = if exact.is_empty() { f64::INFINITY } else { 1.0 / PARTS };
+    points_along(surface, triangles, shortest, |[a, b], t, chord| {
+        let tangent = |i: u32| tangent_along(surface, (i, t), chord, exact);
+        Some([tangent(a)?, tangent(b)?])
+    })
+}
+
+/// As [`meridional_points`], of a mesh without exact normals: points are along the chords of its longest
+/// edges, as such an edge would be far from the surface if it were not straight there.
+pub fn straight_points(surface: &MeshSurface, triangles: &[usize]) -> Vec<Meridional> {
+    points_along(surface, triangles, STRAIGHT, |_, _, chord| {
+        let length = norm2(chord.r, chord.z);
+        Some([Meridional { r: chord.r / length, z: chord.z / length }; 2])
+    })
+}
+
+/// The corners of `triangles`, and points along their edges that are longer than the share `shortest` of the
+/// extent, by the unit tangents at both ends of an edge, given its corners, its triangle, and its chord.
+fn points_along(
+    surface: &MeshSurface,
+    triangles: &[usize],
+    shortest: f64,
+    tangents: impl Fn([u32; 2], usize, Meridional) -> Option<[Meridional; 2]>,
+) -> Vec<Meridional> {
     let corners: Vec<Meridional> = surface.points.iter().map(Meridional::from_point).collect();
     let mut used = vec![false; corners.len()];
     for &t in triangles {
@@ -35,7 +59,7 @@ pub fn meridional_points(
     }
     let own = || corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p);
     let mut points: Vec<Meridional> = own().collect();
-    if exact.is_empty() {
+    if shortest.is_infinite() {
         return points;
     }
     let extent = |of: &dyn Fn(&Meridional) -> f64| {
@@ -55,50 +79,14 @@ pub fn meridional_points(
             let (p, q) = (corners[a as usize], corners[b as usize]);
             let chord = Meridional { r: q.r - p.r, z: q.z - p.z };
             let length = norm2(chord.r, chord.z);
-            if length <= spacing || !seen.insert((rounded(p), rounded(q))) {
+            if length <= shortest * size || !seen.insert((rounded(p), rounded(q))) {
                 continue;
             }
-            let tangent = |i: u32| tangent_along(surface, (i, t), chord, exact);
-            if let (Some(from), Some(to)) = (tangent(a), tangent(b)) {
+            if let Some([from, to]) = tangents([a, b], t, chord) {
                 let count = (length / spacing) as usize;
                 points.extend((1..=count).map(|k| {
                     let x = k as f64 / (count + 1) as f64;
                     hermite((p, from), (q, to), length, x)
-                }));
-            }
-        }
-    }
-    points
-}
-
-/// The corners of `triangles`, and points along their longest edges, of a mesh without exact normals: edges
-/// longer than [`STRAIGHT`] would be far from the surface if it were not straight there.
-pub fn straight_points(surface: &MeshSurface, triangles: &[usize]) -> Vec<Meridional> {
-    let corner = |i: u32| Meridional::from_point(&surface.points[i as usize]);
-    let mut used: Vec<u32> = triangles.iter().flat_map(|t| surface.triangles[*t]).collect();
-    used.sort_unstable();
-    used.dedup();
-    let mut points: Vec<Meridional> = used.into_iter().map(corner).collect();
-    let (low, high) = points.iter().fold(
-        (Meridional { r: f64::INFINITY, z: f64::INFINITY }, Meridional { r: 0.0, z: f64::NEG_INFINITY }),
-        |(low, high), p| {
-            let (r, z) = (low.r.min(p.r), low.z.min(p.z));
-            (Meridional { r, z }, Meridional { r: high.r.max(p.r), z: high.z.max(p.z) })
-        },
-    );
-    let size = norm2(high.r - low.r, high.z - low.z);
-    let rounded = |p: Meridional| [p.r, p.z].map(|x| (x / (SAME * size)).round() as i64);
-    let mut seen = HashSet::new();
-    for t in triangles.iter().map(|t| surface.triangles[*t]) {
-        for k in 0..3 {
-            let (i, j) = (t[k].min(t[(k + 1) % 3]), t[k].max(t[(k + 1) % 3]));
-            let (p, q) = (corner(i), corner(j));
-            let length = p.distance(q);
-            if length > STRAIGHT * size && seen.insert((rounded(p), rounded(q))) {
-                let count = (length * PARTS / size) as usize;
-                points.extend((1..=count).map(|k| {
-                    let x = k as f64 / (count + 1) as f64;
-                    Meridional { r: p.r + (q.r - p.r) * x, z: p.z + (q.z - p.z) * x }
                 }));
             }
         }

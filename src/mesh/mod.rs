@@ -4,6 +4,7 @@ pub mod axis;
 mod bodies;
 mod creases;
 pub mod describe;
+pub(crate) mod disjoint_sets;
 mod edge_curve;
 mod edges;
 mod end_faces;

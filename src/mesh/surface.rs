@@ -1,6 +1,7 @@
 //! Triangle mesh with adjacency: welded corners, neighbours across edges, connected pieces.
 
 use super::TriangleMesh;
+use super::disjoint_sets::DisjointSets;
 use super::weld::{self, NONE, NumberMap};
 use crate::geometry::{Meridional, Point, Vector};
 
@@ -214,24 +215,14 @@ impl MeshSurface {
     }
 }
 
-/// Labels the triangles by connected component over shared corners (union-find); `count` is the number of
-/// corners.
+/// Labels the triangles by connected component over shared corners; `count` is the number of corners.
 fn connected(triangles: &[[u32; 3]], count: usize) -> Vec<u32> {
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
+    let mut sets = DisjointSets::new(count);
+    for &[a, b, c] in triangles {
+        sets.join(a, b);
+        sets.join(a, c);
     }
-    let mut parent: Vec<u32> = (0..count as u32).collect();
-    for t in triangles {
-        let [a, b, c] = t.map(|i| root(&mut parent, i));
-        parent[b as usize] = a;
-        let c = root(&mut parent, c);
-        parent[c as usize] = a;
-    }
-    triangles.iter().map(|t| root(&mut parent, t[0])).collect()
+    triangles.iter().map(|t| sets.root(t[0])).collect()
 }
 
 fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {

@@ -8,6 +8,7 @@ use super::assembly::PlacedBody;
 use super::body::{BodyFace, MeshedBody, open_edges};
 use crate::geometry::bits_of;
 use crate::mesh::TriangleMesh;
+use crate::mesh::disjoint_sets::DisjointSets;
 use crate::mesh::roles::{Role, role_from_name};
 
 /// The role that names say, the most specific first.
@@ -30,15 +31,6 @@ pub fn grouped(bodies: Vec<PlacedBody>, is_sheet: impl Fn(&PlacedBody) -> bool) 
         }
     }
     groups.into_iter().map(|(_, group)| group).collect()
-}
-
-/// The root of `i` in a forest (union-find).
-fn root(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
 }
 
 /// Edges of the triangles between two different faces: the faces, and whether both run along it in one
@@ -112,14 +104,15 @@ pub fn apart(mut meshed: MeshedBody, sheets: &[PlacedBody], counts: &[usize]) ->
     }
     let sheet_of: Vec<usize> =
         counts.iter().enumerate().flat_map(|(k, count)| std::iter::repeat_n(k, *count)).collect();
-    let mut parent: Vec<usize> = (0..sheets.len()).collect();
+    let mut sets = DisjointSets::new(sheets.len());
     for ([a, b], _) in met {
-        let (a, b) = (root(&mut parent, sheet_of[a]), root(&mut parent, sheet_of[b]));
-        parent[a.max(b)] = a.min(b);
+        let (a, b) = (sets.root(sheet_of[a] as u32), sets.root(sheet_of[b] as u32));
+        // The first sheet of a body stands for it.
+        sets.join(a.min(b), a.max(b));
     }
     // The bodies in the order of their first sheets, and what each has.
-    let mut bodies: BTreeMap<usize, Members> = BTreeMap::new();
-    let roots: Vec<usize> = (0..sheets.len()).map(|k| root(&mut parent, k)).collect();
+    let mut bodies: BTreeMap<u32, Members> = BTreeMap::new();
+    let roots: Vec<u32> = (0..sheets.len() as u32).map(|k| sets.root(k)).collect();
     for (k, root) in roots.iter().enumerate() {
         bodies.entry(*root).or_default().sheets.push(k);
     }
