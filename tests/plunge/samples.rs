@@ -1,7 +1,7 @@
 //! The sample wheels, and their plans with the defaults: planned once for all tests.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, OnceLock};
 
 use vanecut::io::part_file::read_part;
 use vanecut::job::{PlanJob, PlanOutcome, PlanRequest, run};
@@ -31,27 +31,17 @@ fn comparison(part: Arc<Impeller>, setup: &Setup) -> PlanRequest {
 
 /// A sample, and the job of its plans: what was found for one serves the others.
 pub fn sample_job(name: &str) -> &'static (PlanJob, Arc<Impeller>) {
-    static JOBS: [LazyLock<(PlanJob, Arc<Impeller>)>; 3] = [
-        LazyLock::new(|| (PlanJob::default(), sample(SAMPLES[0]).into())),
-        LazyLock::new(|| (PlanJob::default(), sample(SAMPLES[1]).into())),
-        LazyLock::new(|| (PlanJob::default(), sample(SAMPLES[2]).into())),
-    ];
-    &JOBS[index(name)]
+    static JOBS: [OnceLock<(PlanJob, Arc<Impeller>)>; 3] = [const { OnceLock::new() }; 3];
+    JOBS[index(name)].get_or_init(|| (PlanJob::default(), sample(name).into()))
 }
 
 /// A sample's plans by all policies with the defaults.
 pub fn sample_plans(name: &str) -> &'static PlanOutcome {
-    static PLANS: [LazyLock<PlanOutcome>; 3] = [
-        LazyLock::new(|| compared_sample(SAMPLES[0])),
-        LazyLock::new(|| compared_sample(SAMPLES[1])),
-        LazyLock::new(|| compared_sample(SAMPLES[2])),
-    ];
-    &PLANS[index(name)]
-}
-
-fn compared_sample(name: &str) -> PlanOutcome {
-    let (job, part) = sample_job(name);
-    job.run(&comparison(Arc::clone(part), &Setup::default()), &Monitor::default()).expect("a plan")
+    static PLANS: [OnceLock<PlanOutcome>; 3] = [const { OnceLock::new() }; 3];
+    PLANS[index(name)].get_or_init(|| {
+        let (job, part) = sample_job(name);
+        job.run(&comparison(Arc::clone(part), &Setup::default()), &Monitor::default()).expect("a plan")
+    })
 }
 
 fn index(name: &str) -> usize {

@@ -281,7 +281,7 @@ fn in_stock(workpiece: &Workpiece, tools: &[Option<(Tool, Profile)>], program: &
     let stands = |&(k, count): &(usize, usize)| {
         let (tool, profile) = tools[moves[k].tool?].as_ref()?;
         let earlier = &columns[..count];
-        // A segment that is no wider than the cutter passes through what the cutter has cut.
+        // A segment no wider than the cutter stays within the space that the cutter has already cleared.
         let wider = |segment: &[f64; 4]| segment[2].max(segment[3]) > tool.radius();
         profile.iter().filter(|(segment, _)| wider(segment)).find_map(|(segment, what)| {
             let (p, depth) = standing_point(workpiece, segment, &moves[k], earlier)?;

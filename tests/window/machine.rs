@@ -347,7 +347,10 @@ fn the_line_of_the_axes_fits_into_a_narrow_view() {
         let text = line_of_axes(&window).expect("a line");
         let room = window.get_by_label("3D view").rect().width();
         let needed = 6.6 * text.chars().count() as f32;
-        assert!(needed <= room, "window {width}: {text:?} needs {needed} points, the view has {room}");
+        assert!(
+            needed <= room,
+            "window {width}: {text:?} needs {needed} points, but the view is only {room} wide"
+        );
     }
 }
 

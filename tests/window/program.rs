@@ -233,7 +233,6 @@ fn a_program_that_cannot_be_read_is_a_problem_with_its_line() {
     window.get_by_label("Program: not checked");
 }
 
-/// Moves the timeline to after `cut` moves.
 #[test]
 fn a_check_that_could_not_be_repeated_is_out_of_date() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -253,6 +252,7 @@ fn a_check_that_could_not_be_repeated_is_out_of_date() {
     assert!(!again(&mut window), "checked again");
 }
 
+/// Moves the timeline to after `cut` moves.
 fn scrub(window: &mut Window, cut: usize) {
     window.get_by_role_and_label(Role::Slider, "Timeline").set_value_accesskit(cut as f64);
     window.run_steps(3);

@@ -28,6 +28,21 @@ fn window_with_part(engine: &Engine, home: &Path, folder: &Path) -> Window {
     window
 }
 
+/// As [`window_with_part`], with its project saved at `path`.
+fn window_with_saved(engine: &Engine, home: &Path, folder: &Path, path: &Path) -> Window {
+    let mut window = window_with_part(engine, home, folder);
+    save_as(&mut window, path);
+    window
+}
+
+/// As [`window_at`], with the project at `path` open.
+fn window_with_project(engine: &Engine, home: &Path, path: &Path) -> Window {
+    let mut window = window_at(engine, home);
+    window.state_mut().open_path(path.to_owned());
+    settle(&mut window);
+    window
+}
+
 fn save_as(window: &mut Window, path: &Path) {
     let ctx = window.ctx.clone();
     window.state_mut().file_chosen(&ctx, Purpose::SaveProject, path.to_owned());
@@ -128,15 +143,8 @@ fn unsaved_changes_of_a_project_are_offered_when_it_is_opened() {
     let folder = tempfile::tempdir().expect("a folder");
     let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
     let (engine, _) = fake::engine();
-    let mut first = window_with_part(&engine, &home, folder.path());
-    save_as(&mut first, &project);
-    edit_and_crash(first, 6.5);
-    let opened = || {
-        let mut window = window_at(&engine, &home);
-        window.state_mut().open_path(project.clone());
-        settle(&mut window);
-        window
-    };
+    edit_and_crash(window_with_saved(&engine, &home, folder.path(), &project), 6.5);
+    let opened = || window_with_project(&engine, &home, &project);
     let mut later = opened();
     later.get_by_label("Unsaved changes of p, just now");
     assert_eq!(step(&later), None, "as it was saved");
@@ -166,13 +174,9 @@ fn what_was_saved_after_a_crash_is_not_replaced_unasked() {
     let folder = tempfile::tempdir().expect("a folder");
     let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
     let (engine, _) = fake::engine();
-    let mut first = window_with_part(&engine, &home, folder.path());
-    save_as(&mut first, &project);
-    edit_and_crash(first, 6.5);
+    edit_and_crash(window_with_saved(&engine, &home, folder.path(), &project), 6.5);
     let opened = |answer: &str| {
-        let mut window = window_at(&engine, &home);
-        window.state_mut().open_path(project.clone());
-        settle(&mut window);
+        let mut window = window_with_project(&engine, &home, &project);
         window.get_by_label(answer).click();
         window.run_steps(3);
         settle(&mut window);
@@ -194,20 +198,15 @@ fn what_another_window_saved_before_a_crash_is_not_replaced_unasked() {
     let folder = tempfile::tempdir().expect("a folder");
     let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
     let (engine, _) = fake::engine();
-    let mut first = window_with_part(&engine, &home, folder.path());
-    save_as(&mut first, &project);
-    let mut other = window_at(&engine, &home);
-    other.state_mut().open_path(project.clone());
-    settle(&mut other);
+    let first = window_with_saved(&engine, &home, folder.path(), &project);
+    let mut other = window_with_project(&engine, &home, &project);
     edit_step(&mut other, 7.0);
     press(&mut other, egui::Modifiers::COMMAND, egui::Key::S);
     assert_eq!(read_project(&project).expect("reads").setup.plunge.step, Some(7.0), "saved");
     drop(other);
     // Its copy is newer than what the other window has saved.
     edit_and_crash(first, 6.5);
-    let mut recovered = window_at(&engine, &home);
-    recovered.state_mut().open_path(project.clone());
-    settle(&mut recovered);
+    let mut recovered = window_with_project(&engine, &home, &project);
     recover(&mut recovered);
     assert_eq!(step(&recovered), Some(6.5));
     press(&mut recovered, egui::Modifiers::COMMAND, egui::Key::S);
@@ -324,16 +323,12 @@ fn a_recovered_project_still_has_the_faults_of_its_setup() {
     let folder = tempfile::tempdir().expect("a folder");
     let (home, project) = (folder.path().join("home"), folder.path().join("p.vanecut"));
     let (engine, _) = fake::engine();
-    let mut first = window_with_part(&engine, &home, folder.path());
-    save_as(&mut first, &project);
-    drop(first);
+    drop(window_with_saved(&engine, &home, folder.path(), &project));
     let text = std::fs::read_to_string(&project).expect("reads");
     let faulty = text.replacen("hub_allowance = 0.5", "hub_allowance = -3", 1);
     assert_ne!(faulty, text);
     std::fs::write(&project, faulty).expect("writes");
-    let mut second = window_at(&engine, &home);
-    second.state_mut().open_path(project.clone());
-    settle(&mut second);
+    let second = window_with_project(&engine, &home, &project);
     let said = second.state().state().field_faults();
     assert_eq!(said.len(), 1);
     edit_and_crash(second, 6.5);

@@ -5,7 +5,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::look::PlaneOrientation;
 
 use crate::fake;
-use crate::harness::{Window, labels, press, settle, snapshot_view, turn_wheel, with_sample};
+use crate::harness::{Window, choose_in_list, labels, press, settle, snapshot_view, turn_wheel, with_sample};
 
 /// A window with the conventional plan and its first fault selected, and the index of that position.
 fn with_fault_selected() -> (Window, usize) {
@@ -226,6 +226,14 @@ fn the_section_plane_cuts_cutters_and_holders() {
     snapshot_view(&mut window, "section_tools");
 }
 
+/// Turns the section plane into a meridional one, moved by `offset` mm.
+fn cut_meridionally(window: &mut Window, offset: f64) {
+    choose_in_list(window, "Section plane", "Meridional");
+    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(offset);
+    window.run_steps(4);
+    settle(window);
+}
+
 #[test]
 fn a_meridional_plane_contains_the_axis_and_turns_about_it() {
     let (engine, _) = fake::engine();
@@ -233,13 +241,7 @@ fn a_meridional_plane_contains_the_axis_and_turns_about_it() {
     window.set_size(egui::vec2(1280.0, 860.0));
     window.key_press(egui::Key::X);
     window.run_steps(3);
-    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::Button, "Meridional").click();
-    window.run_steps(4);
-    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
-    window.run_steps(4);
-    settle(&mut window);
+    cut_meridionally(&mut window, 12.0);
     let section = window.state().state().look.section.expect("a plane");
     assert_eq!((section.across, section.offset), (PlaneOrientation::Meridian, 12.0));
     snapshot_view(&mut window, "section_meridian");
@@ -260,12 +262,7 @@ fn a_closed_section_plane_opens_as_it_was() {
     window.key_press(egui::Key::X);
     window.run_steps(3);
     assert_eq!(plane(&window), Some((PlaneOrientation::Row, 0.0)));
-    window.get_by_role_and_label(Role::ComboBox, "Section plane").click();
-    window.run_steps(2);
-    window.get_by_role_and_label(Role::Button, "Meridional").click();
-    window.run_steps(3);
-    window.get_by_role_and_label(Role::Slider, "Section plane").set_value_accesskit(12.0);
-    window.run_steps(3);
+    cut_meridionally(&mut window, 12.0);
     for close in ["the key", "the button"] {
         match close {
             "the key" => window.key_press(egui::Key::X),
