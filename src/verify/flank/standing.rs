@@ -168,7 +168,7 @@ impl StandingStock {
 }
 
 /// `tool` with its holder, and what of its shank is thicker than the cutter, thicker by `margin` mm all
-/// around. A shank that is no thicker passes through what the cutter has cut.
+/// around. A shank no thicker than the cutter stays within the space that the cutter has already cleared.
 fn thickened(tool: &Tool, margin: f64) -> Tool {
     let mut tool = tool.clone();
     for [diameter, _] in &mut tool.assembly.shank {

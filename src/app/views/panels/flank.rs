@@ -90,7 +90,7 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 
 /// The tool: the one that fits best, or one of those there are.
 fn tool_row(ui: &mut Ui, setup: &mut Setup) {
-    let tip = "The cutter for all passes.\nAutomatic: the largest cutter that leaves room for several passes between the blades";
+    let tip = "Cutter used for all passes.\nAutomatic: the largest one that still leaves room for several passes between the blades";
     let units = units::display_units(ui);
     let entry = |tool: &Tool| ListEntry {
         value: Some(tool.number),
