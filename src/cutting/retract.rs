@@ -9,36 +9,60 @@ use crate::part::Blank;
 /// and of the rim; or the outline of the blank.
 #[derive(Debug)]
 pub struct RetractSurface<'a> {
-    top: Top<'a>,
+    blank: &'a Blank,
+    /// Distance to keep from it, mm.
+    distance: f64,
+    /// The shroud and the circles of the ends; `None` for a blank with an outline.
+    top: Option<DepthSurface<'a>>,
 }
 
-#[derive(Debug)]
-enum Top<'a> {
-    Shroud(DepthSurface<'a>),
-    Outline(&'a Blank, f64),
-}
+/// Height above a found retract height from which on the cutter's way up is looked at for stock, mm.
+const CLEAR: f64 = 1e-3;
+/// Shortest step of the search from above, in radii of the bottom raised by the distance.
+const MIN_STEP_RADII: f64 = 0.01;
+/// Tolerance of the height that the search from above finds, mm.
+const HEIGHT_TOLERANCE: f64 = 1e-4;
 
 impl<'a> RetractSurface<'a> {
     /// The surface at `distance` mm (safety distance plus corner radius) from `blank`.
     pub fn new(blank: &'a Blank, distance: f64) -> Self {
-        Self {
-            top: match blank.outline() {
-                Some(_) => Top::Outline(blank, distance),
-                None => {
-                    Top::Shroud(DepthSurface::new(&blank.shroud, distance).with_edges(blank.end_circles()))
-                }
-            },
-        }
+        let surface = || DepthSurface::new(&blank.shroud, distance).with_edges(blank.end_circles());
+        Self { blank, distance, top: blank.outline().is_none().then(surface) }
     }
 
     /// Height above `tip` along `axis` (unit), mm, from which on a flat bottom of `radius` mm is clear of the
     /// blank; at least 0.
     pub fn height(&self, tip: &Point, axis: &Vector, radius: f64) -> f64 {
-        let height = match &self.top {
-            Top::Shroud(surface) => surface.touch(tip, axis, radius).map(|touch| touch.height),
-            Top::Outline(blank, distance) => blank.outline_touch(tip, axis, radius, *distance),
+        let Some(surface) = &self.top else {
+            return self.blank.outline_touch(tip, axis, radius, self.distance).map_or(0.0, |h| h.max(0.0));
         };
-        height.map_or(0.0, |height| height.max(0.0))
+        let found = surface.touch(tip, axis, radius).map_or(0.0, |touch| touch.height.max(0.0));
+        // The search for the shroud may end where the axis crosses it before, or on the far side.
+        match self.blank.has_stock_above(tip, axis, radius, found + CLEAR) {
+            true => self.height_from_above(tip, axis, radius, found),
+            false => found,
+        }
+    }
+
+    /// As [`Self::height`], which is at least `low` mm: steps down from above the wheel by the distance that
+    /// is left (sphere tracing), then refines the border.
+    fn height_from_above(&self, tip: &Point, axis: &Vector, radius: f64, low: f64) -> f64 {
+        let gap = |height: f64| {
+            let bottom = CutterSolid { tip: tip + axis * height, axis: *axis, radius, corner_radius: 0.0 };
+            bottom_clearance(&bottom, self.blank) - self.distance
+        };
+        let reach = radius + self.distance;
+        let mut above = self.blank.exit_height(tip, axis, reach);
+        let mut left = gap(above);
+        while left > 0.0 && above > low {
+            let below = (above - left.max(MIN_STEP_RADII * reach)).max(low);
+            left = gap(below);
+            if left <= 0.0 {
+                return search::root(gap, below, above, HEIGHT_TOLERANCE);
+            }
+            above = below;
+        }
+        above.max(low)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The blank: by default the turned body between hub and shroud, from the line of leading edges to the rim;
 //! or any turned body, by its outline.
 
+use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -10,7 +11,7 @@ use super::end_face::EndFace;
 use super::impeller::Impeller;
 use super::meridional_outline::MeridionalOutline;
 use super::nose::HubNose;
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search};
+use crate::geometry::{Circle, Meridional, MeridionalCurve, Point, Vector, norm2, search};
 
 /// Tolerance of the intersection of a line with the border of the blank, mm.
 const BORDER_TOLERANCE: f64 = 1e-6;
@@ -18,6 +19,9 @@ const BORDER_TOLERANCE: f64 = 1e-6;
 /// Least step along a line that is searched for the blank, mm, and as a share of its length.
 const MIN_STRIDE: f64 = 0.01;
 const MIN_STRIDE_SHARE: f64 = 1.0 / 2000.0;
+
+/// Free radius about the axis of a cylinder, in its radii, down to which balls show that it is clear.
+const CLEAR_BALL_RADII: f64 = 1.25;
 
 /// A turned blank. Without an outline of its own, its outline runs along the hub, up the rim (a straight line
 /// between the trailing edges), back along the shroud, and down the line of leading edges.
@@ -298,6 +302,40 @@ impl Blank {
             return Some(search::root_from(out, inside, outside, guess, BORDER_TOLERANCE));
         }
         Some(h)
+    }
+
+    /// Whether stock is more than `low` mm above `origin` on the line along `direction` (unit), or on one of
+    /// eight lines at `radius` mm about it.
+    pub fn has_stock_above(&self, origin: &Point, direction: &Vector, radius: f64, low: f64) -> bool {
+        let mut warm = None;
+        let Some(high) = self.clear_height(origin, direction, radius, low, &mut warm) else { return false };
+        let rim = Circle::new(origin, direction, radius);
+        let beside = (0..8).map(|i| rim.point_and_derivative((FRAC_PI_4 * f64::from(i)).sin_cos()).0);
+        std::iter::once(*origin)
+            .chain(beside)
+            .any(|line| self.highest_inside(&line, direction, low, high, &mut warm).is_some())
+    }
+
+    /// A height above `origin` from which on a cylinder of `radius` mm about the line along `direction` (unit)
+    /// is clear of stock, by balls about its axis; `None` where that is so from `low` on.
+    fn clear_height(
+        &self,
+        origin: &Point,
+        direction: &Vector,
+        radius: f64,
+        low: f64,
+        warm: &mut Option<f64>,
+    ) -> Option<f64> {
+        let (low, mut high) = self.clip(origin, direction, radius, (low, f64::INFINITY))?;
+        while high > low {
+            let at = Meridional::from_point(&(origin + direction * high));
+            let free = self.free_radius(at, warm).unwrap_or(0.0);
+            if free <= CLEAR_BALL_RADII * radius {
+                return Some(high);
+            }
+            high -= free - radius;
+        }
+        None
     }
 
     /// Height above which a cylinder of `radius` mm about the line `origin + h · direction` (unit) has

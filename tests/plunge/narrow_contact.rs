@@ -1,10 +1,13 @@
 //! Contact that is narrower than the lines of a core are apart, and corners of the blank: against other
 //! methods.
 
+use std::f64::consts::FRAC_PI_6;
+
 use vanecut::cutting::contact::{BlankTop, Columns, PlungeColumn, core_contact};
+use vanecut::cutting::retract::RetractSurface;
 use vanecut::geometry::{Circle, CutterSolid, Meridional, Point, Vector};
 use vanecut::monitor::Monitor;
-use vanecut::part::{Blank, Workpiece};
+use vanecut::part::{Blank, Impeller, Workpiece};
 use vanecut::stock::solid::{SolidBlank, SolidProgram, SolidStock, ToolPart, TurnedOutline};
 use vanecut::toolpath::ClProgram;
 
@@ -18,29 +21,77 @@ fn next(state: &mut u64) -> f64 {
     (*state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// Wherever its axis leads out of the wheel, also nearly along the shroud or far across the passage: nothing
-/// is cut before, so that the core meets the blank up to where it leaves it.
+/// Random cutters near the hub of a wheel, with axes that lead out of it in all directions, also nearly along
+/// the shroud or far across the passage.
+fn random_cutters<'a>(part: &'a Impeller, state: &'a mut u64) -> impl Iterator<Item = CutterSolid> + 'a {
+    let size = part.rim_radius();
+    let cutter = move |_| {
+        let s = 0.5 + 0.5 * next(state);
+        let (foot, normal) = (part.hub.point(s), part.hub.normal(s));
+        let axis = normal.direction_at_angle(0.0) + Vector::from_fn(|_, _| 2.0 * next(state));
+        let tip = foot.lerp(part.shroud.point(s), 0.05 + 0.1 * next(state).abs()).at_angle(0.0);
+        let radius = size * (0.02 + 0.06 * next(state).abs());
+        Some(CutterSolid { tip, axis: axis.try_normalize(0.1)?, radius, corner_radius: 0.0 })
+    };
+    (0..400).filter_map(cutter)
+}
+
+/// Height that stock may have between the lines of a cutter that are looked at, in radii: the border of the
+/// blank may be steep there.
+const SLIVER_RADII: f64 = 0.15;
+
+/// Height above its tip of the highest stock of `blank` on the axis of `cutter` and on the lines at `radius`
+/// mm about it, mm; 0 where there is none. Short chords at the rim are not counted.
+fn highest_stock(blank: &Blank, cutter: &CutterSolid, radius: f64) -> f64 {
+    let rim = Circle::new(&cutter.tip, &cutter.axis, radius);
+    let around = (0..12).map(|i| rim.point_and_derivative((FRAC_PI_6 * f64::from(i) + 0.1).sin_cos()).0);
+    let step = 0.008 * blank.extent().0;
+    let highest = |line: Point| {
+        let solid = |h: f64| blank.depth(Meridional::from_point(&(line + cutter.axis * h))) > 0.0;
+        let heights = (1..=400).rev().map(|k| f64::from(k) * step);
+        heights.into_iter().find(|&h| solid(h) && solid(h - step)).unwrap_or(0.0)
+    };
+    around.chain([cutter.tip]).map(highest).fold(0.0, f64::max)
+}
+
+/// Nothing is cut before, so that the core meets the blank up to where it leaves it.
 #[test]
 fn a_core_meets_all_of_a_blank_that_nothing_was_cut_from() {
     let mut state = 5;
     for part in [kj66(), sample("impeller532"), sample("pump6")] {
         let blank = Blank::from_part(&part, 0.0);
-        let (top, size) = (BlankTop::new(&blank), part.rim_radius());
-        for _ in 0..600 {
-            let s = 0.5 + 0.5 * next(&mut state);
-            let (foot, normal) = (part.hub.point(s), part.hub.normal(s));
-            let axis = normal.direction_at_angle(0.0) + Vector::from_fn(|_, _| 2.0 * next(&mut state));
-            let Some(axis) = axis.try_normalize(0.1) else { continue };
-            let tip = foot.lerp(part.shroud.point(s), 0.05 + 0.1 * next(&mut state).abs()).at_angle(0.0);
-            let cutter = CutterSolid { tip, axis, radius: 0.02 * size, corner_radius: 0.0 };
-            let column = PlungeColumn::new(cutter, 0.01 * size, &top);
-            let solid = |h: f64| blank.depth(Meridional::from_point(&(tip + axis * h))) > 0.0;
-            // Short chords at the rim are not what is asked for.
-            let step = 0.008 * size;
-            let heights = (1..=400).map(|k| f64::from(k) * step);
-            let highest = heights.filter(|&h| solid(h) && solid(h - step)).fold(0.0, f64::max);
+        let top = BlankTop::new(&blank);
+        for cutter in random_cutters(&part, &mut state) {
+            let core_radius = 0.5 * cutter.radius;
+            let column = PlungeColumn::new(cutter, core_radius, &top);
+            let highest = highest_stock(&blank, &cutter, 0.999 * core_radius);
             let found = core_contact(&column, Columns::default().all(), &blank).depth;
-            assert!(found > highest - 1e-3, "{}, {tip}, {axis}: {found} of {highest} mm", part.name);
+            let missed = highest - found;
+            assert!(
+                missed < SLIVER_RADII * core_radius,
+                "{}, {cutter:?}: {found}, not {highest} mm",
+                part.name
+            );
+        }
+    }
+}
+
+/// From the retract height on, nothing of the blank is under the bottom of a cutter.
+#[test]
+fn a_retracted_cutter_is_above_all_of_the_blank() {
+    let mut state = 5;
+    for part in [kj66(), sample("impeller532"), sample("pump6")] {
+        let blank = Blank::from_part(&part, 0.0);
+        let top = RetractSurface::new(&blank, 0.5);
+        for cutter in random_cutters(&part, &mut state) {
+            let highest = highest_stock(&blank, &cutter, 0.999 * cutter.radius);
+            let found = top.height(&cutter.tip, &cutter.axis, cutter.radius);
+            let missed = highest - found;
+            assert!(
+                missed < SLIVER_RADII * cutter.radius,
+                "{}, {cutter:?}: {found}, not {highest} mm",
+                part.name
+            );
         }
     }
 }

@@ -30,7 +30,7 @@ impl PlungeColumn {
     }
 }
 
-/// Height above the top of a column at which its axis is looked at for stock, mm.
+/// Height above the top of a column from which on it is looked at for stock, mm.
 const CLEAR: f64 = 1e-3;
 
 /// Computes up to which height core columns can meet stock.
@@ -60,10 +60,8 @@ impl<'a> BlankTop<'a> {
         let faces = self.blank.end_face_touch(&cutter.tip, &cutter.axis, radius);
         let found = shroud.into_iter().chain(faces).max_by(f64::total_cmp);
         // The search for the shroud may end where the axis crosses it before, or on the far side.
-        let is_clear = |&top: &f64| {
-            let (low, high) = (top.max(0.0) + CLEAR, f64::INFINITY);
-            self.blank.highest_inside(&cutter.tip, &cutter.axis, low, high, &mut None).is_none()
-        };
+        let is_clear =
+            |&top: &f64| !self.blank.has_stock_above(&cutter.tip, &cutter.axis, radius, top.max(0.0) + CLEAR);
         found.filter(is_clear).unwrap_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, radius))
     }
 }
