@@ -20,7 +20,7 @@ const BORDER_TOLERANCE: f64 = 1e-6;
 const MIN_STRIDE: f64 = 0.01;
 const MIN_STRIDE_SHARE: f64 = 1.0 / 2000.0;
 
-/// Free radius about the axis of a cylinder, in its radii, down to which balls show that it is clear.
+/// Free radius about the axis of a cylinder, in its radii, down to which balls are to show that it is clear.
 const CLEAR_BALL_RADII: f64 = 1.25;
 
 /// A turned blank. Without an outline of its own, its outline runs along the hub, up the rim (a straight line
@@ -330,7 +330,7 @@ impl Blank {
         while high > low {
             let at = Meridional::from_point(&(origin + direction * high));
             let free = self.free_radius(at, warm).unwrap_or(0.0);
-            if free <= CLEAR_BALL_RADII * radius {
+            if free <= (CLEAR_BALL_RADII * radius).max(radius + MIN_STRIDE) {
                 return Some(high);
             }
             high -= free - radius;

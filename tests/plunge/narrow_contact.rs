@@ -84,14 +84,17 @@ fn a_retracted_cutter_is_above_all_of_the_blank() {
         let blank = Blank::from_part(&part, 0.0);
         let top = RetractSurface::new(&blank, 0.5);
         for cutter in random_cutters(&part, &mut state) {
-            let highest = highest_stock(&blank, &cutter, 0.999 * cutter.radius);
-            let found = top.height(&cutter.tip, &cutter.axis, cutter.radius);
-            let missed = highest - found;
-            assert!(
-                missed < SLIVER_RADII * cutter.radius,
-                "{}, {cutter:?}: {found}, not {highest} mm",
-                part.name
-            );
+            // The flat part of the bottom of an end mill, and that of a ball.
+            for flat in [cutter.radius, 0.0] {
+                let highest = highest_stock(&blank, &cutter, 0.999 * flat);
+                let found = top.height(&cutter.tip, &cutter.axis, flat);
+                let missed = highest - found;
+                assert!(
+                    missed < SLIVER_RADII * cutter.radius,
+                    "{}, {cutter:?}, flat {flat}: {found}, not {highest} mm",
+                    part.name
+                );
+            }
         }
     }
 }

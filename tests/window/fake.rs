@@ -120,18 +120,38 @@ pub fn shared_engine() -> Engine {
 /// The place of the first plan for `request`.
 fn first_plan(request: &PlanRequest) -> Arc<OnceLock<PlanOutcome>> {
     let mut known = FIRST_PLANS.lock().unwrap();
-    let is_it = |(name, other): &(String, PlanRequest)| {
-        *name == request.part.name
-            && other.setup == request.setup
-            && (other.policy, other.compare) == (request.policy, request.compare)
-            && other.field_cells == request.field_cells
-    };
-    if let Some((_, place)) = known.iter().find(|(key, _)| is_it(key)) {
+    if let Some((_, place)) = known.iter().find(|(key, _)| is_for(request, key)) {
         return Arc::clone(place);
     }
     let place = Arc::new(OnceLock::new());
     known.push(((request.part.name.clone(), request.clone()), Arc::clone(&place)));
     place
+}
+
+/// Whether a known plan, of a part of this name, is the one for `request`.
+fn is_for(request: &PlanRequest, (name, other): &(String, PlanRequest)) -> bool {
+    *name == request.part.name
+        && other.setup == request.setup
+        && (other.policy, other.compare) == (request.policy, request.compare)
+        && other.field_cells == request.field_cells
+}
+
+/// Fake plans that were made, by name of the part and request.
+static FAKE_PLANS: Mutex<Vec<((String, PlanRequest), PlanOutcome)>> = Mutex::new(Vec::new());
+
+/// The fake plan for `request`, which other tests may have asked for before; it belongs to the part that is
+/// open.
+fn shared_fake_plan(request: &PlanRequest) -> PlanOutcome {
+    let known = || FAKE_PLANS.lock().unwrap();
+    let found = known().iter().find(|(key, _)| is_for(request, key)).map(|(_, plan)| plan.clone());
+    if let Some(outcome) = found {
+        let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
+        return PlanOutcome { workpiece, ..outcome };
+    }
+    // Two tests that ask at once both make it: to wait could last for ever, as threads of one pool do both.
+    let outcome = fake_plan(request);
+    known().push(((request.part.name.clone(), request.clone()), outcome.clone()));
+    outcome
 }
 
 /// The plan with its first row only, as if the planner was stopped after it.
@@ -153,6 +173,10 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         let what = "the hub allowance of 12 mm leaves no channel at s 0.31".to_owned();
         return Err(SetupFault::new(ErrorCode::HubAllowance, what, "make it smaller").into());
     }
+    Ok(shared_fake_plan(request))
+}
+
+fn fake_plan(request: &PlanRequest) -> PlanOutcome {
     let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(&request.part)));
     let Workpiece { part, channel, .. } = &*workpiece;
     let passage = &channel.full;
@@ -187,7 +211,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         setup.tools = vec![tool.clone(), rest_tool(&tool)];
         setup.plunge.sections = vec![section(1, SectionKind::Rows), section(2, SectionKind::Rest)];
     }
-    Ok(PlanOutcome {
+    PlanOutcome {
         reasons: vec![None, None],
         workpiece: Arc::clone(&workpiece),
         setup,
@@ -210,7 +234,7 @@ fn plan(request: &PlanRequest) -> Result<PlanOutcome, JobError> {
         kept_locked: Vec::new(),
         clock: Default::default(),
         elapsed: 0.084,
-    })
+    }
 }
 
 /// Two rows from the rim to the middle of the channel. With the conventional policy the last plunges of the
