@@ -8,7 +8,7 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::setup_tools::too_fast;
 use crate::app::model::state::AppState;
-use crate::verify::Fault;
+use crate::verify::{Fault, FlankVerdict};
 
 /// What speaks against running the program of `channels` channels that `purpose` writes, the gravest first;
 /// none for other files.
@@ -112,12 +112,23 @@ pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     lines
 }
 
+/// What a flank program leaves of the floor, if that is more than it may without a warning.
+fn floor_concerns(verdict: &FlankVerdict) -> Vec<String> {
+    let shares = [
+        (verdict.layer.uncut_share.into(), "of the accessible floor is not machined"),
+        (verdict.uncovered.gap, "of the floor keeps more than the scallop height, in gaps between passes"),
+    ];
+    let many = shares.into_iter().filter(|(share, _)| *share > MAX_GOOD_UNCUT_SHARE);
+    many.map(|(share, what)| format!("{} {what}", format_percent(share))).collect()
+}
+
 fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
     let Some(outcome) = &state.results.flank else { return Vec::new() };
     let mut found = fault_lines(&outcome.faults);
     if outcome.verdict.is_none() {
         found.push("The program could not be verified".to_owned());
     }
+    found.extend(outcome.verdict.iter().flat_map(floor_concerns));
     if state.flank_is_stale() {
         found.push("The setup was edited after this calculation".to_owned());
     }

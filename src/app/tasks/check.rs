@@ -8,9 +8,10 @@ use std::sync::Arc;
 use crate::app::model::checked::{
     CheckRequest, CheckedProgram, FaultPlace, FigureValue, ProgramFigure, ProgramFinding,
 };
-use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
+use crate::app::model::figures::{ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::preview::ShownCutters;
+use crate::app::model::verdict::is_floor_complete;
 use crate::drawing::cutters::single_cutter;
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::error::ErrorCode;
@@ -192,6 +193,7 @@ impl Judged {
                 "Stock left above the allowance of the blades",
             ),
             residual(uncut, verdict.layer.mean.into(), verdict.layer.p95.into()),
+            (ABOVE_SCALLOP, FigureValue::Text(format_percent(verdict.uncovered.share())), ABOVE_SCALLOP_TIP),
             ("Not machined", FigureValue::Text(format_percent(uncut)), UNCUT_TIP),
             (
                 "Hub clearance",
@@ -208,7 +210,7 @@ impl Judged {
             kind: "Flank program",
             figures,
             time: verdict.time_estimate,
-            is_complete: uncut <= MAX_GOOD_UNCUT_SHARE,
+            is_complete: is_floor_complete(&verdict),
             notes: verdict.notes,
             faults: verdict.faults,
         }
