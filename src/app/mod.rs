@@ -56,7 +56,7 @@ use views::help::Help;
 use views::key_order::KeyOrder;
 use views::nc_dialog::NcDialog;
 use views::palette::Palette;
-use views::panels::library::{LibraryAnswer, LibraryPanel};
+use views::panels::library::{LibraryAnswer, LibraryPanel, TakingSetup};
 use views::panels::study::StudyPanel;
 use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
@@ -292,15 +292,15 @@ impl App {
     fn tool_library(&mut self, ui: &mut Ui) {
         let is_docked = !self.state.look.panels.floats(DockPanel::ToolLibrary);
         let document = &mut self.state.document;
+        let chosen = self.state.results.chosen_tools();
         let setup = document.part.is_some().then_some(&mut document.edited.setup);
+        let setup = setup.map(|setup| TakingSetup { setup, chosen });
         let answer = self.library.show(ui, setup, is_docked);
         let time = ui.input(|input| input.time);
         self.library.watch(time, &self.state.document.edited);
         match answer {
             Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
-            Some(LibraryAnswer::Taken(number)) => {
-                self.state.report_done(format!("T{number} is in the setup"));
-            }
+            Some(LibraryAnswer::Taken(text)) => self.state.report_done(text),
             None => {}
         }
     }

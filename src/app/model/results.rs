@@ -6,7 +6,7 @@ use crate::io::InputError;
 use crate::io::project_file::SetFigures;
 use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
-use crate::setup::Setup;
+use crate::setup::{Setup, Tool};
 
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::exported::ExportedPrograms;
@@ -76,6 +76,12 @@ impl Results {
     /// Words in place of a plan that is not there yet.
     pub fn words_without_plan(&self) -> &'static str {
         if self.preview.is_some() { "Calculating…" } else { "Not calculated yet" }
+    }
+
+    /// The tools that the program chose for the shown plan; empty where the setup gives them.
+    pub fn chosen_tools(&self) -> &[Tool] {
+        let planned = self.planned.as_ref().filter(|planned| chooses_tools(&planned.setup));
+        planned.map_or(&[], |planned| &planned.outcome.setup.tools)
     }
 
     /// Stores a plan, and its figures if it is finished. Its change of tools is described
