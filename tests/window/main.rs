@@ -370,6 +370,21 @@ fn fields_take_arithmetic_and_edits_can_be_undone() {
     assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(7.5), "done again");
 }
 
+/// A worker knows one request: what is written meanwhile waits for its turn.
+#[test]
+fn files_that_are_written_at_once_are_all_written() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let folder = tempfile::tempdir().expect("a folder");
+    let ctx = window.ctx.clone();
+    let files: Vec<_> = (0..5).map(|k| folder.path().join(format!("{k}.glb"))).collect();
+    for path in &files {
+        window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+    }
+    settle(&mut window);
+    assert!(files.iter().all(|path| path.exists()), "{:?}", std::fs::read_dir(folder.path()).expect("lists"));
+}
+
 #[test]
 fn setup_cl_file_and_picture_are_written() {
     let (engine, _) = fake::engine();
