@@ -354,7 +354,9 @@ impl eframe::App for App {
             // An open menu takes Escape first, then the window in front, then the tour.
             let keeps_escape =
                 egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
-            let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
+            // What its keys cannot export is said.
+            let is_heard = |command| self.is_available(command) || self.why_not_exported(command).is_some();
+            let can = |command| is_heard(command) && !(keeps_escape && command == Command::Cancel);
             let words = Palette::take_typed(ctx);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);

@@ -569,3 +569,30 @@ fn a_checked_program_is_out_of_date_with_other_clearances() {
     settle(&mut window);
     assert!(window.state().state().program_is_stale());
 }
+
+/// The export of another operation's plan would be taken for that of what is selected.
+#[test]
+fn what_is_selected_is_exported_or_why_not_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, _) = with_checked_program(folder.path());
+    window.state_mut().use_own_file_dialogs();
+    let mut refused = |operation: &str, words: &str| {
+        window.get_by_label_contains(operation).click();
+        window.run_steps(3);
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+        window.run_steps(3);
+        assert!(
+            window.query_by_role_and_label(Role::TextInput, "File").is_none(),
+            "{operation} is not written"
+        );
+        let notice = window.state().state().notice.clone().expect("it is said");
+        assert!(notice.text.contains(words), "{notice:?}");
+    };
+    refused("Program: ", "A checked program is a file already");
+    refused("Flank: ", "Flank has no plan to export yet");
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::TextInput, "File");
+}
