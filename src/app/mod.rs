@@ -43,6 +43,7 @@ use tasks::engine::Engine;
 use tasks::flank_runs::FlankRunWork;
 use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
+use tasks::program_watch::ProgramWatch;
 use tasks::programs::JudgedFlank;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
@@ -84,6 +85,7 @@ pub struct App {
     machining: MachineWork,
     /// The text of the shown program.
     listing: ListingWork,
+    program_watch: ProgramWatch,
     /// The flank plan in several channels.
     flank_runs: FlankRunWork,
     judged_flank: Arc<JudgedFlank>,
@@ -152,6 +154,7 @@ impl App {
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
+            program_watch: ProgramWatch::new(&repaint(&cc.egui_ctx)),
             flank_runs: FlankRunWork::new(&repaint(&cc.egui_ctx)),
             judged_flank: Arc::default(),
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
@@ -387,6 +390,7 @@ impl eframe::App for App {
         self.state.results.check_is_running = self.work.is_calculating(Operation::Program);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
+        self.watch_program(ctx);
         self.assessing.follow(&self.state, self.is_in_view(DockPanel::Machinability));
         let weighs = self.is_in_view(DockPanel::Tradeoff);
         self.weighing.follow(&self.state, weighs, self.work.is_planning());

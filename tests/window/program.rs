@@ -570,6 +570,40 @@ fn a_checked_program_is_out_of_date_with_other_clearances() {
     assert!(window.state().state().program_is_stale());
 }
 
+/// A post that writes the program again leaves the window with a check of what is no longer there.
+#[test]
+fn a_program_that_is_written_again_is_out_of_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
+    let path = folder.path().join("deep.apt");
+    let wait_for = |window: &mut Window, is_there: &dyn Fn(&Window) -> bool| {
+        let start = Instant::now();
+        while !is_there(window) {
+            assert!(start.elapsed() < HANG, "it is not noticed");
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            window.step();
+        }
+    };
+    let is_stale = |window: &Window| window.state().state().program_is_stale();
+    window.run_steps(20);
+    assert!(!is_stale(&window), "as it was checked");
+    std::fs::write(&path, text.replace("FEDRAT/300", "FEDRAT/1500")).expect("writes");
+    wait_for(&mut window, &is_stale);
+    window.run_steps(2);
+    window.get_by_label("Program: out of date");
+    window.get_by_label("The file was written again after this check: check it again");
+    click_enabled(&window, "Check again");
+    window.run_steps(2);
+    settle(&mut window);
+    window.run_steps(20);
+    assert!(!is_stale(&window), "the new text was checked");
+    assert!(window.query_by_label_contains("The file was written again").is_none());
+    std::fs::remove_file(&path).expect("removes");
+    wait_for(&mut window, &is_stale);
+    window.run_steps(2);
+    window.get_by_label_contains("The file is no longer there");
+}
+
 /// The export of another operation's plan would be taken for that of what is selected.
 #[test]
 fn what_is_selected_is_exported_or_why_not_is_said() {

@@ -8,7 +8,7 @@ use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
 use crate::setup::{Setup, Tool};
 
-use crate::app::model::checked::CheckedProgram;
+use crate::app::model::checked::{CheckedProgram, FileChange};
 use crate::app::model::exported::ExportedPrograms;
 use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::flank_run::FlankRun;
@@ -61,6 +61,8 @@ pub struct Results {
     pub passes: Arc<FlankPasses>,
     /// The program that was checked last.
     pub checked: Option<Arc<CheckedProgram>>,
+    /// What became of its file since then.
+    pub program_file: FileChange,
     /// Whether the last attempt to check it again failed.
     pub recheck_failed: bool,
     /// The shown plan on the machine of the setup; `None` without a machine, or until it is known.

@@ -12,6 +12,7 @@ use crate::app::model::figures::{ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCU
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::verdict::is_floor_complete;
+use crate::app::tasks::program_watch::stamp_of;
 use crate::drawing::cutters::single_cutter;
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::error::ErrorCode;
@@ -68,6 +69,8 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         let help = "check the program that was written with it, or open the plan as a part";
         return Err(InputError::new(ErrorCode::FileFormat, &name, 0, "is a plan, not a program", help).into());
     }
+    // Before its text: what is written meanwhile counts as a change.
+    let stamp = stamp_of(path);
     let bytes = read_bytes_up_to(path, MAX_PROGRAM_BYTES)?;
     let target = NcTarget { machine: Path::new(machine), control: control.as_deref() };
     let ProgramReading { program, overruns, on_machine } =
@@ -95,6 +98,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
     let listing = ProgramListing::new(String::from_utf8_lossy(&bytes).into_owned(), ends);
     Ok(CheckedProgram {
         request: request.clone(),
+        stamp,
         kind: judged.kind,
         summary: count_by_kind(&faults),
         lines: lines_of(&program, &faults),
