@@ -1,14 +1,16 @@
 //! Tools that the program chooses.
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
 use vanecut::job::PlanOutcome;
+use vanecut::setup::FlankStrategy;
 
 use crate::dialogs::press_enter;
 use crate::fake;
-use crate::harness::{Window, click_enabled, press, settle, with_sample};
+use crate::harness::{Window, click_enabled, labels, press, settle, with_sample};
 
 fn set_step(window: &mut Window, step: f64) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
@@ -267,6 +269,58 @@ fn a_tool_joins_the_automatic_ones_or_replaces_them_as_asked() {
     key(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
     assert!(numbers(&window).is_empty());
 }
+
+/// The selected tool of the library.
+fn selected_tool(window: &Window) -> Option<String> {
+    labels(window, "Tool T").into_iter().next()
+}
+
+#[test]
+fn arrow_keys_move_the_choice_in_lists() {
+    let mut window = with_shop_library();
+    let first = window.query_all_by_label_contains(" L").find_map(|node| {
+        let label = node.accesskit_node().label()?;
+        label.starts_with('T').then_some(label)
+    });
+    click(&mut window, &first.expect("a tool"));
+    let before = selected_tool(&window).expect("selected");
+    // Further than the list shows.
+    for _ in 0..60 {
+        window.key_press(egui::Key::ArrowDown);
+        window.run_steps(3);
+    }
+    let after = selected_tool(&window).expect("selected");
+    assert_ne!(before, after);
+    let focused = window.query_all_by(|node| node.is_focused()).next().expect("has the focus");
+    let row = focused.accesskit_node().label().expect("a label");
+    let number = after.trim_start_matches("Tool ").split(':').next().expect("a number").to_owned();
+    assert!(row.starts_with(&format!("{number} ")), "{row} is not {after}");
+    window.key_press(egui::Key::ArrowUp);
+    window.run_steps(3);
+    assert_ne!(selected_tool(&window).expect("selected"), after);
+
+    // Operations, and a list that is closed.
+    let operation = |window: &Window| window.state().state().look.operation;
+    window.get_by_label_contains("Roughing: ").focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(operation(&window), Operation::Flank);
+    window.key_press(egui::Key::ArrowUp);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(operation(&window), Operation::Roughing);
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(3);
+    settle(&mut window);
+    let strategy = |window: &Window| window.state().state().document.edited.setup.flank.strategy;
+    assert_eq!(strategy(&window), FlankStrategy::Balanced);
+    window.get_by_role_and_label(Role::ComboBox, "Strategy").focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::ArrowUp);
+    window.run_steps(3);
+    assert_eq!(strategy(&window), FlankStrategy::Regions);
 }
 
 /// The name of the library with its mark.

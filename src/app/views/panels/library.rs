@@ -10,6 +10,7 @@ use crate::app::model::number::Quantity;
 use crate::app::model::problem::without_markdown;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
 use crate::app::views::command::Command;
+use crate::app::views::list_keys;
 use crate::app::views::scroll_area;
 use crate::app::views::theme::Condition;
 use crate::app::views::typed::{self, TypedLimits};
@@ -257,19 +258,42 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let count = library.shown(units).len();
     ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
-    let area = scroll_area(height);
-    area.auto_shrink([false, false]).show_rows(ui, row, count, |ui, range| {
+    let mut area = scroll_area(height).auto_shrink([false, false]);
+    // The row that arrow keys have come to, which is scrolled to and gets the focus.
+    let key = ui.scope_id().with("row of the keys");
+    let reached: Option<Option<usize>> = ui.data_mut(|data| data.remove_temp(key));
+    let reached = reached.flatten();
+    if let Some(at) = reached {
+        let top = at as f32 * (row + ui.spacing().item_spacing.y);
+        let offset: f32 = ui.data(|data| data.get_temp(key.with("offset"))).unwrap_or_default();
+        area = area.vertical_scroll_offset(offset.clamp((top + row - height).max(0.0), top));
+    }
+    let mut step = None;
+    let shown = area.show_rows(ui, row, count, |ui, range| {
+        let first = range.start;
         let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
-        for index in shown {
+        for (k, index) in shown.into_iter().enumerate() {
+            let at = first + k;
             let entry = &library.content().tools[index];
             let button =
                 egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
-            let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
+            let button = button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0));
+            let button = ui.push_id(at, |ui| ui.add(button)).inner;
             if button.clicked() {
                 library.selected = Some(index);
             }
+            if button.clicked() || reached == Some(at) {
+                button.request_focus();
+            }
+            step = step.or(list_keys::moved(at, list_keys::step(ui, &button), count));
         }
     });
+    ui.data_mut(|data| data.insert_temp(key.with("offset"), shown.state.clamped_offset().y));
+    if let Some(at) = step {
+        library.selected = library.shown(units).get(at).copied();
+        ui.data_mut(|data| data.insert_temp(key, Some(at)));
+        ui.ctx().request_repaint();
+    }
 }
 
 /// The selected tool: remarks of its import, drawing, fields, and what can be done with it. The fields end at
