@@ -387,7 +387,9 @@ impl AppState {
     /// Reports a problem; it stays until it is dismissed or solved. A problem of a calculation replaces the
     /// one of the calculation before: while a value is dragged, each step would add another.
     pub fn report_problem(&mut self, problem: Problem) {
-        self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
+        if !problem.is_note() {
+            self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
+        }
         self.problems.retain(|known| {
             *known != problem && (!problem.topic.is_of_calculation() || known.topic != problem.topic)
         });
