@@ -453,7 +453,7 @@ impl eframe::App for App {
         if let Some(command) = command {
             self.run_command(ui.ctx(), command);
         }
-        self.floating_panels(ui);
+        self.floating_panels(ui, menus.bottom());
         self.state.end_field_faults(&views::field_faults::edited(ui.ctx()));
         self.state.look.is_fresh &= !open;
         self.help.show(ui, &self.device);

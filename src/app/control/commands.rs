@@ -58,6 +58,7 @@ impl App {
             C::BeforeAfter | C::SideBySide | C::Wipe if self.state.look.operation != Operation::Roughing => {
                 false
             }
+            C::Machine => self.state.document.edited.setup.machine.file.is_some(),
             C::ExportStock
             | C::Stock
             | C::TimeAgainstStock
