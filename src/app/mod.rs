@@ -43,6 +43,7 @@ use tasks::engine::Engine;
 use tasks::flank_runs::FlankRunWork;
 use tasks::listing::ListingWork;
 use tasks::machine::MachineWork;
+use tasks::program_watch::ProgramWatch;
 use tasks::programs::JudgedFlank;
 use tasks::scrub::{InspectedSection, TimelineStock};
 use tasks::solid::{SolidPicture, SolidWork};
@@ -56,7 +57,7 @@ use views::help::Help;
 use views::key_order::KeyOrder;
 use views::nc_dialog::NcDialog;
 use views::palette::Palette;
-use views::panels::library::{LibraryAnswer, LibraryPanel};
+use views::panels::library::{LibraryAnswer, LibraryPanel, TakingSetup};
 use views::panels::study::StudyPanel;
 use views::panels::{self, part::PartAction};
 use views::picture_dialog::{ExportDialog, ExportSettings};
@@ -84,6 +85,7 @@ pub struct App {
     machining: MachineWork,
     /// The text of the shown program.
     listing: ListingWork,
+    program_watch: ProgramWatch,
     /// The flank plan in several channels.
     flank_runs: FlankRunWork,
     judged_flank: Arc<JudgedFlank>,
@@ -152,6 +154,7 @@ impl App {
             inspected: InspectedSection::new(&repaint(&cc.egui_ctx)),
             machining: MachineWork::new(&repaint(&cc.egui_ctx)),
             listing: ListingWork::new(&repaint(&cc.egui_ctx)),
+            program_watch: ProgramWatch::new(&repaint(&cc.egui_ctx)),
             flank_runs: FlankRunWork::new(&repaint(&cc.egui_ctx)),
             judged_flank: Arc::default(),
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
@@ -292,15 +295,15 @@ impl App {
     fn tool_library(&mut self, ui: &mut Ui) {
         let is_docked = !self.state.look.panels.floats(DockPanel::ToolLibrary);
         let document = &mut self.state.document;
+        let chosen = self.state.results.chosen_tools();
         let setup = document.part.is_some().then_some(&mut document.edited.setup);
+        let setup = setup.map(|setup| TakingSetup { setup, chosen });
         let answer = self.library.show(ui, setup, is_docked);
         let time = ui.input(|input| input.time);
         self.library.watch(time, &self.state.document.edited);
         match answer {
             Some(LibraryAnswer::Command(command)) => self.run_command(ui.ctx(), command),
-            Some(LibraryAnswer::Taken(number)) => {
-                self.state.report_done(format!("T{number} is in the setup"));
-            }
+            Some(LibraryAnswer::Taken(text)) => self.state.report_done(text),
             None => {}
         }
     }
@@ -354,7 +357,9 @@ impl eframe::App for App {
             // An open menu takes Escape first, then the window in front, then the tour.
             let keeps_escape =
                 egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
-            let can = |command| self.is_available(command) && !(keeps_escape && command == Command::Cancel);
+            // What its keys cannot export is said.
+            let is_heard = |command| self.is_available(command) || self.why_not_exported(command).is_some();
+            let can = |command| is_heard(command) && !(keeps_escape && command == Command::Cancel);
             let words = Palette::take_typed(ctx);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);
@@ -385,6 +390,7 @@ impl eframe::App for App {
         self.state.results.check_is_running = self.work.is_calculating(Operation::Program);
         self.state.results.on_machine = self.machining.follow(&self.state);
         self.state.results.listing = self.listing.follow(&self.state);
+        self.watch_program(ctx);
         self.assessing.follow(&self.state, self.is_in_view(DockPanel::Machinability));
         let weighs = self.is_in_view(DockPanel::Tradeoff);
         self.weighing.follow(&self.state, weighs, self.work.is_planning());
@@ -447,7 +453,7 @@ impl eframe::App for App {
         if let Some(command) = command {
             self.run_command(ui.ctx(), command);
         }
-        self.floating_panels(ui);
+        self.floating_panels(ui, menus.bottom());
         self.state.end_field_faults(&views::field_faults::edited(ui.ctx()));
         self.state.look.is_fresh &= !open;
         self.help.show(ui, &self.device);

@@ -92,11 +92,22 @@ pub struct PlanSelection {
     /// Channel of the position, in pitches ahead of channel 1.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub channel: usize,
+    /// Whether flank milling was selected, and not roughing.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub flank: bool,
 }
 
 impl Default for PlanSelection {
     fn default() -> Self {
-        Self { before: false, position: None, cut: None, channels: 1, channels_cut: None, channel: 0 }
+        Self {
+            before: false,
+            position: None,
+            cut: None,
+            channels: 1,
+            channels_cut: None,
+            channel: 0,
+            flank: false,
+        }
     }
 }
 
@@ -400,6 +411,7 @@ mod tests {
                 channels: 3,
                 channels_cut: Some(29),
                 channel: 1,
+                flank: true,
             },
             original: None,
             original_hash: None,

@@ -46,6 +46,8 @@ pub struct FlankOutcome {
     pub workpiece: Arc<Workpiece>,
     /// The setup with the cutter filled in.
     pub setup: Setup,
+    /// The tools of the setup as given.
+    pub given_tools: Vec<Tool>,
     /// The plan.
     pub plan: FlankPlan,
     /// Faults that `verify` finds in the plan's program; empty unless a faulty move could not be removed.
@@ -206,6 +208,7 @@ impl FlankJob {
         let mut outcome = FlankOutcome {
             workpiece: Arc::clone(&workpiece),
             setup,
+            given_tools: request.setup.tools.clone(),
             plan,
             faults: judged_last.faults,
             verdict,
@@ -227,6 +230,11 @@ impl FlankOutcome {
     /// The best known time of the program, s: on the machine of the setup, or else the estimate.
     pub fn time_s(&self) -> f64 {
         self.machine_time.map_or(self.time_estimate, |time| time.total_s)
+    }
+
+    /// Whether its cutter was chosen from the library although the setup has tools: none of them suits.
+    pub fn has_library_cutter(&self) -> bool {
+        !self.given_tools.is_empty() && !self.given_tools.contains(&self.plan.tool)
     }
 
     /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the

@@ -191,6 +191,11 @@ fn describe_roles(
     let mut shroud = shroud.map(|mesh| about_z(MeshSurface::from_mesh(&mesh)));
     let mut blade_surfaces: Vec<(Role, MeshSurface)> =
         blade_meshes.into_iter().map(|(role, mesh)| (role, about_z(MeshSurface::from_mesh(&mesh)))).collect();
+    // Roles that were proposed from shapes and confirmed make the part that shapes make alone.
+    if roles.given.iter().any(Option::is_some) {
+        hub = hub.in_order_of_use();
+        shroud = shroud.map(MeshSurface::in_order_of_use);
+    }
     let radius = |surface: &MeshSurface| radii(surface).1;
     let mut size = radius(&hub);
     if let Some(OneMesh { name, missing }) = one {

@@ -181,6 +181,23 @@ impl MeshSurface {
         Self::over(mesh.points, mesh.triangles, kept.iter().map(|&t| self.faces[t]).collect())
     }
 
+    /// The surface with its corners in the order in which its triangles use them, as those of pieces are.
+    /// Sums over corners then are those of the piece to the last bit.
+    pub fn in_order_of_use(self) -> Self {
+        let mut to = vec![NONE; self.points.len()];
+        let mut points = Vec::with_capacity(self.points.len());
+        let mut renumbered = |i: u32| {
+            let new = &mut to[i as usize];
+            if *new == NONE {
+                *new = points.len() as u32;
+                points.push(self.points[i as usize]);
+            }
+            *new
+        };
+        let triangles = self.triangles.iter().map(|corners| corners.map(&mut renumbered)).collect();
+        Self { points, triangles, ..self }
+    }
+
     /// The connected pieces in the order of their first triangles; each keeps the order of its triangles.
     pub fn into_pieces(self) -> Vec<Self> {
         let piece = connected(&self.triangles, self.points.len());

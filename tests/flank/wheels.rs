@@ -119,6 +119,46 @@ fn a_channel_without_room_is_refused_with_values_that_work() {
     assert!(chosen.tool.diameter < 4.0, "{:?}", chosen);
 }
 
+/// A flat bottom leaves far more of the floor than a ball: the job on the whole wheel, by both.
+#[test]
+fn a_flat_end_is_taken_only_where_it_is_named() {
+    let part = part_at("assets/parts/impeller532.toml");
+    let mut setup = Setup::for_part(&part);
+    // The first ball that fits has the number of the setup's own tool.
+    let workpiece = setup.allowances.workpiece_of(part.clone());
+    let ball = choose_tool(&workpiece, &setup, flank_cutters()).expect("a cutter").tool;
+    setup.tools = vec![Tool { number: ball.number, ..cutter(10.0, 0.0, 100.0) }];
+    // Fewer layers than by default.
+    setup.flank.layer_depth = 15.0;
+    let outcome = planned(&part, setup.clone());
+    let tool = &outcome.plan.tool;
+    assert_eq!((tool.diameter, tool.number), (ball.diameter, ball.number + 1), "under a free number");
+    assert!(outcome.has_library_cutter());
+    let reason = outcome.plan.reason.as_deref().expect("chosen");
+    assert!(reason.contains("from the tool library"), "{reason}");
+    let gap = |outcome: &FlankOutcome| outcome.verdict.as_ref().expect("verified").uncovered.gap;
+    setup.flank.tool = Some(ball.number);
+    let named = planned(&part, setup.clone());
+    assert!(named.plan.tool.is_flat() && !named.has_library_cutter(), "the one that is named");
+    assert!(gap(&outcome) < 0.03 && gap(&named) > 0.1, "{} and {}", gap(&outcome), gap(&named));
+    // A ball end of the setup that fits comes first, even beside a thicker flat end, or nearly flat one.
+    setup.flank.tool = None;
+    setup.tools.extend(
+        [(2, 8.0, 4.0), (3, 9.0, 3.5)]
+            .map(|(number, diameter, corner)| Tool { number, ..cutter(diameter, corner, 100.0) }),
+    );
+    let own = choose_tool(&workpiece, &setup, flank_cutters()).expect("a cutter");
+    assert_eq!(own.tool.number, 2);
+    // Where nothing suits in the library either, the tools of the setup are taken as they are.
+    setup.tools.truncate(1);
+    assert_eq!(choose_tool(&workpiece, &setup, &[]).expect("a cutter").tool, setup.tools[0]);
+    let narrow = part_at("assets/parts/impeller9x9.toml");
+    let setup = Setup { tools: vec![cutter(60.0, 30.0, 100.0)], ..Setup::for_part(&narrow) };
+    let workpiece = setup.allowances.workpiece_of(narrow);
+    let fault = choose_tool(&workpiece, &setup, &[]).expect_err("too thick");
+    assert_eq!(fault.code, ErrorCode::CutterTooWide);
+}
+
 #[test]
 fn the_ball_of_a_cutter_is_no_larger_than_the_channel_is_deep() {
     // Three blades far apart, in a channel 6.6 mm deep.

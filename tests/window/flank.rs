@@ -7,8 +7,10 @@ use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::planned::Side;
+use vanecut::app::model::release;
 use vanecut::app::model::solid::SolidSource;
 use vanecut::app::model::units::DisplayUnits;
+use vanecut::app::model::verdict;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::drawing::flank::{FlankColours, wall_deviations};
 use vanecut::flank::choice::selectable;
@@ -18,6 +20,7 @@ use vanecut::io::tool_library::flank_cutters;
 use vanecut::job::JobError;
 use vanecut::job::flank::{FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
+use vanecut::plunge::Condition;
 use vanecut::setup::FlankStrategy;
 use vanecut::toolpath::Travel;
 
@@ -59,6 +62,42 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
     plan_flank(&mut window, 10.0);
     window.get_by_label("1 stretch skipped");
     window.get_by_label("Flank: 1 stretch skipped");
+}
+
+/// As in roughing, where the floor that is not machined is.
+#[test]
+fn a_floor_in_gaps_is_named_in_every_verdict() {
+    let (engine, _) = fake::engine();
+    let flank = move |outcome: &mut FlankOutcome| {
+        outcome.verdict.as_mut().expect("verified").uncovered.gap = 0.25;
+    };
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    plan_flank(&mut window, 10.0);
+    window.get_by_label("Flank: 25.0 % of the floor in gaps");
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    let (condition, _) = verdict::of_flank(window.state().state(), &outcome);
+    assert_eq!(condition, Condition::Blocked);
+    let concerns = release::concerns(window.state().state(), Purpose::ExportFlank { channels: 1 }, 1);
+    assert!(concerns.iter().any(|text| text.starts_with("25.0 % of the floor keeps more")), "{concerns:?}");
+}
+
+/// A setup whose tools have flat ends takes none of them by itself; its tools are those of the plunges.
+#[test]
+fn tools_of_the_plunges_are_not_taken_for_passes() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 1900.0));
+    window.run_steps(3);
+    window.get_by_label("Edit tools and sections").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let tools = window.state().state().document.edited.setup.tools.clone();
+    assert!(!tools.is_empty() && tools.iter().all(|tool| tool.corner_radius < 0.5 * tool.radius()));
+    plan_flank(&mut window, 10.0);
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(outcome.plan.tool.corner_radius, outcome.plan.tool.radius(), "a ball end");
+    assert!(!window.state().state().flank_is_stale());
+    window.get_by_label_contains("from the tool library: no ball end of the setup fits");
 }
 
 /// How far an axis tilts limits passes, too, and times are those on the machine.

@@ -370,6 +370,49 @@ fn fields_take_arithmetic_and_edits_can_be_undone() {
     assert_eq!(window.state().state().document.edited.setup.plunge.step, Some(7.5), "done again");
 }
 
+/// A worker knows one request: what is written meanwhile waits for its turn.
+#[test]
+fn files_that_are_written_at_once_are_all_written() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let folder = tempfile::tempdir().expect("a folder");
+    let ctx = window.ctx.clone();
+    let files: Vec<_> = (0..5).map(|k| folder.path().join(format!("{k}.glb"))).collect();
+    for path in &files {
+        window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+    }
+    settle(&mut window);
+    assert!(files.iter().all(|path| path.exists()), "{:?}", std::fs::read_dir(folder.path()).expect("lists"));
+}
+
+#[test]
+fn a_scene_of_another_setup_is_asked_about() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("s.glb");
+    let ctx = window.ctx.clone();
+    window.get_by_role_and_label(Role::CheckBox, "Auto-update").click();
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(6.0);
+    window.run_steps(3);
+    assert!(window.state().state().out_of_date());
+    window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+    window.run_steps(3);
+    window.get_by_label("Export the scene of this plan?");
+    window.get_by_label_contains("The setup was edited after this calculation");
+    harness::click_enabled(&window, "Cancel");
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(!path.exists());
+    window.state_mut().file_chosen(&ctx, Purpose::ExportScene, path.clone());
+    window.run_steps(3);
+    harness::click_enabled(&window, "Recalculate");
+    window.run_steps(3);
+    settle(&mut window);
+    assert!(path.exists() && !window.state().state().out_of_date(), "of the new plan");
+}
+
 #[test]
 fn setup_cl_file_and_picture_are_written() {
     let (engine, _) = fake::engine();

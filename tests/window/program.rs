@@ -569,3 +569,64 @@ fn a_checked_program_is_out_of_date_with_other_clearances() {
     settle(&mut window);
     assert!(window.state().state().program_is_stale());
 }
+
+/// A post that writes the program again leaves the window with a check of what is no longer there.
+#[test]
+fn a_program_that_is_written_again_is_out_of_date() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, text) = with_checked_program(folder.path());
+    let path = folder.path().join("deep.apt");
+    let wait_for = |window: &mut Window, is_there: &dyn Fn(&Window) -> bool| {
+        let start = Instant::now();
+        while !is_there(window) {
+            assert!(start.elapsed() < HANG, "it is not noticed");
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            window.step();
+        }
+    };
+    let is_stale = |window: &Window| window.state().state().program_is_stale();
+    window.run_steps(20);
+    assert!(!is_stale(&window), "as it was checked");
+    std::fs::write(&path, text.replace("FEDRAT/300", "FEDRAT/1500")).expect("writes");
+    wait_for(&mut window, &is_stale);
+    window.run_steps(2);
+    window.get_by_label("Program: out of date");
+    window.get_by_label("The file was written again after this check: check it again");
+    click_enabled(&window, "Check again");
+    window.run_steps(2);
+    settle(&mut window);
+    window.run_steps(20);
+    assert!(!is_stale(&window), "the new text was checked");
+    assert!(window.query_by_label_contains("The file was written again").is_none());
+    std::fs::remove_file(&path).expect("removes");
+    wait_for(&mut window, &is_stale);
+    window.run_steps(2);
+    window.get_by_label_contains("The file is no longer there");
+}
+
+/// The export of another operation's plan would be taken for that of what is selected.
+#[test]
+fn what_is_selected_is_exported_or_why_not_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut window, _) = with_checked_program(folder.path());
+    window.state_mut().use_own_file_dialogs();
+    let mut refused = |operation: &str, words: &str| {
+        window.get_by_label_contains(operation).click();
+        window.run_steps(3);
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+        window.run_steps(3);
+        assert!(
+            window.query_by_role_and_label(Role::TextInput, "File").is_none(),
+            "{operation} is not written"
+        );
+        let notice = window.state().state().notice.clone().expect("it is said");
+        assert!(notice.text.contains(words), "{notice:?}");
+    };
+    refused("Program: ", "A checked program is a file already");
+    refused("Flank: ", "Flank has no plan to export yet");
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::E);
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::TextInput, "File");
+}

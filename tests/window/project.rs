@@ -5,12 +5,14 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::state::Tone;
 use vanecut::io::project_file::read_project;
 
 use crate::dialogs::{name_file, press_enter};
 use crate::fake;
+use crate::flank::plan_flank;
 use crate::harness::{
     Window, click_enabled, sample_in, settle, snapshot_ui, snapshot_view, window, with_sample, words,
 };
@@ -141,6 +143,18 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     window.state_mut().file_chosen(&ctx, export, program.clone());
     window.run_steps(3);
     window.get_by_label_contains("5 values of the setup in the project were faulty");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    // A default that is meant is kept by one click, as if it had been entered.
+    let setup = window.state().state().document.edited.setup.clone();
+    window.get_all_by_label("Keep the default").next().expect("one at each field").click();
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(shown(&window), keys.len() - 2);
+    assert!(window.state().state().document.edited.setup == setup, "nothing else changes");
+    window.state_mut().file_chosen(&ctx, export, program.clone());
+    window.run_steps(3);
+    window.get_by_label_contains("4 values of the setup in the project were faulty");
     window.get_by_label("Export anyway").click();
     window.run_steps(3);
     settle(&mut window);
@@ -455,4 +469,21 @@ fn a_part_that_was_opened_is_among_the_recent_files() {
     next.run_steps(2);
     settle(&mut next);
     assert!(next.state().state().document.part.is_some());
+}
+
+#[test]
+fn a_project_opens_in_the_operation_it_was_saved_in() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    plan_flank(&mut first, 10.0);
+    save_as(&mut first, &path);
+    assert!(read_project(&path).expect("reads").chosen.flank);
+    let mut second = window(engine);
+    second.state_mut().open_path(path);
+    settle(&mut second);
+    let state = second.state().state();
+    assert_eq!(state.look.operation, Operation::Flank);
+    assert!(state.results.flank.is_some() && state.results.planned.is_some(), "both are calculated");
 }

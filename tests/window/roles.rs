@@ -7,13 +7,16 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use serde_json::{Value, json};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::part_source::PartSource;
+use vanecut::app::model::role_choices::RoleChoices;
 use vanecut::geometry::rotate_z;
+use vanecut::io::part_file::{FileBodies, read_bodies, read_part_with};
 use vanecut::io::project_file::{PartLocation, read_project};
 use vanecut::io::stl::write_stl;
 use vanecut::io::{GltfScene, read_part_bytes};
-use vanecut::mesh::TriangleMesh;
+use vanecut::mesh::nodes::nodes;
 use vanecut::mesh::tessellate::{Fineness, Tessellation};
-use vanecut::part::Impeller;
+use vanecut::mesh::{LengthUnit, MeshOptions, TriangleMesh};
+use vanecut::part::{Impeller, PartDescription};
 
 use crate::fake;
 use crate::harness::{Window, click_enabled, settle, snapshot_view, window};
@@ -53,6 +56,23 @@ fn nameless(document: &mut Value) {
     nodes.push(json!({ "mesh": nodes[0]["mesh"], "scale": [0.2, 0.2, 0.2] }));
     let root = nodes.iter_mut().find(|n| n.get("children").is_some()).expect("a root");
     root["children"].as_array_mut().expect("children").push(json!(nut));
+}
+
+/// Corners in another order would make sums that differ in the last bits, and they another plan.
+#[test]
+fn proposed_roles_make_the_part_that_shapes_make_alone() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wheels/kj66_cad.glb");
+    let said = MeshOptions { unit: Some(LengthUnit::Millimetre), ..MeshOptions::default() };
+    let FileBodies { meshes, unit } = read_bodies(&path).expect("meshes");
+    let nodes = nodes(&meshes);
+    let choices = RoleChoices::new(&nodes, unit, &said, true);
+    assert!(choices.roles.iter().flatten().count() > 9, "hub and blades are proposed");
+    let confirmed = choices.options(&nodes);
+    let [alone, confirmed] =
+        [said, confirmed].map(|options| read_part_with(&path, &options).expect("a part"));
+    let text = |part: &PartDescription| format!("{:?} {:?} {:?}", part.hub, part.shroud, part.main);
+    assert!(text(&alone) == text(&confirmed), "to the last bit");
+    assert_eq!(alone.notes, confirmed.notes);
 }
 
 /// Opens the dialog that assigns roles.

@@ -1,14 +1,16 @@
 //! Tools that the program chooses.
 
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::state::Tone;
 use vanecut::io::shop_tools::{LibraryFormat, read_library};
 use vanecut::job::PlanOutcome;
+use vanecut::setup::FlankStrategy;
 
 use crate::dialogs::press_enter;
 use crate::fake;
-use crate::harness::{Window, click_enabled, press, settle, with_sample};
+use crate::harness::{Window, click_enabled, labels, press, settle, with_sample};
 
 fn set_step(window: &mut Window, step: f64) {
     window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(step);
@@ -152,11 +154,12 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     let field = |window: &Window| window.get_by_role_and_label(Role::SpinButton, "Diameter").rect();
     let before = field(&window);
     click(&mut window, "Take into setup");
+    click(&mut window, "Use only this tool");
     assert_eq!(field(&window), before, "what is under the pointer stays there");
     let tools = window.state().state().document.edited.setup.tools.clone();
     assert_eq!(tools.len(), 1);
     assert_eq!(tools[0].assembly.holder, [[30.0, 42.0, 25.0], [50.0, 50.0, 35.0]]);
-    window.get_by_label("In the setup as T12");
+    window.get_by_label("In the setup as T12, its only tool");
     // Once more, it gets another number, which is said as long as it is there.
     click(&mut window, "Take into setup");
     window.get_by_label("In the setup as T12, T13");
@@ -224,7 +227,100 @@ fn a_library_of_thousands_is_searched_and_drawn_where_it_shows() {
     window.get_by_label("2 of 5000 tools");
     click(&mut window, "T4322 Ø5 L60 no. 4321");
     click(&mut window, "Take into setup");
+    click(&mut window, "Use only this tool");
     assert_eq!(window.state().state().document.edited.setup.tools[0].number, 4322);
+}
+
+/// Numbers of the tools of the setup.
+fn numbers(window: &Window) -> Vec<u32> {
+    window.state().state().document.edited.setup.tools.iter().map(|tool| tool.number).collect()
+}
+
+/// Taking one would otherwise mean, without a word, that no other tool is left.
+#[test]
+fn a_tool_joins_the_automatic_ones_or_replaces_them_as_asked() {
+    let mut window = with_shop_library();
+    let chosen: Vec<u32> = window.state().state().results.chosen_tools().iter().map(|t| t.number).collect();
+    assert!(!chosen.is_empty() && numbers(&window).is_empty(), "the tools are automatic");
+    window.get_by_role_and_label(Role::TextInput, "Search").focus();
+    window.run_steps(1);
+    window.event(egui::Event::Text("T64".to_owned()));
+    window.run_steps(3);
+    window.get_by_label_contains("T64 Ø").click();
+    window.run_steps(3);
+    let place = window.get_by_label("Copy").rect();
+    click(&mut window, "Take into setup");
+    assert!(numbers(&window).is_empty(), "it asks first");
+    let entry = if chosen.len() == 1 { "Add to the chosen tool" } else { "Add to the chosen tools" };
+    click(&mut window, entry);
+    assert_eq!(numbers(&window), [&chosen[..], &[64]].concat());
+    assert!(
+        window.state().state().document.edited.setup.plunge.sections.is_empty(),
+        "sections stay automatic"
+    );
+    assert_eq!(window.get_by_label("Copy").rect(), place, "nothing moves");
+    window.get_by_label("In the setup as T64");
+    key(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+    assert!(numbers(&window).is_empty(), "undo makes the tools automatic again");
+    click(&mut window, "Take into setup");
+    click(&mut window, "Use only this tool");
+    assert_eq!(numbers(&window), [64]);
+    window.get_by_label("In the setup as T64, its only tool");
+    key(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+    assert!(numbers(&window).is_empty());
+}
+
+/// The selected tool of the library.
+fn selected_tool(window: &Window) -> Option<String> {
+    labels(window, "Tool T").into_iter().next()
+}
+
+#[test]
+fn arrow_keys_move_the_choice_in_lists() {
+    let mut window = with_shop_library();
+    let first = window.query_all_by_label_contains(" L").find_map(|node| {
+        let label = node.accesskit_node().label()?;
+        label.starts_with('T').then_some(label)
+    });
+    click(&mut window, &first.expect("a tool"));
+    let before = selected_tool(&window).expect("selected");
+    // Further than the list shows.
+    for _ in 0..60 {
+        window.key_press(egui::Key::ArrowDown);
+        window.run_steps(3);
+    }
+    let after = selected_tool(&window).expect("selected");
+    assert_ne!(before, after);
+    let focused = window.query_all_by(|node| node.is_focused()).next().expect("has the focus");
+    let row = focused.accesskit_node().label().expect("a label");
+    let number = after.trim_start_matches("Tool ").split(':').next().expect("a number").to_owned();
+    assert!(row.starts_with(&format!("{number} ")), "{row} is not {after}");
+    window.key_press(egui::Key::ArrowUp);
+    window.run_steps(3);
+    assert_ne!(selected_tool(&window).expect("selected"), after);
+
+    // Operations, and a list that is closed.
+    let operation = |window: &Window| window.state().state().look.operation;
+    window.get_by_label_contains("Roughing: ").focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(operation(&window), Operation::Flank);
+    window.key_press(egui::Key::ArrowUp);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(operation(&window), Operation::Roughing);
+    window.key_press(egui::Key::ArrowDown);
+    window.run_steps(3);
+    settle(&mut window);
+    let strategy = |window: &Window| window.state().state().document.edited.setup.flank.strategy;
+    assert_eq!(strategy(&window), FlankStrategy::Balanced);
+    window.get_by_role_and_label(Role::ComboBox, "Strategy").focus();
+    window.run_steps(2);
+    window.key_press(egui::Key::ArrowUp);
+    window.run_steps(3);
+    assert_eq!(strategy(&window), FlankStrategy::Regions);
 }
 
 /// The name of the library with its mark.

@@ -367,7 +367,7 @@ impl App {
             for note in part.map(|part| part.impeller.notes.clone()).unwrap_or_default() {
                 let shown = hint_for_dialog(&note);
                 let help = if shown == note { "" } else { IN_ROLES_DIALOG };
-                self.state.report_problem(Problem::new(shown, help));
+                self.state.report_problem(Problem::note_on_part(shown, help));
             }
             self.view.reset();
             self.hover = None;
@@ -386,6 +386,7 @@ impl App {
             self.state.document.edited.setup.allowances.blank = BlankShape::File(Arc::new(blank));
             return;
         }
+        let was_flank = project.as_ref().is_some_and(|(_, project)| project.chosen.flank);
         if let Some((path, project)) = project {
             self.take_project(path, &project);
         } else if let Some((path, _)) = self.state.document.part.as_ref().and_then(|part| part.source.file())
@@ -408,7 +409,7 @@ impl App {
         if new_part || is_run || self.state.results.planned.is_none() {
             self.plan();
         }
-        if is_flank_plan {
+        if is_flank_plan || was_flank {
             self.state.look.operation = Operation::Flank;
             self.plan_flank();
         }

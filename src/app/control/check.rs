@@ -8,6 +8,7 @@ use crate::app::model::checked::{CheckRequest, CheckedProgram};
 use crate::app::model::look::Operation;
 use crate::app::model::problem::{Problem, Topic};
 use crate::app::tasks::check::CheckError;
+use crate::app::tasks::program_watch::LOOK_EVERY;
 use crate::job::worker::Outcome;
 
 impl App {
@@ -89,6 +90,16 @@ impl App {
                 "report this with part and program",
             )),
         }
+    }
+
+    /// Looks now and then whether the file of the checked program was written again.
+    pub(in crate::app) fn watch_program(&mut self, ctx: &egui::Context) {
+        let checked = self.state.results.checked.as_deref();
+        if checked.is_some() {
+            ctx.request_repaint_after(LOOK_EVERY);
+        }
+        let time = ctx.input(|input| input.time);
+        self.state.results.program_file = self.program_watch.follow(checked, time);
     }
 
     /// Closes the checked program.

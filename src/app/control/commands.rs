@@ -58,6 +58,7 @@ impl App {
             C::BeforeAfter | C::SideBySide | C::Wipe if self.state.look.operation != Operation::Roughing => {
                 false
             }
+            C::Machine => self.state.document.edited.setup.machine.file.is_some(),
             C::ExportStock
             | C::Stock
             | C::TimeAgainstStock
@@ -112,6 +113,9 @@ impl App {
     /// Executes a command.
     pub(in crate::app) fn run_command(&mut self, ctx: &Context, command: Command) {
         use Command as C;
+        if let Some(why) = self.why_not_exported(command) {
+            return self.state.report_refusal(why);
+        }
         let is_running = self.running_task().is_some();
         // One behind another tab comes to the front.
         let is_behind = |panel| self.state.look.panels.is_open(panel) && !self.is_in_view(panel);

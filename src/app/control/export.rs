@@ -66,6 +66,8 @@ impl App {
                 Purpose::SaveLibrary if is_fusion_library(&path) => &release::EXISTING_LIBRARY,
                 Purpose::SaveLibrary => &release::LIBRARY,
                 Purpose::ExportSheet { .. } => &release::SHEET,
+                Purpose::ExportScene => &release::SCENE,
+                Purpose::ExportStock => &release::STOCK,
                 _ => &release::PROGRAM,
             };
             self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: false });
@@ -220,6 +222,27 @@ impl App {
         let roughing = self.state.last_whole_plan(self.state.look.side).map(|_| Operation::Roughing);
         let flank = self.state.results.flank.as_ref().map(|_| Operation::Flank);
         roughing.into_iter().chain(flank).collect()
+    }
+
+    /// Why the plan of the selected operation cannot be exported; `None` where it can, and for other
+    /// commands.
+    pub(in crate::app) fn why_not_exported(&self, command: Command) -> Option<String> {
+        use Command as C;
+        if !matches!(command, C::ExportCl | C::ExportClSome | C::ExportClAll | C::ExportSheet) {
+            return None;
+        }
+        let operation = self.state.look.operation;
+        if self.state.document.part.is_none() {
+            Some("There is no plan to export: open a part first".to_owned())
+        } else if operation == Operation::Program {
+            Some("A checked program is a file already: select the operation whose plan to export".to_owned())
+        } else if self.planned_operations().contains(&operation) {
+            None
+        } else if self.work.is_calculating(operation) {
+            Some(format!("{} is still being calculated: export it when that is done", operation.label()))
+        } else {
+            Some(format!("{} has no plan to export yet: calculate it first", operation.label()))
+        }
     }
 
     /// The operation that is exported: the selected one, or else the first that has a plan.

@@ -326,7 +326,7 @@ impl App {
             self.view.restore(camera);
         }
         // The next plan keeps the selection if it has that position.
-        let PlanSelection { before, position, cut, channels, channels_cut, channel } = project.chosen;
+        let PlanSelection { before, position, cut, channels, channels_cut, channel, .. } = project.chosen;
         let channel_count = self.channel_count();
         let look = &mut self.state.look;
         look.side = if before { Side::Before } else { Side::After };

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use super::boundary::Boundary;
 use super::listing::ProgramListing;
@@ -39,6 +40,40 @@ impl CheckRequest {
             && Arc::ptr_eq(&self.part, &other.part)
             && (&a.allowances, &a.clearances) == (&b.allowances, &b.clearances)
             && (&a.tools, &a.machine) == (&b.tools, &b.machine)
+    }
+}
+
+/// What changes with a file that is written again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileStamp {
+    /// When it was written last.
+    pub written: SystemTime,
+    /// Its size, bytes.
+    pub size: u64,
+}
+
+/// What became of the file of a program since it was checked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FileChange {
+    /// Nothing, as far as is known.
+    #[default]
+    None,
+    /// It was written again.
+    Written,
+    /// It was moved, renamed or deleted.
+    Gone,
+}
+
+impl FileChange {
+    /// The change in words; `None` without one.
+    pub fn words(self) -> Option<&'static str> {
+        match self {
+            Self::None => None,
+            Self::Written => Some("The file was written again after this check: check it again"),
+            Self::Gone => {
+                Some("The file is no longer there: this is the check before it was moved or deleted")
+            }
+        }
     }
 }
 
@@ -101,6 +136,8 @@ impl FigureValue {
 pub struct CheckedProgram {
     /// What was checked.
     pub request: CheckRequest,
+    /// The file as it was read; `None` where the system does not say.
+    pub stamp: Option<FileStamp>,
     /// "Plunge program" or "Flank program".
     pub kind: &'static str,
     /// The faults, by line.

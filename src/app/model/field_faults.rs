@@ -33,6 +33,8 @@ pub struct FieldFault {
     pub field: FaultyField,
     /// What is wrong, and what to do.
     pub text: String,
+    /// Whether the default stands in the field, which may be what is meant.
+    pub is_default: bool,
 }
 
 /// A faulty value of the setup in a project file, in whose place the default stands.

@@ -19,8 +19,14 @@ pub fn policy_label(policy: AxisPolicy) -> &'static str {
     }
 }
 
-/// Largest share of the accessible floor that may stay uncut without a warning.
+/// Largest share of the accessible floor that may stay uncut without a warning, or in gaps between flank
+/// passes.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
+
+/// Name of the share of the floor that a flank program leaves above the scallop height, and what it is.
+pub const ABOVE_SCALLOP: &str = "Floor above scallop";
+/// See [`ABOVE_SCALLOP`].
+pub const ABOVE_SCALLOP_TIP: &str = "Share of the floor that keeps more stock than the scallop height";
 
 /// What makes a plunge interfere.
 pub const INTERFERING_TIP: &str =

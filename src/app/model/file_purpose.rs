@@ -106,7 +106,7 @@ impl Purpose {
     /// The operation whose plan is written; `None` for other files.
     pub fn planned_operation(self) -> Option<Operation> {
         match self {
-            Self::ExportCl { .. } => Some(Operation::Roughing),
+            Self::ExportCl { .. } | Self::ExportScene => Some(Operation::Roughing),
             Self::ExportFlank { .. } => Some(Operation::Flank),
             Self::ExportNc { operation, .. } | Self::ExportSheet { operation } => Some(operation),
             _ => None,

@@ -24,6 +24,8 @@ pub enum Topic {
     Opening,
     /// A file of this kind that was not written: solved by the next that is.
     Writing(&'static str),
+    /// What was found about the opened part, and is no fault: stays until it is dismissed.
+    PartNote,
     /// Anything else: stays until it is dismissed.
     Other,
 }
@@ -31,7 +33,15 @@ pub enum Topic {
 impl Topic {
     /// Whether it is about a calculation, of which only the last one counts.
     pub fn is_of_calculation(self) -> bool {
-        !matches!(self, Self::Project | Self::SharedProject | Self::Opening | Self::Writing(_) | Self::Other)
+        !matches!(
+            self,
+            Self::Project
+                | Self::SharedProject
+                | Self::Opening
+                | Self::Writing(_)
+                | Self::PartNote
+                | Self::Other
+        )
     }
 }
 
@@ -67,6 +77,16 @@ impl Problem {
         Self { topic: Topic::Writing(kind), ..Self::from(error) }
     }
 
+    /// What was found about the opened part, and is no fault.
+    pub fn note_on_part(what: impl Into<String>, help: impl Into<String>) -> Self {
+        Self { topic: Topic::PartNote, ..Self::new(what, help) }
+    }
+
+    /// Whether it is no fault, but should be known.
+    pub fn is_note(&self) -> bool {
+        self.topic == Topic::PartNote
+    }
+
     /// The device that draws has failed.
     pub fn of_device(error: &GpuError) -> Self {
         Self::new(error.to_string(), "save the project and restart with VANECUT_GPU=software")
@@ -93,7 +113,8 @@ impl Problem {
     #[must_use]
     pub fn at_field(self, field: Option<FaultyField>, what: &str) -> Self {
         let text = || format!("{}; {}", with_labels(what), self.help);
-        let field = field.map(|field| FieldFault { field, text: text() });
+        let field =
+            field.map(|field| FieldFault { field, text: text(), is_default: self.topic == Topic::Project });
         Self { field, ..self }
     }
 

@@ -8,11 +8,24 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::setup_tools::too_fast;
 use crate::app::model::state::AppState;
-use crate::verify::Fault;
+use crate::verify::{Fault, FlankVerdict};
+
+const STALE: &str = "The setup was edited after this calculation";
+const UNFINISHED: &str = "The calculation was cancelled: this is the best plan so far";
 
 /// What speaks against running the program of `channels` channels that `purpose` writes, the gravest first;
 /// none for other files.
 pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<String> {
+    // No machine runs a model of the plan, but it may show another setup.
+    match purpose {
+        Purpose::ExportScene => return model_concerns(state, state.out_of_date()),
+        Purpose::ExportStock => {
+            let is_stale = state.operation_is_stale();
+            let after_roughing = state.look.operation == Operation::Flank && state.out_of_date();
+            return model_concerns(state, is_stale || after_roughing);
+        }
+        _ => {}
+    }
     // Plans are those of one channel, and so is what is counted in them.
     let each = if channels > 1 { " in each channel" } else { "" };
     let mut found = match purpose.planned_operation() {
@@ -37,6 +50,13 @@ pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<Stri
         }
     });
     found
+}
+
+/// What speaks against a model of a plan: it is that of another setup, or not all of the plan.
+fn model_concerns(state: &AppState, is_stale: bool) -> Vec<String> {
+    let is_unfinished = state.results.planned.as_ref().is_some_and(|planned| planned.is_unfinished());
+    let found = [(is_stale, STALE), (is_unfinished, UNFINISHED)];
+    found.into_iter().filter(|(is_so, _)| *is_so).map(|(_, words)| words.to_owned()).collect()
 }
 
 fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
@@ -76,14 +96,14 @@ fn plunge_concerns(state: &AppState, each: &str) -> Vec<String> {
     }
     found.extend(too_fast(allowances, plan.sections.iter().map(|section| &section.tool)));
     if state.out_of_date() {
-        found.push("The setup was edited after this calculation".to_owned());
+        found.push(STALE.to_owned());
     }
     if let Some(missed) = state.missed_goal() {
         found.push(missed);
     }
     found.extend(state.unapplied_words());
     if plan.is_unfinished() {
-        found.push("The calculation was cancelled: this is the best plan so far".to_owned());
+        found.push(UNFINISHED.to_owned());
     } else if !plan.converged {
         found.push("The calculation stopped at its limit of iterations before it converged".to_owned());
     }
@@ -112,14 +132,25 @@ pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     lines
 }
 
+/// What a flank program leaves of the floor, if that is more than it may without a warning.
+fn floor_concerns(verdict: &FlankVerdict) -> Vec<String> {
+    let shares = [
+        (verdict.layer.uncut_share.into(), "of the accessible floor is not machined"),
+        (verdict.uncovered.gap, "of the floor keeps more than the scallop height, in gaps between passes"),
+    ];
+    let many = shares.into_iter().filter(|(share, _)| *share > MAX_GOOD_UNCUT_SHARE);
+    many.map(|(share, what)| format!("{} {what}", format_percent(share))).collect()
+}
+
 fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
     let Some(outcome) = &state.results.flank else { return Vec::new() };
     let mut found = fault_lines(&outcome.faults);
     if outcome.verdict.is_none() {
         found.push("The program could not be verified".to_owned());
     }
+    found.extend(outcome.verdict.iter().flat_map(floor_concerns));
     if state.flank_is_stale() {
-        found.push("The setup was edited after this calculation".to_owned());
+        found.push(STALE.to_owned());
     }
     let lost = || skipped_length(&outcome.plan, state.look.units);
     match outcome.plan.uncut.len() {

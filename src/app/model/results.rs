@@ -6,9 +6,9 @@ use crate::io::InputError;
 use crate::io::project_file::SetFigures;
 use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
-use crate::setup::Setup;
+use crate::setup::{Setup, Tool};
 
-use crate::app::model::checked::CheckedProgram;
+use crate::app::model::checked::{CheckedProgram, FileChange};
 use crate::app::model::exported::ExportedPrograms;
 use crate::app::model::flank_passes::FlankPasses;
 use crate::app::model::flank_run::FlankRun;
@@ -61,6 +61,8 @@ pub struct Results {
     pub passes: Arc<FlankPasses>,
     /// The program that was checked last.
     pub checked: Option<Arc<CheckedProgram>>,
+    /// What became of its file since then.
+    pub program_file: FileChange,
     /// Whether the last attempt to check it again failed.
     pub recheck_failed: bool,
     /// The shown plan on the machine of the setup; `None` without a machine, or until it is known.
@@ -76,6 +78,12 @@ impl Results {
     /// Words in place of a plan that is not there yet.
     pub fn words_without_plan(&self) -> &'static str {
         if self.preview.is_some() { "Calculating…" } else { "Not calculated yet" }
+    }
+
+    /// The tools that the program chose for the shown plan; empty where the setup gives them.
+    pub fn chosen_tools(&self) -> &[Tool] {
+        let planned = self.planned.as_ref().filter(|planned| chooses_tools(&planned.setup));
+        planned.map_or(&[], |planned| &planned.outcome.setup.tools)
     }
 
     /// Stores a plan, and its figures if it is finished. Its change of tools is described

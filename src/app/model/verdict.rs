@@ -4,6 +4,7 @@ use crate::job::PolicyResult;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::Condition;
 use crate::report::words::NOT_ON_MACHINE;
+use crate::verify::FlankVerdict;
 
 use super::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
 use super::state::AppState;
@@ -57,6 +58,21 @@ pub fn of_plunges(state: &AppState, result: &PolicyResult) -> (Condition, Option
     (if interfering > 0 { Condition::Interfering } else { Condition::Blocked }, Some(words))
 }
 
+/// What a flank program leaves of the floor, if that is more than it may without a warning.
+fn floor_words(verdict: &FlankVerdict) -> Option<String> {
+    let uncut = f64::from(verdict.layer.uncut_share);
+    if uncut > MAX_GOOD_UNCUT_SHARE {
+        return Some(format!("{} not machined", format_percent(uncut)));
+    }
+    let gap = verdict.uncovered.gap;
+    (gap > MAX_GOOD_UNCUT_SHARE).then(|| format!("{} of the floor in gaps", format_percent(gap)))
+}
+
+/// Whether a flank program leaves no more of the floor than it may without a warning.
+pub fn is_floor_complete(verdict: &FlankVerdict) -> bool {
+    floor_words(verdict).is_none()
+}
+
 /// The verdict on a flank plan, and what is wrong with it, if anything is.
 pub fn of_flank(state: &AppState, outcome: &FlankOutcome) -> (Condition, Option<String>) {
     let (faults, skipped) = (outcome.faults.len(), outcome.plan.uncut.len());
@@ -68,6 +84,8 @@ pub fn of_flank(state: &AppState, outcome: &FlankOutcome) -> (Condition, Option<
         (Condition::Blocked, Some("not verified".to_owned()))
     } else if skipped > 0 {
         (Condition::Blocked, Some(count_skipped_stretches(skipped)))
+    } else if let Some(words) = outcome.verdict.as_ref().and_then(floor_words) {
+        (Condition::Blocked, Some(words))
     } else {
         (Condition::Sound, None)
     }

@@ -8,9 +8,11 @@ use std::sync::Arc;
 use crate::app::model::checked::{
     CheckRequest, CheckedProgram, FaultPlace, FigureValue, ProgramFigure, ProgramFinding,
 };
-use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent};
+use crate::app::model::figures::{ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::preview::ShownCutters;
+use crate::app::model::verdict::is_floor_complete;
+use crate::app::tasks::program_watch::stamp_of;
 use crate::drawing::cutters::single_cutter;
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::error::ErrorCode;
@@ -67,6 +69,8 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
         let help = "check the program that was written with it, or open the plan as a part";
         return Err(InputError::new(ErrorCode::FileFormat, &name, 0, "is a plan, not a program", help).into());
     }
+    // Before its text: what is written meanwhile counts as a change.
+    let stamp = stamp_of(path);
     let bytes = read_bytes_up_to(path, MAX_PROGRAM_BYTES)?;
     let target = NcTarget { machine: Path::new(machine), control: control.as_deref() };
     let ProgramReading { program, overruns, on_machine } =
@@ -94,6 +98,7 @@ pub fn check(request: &CheckRequest, monitor: &Monitor) -> Result<CheckedProgram
     let listing = ProgramListing::new(String::from_utf8_lossy(&bytes).into_owned(), ends);
     Ok(CheckedProgram {
         request: request.clone(),
+        stamp,
         kind: judged.kind,
         summary: count_by_kind(&faults),
         lines: lines_of(&program, &faults),
@@ -192,6 +197,7 @@ impl Judged {
                 "Stock left above the allowance of the blades",
             ),
             residual(uncut, verdict.layer.mean.into(), verdict.layer.p95.into()),
+            (ABOVE_SCALLOP, FigureValue::Text(format_percent(verdict.uncovered.share())), ABOVE_SCALLOP_TIP),
             ("Not machined", FigureValue::Text(format_percent(uncut)), UNCUT_TIP),
             (
                 "Hub clearance",
@@ -208,7 +214,7 @@ impl Judged {
             kind: "Flank program",
             figures,
             time: verdict.time_estimate,
-            is_complete: uncut <= MAX_GOOD_UNCUT_SHARE,
+            is_complete: is_floor_complete(&verdict),
             notes: verdict.notes,
             faults: verdict.faults,
         }

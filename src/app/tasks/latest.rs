@@ -52,6 +52,11 @@ where
         self.asked = wanted;
     }
 
+    /// The last request.
+    pub(in crate::app) fn asked(&self) -> Option<&Q> {
+        self.asked.as_ref()
+    }
+
     /// The latest answer with its request, which may be older than the last request.
     pub(in crate::app) fn answer(&self) -> Option<&(Q, A)> {
         self.answer.as_ref()

@@ -17,6 +17,7 @@ pub(in crate::app) mod mesh_nodes;
 pub(in crate::app) mod open_task;
 pub(in crate::app) mod opening;
 pub(in crate::app) mod part_meshes;
+pub(in crate::app) mod program_watch;
 pub(in crate::app) mod programs;
 pub(in crate::app) mod project;
 pub(in crate::app) mod scrub;

@@ -1,6 +1,7 @@
 //! The open project as the content of a project file, and back.
 
 use crate::app::model::document::{Edited, WhatIf};
+use crate::app::model::look::Operation;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
@@ -36,6 +37,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
             channels: state.look.shown_channels,
             channels_cut: state.look.channels_cut,
             channel: state.look.selected_channel,
+            flank: state.look.operation == Operation::Flank,
         },
         original: None,
         original_hash: None,

@@ -33,6 +33,8 @@ pub(in crate::app) struct Work {
     pub judge: Worker<WriteTask, Written, WriteError>,
     /// Programs that wait for that, in turn: a worker knows one request.
     pub to_judge: VecDeque<WriteTask>,
+    /// Other files that wait to be written, in turn.
+    pub to_write: VecDeque<WriteTask>,
     /// Writes recovery copies of the tool library.
     pub copier: Worker<LibraryCopy, (), InputError>,
     /// Slot through which the planner passes its preview.
@@ -85,6 +87,7 @@ impl Work {
             copier: Worker::new("copy", |copy: &LibraryCopy, _| copy.write(), repaint()),
             judge: Worker::new("judge", files::write, repaint()),
             to_judge: VecDeque::new(),
+            to_write: VecDeque::new(),
             preview,
             asked: None,
             asked_flank: None,
@@ -150,24 +153,30 @@ impl Work {
         opening.or_else(planning).or_else(curves).or_else(checking).or_else(judging).or_else(writing)
     }
 
-    /// Writes a file. One that is judged first waits for those before it.
+    /// Writes a file. It waits for those before it: none is lost, and the end of each is reported.
     pub(in crate::app) fn write(&mut self, task: WriteTask) {
-        match task.is_judged_first() {
-            true if self.judge.is_busy() => self.to_judge.push_back(task),
-            true => drop(self.judge.submit(task)),
-            false => drop(self.writer.submit(task)),
+        let (worker, waiting) = match task.is_judged_first() {
+            true => (&self.judge, &mut self.to_judge),
+            false => (&self.writer, &mut self.to_write),
+        };
+        if worker.is_busy() || worker.has_outcome() {
+            waiting.push_back(task);
+        } else {
+            worker.submit(task);
         }
     }
 
     /// What came of files that were to be written.
     pub(in crate::app) fn take_written(&mut self) -> Vec<Outcome<Written, WriteError>> {
-        let judged = self.judge.take_outcome();
-        if judged.is_some()
-            && let Some(next) = self.to_judge.pop_front()
-        {
-            self.judge.submit(next);
-        }
-        [judged, self.writer.take_outcome()].into_iter().flatten().map(|(_, outcome)| outcome).collect()
+        let workers = [(&self.judge, &mut self.to_judge), (&self.writer, &mut self.to_write)];
+        let ended = workers.into_iter().filter_map(|(worker, waiting)| {
+            let (_, outcome) = worker.take_outcome()?;
+            if let Some(next) = waiting.pop_front() {
+                worker.submit(next);
+            }
+            Some(outcome)
+        });
+        ended.collect()
     }
 
     /// Cancels programs that are judged before they are written.

@@ -182,7 +182,7 @@ commands! {
     Stock "Stock"
         "Shows the stock as a solid at the position of the timeline, instead of hub and blades" [NONE, S];
     Machine "Machine"
-        "Shows table and head of the machine of the setup, as simple solids that move with the timeline" [];
+        "Shows table and head of the machine of the setup, if it has one, as simple solids that move with the timeline" [];
     FlankCurves "Flank passes" "Shows the passes of the flank plan" [];
     PassesByLayer "Passes by layer" "Colours the flank passes by layer" [];
     PassesByRegion "Passes by region" "Colours the flank passes by region of the channel" [];

@@ -60,11 +60,13 @@ fn fault_of(ui: &Ui, label: &str) -> Option<FieldFault> {
 }
 
 /// Draws what is wrong with the field of this label, whose box is `at`. `edited`: the user changed it, which
-/// ends the fault.
+/// ends the fault; so does keeping the default that stands there.
 pub fn show(ui: &mut Ui, label: &str, at: Rect, edited: bool) {
     let Some(fault) = fault_of(ui, label) else { return };
     mark(ui, at, &fault.text, (Condition::Interfering, 1.5));
-    if edited {
+    let tip = "The value in the field is meant: the fault is settled as if it had been entered";
+    let is_kept = fault.is_default && ui.small_button("Keep the default").on_hover_text(tip).clicked();
+    if edited || is_kept {
         ui.data_mut(|data| {
             data.get_temp_mut_or_default::<ShownFaults>(key()).edited.push(fault.field);
         });

@@ -16,6 +16,7 @@ pub(in crate::app) mod field_faults;
 pub mod help;
 pub mod key_order;
 pub mod legend;
+mod list_keys;
 mod menu;
 pub mod missing_part;
 pub(in crate::app) mod modal;

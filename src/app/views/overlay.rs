@@ -150,7 +150,14 @@ pub fn layers_top(rect: Rect) -> f32 {
 }
 
 /// The menu of layers, in the upper right corner of the view. `channels`: number of those of the part.
-pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look, channels: usize) {
+/// `is_available`: whether there is something that a layer shows.
+pub fn layers(
+    ui: &mut Ui,
+    rect: Rect,
+    look: &mut Look,
+    channels: usize,
+    is_available: impl Fn(Command) -> bool,
+) {
     let top = layers_top(rect);
     let at = Rect::from_min_max(
         rect.right_top() + egui::vec2(-68.0, top),
@@ -161,7 +168,7 @@ pub fn layers(ui: &mut Ui, rect: Rect, look: &mut Look, channels: usize) {
         MenuButton::new("Layers").config(stay).ui(ui, |ui| {
             theme::draw_box_edges(ui);
             for (shown, command) in switches(&mut look.layers) {
-                ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+                switch(ui, shown, command, is_available(command));
             }
             ui.separator();
             if look.layers.stock {
@@ -241,6 +248,12 @@ pub fn unit_choice(ui: &mut Ui, units: DisplayUnits) -> Option<Command> {
         }
     }
     chosen
+}
+
+/// Draws the switch of a layer; one with nothing to show is not available.
+pub fn switch(ui: &mut Ui, shown: &mut bool, command: Command, is_available: bool) {
+    let switch = ui.add_enabled(is_available, egui::Checkbox::new(shown, command.label()));
+    switch.on_hover_text(command.tip()).on_disabled_hover_text(command.tip());
 }
 
 /// The layers with the commands that switch them.

@@ -96,9 +96,11 @@ impl App {
         }
         ui.separator();
         ui.menu_button("Layers", |ui| {
-            for (shown, command) in overlay::switches(&mut self.state.look.layers) {
-                ui.checkbox(shown, command.label()).on_hover_text(command.tip());
+            let mut layers = self.state.look.layers;
+            for (shown, command) in overlay::switches(&mut layers) {
+                overlay::switch(ui, shown, command, self.is_available(command));
             }
+            self.state.look.layers = layers;
         });
         of_position.or(chosen)
     }

@@ -33,6 +33,10 @@ pub const PROGRAM: ReleaseWords =
     ReleaseWords { title: "Export this program?", above: "", below: "", anyway: "Export anyway" };
 /// Of the setup sheet of a plan.
 pub const SHEET: ReleaseWords = ReleaseWords { title: "Export the setup sheet of this plan?", ..PROGRAM };
+/// Of a scene.
+pub const SCENE: ReleaseWords = ReleaseWords { title: "Export the scene of this plan?", ..PROGRAM };
+/// Of the stock that a plan leaves.
+pub const STOCK: ReleaseWords = ReleaseWords { title: "Export the stock of this plan?", ..PROGRAM };
 /// Of a tool library in the format of Fusion.
 pub const LIBRARY: ReleaseWords = ReleaseWords {
     title: "Write a Fusion library?",

@@ -19,6 +19,7 @@ use crate::app::model::preview::ShownCutters;
 use crate::app::model::problem::Problem;
 use crate::app::model::shown_channels::ChannelProgress;
 use crate::app::model::solid::SolidColours;
+use crate::app::views::command::Command;
 use crate::app::views::cube;
 use crate::app::views::legend;
 use crate::app::views::overlay::{self, SwitchChoice};
@@ -302,7 +303,10 @@ impl App {
             overlay::policy(ui, corner, &mut self.state, pane.side);
         }
         let channels = self.channel_count();
-        overlay::layers(ui, whole, &mut self.state.look, channels);
+        let known = [Command::Stock, Command::Machine].map(|command| (command, self.is_available(command)));
+        let is_available =
+            |command| known.iter().all(|(known, is_available)| *known != command || *is_available);
+        overlay::layers(ui, whole, &mut self.state.look, channels, is_available);
         if let Some(command) = overlay::mouse_help(ui, whole, self.state.look.mouse) {
             self.run_command(ui.ctx(), command);
         }

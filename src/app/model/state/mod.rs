@@ -239,10 +239,16 @@ impl AppState {
         let Some(outcome) = &self.results.flank else { return false };
         let now = &self.document.edited.setup;
         let mut asked = outcome.setup.clone();
-        // A tool that was chosen automatically, for a reason, does not count as a difference.
-        if outcome.plan.reason.is_some() && now.flank.tool.is_none() {
+        // A tool that was chosen automatically, for a reason, does not count as a difference; from other
+        // tools another one may be chosen.
+        let is_chosen = outcome.plan.reason.is_some() && now.flank.tool.is_none();
+        if is_chosen {
             asked.flank.tool = None;
         }
+        let misses_tool = match is_chosen {
+            true => outcome.given_tools != now.tools,
+            false => !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool),
+        };
         let opens = outcome.plan.opening.is_some();
         // Edits by hand are those of the roughing plan.
         asked.plunge.edits.clone_from(&now.plunge.edits);
@@ -251,7 +257,7 @@ impl AppState {
             || asked.clearances != now.clearances
             || asked.machine != now.machine
             || opens && asked.plunge != now.plunge
-            || !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool)
+            || misses_tool
     }
 
     /// Policy that a side shows; `None` before there is a plan.
@@ -381,7 +387,9 @@ impl AppState {
     /// Reports a problem; it stays until it is dismissed or solved. A problem of a calculation replaces the
     /// one of the calculation before: while a value is dragged, each step would add another.
     pub fn report_problem(&mut self, problem: Problem) {
-        self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
+        if !problem.is_note() {
+            self.notice = Some(Notice { tone: Tone::Fault, text: problem.text() });
+        }
         self.problems.retain(|known| {
             *known != problem && (!problem.topic.is_of_calculation() || known.topic != problem.topic)
         });

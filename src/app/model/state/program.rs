@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::AppState;
-use crate::app::model::checked::{CheckRequest, CheckedProgram, ProgramFinding};
+use crate::app::model::checked::{CheckRequest, CheckedProgram, FileChange, ProgramFinding};
 use crate::app::model::look::{Operation, REVEAL};
 use crate::app::model::problem::Topic;
 
@@ -42,10 +42,12 @@ impl AppState {
         self.results.recheck_failed |= is_shown;
     }
 
-    /// Whether the shown check may not hold any more: the setup was edited after it, or the program could not
-    /// be checked again.
+    /// Whether the shown check may not hold any more: the setup was edited or the file written after it, or
+    /// the program could not be checked again.
     pub fn program_is_stale(&self) -> bool {
-        self.results.recheck_failed || self.setup_differs_from_check()
+        self.results.recheck_failed
+            || self.results.program_file != FileChange::None
+            || self.setup_differs_from_check()
     }
 
     /// Whether the setup was edited after the program was checked.

@@ -72,17 +72,18 @@ pub fn is_under_pointer(ctx: &Context, panel: DockPanel) -> bool {
 
 impl App {
     /// Draws the panels that float; without an open part, docked ones that need none, too.
-    pub(in crate::app) fn floating_panels(&mut self, ui: &Ui) {
+    /// They stay below `menus`, the lower edge of the menu bar.
+    pub(in crate::app) fn floating_panels(&mut self, ui: &Ui, menus: f32) {
         let is_open = self.state.document.part.is_some();
         for panel in DockPanel::ALL.into_iter().filter(|panel| panel.can_leave()) {
             let state = self.state.look.panels.state(panel);
             if state.is_open && (state.is_floating || !is_open) && self.has_content(panel) {
-                self.floating_panel(ui, panel);
+                self.floating_panel(ui, panel, menus);
             }
         }
     }
 
-    fn floating_panel(&mut self, ui: &Ui, panel: DockPanel) {
+    fn floating_panel(&mut self, ui: &Ui, panel: DockPanel, menus: f32) {
         let (size, mut least) = sizes(panel);
         if panel == DockPanel::Table {
             // No narrower than its columns: with a machine there is one more.
@@ -105,6 +106,7 @@ impl App {
             DockPanel::ToolLibrary => window.resizable(false),
             _ => window.default_size(size).min_size(least),
         };
+        window = window.constrain_to(screen.with_min_y(menus));
         let is_docked_at_first = !panel.is_window_at_first();
         // In its first frame it is measured, and has another size.
         let layer = LayerId::new(Order::Middle, window_id(panel));

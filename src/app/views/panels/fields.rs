@@ -11,7 +11,7 @@ use egui::{Color32, ComboBox, DragValue, Grid, Response, Sense, Slider, Ui, Vec2
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
 use crate::app::views::typed::{self, Typed, TypedLimits};
-use crate::app::views::{field_faults, theme, units};
+use crate::app::views::{field_faults, list_keys, theme, units};
 use crate::geometry::without_conversion_error;
 
 /// Description of a number field.
@@ -253,6 +253,11 @@ pub fn list_row<T: Copy + PartialEq>(
                         line.on_hover_text(&*entry.meaning);
                     }
                 });
+            let now = entries.iter().position(|entry| entry.value == *value);
+            let step = list_keys::step(ui, &list.response);
+            if let Some(to) = now.and_then(|now| list_keys::moved(now, step, entries.len())) {
+                *value = entries[to].value;
+            }
             at = list.response.labelled_by(title.id).rect;
             if *value == default {
                 reserve_dot(ui);

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use egui::Ui;
+use egui::{RichText, Ui};
 
 use crate::drawing::flank::{FlankColours, RAPID_COLOUR, feed_range, region_colour};
 use crate::flank::FlankPlan;
@@ -90,7 +90,7 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 
 /// The tool: the one that fits best, or one of those there are.
 fn tool_row(ui: &mut Ui, setup: &mut Setup) {
-    let tip = "Cutter used for all passes.\nAutomatic: the largest one that still leaves room for several passes between the blades";
+    let tip = "Cutter used for all passes.\nAutomatic: the largest ball end that still leaves room for several passes between the blades; from the tool library where none of the setup fits";
     let units = units::display_units(ui);
     let entry = |tool: &Tool| ListEntry {
         value: Some(tool.number),
@@ -140,6 +140,15 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&F
         );
     };
     field_faults::within(ui, FieldScope::Flank, |ui| fields::form(ui, "flank fields", form));
+    if let Some(outcome) = planned.filter(|outcome| outcome.has_library_cutter()) {
+        let tool = &outcome.plan.tool;
+        let text = format!(
+            "Cutter T{} {}, from the tool library: no ball end of the setup fits into the channel",
+            tool.number,
+            units::display_units(ui).diameter(tool.diameter)
+        );
+        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+    }
 }
 
 /// Draws the fields of the display.

@@ -8,10 +8,11 @@ use crate::job::flank::FlankOutcome;
 use crate::setup::FlankStrategy;
 use crate::verify::Uncovered;
 
-use super::figures::divided_figure;
+use super::figures::{divide, divided_figure};
 use super::flank::strategy_label;
 use crate::app::model::figures::{
-    flank_times_tip, format_duration, format_percent, format_times, skipped_length,
+    ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCUT_SHARE, flank_times_tip, format_duration, format_percent,
+    format_times, skipped_length,
 };
 use crate::app::model::state::AppState;
 use crate::app::model::units::DisplayUnits;
@@ -56,8 +57,13 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         walls,
         "Largest overcut below the blade allowance, and largest undercut above it",
     );
-    for (name, share, tip) in floor_shares(outcome) {
-        divided_figure(ui, name, format_percent(share), tip);
+    for FloorShare { name, share, counted, tip } in floor_shares(outcome) {
+        let share = format_percent(share);
+        divide(ui, &[name, &share]);
+        ui.label(RichText::new(name).weak()).on_hover_text(&tip);
+        let share = RichText::new(share);
+        let share = if counted > MAX_GOOD_UNCUT_SHARE { share.strong().color(amber) } else { share };
+        ui.label(share).on_hover_text(tip);
     }
     divided_figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     let times = match outcome.wheel_time_s {
@@ -67,14 +73,25 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     divided_figure(ui, "Time", times, flank_times_tip(outcome));
 }
 
-/// Shares of the floor that the program leaves, with their names and tips; none where it is not verified.
-fn floor_shares(outcome: &FlankOutcome) -> Vec<(&'static str, f64, &'static str)> {
+/// A share of the floor that the program leaves.
+struct FloorShare {
+    name: &'static str,
+    share: f64,
+    /// How much of it another program with the same cutter would not leave.
+    counted: f64,
+    tip: String,
+}
+
+/// Shares of the floor that the program leaves; none where it is not verified.
+fn floor_shares(outcome: &FlankOutcome) -> Vec<FloorShare> {
     let Some(verdict) = &outcome.verdict else { return Vec::new() };
-    let above = "Share of the floor that keeps more stock than the scallop height";
-    vec![
-        ("Floor above scallop", verdict.uncovered.share(), above),
-        ("Not machined", verdict.layer.uncut_share.into(), "Share of the accessible floor that is not cut"),
-    ]
+    let Uncovered { fillet, no_axis, gap } = verdict.uncovered;
+    let [fillet, no_axis, gaps] = [fillet, no_axis, gap].map(format_percent);
+    let parts = format!("{fillet} fillet beside blades, {no_axis} inaccessible, {gaps} gaps of the program");
+    let uncut = verdict.layer.uncut_share.into();
+    let above = (ABOVE_SCALLOP, verdict.uncovered.share(), gap, format!("{ABOVE_SCALLOP_TIP}:\n{parts}"));
+    let not_cut = ("Not machined", uncut, uncut, "Share of the accessible floor that is not cut".to_owned());
+    [above, not_cut].map(|(name, share, counted, tip)| FloorShare { name, share, counted, tip }).into()
 }
 
 /// Draws the results.

@@ -10,6 +10,7 @@ use crate::app::model::number::Quantity;
 use crate::app::model::problem::without_markdown;
 use crate::app::model::shop_library::{ALL_DIAMETERS, ShopLibrary, ToolForm, describe};
 use crate::app::views::command::Command;
+use crate::app::views::list_keys;
 use crate::app::views::scroll_area;
 use crate::app::views::theme::Condition;
 use crate::app::views::typed::{self, TypedLimits};
@@ -33,8 +34,16 @@ const WIDTH: f32 = 600.0;
 pub enum LibraryAnswer {
     /// A command: open or save.
     Command(Command),
-    /// A tool was taken into the setup under this number.
-    Taken(u32),
+    /// A tool was taken into the setup: what that did.
+    Taken(String),
+}
+
+/// The setup that tools are taken into.
+pub struct TakingSetup<'a> {
+    /// The setup.
+    pub setup: &'a mut Setup,
+    /// The tools that the program chose for it; empty where it chooses none, or has not done so yet.
+    pub chosen: &'a [Tool],
 }
 
 /// The panel, with the library while it was open once.
@@ -112,7 +121,12 @@ impl LibraryPanel {
 
     /// Draws it; returns what was asked for. `setup`: of the open part, if there is one. `is_docked`: it has
     /// the width of its place, in which list and tool may have to stand one below the other.
-    pub fn show(&mut self, ui: &mut Ui, setup: Option<&mut Setup>, is_docked: bool) -> Option<LibraryAnswer> {
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        setup: Option<TakingSetup>,
+        is_docked: bool,
+    ) -> Option<LibraryAnswer> {
         // It begins with the program's own tools.
         let library = self.library.get_or_insert_default();
         let mut answer = None;
@@ -244,19 +258,42 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
     let count = library.shown(units).len();
     ui.label(RichText::new(format!("{count} of {} tools", library.content().tools.len())).weak());
     let row = ui.text_style_height(&egui::TextStyle::Button) + 6.0;
-    let area = scroll_area(height);
-    area.auto_shrink([false, false]).show_rows(ui, row, count, |ui, range| {
+    let mut area = scroll_area(height).auto_shrink([false, false]);
+    // The row that arrow keys have come to, which is scrolled to and gets the focus.
+    let key = ui.scope_id().with("row of the keys");
+    let reached: Option<Option<usize>> = ui.data_mut(|data| data.remove_temp(key));
+    let reached = reached.flatten();
+    if let Some(at) = reached {
+        let top = at as f32 * (row + ui.spacing().item_spacing.y);
+        let offset: f32 = ui.data(|data| data.get_temp(key.with("offset"))).unwrap_or_default();
+        area = area.vertical_scroll_offset(offset.clamp((top + row - height).max(0.0), top));
+    }
+    let mut step = None;
+    let shown = area.show_rows(ui, row, count, |ui, range| {
+        let first = range.start;
         let shown: Vec<usize> = library.shown(units).get(range).unwrap_or_default().to_vec();
-        for index in shown {
+        for (k, index) in shown.into_iter().enumerate() {
+            let at = first + k;
             let entry = &library.content().tools[index];
             let button =
                 egui::Button::selectable(library.selected == Some(index), describe(&entry.tool, units));
-            let button = ui.add(button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0)));
+            let button = button.truncate().min_size(egui::vec2(ui.available_width(), row - 4.0));
+            let button = ui.push_id(at, |ui| ui.add(button)).inner;
             if button.clicked() {
                 library.selected = Some(index);
             }
+            if button.clicked() || reached == Some(at) {
+                button.request_focus();
+            }
+            step = step.or(list_keys::moved(at, list_keys::step(ui, &button), count));
         }
     });
+    ui.data_mut(|data| data.insert_temp(key.with("offset"), shown.state.clamped_offset().y));
+    if let Some(at) = step {
+        library.selected = library.shown(units).get(at).copied();
+        ui.data_mut(|data| data.insert_temp(key, Some(at)));
+        ui.ctx().request_repaint();
+    }
 }
 
 /// The selected tool: remarks of its import, drawing, fields, and what can be done with it. The fields end at
@@ -264,7 +301,7 @@ fn list(ui: &mut Ui, library: &mut ShopLibrary, height: f32) {
 fn selected(
     ui: &mut Ui,
     library: &mut ShopLibrary,
-    setup: Option<&mut Setup>,
+    mut taking: Option<TakingSetup>,
     bottom: Option<f32>,
     answer: &mut Option<LibraryAnswer>,
 ) {
@@ -272,16 +309,9 @@ fn selected(
         ui.label(RichText::new("Select a tool to see its drawing").weak());
         return;
     };
-    let mut known = numbers_in(setup.as_deref(), &library.content().tools[index].tool);
     ui.horizontal(|ui| {
-        let take = ui.add_enabled(setup.is_some(), egui::Button::new("Take into setup"));
-        let take = take.on_hover_text("Copies the tool into the setup of the open part");
-        if take.clicked()
-            && let Some(setup) = setup
-            && let Some(number) = library.take_into(setup)
-        {
-            known.push(number);
-            *answer = Some(LibraryAnswer::Taken(number));
+        if let Some(text) = take(ui, library, taking.as_mut()) {
+            *answer = Some(LibraryAnswer::Taken(text));
         }
         if ui.button("Copy").on_hover_text("Adds a copy to the library, to be edited").clicked() {
             library.copy(index);
@@ -294,11 +324,15 @@ fn selected(
             library.delete(index);
         }
     });
+    let setup = taking.as_ref().map(|taking| &*taking.setup);
+    let known = library.content().tools.get(index).map(|entry| numbers_in(setup, &entry.tool));
+    let known = known.unwrap_or_default();
     // Always a line: one that appeared later would move the fields away from the pointer.
     let numbers: Vec<String> = known.iter().map(|number| format!("T{number}")).collect();
+    let only = if setup.is_some_and(|setup| setup.tools.len() == 1) { ", its only tool" } else { "" };
     let text = match numbers.is_empty() {
         true => "Not in the setup".to_owned(),
-        false => format!("In the setup as {}", numbers.join(", ")),
+        false => format!("In the setup as {}{only}", numbers.join(", ")),
     };
     ui.add(egui::Label::new(RichText::new(text).weak()).truncate());
     let Some(index) = library.selected else { return };
@@ -321,6 +355,52 @@ fn selected(
     if tool != entry.tool {
         library.replace(index, tool);
     }
+}
+
+/// The button that takes the selected tool into the setup; returns what was done. Where the program chooses
+/// the tools it asks first: a setup with a tool of its own has no others.
+fn take(ui: &mut Ui, library: &ShopLibrary, taking: Option<&mut TakingSetup>) -> Option<String> {
+    let name = "Take into setup";
+    let tip = "Copies the tool into the setup of the open part";
+    let Some(TakingSetup { setup, chosen }) = taking else {
+        ui.add_enabled(false, egui::Button::new(name)).on_disabled_hover_text(tip);
+        return None;
+    };
+    if !setup.tools.is_empty() {
+        let number = ui.button(name).on_hover_text(tip).clicked().then(|| library.take_into(setup))??;
+        return Some(format!("T{number} is in the setup"));
+    }
+    let menu = ui.menu_button(name, |ui| {
+        let numbers: Vec<String> = chosen.iter().map(|tool| format!("T{}", tool.number)).collect();
+        let beside = match numbers.len() {
+            1 => "Add to the chosen tool".to_owned(),
+            _ => "Add to the chosen tools".to_owned(),
+        };
+        let add = ui.add_enabled(!numbers.is_empty(), egui::Button::new(beside));
+        let add =
+            add.on_disabled_hover_text("They are not known yet: calculate first").on_hover_text(format!(
+                "The tools of the setup are then {}, and this one; its sections are chosen from them",
+                numbers.join(", ")
+            ));
+        if add.clicked() {
+            setup.tools = chosen.to_vec();
+            let number = library.take_into(setup)?;
+            let with = numbers.join(", ");
+            return Some(format!(
+                "T{number} is in the setup with {with}; undo makes the tools automatic again"
+            ));
+        }
+        let only = ui.button("Use only this tool");
+        if only.on_hover_text("The program chooses no other tools for the setup").clicked() {
+            let number = library.take_into(setup)?;
+            return Some(format!(
+                "T{number} is the only tool of the setup; undo makes the tools automatic again"
+            ));
+        }
+        None
+    });
+    menu.response.on_hover_text("Copies the tool into the setup of the open part, whose tools are automatic");
+    menu.inner.flatten()
 }
 
 /// Numbers under which `tool` is in `setup`: it may have got another one there, and other rates.

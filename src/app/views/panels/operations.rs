@@ -8,6 +8,7 @@ use crate::app::model::planned::Side;
 use crate::app::model::state::AppState;
 use crate::app::model::verdict::{self, count_faults};
 use crate::app::views::command::Command;
+use crate::app::views::list_keys;
 use crate::app::views::theme::Condition;
 
 /// State of an operation, in words and as a condition.
@@ -63,6 +64,7 @@ fn unplanned(running: bool) -> (String, Option<Condition>) {
 /// calculated.
 pub fn show(ui: &mut Ui, state: &AppState, is_running: impl Fn(Operation) -> bool) -> Option<Operation> {
     let mut clicked = None;
+    let mut shown = Vec::new();
     let all = [
         (Operation::Roughing, Command::Plan),
         (Operation::Flank, Command::PlanFlank),
@@ -88,8 +90,16 @@ pub fn show(ui: &mut Ui, state: &AppState, is_running: impl Fn(Operation) -> boo
         let response = ui.add(button);
         let name = format!("{}: {words}", operation.label());
         response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, selected, &name));
-        if response.on_hover_text(command.tip_with_keys(ui.ctx())).clicked() {
+        let response = response.on_hover_text(command.tip_with_keys(ui.ctx()));
+        if response.clicked() {
             clicked = Some(operation);
+        }
+        shown.push((operation, response));
+    }
+    for (at, (_, response)) in shown.iter().enumerate() {
+        if let Some(to) = list_keys::moved(at, list_keys::step(ui, response), shown.len()) {
+            shown[to].1.request_focus();
+            clicked = Some(shown[to].0);
         }
     }
     clicked

@@ -21,18 +21,23 @@ const MIN_WIDTH: f32 = 360.0;
 const MAX_SHARE: f32 = 0.4;
 const MIN_HEIGHT: f32 = 70.0;
 
-/// State by which they are coloured.
+/// State by which they are coloured, notes apart.
 const MARK: Condition = Condition::Interfering;
 
 /// What is wrong, and what to do.
 fn texts(ui: &mut Ui, problem: &Problem) {
-    let text = RichText::new(without_markdown(&problem.message)).color(MARK.text(ui.visuals()));
+    let text = RichText::new(without_markdown(&problem.message));
+    let text = if problem.is_note() { text } else { text.color(MARK.text(ui.visuals())) };
     let shown = ui.add(Label::new(text).wrap());
     if let Some(code) = problem.code {
         shown.on_hover_text(format!("{code}: {}", code.meaning()));
     }
     if !problem.help.is_empty() {
-        let text = RichText::new(format!("Fix: {}", without_markdown(&problem.help))).strong();
+        let help = without_markdown(&problem.help);
+        let text = match problem.is_note() {
+            true => RichText::new(format!("If that is wrong: {help}")).weak(),
+            false => RichText::new(format!("Fix: {help}")).strong(),
+        };
         ui.add(Label::new(text).wrap());
     }
 }
@@ -74,7 +79,9 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
             scroll_area(height).id_salt("problems").show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 3.0;
                 for (k, problem) in state.problems.iter().enumerate().rev() {
-                    let stroke = egui::Stroke::new(1.5, MARK.mark());
+                    let edge = ui.visuals().widgets.noninteractive.fg_stroke.color;
+                    let edge = if problem.is_note() { edge } else { MARK.mark() };
+                    let stroke = egui::Stroke::new(1.5, edge);
                     Frame::new().fill(fill).stroke(stroke).inner_margin(6).corner_radius(3).show(ui, |ui| {
                         ui.set_width(width - 16.0);
                         // Beside the text, not below it: messages then cover less of the view.

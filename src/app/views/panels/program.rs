@@ -39,10 +39,13 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     };
     if state.program_is_stale() {
         let text = RichText::new("Out of date:").color(Condition::Blocked.text(ui.visuals()));
-        ui.label(text).on_hover_text(match state.results.recheck_failed {
-            true => "The program could not be checked again: this is the check before",
-            false => "The setup was edited after this check",
-        });
+        ui.label(text).on_hover_text(
+            match (state.results.recheck_failed, state.results.program_file.words()) {
+                (true, _) => "The program could not be checked again: this is the check before",
+                (false, Some(words)) => words,
+                (false, None) => "The setup was edited after this check",
+            },
+        );
     }
     let colour = condition(checked).text(ui.visuals());
     let text = RichText::new(format!("Faults {}", checked.findings.len())).strong().color(colour);
@@ -76,6 +79,10 @@ pub fn form(ui: &mut Ui, state: &mut AppState) {
         look.check_control = Some(control).filter(|control| control != OF_MACHINE);
     });
     let Some(checked) = &state.results.checked else { return };
+    if let Some(words) = state.results.program_file.words() {
+        let text = RichText::new(words).color(Condition::Blocked.text(ui.visuals()));
+        ui.add(Label::new(text).wrap());
+    }
     let path = checked.request.path.display().to_string();
     ui.add(Label::new(RichText::new(checked.name()).strong()).truncate()).on_hover_text(path);
     ui.label(checked.kind);
