@@ -19,7 +19,7 @@ use crate::mesh::MeshOptions;
 use crate::setup::Setup;
 
 /// Version of the file format; newer files are rejected.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// Extension of project files.
 pub const EXTENSION: &str = "vanecut";
 /// What the current setup is called in messages.
@@ -468,7 +468,7 @@ mod tests {
         for (bytes, word) in [
             (String::new(), "not a project file"),
             ("{\"vanecut_project\": 1}".to_owned(), "not a project file"),
-            (text.replace("\"vanecut_project\": 3", "\"vanecut_project\": 99"), "newer vanecut"),
+            (text.replace("\"vanecut_project\": 4", "\"vanecut_project\": 99"), "newer vanecut"),
             (text.replacen("version = 2", "version = 77", 1), "newer vanecut"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
         ] {

@@ -316,8 +316,8 @@ impl Blank {
             .any(|line| self.highest_inside(&line, direction, low, high, &mut warm).is_some())
     }
 
-    /// A height above `origin` from which on a cylinder of `radius` mm about the line along `direction` (unit)
-    /// is clear of stock, by balls about its axis; `None` where that is so from `low` on.
+    /// A height above `origin` from which on a cylinder of `radius` mm about the line along `direction`
+    /// (unit) is clear of stock, by balls about its axis; `None` where that is so from `low` on.
     fn clear_height(
         &self,
         origin: &Point,

@@ -70,13 +70,15 @@ fn flank_plan_of_version_2() {
 }
 
 #[test]
-fn projects_of_versions_1_and_2() {
-    for name in ["project-1.vanecut", "project-2.vanecut"] {
+fn projects_of_versions_1_to_3() {
+    for (version, channels) in [(1, 1), (2, 1), (3, 3)] {
+        let name = &format!("project-{version}.vanecut");
         let project = read_project_bytes(Path::new(name), &bytes(name)).expect(name);
         check_setup(&project.setup);
         if let Some(set) = project.sets.first() {
             assert_eq!((set.name.as_str(), set.setup.plunge.stepover), ("Wider steps", Some(21.0)));
             assert_eq!((project.chosen.before, project.chosen.position), (true, Some(4)));
         }
+        assert_eq!((project.chosen.channels, project.chosen.flank), (channels, false), "{name}");
     }
 }
