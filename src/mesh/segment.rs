@@ -261,7 +261,8 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     let together: Vec<f64> = carrying
         .iter()
         .map(|&f| {
-            let patches = || carrying.iter().filter(|&&g| g == f || (outward.is_some() && alike(f, g)));
+            let joins = |g: usize| g == f || (outward.is_some_and(|s| s * facing[f] > 0.0) && alike(f, g));
+            let patches = || carrying.iter().filter(|&&g| joins(g));
             patches().map(|&g| areas[g]).sum::<f64>() * patches().map(|&g| borders[g]).sum::<f64>()
         })
         .collect();
