@@ -2,10 +2,11 @@
 
 use super::TriangleMesh;
 use super::axis::{Axis, PartFromFile, find_axis, turned_axis};
-use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies};
+use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies, wheels_in_one};
 use super::holes::fill_holes;
 use super::nodes::width_of_wheel_in;
 use super::normals::ExactNormals;
+use super::nose::{joined_to, outline_ahead};
 use super::options::{LengthUnit, MeshOptions, size_fault};
 use super::part_notes::{ring_note, sense_from_wrap};
 use super::profile::FittedProfile;
@@ -198,8 +199,10 @@ fn describe_roles(
     }
     let radius = |surface: &MeshSurface| radii(surface).1;
     let mut size = radius(&hub);
+    // The body whose flow side the hub is.
+    let mut body_of_hub: Option<MeshSurface> = None;
     if let Some(OneMesh { name, missing }) = one {
-        let bodies =
+        let mut bodies =
             bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
         let whole = |hub: &MeshSurface, name: &str| match &missing {
             Some(missing) => Err(missing.clone()),
@@ -210,7 +213,12 @@ fn describe_roles(
             shroud,
             blades: blades.into_iter().map(|blade| (Role::Blade, blade)).collect(),
         };
-        let found = match sort_bodies(bodies, &mut notes) {
+        let is_wheel = |k: usize| segment_wheel(&bodies[k].surface, &normals, &bodies[k].name).is_ok();
+        let sorted = match wheels_in_one(&bodies).into_iter().find(|(k, _)| is_wheel(*k)) {
+            Some((k, note)) => SortedBodies::InOne(bodies.swap_remove(k), note),
+            None => sort_bodies(bodies, &mut notes),
+        };
+        let found = match sorted {
             SortedBodies::Separate(found) => {
                 let parts = std::iter::once(&found.hub).chain(&found.shroud);
                 size =
@@ -221,11 +229,16 @@ fn describe_roles(
                 Ok(segments) => {
                     size = radius(&body.surface);
                     notes.push(note);
+                    body_of_hub = Some(body.surface);
                     wheel(segments)
                 }
                 Err(alone) => whole(&hub, &name).map(wheel).map_err(|_| alone)?,
             },
-            SortedBodies::Unknown => wheel(whole(&hub, &name)?),
+            SortedBodies::Unknown => {
+                let found = wheel(whole(&hub, &name)?);
+                body_of_hub = Some(std::mem::take(&mut hub));
+                found
+            }
         };
         hub = found.hub;
         shroud = shroud.or(found.shroud);
@@ -301,10 +314,13 @@ fn describe_roles(
     };
     notes.extend(note);
     notes.extend(ring_note(&main, &through(&hub_curve)));
+    let body = body_of_hub.as_ref().unwrap_or(&hub);
+    let ahead = outline_ahead(body, &hub_curve.points, course.inlet_up(), tolerance);
+    let hub_points = if ahead.is_empty() { hub_curve.points } else { joined_to(&ahead, &hub_curve.points) };
     let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
     Ok(PartDescription {
         name: name.to_owned(),
-        hub: CurveDescription::Points(hub_curve.points),
+        hub: CurveDescription::Points(hub_points),
         shroud: CurveDescription::Points(shroud_curve.points),
         blade_count: count,
         main: blade_description(&main, leading_first),

@@ -2,6 +2,7 @@
 
 pub mod axis;
 mod bodies;
+mod boss;
 mod creases;
 pub mod describe;
 pub(crate) mod disjoint_sets;
@@ -16,6 +17,7 @@ mod meridional_points;
 mod nearest;
 pub mod nodes;
 mod normals;
+mod nose;
 pub mod options;
 mod part_notes;
 mod profile;

@@ -1,7 +1,7 @@
 //! Meridional curves of hub and shroud from their meshes: the side that faces the flow, and the curve fitted
 //! through its corners.
 
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
 
 use super::fit::SmoothFunction;
 use super::meridional_points::meridional_points;
@@ -19,6 +19,10 @@ pub const MOSTLY: f64 = 0.5;
 const VOTES: f64 = 0.2;
 /// Smallest area of a piece of the flow side, as a share of that of the largest.
 const PIECE: f64 = 0.005;
+/// Distance of places on long edges of a hub or shroud, as a share of its largest radius, and their largest
+/// number.
+const NEAR_PLACES: f64 = 0.01;
+const MAX_PLACES: usize = 400;
 /// Number of blade corners that vote for the piece nearest to them.
 const VOTERS: usize = 1000;
 /// Largest number of cubic pieces of a curve.
@@ -89,9 +93,9 @@ impl Course {
                 }
             }
             if area > 0.0 {
-                let (low, high) = outer
-                    .iter()
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.z), b.max(p.z)));
+                let beside = by_radius.iter().filter(|p| p.r > OUTER_DISC * disc);
+                let (low, high) =
+                    beside.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.z), b.max(p.z)));
                 rise = sum / area - 0.5 * (low + high);
             }
         }
@@ -308,22 +312,47 @@ pub fn find_flow_side(
     for (t, g) in group.iter().enumerate().filter(|(t, _)| turned[*t]) {
         groups_of.extend(surface.triangles[t].map(|i| (i, *g, t)));
     }
+    // Discs and cones have corners at their ends only: places on their edges tell that they are near.
+    let mut places = corners.clone();
+    let spacing = NEAR_PLACES * corners.iter().map(|p| p.r).fold(0.0, f64::max);
+    let mut seen: HashSet<(u32, i64, i64)> = HashSet::new();
+    for (t, g) in group.iter().enumerate().filter(|(t, _)| turned[*t]) {
+        for k in 0..3 {
+            let [a, b] = [k, (k + 1) % 3].map(|k| corners[surface.triangles[t][k] as usize]);
+            let count = ((a.distance(b) / spacing) as usize).min(MAX_PLACES);
+            for p in (1..count).map(|m| a.lerp(b, m as f64 / count as f64)) {
+                let cell = [p.r, p.z].map(|x| (2.0 * x / spacing).round() as i64);
+                if seen.insert((*g, cell[0], cell[1])) {
+                    groups_of.push((places.len() as u32, *g, t));
+                    places.push(p);
+                }
+            }
+        }
+    }
     groups_of.sort_unstable();
     groups_of.dedup_by_key(|(corner, group, _)| (*corner, *group));
     let (outward, middle) = (surface.outward(), mean_point(blades));
+    let mut areas = vec![0.0; count];
+    for (t, g) in group.iter().enumerate() {
+        areas[*g as usize] += surface.area(t);
+    }
+    // A splinter of a blade's foot may have the only corners near its tip, a wall of a bolt hole those far
+    // and wide.
+    let least = PIECE * areas.iter().copied().fold(0.0, f64::max);
     let mut votes = vec![0_usize; count];
-    let near = MeridionalGrid::from_points(&corners);
+    let near = MeridionalGrid::from_points(&places);
     let stride = blades.len().div_ceil(VOTERS).max(1);
     for p in blades.iter().step_by(stride) {
         let Some(corner) = near.nearest(*p) else { continue };
         let from = groups_of.partition_point(|(c, ..)| *c < corner);
-        let at = corners[corner as usize];
+        let at = places[corner as usize];
         // At an edge the face that the blade stands on, not the rim that it ends at.
         let facing = |t: usize| {
             let (n, _) = meridional_normal(surface, t);
             (n.r * (p.r - at.r) + n.z * (p.z - at.z)).abs()
         };
         let here = groups_of[from..].iter().take_while(|(c, ..)| *c == corner);
+        let here = here.filter(|(_, g, _)| areas[*g as usize] >= least);
         let here =
             here.filter(|(.., t)| outward.is_none_or(|sign| sign * towards(surface, *t, middle) > 0.0));
         if let Some((_, g, _)) = here.max_by(|a, b| facing(a.2).total_cmp(&facing(b.2))) {
@@ -331,12 +360,7 @@ pub fn find_flow_side(
         }
     }
     let most = votes.iter().copied().max().unwrap_or(0);
-    let mut areas = vec![0.0; count];
-    for (t, g) in group.iter().enumerate() {
-        areas[*g as usize] += surface.area(t);
-    }
     let largest = (0..count).filter(|g| votes[*g] > 0).map(|g| areas[g]).fold(0.0, f64::max);
-    // A wall of a bolt hole may have the only corners far and wide.
     let is_chosen = |g: usize| votes[g] as f64 >= VOTES * most.max(1) as f64 && areas[g] >= PIECE * largest;
     let chosen: Vec<bool> = (0..count).map(is_chosen).collect();
     let is_beside = |t: usize| group[t] != NONE && chosen[group[t] as usize] && turned[t];

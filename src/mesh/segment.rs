@@ -1,6 +1,7 @@
 //! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
 //! cover, the rest is blades.
 
+use super::boss::cut_off_boss;
 use super::meridional_points::{meridional_points, straight_points};
 use super::normals::ExactNormals;
 use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal, towards};
@@ -18,6 +19,11 @@ const SMOOTH: f64 = 0.9;
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
 /// Smallest weight (area × border length) of the lighter one of hub and cover, as a share of the heavier one.
 const COVER: f64 = 0.05;
+/// Distance of places beside a face that tell its outer side, as a share of the rim radius: chords of
+/// triangles are nearer to it.
+const ASIDE: f64 = 0.02;
+/// Patches of one face have the same extent in the meridional plane within this many times the tolerance.
+const ALIKE: f64 = 4.0;
 /// How far before and past the ends of the hub's curve a face of a blade may go on below it, as a share of
 /// the length of the curve along the course.
 const END_SLACK: f64 = 0.05;
@@ -129,14 +135,34 @@ fn curve_of(
     best.filter(|(share, _)| *share > MOSTLY).map(|(_, profile)| profile)
 }
 
+/// Which of several pieces are blades: neither fragments, nor bodies of revolution.
+fn blades_among(pieces: &[MeshSurface]) -> Vec<bool> {
+    let area = |piece: &MeshSurface| (0..piece.triangles.len()).map(|t| piece.area(t)).sum::<f64>();
+    let areas: Vec<f64> = pieces.iter().map(area).collect();
+    let largest = areas.iter().copied().fold(0.0, f64::max);
+    pieces.iter().zip(areas).map(|(piece, area)| area > SCRAP * largest && !is_round(piece)).collect()
+}
+
+/// Whether the blades among pieces are apart: a single one may be the only blade of the file, on one pitch of
+/// the hub or on all of it; connected blades go around the axis.
+fn are_apart(pieces: &[MeshSurface]) -> bool {
+    let mut blades = pieces.iter().zip(blades_among(pieces)).filter(|(_, is_blade)| *is_blade);
+    let first = blades.next();
+    blades.next().is_some() || first.is_some_and(|(blade, _)| !goes_around(blade, 0.0))
+}
+
 /// A face of revolution of a wheel: hub or cover.
 struct RevolvedFace {
     /// Number of its group of triangles.
     number: usize,
+    /// Points of its curve, inlet → outlet, mm.
+    points: Vec<Meridional>,
     /// Its curve, with the outer side towards the blades.
     curve: MeridionalCurve,
     /// Extent of its curve along the course, mm.
     extent: (f64, f64),
+    /// Of all corners of the wheel, whether the nearest place of the curve is one of its ends.
+    at_end: Vec<bool>,
     /// Heights of all corners of the wheel over it, positive towards the blades, mm.
     heights: Vec<f64>,
     /// Smallest radius of its corners, mm.
@@ -219,16 +245,33 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         sign * facing[f] > 0.0 || (bends && sign * in_front[f] > 0.0)
     };
     let may_carry = |f: usize| weight(f) > 0.0 && outward.is_none_or(|sign| faces_blades(f, sign));
+    let size = wheel.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
+    let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let mut carrying: Vec<usize> = (0..count).filter(|&f| may_carry(f)).collect();
     carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
-    let heaviest = carrying.first().map_or(0.0, |&f| weight(f));
-    carrying.retain(|&f| weight(f) > COVER * heaviest);
+    // Patches between blades that reach from edge to edge weigh together.
+    let mut box_of = vec![[f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY, f64::NEG_INFINITY]; count];
+    for t in (0..group.len()).filter(|&t| turned[t]) {
+        let of = &mut box_of[group[t] as usize];
+        for p in wheel.triangles[t].map(|i| corners[i as usize]) {
+            *of = [of[0].min(p.r), of[1].max(p.r), of[2].min(p.z), of[3].max(p.z)];
+        }
+    }
+    let alike = |a: usize, b: usize| (0..4).all(|k| (box_of[a][k] - box_of[b][k]).abs() < ALIKE * tolerance);
+    let together: Vec<f64> = carrying
+        .iter()
+        .map(|&f| {
+            let joins = |g: usize| g == f || (outward.is_some_and(|s| s * facing[f] > 0.0) && alike(f, g));
+            let patches = || carrying.iter().filter(|&&g| joins(g));
+            patches().map(|&g| areas[g]).sum::<f64>() * patches().map(|&g| borders[g]).sum::<f64>()
+        })
+        .collect();
+    let heaviest = together.iter().copied().fold(0.0, f64::max);
+    let kept = carrying.iter().zip(&together).filter(|(_, weight)| **weight > COVER * heaviest);
+    let carrying: Vec<usize> = kept.map(|(f, _)| *f).collect();
     if carrying.is_empty() {
         return Err(unclear("no surface of revolution about the axis touches blades"));
     }
-
-    let size = wheel.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
-    let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let face = |number: usize| -> Option<RevolvedFace> {
         let own = |t: usize| turned[t] && group[t] as usize == number;
         let triangles: Vec<usize> = (0..group.len()).filter(|&t| own(t)).collect();
@@ -256,10 +299,24 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
             .or_else(|| if has_more { fitted(&own_corners) } else { None })
             .or_else(|| fitted(&straight_points(wheel, &triangles)))?;
         let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
-        let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&standing);
-        let heights = corners.iter().map(|p| curve.project(*p).1).collect();
+        // The face of a solid tells its outer side; what stands may do so on the back of the hub, too.
+        let outside = |sign: f64| -> Vec<Meridional> {
+            let aside = |&t: &usize| {
+                let (at, (n, _)) = (Meridional::from_point(&wheel.centre(t)), meridional_normal(wheel, t));
+                let way = sign * ASIDE * size;
+                Meridional { r: at.r + way * n.r, z: at.z + way * n.z }
+            };
+            triangles.iter().map(aside).collect()
+        };
+        let beside = outward.map_or_else(|| standing.clone(), outside);
+        let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&beside);
+        let feet_of: Vec<(f64, f64)> = corners.iter().map(|p| curve.project(*p)).collect();
+        let inside = 1e-6 * curve.length()..=(1.0 - 1e-6) * curve.length();
+        let at_end = feet_of.iter().map(|(t, _)| !inside.contains(t)).collect();
+        let heights = feet_of.into_iter().map(|(_, height)| height).collect();
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
-        Some(RevolvedFace { number, curve, extent: (ends[0], ends[1]), heights, inner })
+        let points = profile.points;
+        Some(RevolvedFace { number, points, curve, extent: (ends[0], ends[1]), at_end, heights, inner })
     };
     // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve
     // that was found before belong to it.
@@ -296,12 +353,20 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     let past = |face: &RevolvedFace, t: usize| {
         let outside = |i: &u32| {
             let x = course.coordinates_of(corners[*i as usize]).0;
-            x < face.extent.0 || x > face.extent.1
+            // A leading edge that is turned may lean ahead of the curve, and stand over it.
+            face.at_end[*i as usize] && (x < face.extent.0 || x > face.extent.1)
         };
         turned[t] && group[t] as usize == face.number && wheel.triangles[t].iter().any(outside)
     };
     let over = |face: &RevolvedFace, t: usize| stands(face, t) && !past(face, t);
-    let in_cover = |t: usize| cover.as_ref().is_none_or(|cover| over(cover, t));
+    // Ahead of a cover blades may be higher than it goes on, in its eye.
+    let is_in = |cover: &RevolvedFace, t: usize| {
+        let corner = |i: &u32| cover.heights[*i as usize];
+        let behind = |i: &u32| !cover.at_end[*i as usize] && corner(i) < -tolerance;
+        let of_it = &wheel.triangles[t];
+        !of_it.iter().any(behind) && of_it.iter().any(|i| corner(i) > tolerance) && !past(cover, t)
+    };
+    let in_cover = |t: usize| cover.as_ref().is_none_or(|cover| is_in(cover, t));
     // Of a face of a blade that goes on below the edge of the hub, as a trailing edge does in the rim.
     let goes_below = |t: usize| {
         let reach = END_SLACK * (hub.extent.1 - hub.extent.0);
@@ -313,21 +378,19 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     };
     let crossing: Vec<bool> = (0..wheel.triangles.len()).map(goes_below).collect();
     let over_hub = wheel.subset(|t| (over(&hub, t) || crossing[t]) && in_cover(t));
-    let blades = match crossing.contains(&true) {
+    let over_hub = match crossing.contains(&true) {
         true => trimmed(&over_hub, &hub.curve, tolerance),
         false => over_hub,
+    };
+    let mut pieces = over_hub.clone().into_pieces();
+    if !are_apart(&pieces) {
+        let above = hub.curve.offset_derivative(0.5 * hub.curve.length(), ASIDE * size).0;
+        let boss = (hub.points.as_slice(), above);
+        pieces = cut_off_boss(wheel, &over_hub, boss, course.inlet_up(), (tolerance, are_apart))
+            .ok_or_else(|| unclear("the blades on its hub are connected with each other"))?;
     }
-    .into_pieces();
-    let area = |blade: &MeshSurface| (0..blade.triangles.len()).map(|t| blade.area(t)).sum::<f64>();
-    let measured: Vec<(f64, MeshSurface)> = blades.into_iter().map(|b| (area(&b), b)).collect();
-    let largest = measured.iter().map(|(a, _)| *a).fold(0.0, f64::max);
-    let blades: Vec<MeshSurface> =
-        measured.into_iter().filter(|(a, b)| *a > SCRAP * largest && !is_round(b)).map(|(_, b)| b).collect();
-    // A single piece may be the only blade of the file, on one pitch of the hub or on all of it; connected
-    // blades go around the axis.
-    if blades.len() < 2 && blades.first().is_none_or(|blade| goes_around(blade, 0.0)) {
-        return Err(unclear("the blades on its hub are connected with each other"));
-    }
+    let is_blade = blades_among(&pieces);
+    let blades = pieces.into_iter().zip(is_blade).filter(|(_, is)| *is).map(|(blade, _)| blade).collect();
     let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));
     Ok(Segments { hub: wheel.subset(|t| lies(&hub, t)), shroud, blades })
 }

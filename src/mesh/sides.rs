@@ -24,7 +24,7 @@ const NOSE_SHARE: f64 = 0.35;
 const AT_GAP: f64 = 0.05;
 /// Widest gap that is bridged anywhere else, as a share of the length.
 const BRIDGED: f64 = 0.01;
-/// Fewest points that a side is interpolated through.
+/// Fewest points of a slice, as of a plate, and that a side is interpolated through.
 const FEWEST: usize = 4;
 /// Share of a side's length at which the thickness of the nose is measured.
 const NOSE_END: f64 = 0.04;
@@ -264,7 +264,7 @@ struct SplitSlice {
 fn split(cut: &SlicePiece) -> Option<SplitSlice> {
     let points = &cut.points;
     let n = points.len();
-    if n < 8 {
+    if n < FEWEST {
         return None;
     }
     let (low, high) = extent(points);

@@ -8,6 +8,9 @@ use crate::geometry::{Meridional, Point, Vector};
 /// Two neighbouring triangles meet in an edge of the part, not in a smooth face, where the cosine between
 /// their normals is below this.
 pub const SHARP: f64 = 0.82;
+/// Largest sum of the normals of a surface with cracks, weighted by area, as a share of the area, and largest
+/// number of its border edges, as a share of that of its triangles.
+const CRACKS: (f64, f64) = (1e-3, 0.05);
 /// Largest number of parts of an edge between which it has places.
 const MAX_PARTS: f64 = 100.0;
 
@@ -122,9 +125,24 @@ impl MeshSurface {
     }
 
     /// +1 where the normals of a closed surface point out of what it encloses, −1 where they point into it;
-    /// `None` where it is open.
+    /// `None` where it is open. Cracks, between triangles of faces that do not share their corners, do not
+    /// open it.
     pub fn outward(&self) -> Option<f64> {
-        self.signed_volume().filter(|_| !self.triangles.is_empty()).map(f64::signum)
+        let (mut sum, mut area) = (Vector::zeros(), 0.0);
+        for t in 0..self.triangles.len() {
+            sum += self.normals[t] * self.area(t);
+            area += self.area(t);
+        }
+        let open = self.border_edges().count() as f64;
+        if area <= 0.0 || sum.norm() > CRACKS.0 * area || open > CRACKS.1 * self.triangles.len() as f64 {
+            return None;
+        }
+        let any = self.points[self.triangles[0][0] as usize];
+        let volume = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| self.points[i as usize] - any);
+            a.dot(&b.cross(&c))
+        };
+        Some(self.triangles.iter().map(volume).sum::<f64>().signum())
     }
 
     /// Places of its corners in the meridional plane, and of points along longer edges, `spacing` apart, mm.

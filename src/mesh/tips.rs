@@ -4,11 +4,16 @@
 use super::profile::{Course, FittedProfile};
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
-use crate::geometry::{Meridional, MeridionalCurve};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
 
 /// Distance from the curve through the highest corners within which a corner is on the tip, mm per mm of
 /// blade height.
 const NEAR: f64 = 2e-3;
+
+/// Length of sharp edges that are straight, as a share of the extent of a blade, and number of places on such
+/// a length: the edges of a plate have corners at their ends only.
+const STRAIGHT: f64 = 0.1;
+const PLACES: usize = 5;
 
 /// Largest slope of a tip over the hub, mm per mm.
 const MAX_SLOPE: f64 = 1.0;
@@ -82,18 +87,34 @@ pub fn mean_corner(blades: &[MeshSurface]) -> Meridional {
     Meridional { r: sum.r / f64::max(count, 1.0), z: sum.z / f64::max(count, 1.0) }
 }
 
-/// Corners at sharp edges and borders if `sharp`, else all corners.
+/// Corners at sharp edges and borders, and places along those that are long, if `sharp`, else all corners.
 pub(super) fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> {
     let mut at_edge = vec![!sharp; blade.points.len()];
+    let mut along: Vec<Meridional> = Vec::new();
     if sharp {
+        let long = STRAIGHT * extent(blade);
         for (t, neighbours) in blade.neighbours.iter().enumerate() {
             for (k, n) in neighbours.iter().enumerate() {
-                if *n == NONE || blade.normals[t].dot(&blade.normals[*n as usize]) < SHARP {
-                    at_edge[blade.triangles[t][k] as usize] = true;
-                    at_edge[blade.triangles[t][(k + 1) % 3] as usize] = true;
+                if *n != NONE && blade.normals[t].dot(&blade.normals[*n as usize]) >= SHARP {
+                    continue;
                 }
+                let (i, j) = (blade.triangles[t][k], blade.triangles[t][(k + 1) % 3]);
+                (at_edge[i as usize], at_edge[j as usize]) = (true, true);
+                let (a, b) = (blade.points[i as usize], blade.points[j as usize]);
+                let count = ((b - a).norm() / long) as usize * PLACES;
+                let place = |m: usize| Meridional::from_point(&(a + (b - a) * (m as f64 / count as f64)));
+                along.extend((1..count).map(place));
             }
         }
     }
-    blade.points.iter().zip(&at_edge).filter(|(_, e)| **e).map(|(p, _)| Meridional::from_point(p)).collect()
+    let corners = blade.points.iter().zip(&at_edge).filter(|(_, e)| **e);
+    corners.map(|(p, _)| Meridional::from_point(p)).chain(along).collect()
+}
+
+/// Greatest extent of a surface along an axis, mm.
+fn extent(surface: &MeshSurface) -> f64 {
+    let (low, high) = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
+    let ends = |(low, high): (Vector, Vector), p: &Point| (low.inf(&p.coords), high.sup(&p.coords));
+    let (low, high) = surface.points.iter().fold((low, high), ends);
+    (high - low).max()
 }

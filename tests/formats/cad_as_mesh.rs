@@ -16,7 +16,7 @@ const WHEELS: [(&str, &[u8], f64); 3] = [
     ("filleted", include_bytes!("../data/step/filleted_blades.step"), 0.02),
 ];
 
-fn in_mm() -> MeshOptions {
+pub fn in_mm() -> MeshOptions {
     MeshOptions { unit: "mm".parse().ok(), ..MeshOptions::default() }
 }
 
@@ -45,7 +45,7 @@ fn wheels_of_one_solid_open_as_bare_triangles_where_their_surfaces_are() {
 }
 
 /// A body of revolution: the closed line `outline` (r, z), mm, turned about Z.
-fn turned(outline: &[(f64, f64)]) -> TriangleMesh {
+pub fn turned(outline: &[(f64, f64)]) -> TriangleMesh {
     const SECTORS: u32 = 90;
     let n = outline.len() as u32;
     let angle = |k: u32| f64::from(k) * std::f64::consts::TAU / f64::from(SECTORS);
@@ -61,7 +61,7 @@ fn turned(outline: &[(f64, f64)]) -> TriangleMesh {
 }
 
 /// A plate of twelve triangles, from x = 25 to 58 mm and 3 mm thick, on z = 4 mm, turned about Z.
-fn plate(angle: f64) -> TriangleMesh {
+pub fn plate(angle: f64) -> TriangleMesh {
     let corner = |k: u32| {
         let pick = |bit: u32, a: f64, b: f64| if k >> bit & 1 == 0 { a } else { b };
         let (x, y, z) = (pick(0, 25.0, 58.0), pick(1, -1.5, 1.5), pick(2, 4.0, 16.0));

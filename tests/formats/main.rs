@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, clippy::unwrap_used, reason = "tests make and read their own files")]
 
 mod any_bytes;
+mod bosses;
 mod cad;
 mod cad_as_mesh;
 mod gltf;

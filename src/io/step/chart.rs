@@ -11,6 +11,9 @@ use crate::geometry::Point;
 /// Range of the logarithm of the ratio of the radii of a ring: not so thin that chords of its circles cross,
 /// not so wide that numbers lose their digits.
 const RING: (f64, f64) = (1.5, 12.0);
+/// The same of a surface that is straight along the radius: as with [`FLATTENED`], triangles between notches
+/// of its borders would span far more of the curve than a chord of these in a wider ring.
+const STRAIGHT_RING: f64 = 0.1;
 /// Largest extent along the straight lines of a surface that is curved across them, as a share of that
 /// across. There are no points between the borders: in true lengths the triangles between borders that are
 /// not at right angles to the lines would run askew to them, over the curve.
@@ -225,7 +228,11 @@ impl Chart {
             let radius = length_of(surface, ranges, round) * period / TAU;
             let conformal = length_of(surface, ranges, across) / radius.max(1e-9);
             let extent = (high - low).max(1e-12);
-            let factor = (conformal * extent).clamp(RING.0, RING.1) / extent;
+            let width = match surface.is_straight(across) {
+                true => STRAIGHT_RING,
+                false => (conformal * extent).clamp(RING.0, RING.1),
+            };
+            let factor = width / extent;
             Kind::Ring { round, period, factor, middle: 0.5 * (low + high) }
         };
         let mut ranges = [(low, high); 2];

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Writes paddle_wheel.step and pump_eye.step with Open CASCADE (pip install "cadquery-ocp<7.9").
+
+paddle_wheel.py paddles paddle_wheel.step: three radial paddles of 3 mm on a disc, which begin in its boss of radius 15 mm; the
+boss ends at z = 16 mm, as the paddles do, or, with `tall`, at z = 22 mm.
+
+paddle_wheel.py eye pump_eye.step: a covered wheel whose three blades divide the inside of its cover and cross the wall of
+its eye, with five vanes on the back of its hub, a nut, and four small blocks beside it.
+"""
+import math
+import sys
+
+from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Fuse
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeRevol
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.STEPControl import STEPControl_AsIs, STEPControl_Writer
+from OCP.TopLoc import TopLoc_Location
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
+
+AXIS = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
+
+
+def turned(*outline):
+    wire = BRepBuilderAPI_MakeWire()
+    for (r, z), (s, w) in zip(outline, outline[1:] + outline[:1]):
+        wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(r, 0, z), gp_Pnt(s, 0, w)).Edge())
+    return BRepPrimAPI_MakeRevol(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), AXIS).Shape()
+
+
+def fused(body, blade, envelope, count=3):
+    for k in range(count):
+        turn = gp_Trsf()
+        turn.SetRotation(AXIS, 2 * math.pi * k / count)
+        body = BRepAlgoAPI_Fuse(body, BRepAlgoAPI_Common(blade, envelope).Shape().Moved(TopLoc_Location(turn))).Shape()
+    return body
+
+
+def main(kind, path):
+    if kind == "eye":
+        hub = turned((10, -6), (70, -6), (70, 4), (24, 7), (16, 14), (10, 20))
+        cover = turned((30, 22), (70, 14), (70, 17), (36, 25), (36, 34), (30, 34))
+        envelope = turned((9, -7), (70, -7), (70, 15.5), (33, 23), (33, 23.4), (9, 23.4))
+        body = fused(hub, BRepPrimAPI_MakeBox(gp_Pnt(26, -1.5, 2), gp_Pnt(74, 1.5, 24)).Shape(), envelope)
+        back = turned((20, -10), (70, -10), (70, 0), (20, 0))
+        body = fused(body, BRepPrimAPI_MakeBox(gp_Pnt(18, -1, -10), gp_Pnt(74, 1, -5)).Shape(), back, 5)
+        bodies = [BRepAlgoAPI_Fuse(body, cover).Shape(), turned((10, 20.5), (15, 20.5), (15, 27), (10, 27))]
+        bodies += [BRepPrimAPI_MakeBox(gp_Pnt(80 + 4 * k, 0, 0), gp_Pnt(82 + 4 * k, 6, 1)).Shape() for k in range(4)]
+    else:
+        top = 22 if kind == "tall" else 16
+        disc = turned((5, 0), (60, 0), (60, 4), (15, 4), (15, top), (5, top))
+        envelope = turned((5, -1), (60, -1), (60, 40), (5, 40))
+        bodies = [fused(disc, BRepPrimAPI_MakeBox(gp_Pnt(12, -1.5, 2), gp_Pnt(62, 1.5, 16)).Shape(), envelope)]
+    writer = STEPControl_Writer()
+    for body in bodies:
+        writer.Transfer(body, STEPControl_AsIs)
+    assert writer.Write(path) == IFSelect_RetDone
+
+
+main(*sys.argv[1:])

@@ -1,0 +1,111 @@
+//! Wheels from CAD whose hub is more than the floor of the channels: bosses, eyes, vanes on the back.
+
+use vanecut::geometry::{Meridional, Point};
+use vanecut::io::step::{read_bytes, read_scene_bytes};
+use vanecut::io::stl::{read_part_bytes, write_stl};
+use vanecut::mesh::{MeshOptions, TriangleMesh};
+use vanecut::part::Impeller;
+
+use crate::cad::built;
+use crate::cad_as_mesh::{in_mm, plate, turned};
+
+/// Paddles that begin in the boss of their disc, and a covered wheel with an eye, made by the script beside
+/// them.
+const PADDLE_WHEEL: &[u8] = include_bytes!("../data/step/paddle_wheel.step");
+const PUMP_EYE: &[u8] = include_bytes!("../data/step/pump_eye.step");
+
+/// All bodies of a STEP file as an STL file.
+fn as_stl(file: &[u8]) -> Vec<u8> {
+    let scene = read_scene_bytes("wheel.step", file, None).expect("sound");
+    let mut mesh = TriangleMesh::default();
+    scene.bodies.iter().for_each(|body| mesh.append(&body.mesh));
+    write_stl(&mesh.points, &mesh.triangles, "wheel")
+}
+
+/// Distance of a place from the hub's curve, mm.
+fn off_hub(part: &Impeller, (r, z): (f64, f64)) -> f64 {
+    part.hub.curve().project(Meridional { r, z }).1.abs()
+}
+
+/// Largest distance of both sides of a plane radial blade, `half` mm thick on either side, from their planes.
+fn off_planes(part: &Impeller, half: f64) -> f64 {
+    let across = |p: Point| {
+        let turn = (p.y.atan2(p.x) / part.pitch()).round() * part.pitch();
+        (p.y * turn.cos() - p.x * turn.sin()).abs()
+    };
+    let places = (2..=9).flat_map(|i| (1..=9).map(move |j| (0.1 * f64::from(i), 0.1 * f64::from(j))));
+    let sides = [&part.main.suction, &part.main.pressure];
+    let off = |(u, v): (f64, f64)| sides.map(|s| (across(s.point(u, v)) - half).abs());
+    places.flat_map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn what_rises_ahead_of_the_blades_is_part_of_the_hub() {
+    // A disc with a boss in two steps, behind sharp corners.
+    let steps = [(14.0, 4.0), (14.0, 12.0), (10.0, 12.0), (10.0, 20.0), (8.0, 20.0)];
+    let outline: Vec<(f64, f64)> = [(8.0, 0.0), (60.0, 0.0), (60.0, 4.0)].into_iter().chain(steps).collect();
+    let mut wheel = turned(&outline);
+    (0..6).for_each(|k| wheel.append(&plate(f64::from(k) * std::f64::consts::TAU / 6.0)));
+    let part = built(&read_part_bytes("nut.stl", &write_stl(&wheel.points, &wheel.triangles, "x"), &in_mm()));
+    for place in [(10.0, 19.0), (10.0, 16.0), (12.0, 12.0), (14.0, 8.0), (20.0, 4.0), (57.0, 4.0)] {
+        let off = off_hub(&part, place);
+        assert!(off < 0.01, "the hub is {off} mm off {place:?}");
+    }
+    for corner in [(14.0, 4.0), (14.0, 12.0), (10.0, 12.0), (10.0, 20.0)] {
+        let off = off_hub(&part, corner);
+        assert!(off < 0.1, "the hub rounds its corner at {corner:?} by {off} mm");
+    }
+}
+
+#[test]
+fn paddles_that_begin_in_a_boss_are_blades() {
+    let step = built(&read_bytes("wheel.step", PADDLE_WHEEL, &MeshOptions::default()));
+    let stl = built(&read_part_bytes("wheel.stl", &as_stl(PADDLE_WHEEL), &in_mm()));
+    for (name, part) in [("STEP", step), ("STL", stl)] {
+        assert_eq!((part.blade_count, part.splitters.len()), (3, 0), "{name}");
+        // The channel begins just behind the wall of the boss.
+        let (hub, tip) = (part.hub.point(0.0), part.shroud.point(0.0));
+        assert!((hub.r - 15.2).abs() < 0.2 && (tip.r - 15.2).abs() < 0.2, "{name}: {hub:?} {tip:?}");
+        for place in [(15.0, 15.0), (15.0, 8.0), (20.0, 4.0), (55.0, 4.0)] {
+            assert!(off_hub(&part, place) < 0.01, "{name}: {place:?}");
+        }
+        assert!((part.shroud.point(0.5).z - 16.0).abs() < 0.01, "{name}");
+        let off = off_planes(&part, 1.5);
+        assert!(off < 0.01, "{name}: a side is {off} mm off");
+    }
+}
+
+#[test]
+fn a_wide_wheel_with_low_blades_opens_beside_other_bodies() {
+    let description = read_bytes("wheel.step", PUMP_EYE, &MeshOptions::default());
+    let part = built(&description);
+    assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
+    let notes = description.map(|d| d.notes).unwrap_or_default();
+    assert!(notes.iter().any(|n| n.starts_with("left out beside")), "{notes:?}");
+    // Hub and inside of the cover, which the blades divide.
+    for (r, z, w) in [(35.0, 7.0 - 33.0 / 46.0, 21.0), (60.0, 7.0 - 108.0 / 46.0, 16.0)] {
+        let shroud = part.shroud.curve().project(Meridional { r, z: w }).1.abs();
+        assert!(off_hub(&part, (r, z)) < 0.01 && shroud < 0.01, "{r}");
+    }
+    let off = off_planes(&part, 1.5);
+    assert!(off < 0.01, "a side is {off} mm off");
+}
+
+#[test]
+fn triangles_beside_notches_follow_a_cylinder() {
+    let scene = read_scene_bytes("wheel.step", PUMP_EYE, None).expect("sound");
+    let mesh = &scene.bodies[0].mesh;
+    let radius = |p: &Point| p.x.hypot(p.y);
+    let mut seen = 0;
+    for t in &mesh.triangles {
+        let corners = t.map(|i| mesh.points[i as usize]);
+        if corners.iter().any(|p| (radius(p) - 30.0).abs() > 1e-6 || p.z < 22.0 - 1e-6) {
+            continue;
+        }
+        seen += 1;
+        let middle = |a: usize, b: usize| radius(&nalgebra::center(&corners[a], &corners[b]));
+        let least = middle(0, 1).min(middle(1, 2)).min(middle(2, 0));
+        assert!(least > 29.96, "a chord is {} mm inside", 30.0 - least);
+    }
+    assert!(seen > 50, "{seen} triangles of the eye");
+}
