@@ -1,13 +1,15 @@
 //! Nothing is lost and no bad program leaves the window unasked.
 
+use std::sync::atomic::Ordering;
+
 use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::planned::Side;
 
 use crate::fake;
-use crate::harness::{settle, with_sample};
+use crate::harness::{click_enabled, settle, with_sample};
 
 const ONE_CHANNEL: Purpose = Purpose::ExportCl { channels: 1 };
 
@@ -60,6 +62,48 @@ fn a_plan_that_is_out_of_date_is_exported_only_when_confirmed() {
     window.run_steps(3);
     settle(&mut window);
     assert!(window.state().state().out_of_date() && !path.exists(), "it was for another setup");
+}
+
+/// A calculation that ends while the question is open replaces the plan that it is about: what is written is
+/// what the question names, and no button takes the place of another.
+#[test]
+fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.apt");
+    let (engine, slow) = fake::engine();
+    let engine = fake::with_changed_plans(engine, |outcome| {
+        outcome.after.plan.converged = outcome.setup.plunge.step != Some(3.0);
+    });
+    let mut window = with_sample(engine);
+    slow.store(true, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
+    window.run_steps(2);
+    window.get_by_label_contains("The setup was edited after this calculation");
+    let place = window.get_by_label("Export anyway").rect();
+
+    slow.store(false, Ordering::SeqCst);
+    for _ in 0..1000 {
+        window.step();
+        if window.query_by_label_contains("calculated anew while this was asked").is_some() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    assert!(window.query_by_label_contains("The setup was edited").is_none(), "it is the plan of that setup");
+    window.get_by_label_contains("stopped at its limit of iterations");
+    let export = window.get_by_label("Export anyway");
+    assert!(export.accesskit_node().is_disabled(), "not before the question is read again");
+    assert!((export.rect().left() - place.left()).abs() < 1.0, "it stays where it was");
+    assert!(window.get_by_label("Recalculate").accesskit_node().is_disabled());
+    settle(&mut window);
+    window.run_steps(8);
+    click_enabled(&window, "Export anyway");
+    window.run_steps(2);
+    settle(&mut window);
+    assert!(path.exists());
 }
 
 #[test]

@@ -20,11 +20,12 @@ use crate::app::tasks::programs::{FlankSource, NcTask, OnFaults, PlungeSource, P
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
-use crate::app::views::release::{self, ReleaseAnswer, ReleaseWords};
+use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords};
 use crate::gpu::SceneOptions;
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
 use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
+use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
 use crate::setup::Setup;
 use crate::verify::Fault;
@@ -37,10 +38,15 @@ const MAX_NOTES: usize = 4;
 pub(in crate::app) struct ReleaseQuestion {
     purpose: Purpose,
     path: PathBuf,
+    /// Number of channels of the program.
+    channels: usize,
     concerns: Vec<String>,
     words: &'static ReleaseWords,
-    /// Whether it is about the faults of a flank program of several channels, which was judged.
-    is_judged: bool,
+    /// The flank plan whose program of several channels was judged, if it is about its faults.
+    judged: Option<Arc<FlankOutcome>>,
+    recalculation: Recalculation,
+    /// When its plan was replaced by another one, and what it says with it, s.
+    renewed_at: Option<f64>,
 }
 
 /// An export that goes on once the plan follows the setup.
@@ -70,8 +76,70 @@ impl App {
                 Purpose::ExportStock => &release::STOCK,
                 _ => &release::PROGRAM,
             };
-            self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: false });
+            let channels = self.channels_of(purpose);
+            self.ask_about(purpose, path, channels, concerns, words);
         }
+    }
+
+    fn ask_about(
+        &mut self,
+        purpose: Purpose,
+        path: PathBuf,
+        channels: usize,
+        concerns: Vec<String>,
+        words: &'static ReleaseWords,
+    ) {
+        let recalculation = match self.can_change(purpose) {
+            true => Recalculation::Offered,
+            false => Recalculation::None,
+        };
+        let (judged, renewed_at) = (None, None);
+        self.release = Some(ReleaseQuestion {
+            purpose,
+            path,
+            channels,
+            concerns,
+            words,
+            judged,
+            recalculation,
+            renewed_at,
+        });
+    }
+
+    /// Whether calculating the plan of a file again can change it.
+    fn can_change(&self, purpose: Purpose) -> bool {
+        match purpose.planned_operation() {
+            Some(Operation::Flank) => self.state.flank_is_stale(),
+            Some(Operation::Roughing) => {
+                let planned = self.state.results.planned.as_ref();
+                self.state.out_of_date() || planned.is_some_and(|planned| planned.is_unfinished())
+            }
+            // No plan is in a tool library.
+            Some(Operation::Program) | None => false,
+        }
+    }
+
+    /// Keeps the open question about the plan that is there now: a calculation may end while it is asked.
+    fn renew_question(&mut self, time: f64) {
+        let Some(question) = &self.release else { return };
+        if question.purpose == Purpose::SaveLibrary || question.judged.is_some() {
+            return;
+        }
+        let now = concerns(&self.state, question.purpose, question.channels);
+        let can_change = self.can_change(question.purpose);
+        let Some(question) = &mut self.release else { return };
+        let was_offered = question.recalculation == Recalculation::Offered;
+        if now == question.concerns && can_change == was_offered {
+            return;
+        }
+        question.concerns = now;
+        // The button keeps its place.
+        question.recalculation = match can_change {
+            true => Recalculation::Offered,
+            false if was_offered => Recalculation::Done,
+            false => question.recalculation,
+        };
+        question.renewed_at = Some(time);
     }
 
     /// Number of channels of the program that `purpose` writes.
@@ -85,8 +153,11 @@ impl App {
 
     /// Asks about a flank program of several channels that has faults as it would be written.
     pub(in crate::app) fn ask_about_faults(&mut self, purpose: Purpose, path: PathBuf, faults: &[Fault]) {
-        let (concerns, words) = (fault_lines(faults), &release::PROGRAM);
-        self.release = Some(ReleaseQuestion { purpose, path, concerns, words, is_judged: true });
+        let channels = self.channels_of(purpose);
+        self.ask_about(purpose, path, channels, fault_lines(faults), &release::PROGRAM);
+        if let Some(question) = &mut self.release {
+            question.judged.clone_from(&self.state.results.flank);
+        }
     }
 
     /// Handles the end of a file that was to be written.
@@ -135,20 +206,14 @@ impl App {
 
     /// Asks about a program, while that is due.
     pub(in crate::app) fn ask_release(&mut self, ui: &Ui) {
+        let time = ui.input(|input| input.time);
+        self.renew_question(time);
         let answer = self.release.as_ref().and_then(|question| {
-            let can_change = match question.purpose.planned_operation() {
-                Some(Operation::Flank) => self.state.flank_is_stale(),
-                Some(Operation::Roughing) => {
-                    let planned = self.state.results.planned.as_ref();
-                    self.state.out_of_date() || planned.is_some_and(|planned| planned.is_unfinished())
-                }
-                // No plan is in a tool library.
-                Some(Operation::Program) | None => false,
-            };
-            release::ask(ui, question.words, &question.concerns, can_change)
+            let since_renewal = question.renewed_at.map(|at| time - at);
+            release::ask(ui, question.words, &question.concerns, question.recalculation, since_renewal)
         });
         let Some(answer) = answer else { return };
-        let Some(ReleaseQuestion { purpose, path, is_judged, .. }) = self.release.take() else { return };
+        let Some(ReleaseQuestion { purpose, path, judged, .. }) = self.release.take() else { return };
         match answer {
             ReleaseAnswer::Recalculate => {
                 let is_flank = purpose.planned_operation() == Some(Operation::Flank);
@@ -158,6 +223,9 @@ impl App {
                 self.postponed = Some(PostponedExport { purpose, path, setup });
             }
             ReleaseAnswer::Export => {
+                // Another plan that took its place meanwhile is judged and asked about by itself.
+                let is_same = |(judged, now): (&Arc<FlankOutcome>, _)| Arc::ptr_eq(judged, now);
+                let is_judged = judged.as_ref().zip(self.state.results.flank.as_ref()).is_some_and(is_same);
                 let on_faults = if is_judged { OnFaults::Write } else { OnFaults::Ask };
                 self.use_file(ui.ctx(), purpose, path, on_faults);
             }

@@ -17,6 +17,20 @@ pub enum ReleaseAnswer {
     Cancel,
 }
 
+/// Whether the plan of the file can be calculated anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recalculation {
+    /// It would change nothing.
+    None,
+    /// It may change what speaks against the file.
+    Offered,
+    /// It ended while the question was asked.
+    Done,
+}
+
+/// Time for which nothing is exported after the question has changed, s: who was about to click reads first.
+const READING_TIME_S: f64 = 1.0;
+
 /// What the question says of the kind of file.
 #[derive(Debug)]
 pub struct ReleaseWords {
@@ -53,9 +67,15 @@ pub const EXISTING_LIBRARY: ReleaseWords = ReleaseWords {
     anyway: "Write into it",
 };
 
-/// Draws the question with what speaks against the file; returns the answer once. `can_change`: whether
-/// calculating the plan again can change it.
-pub fn ask(ui: &Ui, words: &ReleaseWords, concerns: &[String], can_change: bool) -> Option<ReleaseAnswer> {
+/// Draws the question with what speaks against the file; returns the answer once. `since_renewal`: how long
+/// ago its plan was replaced by another, s.
+pub fn ask(
+    ui: &Ui,
+    words: &ReleaseWords,
+    concerns: &[String],
+    recalculation: Recalculation,
+    since_renewal: Option<f64>,
+) -> Option<ReleaseAnswer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique("release")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
@@ -63,6 +83,13 @@ pub fn ask(ui: &Ui, words: &ReleaseWords, concerns: &[String], can_change: bool)
         ui.add_space(4.0);
         if !words.above.is_empty() {
             ui.label(words.above);
+        }
+        if since_renewal.is_some() {
+            let said = match concerns.is_empty() {
+                true => "The plan was calculated anew while this was asked. Nothing speaks against it now.",
+                false => "The plan was calculated anew while this was asked. Now:",
+            };
+            ui.label(RichText::new(said).color(Condition::Blocked.text(ui.visuals())));
         }
         let colour = Condition::Interfering.text(ui.visuals());
         for concern in concerns {
@@ -74,11 +101,19 @@ pub fn ask(ui: &Ui, words: &ReleaseWords, concerns: &[String], can_change: bool)
         ui.add_space(8.0);
         ui.horizontal(|ui| {
             let tip = "Calculates the current setup, then goes on with the export";
-            if can_change && ui.button("Recalculate").on_hover_text(tip).clicked() {
-                answer = Some(ReleaseAnswer::Recalculate);
+            if recalculation != Recalculation::None {
+                let button = egui::Button::new("Recalculate");
+                let button = ui.add_enabled(recalculation == Recalculation::Offered, button);
+                if button.on_hover_text(tip).on_disabled_hover_text("It was calculated anew").clicked() {
+                    answer = Some(ReleaseAnswer::Recalculate);
+                }
             }
-            if ui.button(words.anyway).clicked() {
+            let is_read = since_renewal.is_none_or(|time| time >= READING_TIME_S);
+            if ui.add_enabled(is_read, egui::Button::new(words.anyway)).clicked() {
                 answer = Some(ReleaseAnswer::Export);
+            }
+            if !is_read {
+                ui.ctx().request_repaint_after_secs(READING_TIME_S as f32);
             }
             if ui.button("Cancel").clicked() {
                 answer = Some(ReleaseAnswer::Cancel);
