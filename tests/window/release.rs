@@ -82,6 +82,7 @@ fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
     window.state_mut().file_chosen(&ctx, ONE_CHANNEL, path.clone());
     window.run_steps(2);
     window.get_by_label_contains("The setup was edited after this calculation");
+    window.get_by_label("p.apt");
     let place = window.get_by_label("Export anyway").rect();
 
     slow.store(false, Ordering::SeqCst);

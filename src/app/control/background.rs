@@ -471,6 +471,10 @@ impl App {
     }
 
     pub(in crate::app) fn write(&mut self, task: WriteTask) {
+        if self.work.is_writing() {
+            let kind = task.kind();
+            self.state.report_done(format!("The {kind} waits for the file that is being written"));
+        }
         self.work.write(task);
     }
 }

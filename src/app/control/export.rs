@@ -210,7 +210,9 @@ impl App {
         self.renew_question(time);
         let answer = self.release.as_ref().and_then(|question| {
             let since_renewal = question.renewed_at.map(|at| time - at);
-            release::ask(ui, question.words, &question.concerns, question.recalculation, since_renewal)
+            let file = question.path.file_name().unwrap_or_default().to_string_lossy();
+            let words = (question.words, &*file);
+            release::ask(ui, words, &question.concerns, question.recalculation, since_renewal)
         });
         let Some(answer) = answer else { return };
         let Some(ReleaseQuestion { purpose, path, judged, .. }) = self.release.take() else { return };

@@ -166,6 +166,11 @@ impl Work {
         }
     }
 
+    /// Whether a program is judged, or a file is written, that further ones may have to wait for.
+    pub(in crate::app) fn is_writing(&self) -> bool {
+        self.judge.is_busy() || self.writer.is_busy()
+    }
+
     /// What came of files that were to be written.
     pub(in crate::app) fn take_written(&mut self) -> Vec<Outcome<Written, WriteError>> {
         let workers = [(&self.judge, &mut self.to_judge), (&self.writer, &mut self.to_write)];

@@ -67,11 +67,11 @@ pub const EXISTING_LIBRARY: ReleaseWords = ReleaseWords {
     anyway: "Write into it",
 };
 
-/// Draws the question with what speaks against the file; returns the answer once. `since_renewal`: how long
-/// ago its plan was replaced by another, s.
+/// Draws the question with what speaks against `file`, by name; returns the answer once. `since_renewal`: how
+/// long ago its plan was replaced by another, s.
 pub fn ask(
     ui: &Ui,
-    words: &ReleaseWords,
+    (words, file): (&ReleaseWords, &str),
     concerns: &[String],
     recalculation: Recalculation,
     since_renewal: Option<f64>,
@@ -80,6 +80,7 @@ pub fn ask(
     let modal = Modal::new(egui::Id::unique("release")).show(ui.ctx(), |ui| {
         ui.set_width(420.0);
         ui.label(RichText::new(words.title).strong());
+        ui.label(RichText::new(file).weak());
         ui.add_space(4.0);
         if !words.above.is_empty() {
             ui.label(words.above);
