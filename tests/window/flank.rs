@@ -23,6 +23,7 @@ use vanecut::monitor::Monitor;
 use vanecut::plunge::Condition;
 use vanecut::setup::FlankStrategy;
 use vanecut::toolpath::Travel;
+use vanecut::verify::FlankVerdict;
 
 use crate::channels::show_channels;
 use crate::fake;
@@ -66,19 +67,32 @@ fn stretches_that_are_skipped_are_named_in_every_verdict() {
 
 /// As in roughing, where the floor that is not machined is.
 #[test]
-fn a_floor_in_gaps_is_named_in_every_verdict() {
-    let (engine, _) = fake::engine();
-    let flank = move |outcome: &mut FlankOutcome| {
-        outcome.verdict.as_mut().expect("verified").uncovered.gap = 0.25;
-    };
-    let mut window = with_sample(fake::with_changed_flank(engine, flank));
-    plan_flank(&mut window, 10.0);
-    window.get_by_label("Flank: 25.0 % of the floor in gaps");
-    let outcome = window.state().state().results.flank.clone().expect("planned");
-    let (condition, _) = verdict::of_flank(window.state().state(), &outcome);
-    assert_eq!(condition, Condition::Blocked);
-    let concerns = release::concerns(window.state().state(), Purpose::ExportFlank { channels: 1 }, 1);
-    assert!(concerns.iter().any(|text| text.starts_with("25.0 % of the floor keeps more")), "{concerns:?}");
+fn what_is_left_of_floor_and_walls_is_named_in_every_verdict() {
+    type Change = fn(&mut FlankVerdict);
+    let cases: [(Change, &str, &str); 2] = [
+        (
+            |verdict| verdict.uncovered.gap = 0.25,
+            "25.0 % of the floor in gaps",
+            "25.0 % of the floor keeps more",
+        ),
+        (
+            |verdict| verdict.unmilled_wall_share = 0.3,
+            "30.0 % of the walls not milled",
+            "30.0 % of the walls is not milled",
+        ),
+    ];
+    for (change, headline, concern) in cases {
+        let (engine, _) = fake::engine();
+        let flank = move |outcome: &mut FlankOutcome| change(outcome.verdict.as_mut().expect("verified"));
+        let mut window = with_sample(fake::with_changed_flank(engine, flank));
+        plan_flank(&mut window, 10.0);
+        window.get_by_label(&format!("Flank: {headline}"));
+        let outcome = window.state().state().results.flank.clone().expect("planned");
+        let (condition, _) = verdict::of_flank(window.state().state(), &outcome);
+        assert_eq!(condition, Condition::Blocked);
+        let concerns = release::concerns(window.state().state(), Purpose::ExportFlank { channels: 1 }, 1);
+        assert!(concerns.iter().any(|text| text.starts_with(concern)), "{concerns:?}");
+    }
 }
 
 /// A setup whose tools have flat ends takes none of them by itself; its tools are those of the plunges.
@@ -505,6 +519,8 @@ fn f6_while_both_operations_are_calculated_begins_nothing_anew() {
     window.get_by_label("Roughing: calculating…");
     window.get_by_label("Flank: calculating…");
     assert!(!labels(&window, "Calculating flank milling…").is_empty());
+    let running = window.state().running_task().map(|(name, _)| name);
+    assert_eq!(running, Some("Calculating flank"), "of the selected operation");
     slow.store(false, Ordering::SeqCst);
     held.store(false, Ordering::SeqCst);
     settle(&mut window);

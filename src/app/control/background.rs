@@ -159,14 +159,14 @@ impl App {
     /// Name and progress (0…1) of the running task that the user can cancel.
     pub fn running_task(&self) -> Option<(&'static str, f64)> {
         let curve = || self.weighing.progress().map(|fraction| ("Weighing plunges", fraction));
-        self.work.running().or_else(curve)
+        self.work.running(self.state.look.operation).or_else(curve)
     }
 
     /// Stops opening and planning; the planner returns its best plan so far, or nothing at the second call.
     /// What is written in a moment is not cancelled.
     pub(in crate::app) fn cancel(&mut self) {
         // The curve goes on while what the status bar shows is cancelled.
-        if self.work.running().is_none() {
+        if self.work.running(self.state.look.operation).is_none() {
             self.weighing.cancel();
         }
         self.work.opener.cancel();

@@ -132,11 +132,12 @@ pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     lines
 }
 
-/// What a flank program leaves of the floor, if that is more than it may without a warning.
-fn floor_concerns(verdict: &FlankVerdict) -> Vec<String> {
+/// What a flank program leaves of floor and walls, if that is more than it may without a warning.
+fn uncut_concerns(verdict: &FlankVerdict) -> Vec<String> {
     let shares = [
         (verdict.layer.uncut_share.into(), "of the accessible floor is not machined"),
         (verdict.uncovered.gap, "of the floor keeps more than the scallop height, in gaps between passes"),
+        (verdict.unmilled_wall_share, "of the walls is not milled"),
     ];
     let many = shares.into_iter().filter(|(share, _)| *share > MAX_GOOD_UNCUT_SHARE);
     many.map(|(share, what)| format!("{} {what}", format_percent(share))).collect()
@@ -148,7 +149,7 @@ fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
     if outcome.verdict.is_none() {
         found.push("The program could not be verified".to_owned());
     }
-    found.extend(outcome.verdict.iter().flat_map(floor_concerns));
+    found.extend(outcome.verdict.iter().flat_map(uncut_concerns));
     if state.flank_is_stale() {
         found.push(STALE.to_owned());
     }

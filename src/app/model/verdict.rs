@@ -58,19 +58,23 @@ pub fn of_plunges(state: &AppState, result: &PolicyResult) -> (Condition, Option
     (if interfering > 0 { Condition::Interfering } else { Condition::Blocked }, Some(words))
 }
 
-/// What a flank program leaves of the floor, if that is more than it may without a warning.
-fn floor_words(verdict: &FlankVerdict) -> Option<String> {
+/// What a flank program leaves of floor and walls, if that is more than it may without a warning.
+fn uncut_words(verdict: &FlankVerdict) -> Option<String> {
     let uncut = f64::from(verdict.layer.uncut_share);
     if uncut > MAX_GOOD_UNCUT_SHARE {
         return Some(format!("{} not machined", format_percent(uncut)));
     }
     let gap = verdict.uncovered.gap;
-    (gap > MAX_GOOD_UNCUT_SHARE).then(|| format!("{} of the floor in gaps", format_percent(gap)))
+    if gap > MAX_GOOD_UNCUT_SHARE {
+        return Some(format!("{} of the floor in gaps", format_percent(gap)));
+    }
+    let walls = verdict.unmilled_wall_share;
+    (walls > MAX_GOOD_UNCUT_SHARE).then(|| format!("{} of the walls not milled", format_percent(walls)))
 }
 
-/// Whether a flank program leaves no more of the floor than it may without a warning.
-pub fn is_floor_complete(verdict: &FlankVerdict) -> bool {
-    floor_words(verdict).is_none()
+/// Whether a flank program leaves no more of floor and walls than it may without a warning.
+pub fn is_flank_complete(verdict: &FlankVerdict) -> bool {
+    uncut_words(verdict).is_none()
 }
 
 /// The verdict on a flank plan, and what is wrong with it, if anything is.
@@ -84,7 +88,7 @@ pub fn of_flank(state: &AppState, outcome: &FlankOutcome) -> (Condition, Option<
         (Condition::Blocked, Some("not verified".to_owned()))
     } else if skipped > 0 {
         (Condition::Blocked, Some(count_skipped_stretches(skipped)))
-    } else if let Some(words) = outcome.verdict.as_ref().and_then(floor_words) {
+    } else if let Some(words) = outcome.verdict.as_ref().and_then(uncut_words) {
         (Condition::Blocked, Some(words))
     } else {
         (Condition::Sound, None)

@@ -11,7 +11,7 @@ use crate::app::model::checked::{
 use crate::app::model::figures::{ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCUT_SHARE, format_percent};
 use crate::app::model::listing::ProgramListing;
 use crate::app::model::preview::ShownCutters;
-use crate::app::model::verdict::is_floor_complete;
+use crate::app::model::verdict::is_flank_complete;
 use crate::app::tasks::program_watch::stamp_of;
 use crate::drawing::cutters::single_cutter;
 use crate::drawing::flank::RAPID_COLOUR;
@@ -214,7 +214,7 @@ impl Judged {
             kind: "Flank program",
             figures,
             time: verdict.time_estimate,
-            is_complete: is_floor_complete(&verdict),
+            is_complete: is_flank_complete(&verdict),
             notes: verdict.notes,
             faults: verdict.faults,
         }

@@ -141,16 +141,19 @@ impl Work {
             }
     }
 
-    /// Name and progress (0…1) of the running task.
-    pub(in crate::app) fn running(&self) -> Option<(&'static str, f64)> {
+    /// Name and progress (0…1) of the running task; of several, that of the selected operation.
+    pub(in crate::app) fn running(&self, selected: Operation) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
         let what = if self.planner.is_stopping() { "Checking" } else { "Calculating" };
-        let planning = || self.planner.progress().map(|fraction| (what, fraction));
+        let calculating = |operation| match operation {
+            Operation::Roughing => self.planner.progress().map(|fraction| (what, fraction)),
+            Operation::Flank => self.flanker.progress().map(|fraction| ("Calculating flank", fraction)),
+            Operation::Program => self.checker.progress().map(|fraction| ("Checking program", fraction)),
+        };
+        let any = [selected, Operation::Roughing, Operation::Flank, Operation::Program];
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let judging = || self.judge.progress().map(|fraction| ("Checking export", fraction));
-        let curves = || self.flanker.progress().map(|fraction| ("Calculating flank", fraction));
-        let checking = || self.checker.progress().map(|fraction| ("Checking program", fraction));
-        opening.or_else(planning).or_else(curves).or_else(checking).or_else(judging).or_else(writing)
+        opening.or_else(|| any.into_iter().find_map(calculating)).or_else(judging).or_else(writing)
     }
 
     /// Writes a file. It waits for those before it: none is lost, and the end of each is reported.
