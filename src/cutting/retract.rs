@@ -16,8 +16,6 @@ pub struct RetractSurface<'a> {
     top: Option<DepthSurface<'a>>,
 }
 
-/// Height above a found retract height from which on the cutter's way up is looked at for stock, mm.
-const CLEAR: f64 = 1e-3;
 /// Shortest step of the search from above, in radii of the bottom raised by the distance.
 const MIN_STEP_RADII: f64 = 0.01;
 /// Tolerance of the height that the search from above finds, mm.
@@ -38,7 +36,7 @@ impl<'a> RetractSurface<'a> {
         };
         let found = surface.touch(tip, axis, radius).map_or(0.0, |touch| touch.height.max(0.0));
         // The search for the shroud may end where the axis crosses it before, or on the far side.
-        match self.blank.has_stock_above(tip, axis, radius, found + CLEAR) {
+        match self.blank.has_stock_above(tip, axis, radius, found) {
             true => self.height_from_above(tip, axis, radius, found),
             false => found,
         }

@@ -53,18 +53,18 @@ pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Re
         return Ok(ChosenTool { tool: tool.clone(), reason: None });
     }
     let room = Room::from_workpiece(workpiece, setup);
-    let chosen = choose_among(selectable(setup, library), &room);
-    if setup.tools.is_empty() || chosen.as_ref().is_ok_and(|chosen| room.suits(&chosen.tool)) {
+    let chosen = choose_from(selectable(setup, library), &room);
+    if setup.tools.is_empty() || chosen.as_ref().is_ok_and(|chosen| room.fits_ball_end(&chosen.tool)) {
         return chosen;
     }
-    match choose_among(library, &room) {
-        Ok(other) if room.suits(&other.tool) => Ok(of_library(other, setup)),
+    match choose_from(library, &room) {
+        Ok(other) if room.fits_ball_end(&other.tool) => Ok(from_library(other, setup)),
         _ => chosen,
     }
 }
 
-/// A tool of the library for a `setup` none of whose tools suits: under a number that none of them has.
-fn of_library(chosen: ChosenTool, setup: &Setup) -> ChosenTool {
+/// A tool chosen from the library because no tool of the `setup` fits, under a number not yet in use.
+fn from_library(chosen: ChosenTool, setup: &Setup) -> ChosenTool {
     let ChosenTool { mut tool, reason } = chosen;
     if setup.tools.iter().any(|own| own.number == tool.number) {
         tool.number = setup.tools.iter().map(|own| own.number).max().unwrap_or(0) + 1;
@@ -73,7 +73,7 @@ fn of_library(chosen: ChosenTool, setup: &Setup) -> ChosenTool {
     ChosenTool { tool, reason: reason.map(|reason| format!("{reason}; {why}")) }
 }
 
-/// What a tool has to fit into.
+/// The space in the channel that a tool has to fit into.
 struct Room {
     /// Minimum and maximum width of the channel, mm.
     widths: [f64; 2],
@@ -97,9 +97,9 @@ impl Room {
         self.widths[0] - 2.0 * (tool.radius() + self.blade_allowance)
     }
 
-    /// Whether a tool is a ball end that fits: other bottoms leave far more of the floor, and a ball that is
-    /// larger than the channel is deep has no flank in it.
-    fn suits(&self, tool: &Tool) -> bool {
+    /// Whether a tool is a ball-end cutter that fits the channel. Other shapes leave far more of the floor,
+    /// and a ball larger than the channel is deep has no flank in it.
+    fn fits_ball_end(&self, tool: &Tool) -> bool {
         !tool.is_tapered()
             && is_ball(tool)
             && tool.corner_radius <= self.depth
@@ -112,11 +112,11 @@ fn is_ball(tool: &Tool) -> bool {
     tool.corner_radius >= MIN_BALL_SHARE * tool.radius()
 }
 
-/// The tool of some, for a channel.
+/// Chooses one of `tools` for the channel.
 ///
 /// # Errors
 /// When there is none, or none fits between the blades.
-fn choose_among(tools: &[Tool], room: &Room) -> Result<ChosenTool, SetupFault> {
+fn choose_from(tools: &[Tool], room: &Room) -> Result<ChosenTool, SetupFault> {
     let Room { widths: [width, widest], depth, blade_allowance } = *room;
     let tools = suited(tools, depth)?;
     let free_width = |t: &Tool| room.free_width(t);

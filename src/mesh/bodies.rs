@@ -144,18 +144,17 @@ fn listed_names<'a>(names: impl Iterator<Item = &'a MeasuredBody>, measure: bool
 }
 
 /// Bodies that may be whole wheels, although most of their surface is of revolution, as that of a wide wheel
-/// with low blades is: those beside which all rows of other bodies are small. The largest comes first, each
-/// with a line about the others.
-pub fn wheels_in_one(bodies: &[Body]) -> Vec<(usize, String)> {
-    let bodies: Vec<MeasuredBody> = bodies.iter().cloned().map(MeasuredBody::from_body).collect();
-    let row: f64 = largest_row(&bodies).iter().map(|&k| bodies[k].area).sum();
+/// with low blades is: those beside which the largest `row` of other bodies is small. The largest comes
+/// first.
+fn wheels_in_one(bodies: &[MeasuredBody], row: &[usize]) -> Vec<usize> {
+    let row: f64 = row.iter().map(|&k| bodies[k].area).sum();
     let may_be = |k: &usize| {
         let b = &bodies[*k];
         b.turned && b.goes_round && b.body.role.is_none() && row < BESIDE_ROUND * b.area
     };
     let mut wheels: Vec<usize> = (0..bodies.len()).filter(may_be).collect();
     wheels.sort_by(|a, b| bodies[*b].area.total_cmp(&bodies[*a].area));
-    wheels.into_iter().map(|k| (k, line_about_others(&bodies, k))).collect()
+    wheels
 }
 
 /// A line about the bodies that are left out beside a wheel.
@@ -164,17 +163,28 @@ fn line_about_others(bodies: &[MeasuredBody], wheel: usize) -> String {
     format!("left out beside `{}`: {}", bodies[wheel].body.name, listed_names(others, false))
 }
 
-/// Finds the roles of bodies; lines about those left out, and about names that cannot be meant, are added to
-/// `notes`.
-pub fn sort_bodies(bodies: Vec<Body>, notes: &mut Vec<String>) -> SortedBodies {
+/// Finds the roles of bodies; `is_wheel` tries whether one is a whole wheel. Lines about those left out, and
+/// about names that cannot be meant, are added to `notes`.
+pub fn sort_bodies(
+    bodies: Vec<Body>,
+    is_wheel: impl Fn(&Body) -> bool,
+    notes: &mut Vec<String>,
+) -> SortedBodies {
     let bodies: Vec<MeasuredBody> = bodies.into_iter().map(MeasuredBody::from_body).collect();
     let row = largest_row(&bodies);
-    let Some(&first) = row.first() else { return SortedBodies::Unknown };
-    if row.len() == 1 && bodies[first].goes_round && !bodies[first].is_blade_by_name() {
-        let note = line_about_others(&bodies, first);
-        let one = bodies.into_iter().nth(first);
+    let mut wheel = wheels_in_one(&bodies, &row).into_iter().find(|&k| is_wheel(&bodies[k].body));
+    if let [alone] = row[..]
+        && bodies[alone].goes_round
+        && !bodies[alone].is_blade_by_name()
+    {
+        wheel = wheel.or(Some(alone));
+    }
+    if let Some(wheel) = wheel {
+        let note = line_about_others(&bodies, wheel);
+        let one = bodies.into_iter().nth(wheel);
         return one.map_or(SortedBodies::Unknown, |one| SortedBodies::InOne(one.body, note));
     }
+    let Some(&first) = row.first() else { return SortedBodies::Unknown };
     let Some(area) = MeridionalArea::from_blade(&bodies[first].body.surface) else {
         return SortedBodies::Unknown;
     };

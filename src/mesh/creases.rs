@@ -11,7 +11,6 @@ use super::disjoint_sets::DisjointSets;
 use super::normals::ExactNormals;
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
-use crate::geometry::{Point, Vector};
 
 /// Cosine of the angle between triangles from which on they always divide.
 const CREASED: f64 = 0.5;
@@ -40,7 +39,7 @@ struct CreaseEdge {
 /// Of each triangle, which of its edges are creases.
 pub fn find_creases(surface: &MeshSurface, exact: &ExactNormals) -> Vec<[bool; 3]> {
     let mut creases: Vec<[bool; 3]> = Vec::with_capacity(surface.triangles.len());
-    let reach = REACH * extent(surface);
+    let reach = REACH * surface.extent().norm();
     let mut candidates: Vec<CreaseEdge> = Vec::new();
     for (t, neighbours) in surface.neighbours.iter().enumerate() {
         creases.push([false; 3]);
@@ -80,7 +79,7 @@ pub fn find_creases(surface: &MeshSurface, exact: &ExactNormals) -> Vec<[bool; 3
 /// surface bends there and on one side, but not on the other. A smooth function through the corners on both
 /// sides would follow neither.
 pub fn find_curvature_jumps(surface: &MeshSurface) -> Vec<[bool; 3]> {
-    let reach = REACH * extent(surface);
+    let reach = REACH * surface.extent().norm();
     let mut jumps = vec![[false; 3]; surface.triangles.len()];
     for (t, neighbours) in surface.neighbours.iter().enumerate() {
         for (k, &n) in neighbours.iter().enumerate() {
@@ -99,14 +98,6 @@ pub fn find_curvature_jumps(surface: &MeshSurface) -> Vec<[bool; 3]> {
         }
     }
     jumps
-}
-
-/// Diagonal of the box around a surface, mm.
-fn extent(surface: &MeshSurface) -> f64 {
-    let (low, high) = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
-    let ends = |(low, high): (Vector, Vector), p: &Point| (low.inf(&p.coords), high.sup(&p.coords));
-    let (low, high) = surface.points.iter().fold((low, high), ends);
-    (high - low).norm()
 }
 
 /// The edges of the chains of `candidates` that are at least as long, and turn as much in the mean, as
@@ -210,6 +201,7 @@ fn turn_beside(surface: &MeshSurface, (mut t, mut entered): (usize, usize), reac
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
     use crate::mesh::TriangleMesh;
 
     /// A cylinder over a line, 10 mm high and of one facet from point to point.

@@ -2,7 +2,7 @@
 
 use super::TriangleMesh;
 use super::axis::{Axis, PartFromFile, find_axis, turned_axis};
-use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies, wheels_in_one};
+use super::bodies::{Body, SortedBodies, WheelBodies, sort_bodies};
 use super::holes::fill_holes;
 use super::nodes::width_of_wheel_in;
 use super::normals::ExactNormals;
@@ -202,7 +202,7 @@ fn describe_roles(
     // The body whose flow side the hub is.
     let mut body_of_hub: Option<MeshSurface> = None;
     if let Some(OneMesh { name, missing }) = one {
-        let mut bodies =
+        let bodies =
             bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
         let whole = |hub: &MeshSurface, name: &str| match &missing {
             Some(missing) => Err(missing.clone()),
@@ -213,12 +213,8 @@ fn describe_roles(
             shroud,
             blades: blades.into_iter().map(|blade| (Role::Blade, blade)).collect(),
         };
-        let is_wheel = |k: usize| segment_wheel(&bodies[k].surface, &normals, &bodies[k].name).is_ok();
-        let sorted = match wheels_in_one(&bodies).into_iter().find(|(k, _)| is_wheel(*k)) {
-            Some((k, note)) => SortedBodies::InOne(bodies.swap_remove(k), note),
-            None => sort_bodies(bodies, &mut notes),
-        };
-        let found = match sorted {
+        let is_wheel = |body: &Body| segment_wheel(&body.surface, &normals, &body.name).is_ok();
+        let found = match sort_bodies(bodies, is_wheel, &mut notes) {
             SortedBodies::Separate(found) => {
                 let parts = std::iter::once(&found.hub).chain(&found.shroud);
                 size =

@@ -245,7 +245,7 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         sign * facing[f] > 0.0 || (bends && sign * in_front[f] > 0.0)
     };
     let may_carry = |f: usize| weight(f) > 0.0 && outward.is_none_or(|sign| faces_blades(f, sign));
-    let size = wheel.points.iter().map(|p| Meridional::from_point(p).r).fold(0.0, f64::max);
+    let size = radii(wheel).1;
     let tolerance = ON_HUB.0.max(ON_HUB.1 * size);
     let mut carrying: Vec<usize> = (0..count).filter(|&f| may_carry(f)).collect();
     carrying.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));

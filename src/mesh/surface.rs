@@ -117,11 +117,16 @@ impl MeshSurface {
         if self.border_edges().next().is_some() {
             return None;
         }
+        Some(self.volume_about(&Point::origin()))
+    }
+
+    /// Signed volume between the surface and a point, mm³.
+    fn volume_about(&self, point: &Point) -> f64 {
         let volume = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|i| self.points[i as usize].coords);
+            let [a, b, c] = t.map(|i| self.points[i as usize] - point);
             a.dot(&b.cross(&c)) / 6.0
         };
-        Some(self.triangles.iter().map(volume).sum())
+        self.triangles.iter().map(volume).sum()
     }
 
     /// +1 where the normals of a closed surface point out of what it encloses, −1 where they point into it;
@@ -137,12 +142,16 @@ impl MeshSurface {
         if area <= 0.0 || sum.norm() > CRACKS.0 * area || open > CRACKS.1 * self.triangles.len() as f64 {
             return None;
         }
-        let any = self.points[self.triangles[0][0] as usize];
-        let volume = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|i| self.points[i as usize] - any);
-            a.dot(&b.cross(&c))
-        };
-        Some(self.triangles.iter().map(volume).sum::<f64>().signum())
+        // About a point of its own: cracks then leave out little.
+        Some(self.volume_about(&self.points[self.triangles[0][0] as usize]).signum())
+    }
+
+    /// Extent along the axes of its corners, mm.
+    pub fn extent(&self) -> Vector {
+        let (low, high) = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
+        let ends = |(low, high): (Vector, Vector), p: &Point| (low.inf(&p.coords), high.sup(&p.coords));
+        let (low, high) = self.points.iter().fold((low, high), ends);
+        high - low
     }
 
     /// Places of its corners in the meridional plane, and of points along longer edges, `spacing` apart, mm.

@@ -4,7 +4,7 @@
 use super::profile::{Course, FittedProfile};
 use super::surface::{MeshSurface, SHARP};
 use super::weld::NONE;
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector};
+use crate::geometry::{Meridional, MeridionalCurve};
 
 /// Distance from the curve through the highest corners within which a corner is on the tip, mm per mm of
 /// blade height.
@@ -92,7 +92,7 @@ pub(super) fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> 
     let mut at_edge = vec![!sharp; blade.points.len()];
     let mut along: Vec<Meridional> = Vec::new();
     if sharp {
-        let long = STRAIGHT * extent(blade);
+        let long = STRAIGHT * blade.extent().max();
         for (t, neighbours) in blade.neighbours.iter().enumerate() {
             for (k, n) in neighbours.iter().enumerate() {
                 if *n != NONE && blade.normals[t].dot(&blade.normals[*n as usize]) >= SHARP {
@@ -109,12 +109,4 @@ pub(super) fn edge_corners(blade: &MeshSurface, sharp: bool) -> Vec<Meridional> 
     }
     let corners = blade.points.iter().zip(&at_edge).filter(|(_, e)| **e);
     corners.map(|(p, _)| Meridional::from_point(p)).chain(along).collect()
-}
-
-/// Greatest extent of a surface along an axis, mm.
-fn extent(surface: &MeshSurface) -> f64 {
-    let (low, high) = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
-    let ends = |(low, high): (Vector, Vector), p: &Point| (low.inf(&p.coords), high.sup(&p.coords));
-    let (low, high) = surface.points.iter().fold((low, high), ends);
-    (high - low).max()
 }

@@ -20,6 +20,8 @@ const BORDER_TOLERANCE: f64 = 1e-6;
 const MIN_STRIDE: f64 = 0.01;
 const MIN_STRIDE_SHARE: f64 = 1.0 / 2000.0;
 
+/// Height above a given one from which on stock counts as above it, mm.
+const ABOVE: f64 = 1e-3;
 /// Free radius about the axis of a cylinder, in its radii, down to which balls are to show that it is clear.
 const CLEAR_BALL_RADII: f64 = 1.25;
 
@@ -304,10 +306,10 @@ impl Blank {
         Some(h)
     }
 
-    /// Whether stock is more than `low` mm above `origin` on the line along `direction` (unit), or on one of
-    /// eight lines at `radius` mm about it.
+    /// Whether there is stock above the height `low` mm over `origin` on the line along `direction` (unit),
+    /// or on one of eight lines at `radius` mm about it. What is less than 1 µm above it does not count.
     pub fn has_stock_above(&self, origin: &Point, direction: &Vector, radius: f64, low: f64) -> bool {
-        let mut warm = None;
+        let (low, mut warm) = (low + ABOVE, None);
         let Some(high) = self.clear_height(origin, direction, radius, low, &mut warm) else { return false };
         let rim = Circle::new(origin, direction, radius);
         let beside = (0..8).map(|i| rim.point_and_derivative((FRAC_PI_4 * f64::from(i)).sin_cos()).0);

@@ -242,12 +242,7 @@ fn a_tool_joins_the_automatic_ones_or_replaces_them_as_asked() {
     let mut window = with_shop_library();
     let chosen: Vec<u32> = window.state().state().results.chosen_tools().iter().map(|t| t.number).collect();
     assert!(!chosen.is_empty() && numbers(&window).is_empty(), "the tools are automatic");
-    window.get_by_role_and_label(Role::TextInput, "Search").focus();
-    window.run_steps(1);
-    window.event(egui::Event::Text("T64".to_owned()));
-    window.run_steps(3);
-    window.get_by_label_contains("T64 Ø").click();
-    window.run_steps(3);
+    select_tool_64(&mut window);
     let place = window.get_by_label("Copy").rect();
     click(&mut window, "Take into setup");
     assert!(numbers(&window).is_empty(), "it asks first");
@@ -332,14 +327,18 @@ fn key(window: &mut Window, modifiers: egui::Modifiers, key: egui::Key) {
     settle(window);
 }
 
-/// Searches one of the program's own tools, and deletes it.
-fn delete_tool_64(window: &mut Window) {
+/// Searches one of the program's own tools, and selects it.
+fn select_tool_64(window: &mut Window) {
     window.get_by_role_and_label(Role::TextInput, "Search").focus();
     window.run_steps(1);
     window.event(egui::Event::Text("T64".to_owned()));
     window.run_steps(3);
     window.get_by_label_contains("T64 Ø").click();
     window.run_steps(3);
+}
+
+fn delete_tool_64(window: &mut Window) {
+    select_tool_64(window);
     window.get_by_label("Delete").click();
     window.run_steps(3);
 }

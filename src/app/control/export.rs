@@ -303,7 +303,7 @@ impl App {
         }
         let operation = self.state.look.operation;
         if self.state.document.part.is_none() {
-            Some("There is no plan to export: open a part first".to_owned())
+            Some("No plan to export: open a part first".to_owned())
         } else if operation == Operation::Program {
             Some("A checked program is a file already: select the operation whose plan to export".to_owned())
         } else if self.planned_operations().contains(&operation) {

@@ -70,9 +70,7 @@ impl FileChange {
         match self {
             Self::None => None,
             Self::Written => Some("The file was written again after this check: check it again"),
-            Self::Gone => {
-                Some("The file is no longer there: this is the check before it was moved or deleted")
-            }
+            Self::Gone => Some("The file is no longer there: it was moved or deleted after this check"),
         }
     }
 }

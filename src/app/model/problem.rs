@@ -24,7 +24,7 @@ pub enum Topic {
     Opening,
     /// A file of this kind that was not written: solved by the next that is.
     Writing(&'static str),
-    /// What was found about the opened part, and is no fault: stays until it is dismissed.
+    /// A remark on the opened part that is not a fault: stays until it is dismissed.
     PartNote,
     /// Anything else: stays until it is dismissed.
     Other,
@@ -77,12 +77,12 @@ impl Problem {
         Self { topic: Topic::Writing(kind), ..Self::from(error) }
     }
 
-    /// What was found about the opened part, and is no fault.
+    /// A remark on the opened part that is not a fault.
     pub fn note_on_part(what: impl Into<String>, help: impl Into<String>) -> Self {
         Self { topic: Topic::PartNote, ..Self::new(what, help) }
     }
 
-    /// Whether it is no fault, but should be known.
+    /// Whether it is a remark rather than a fault.
     pub fn is_note(&self) -> bool {
         self.topic == Topic::PartNote
     }

@@ -8,7 +8,8 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
 use crate::app::model::setup_tools::too_fast;
 use crate::app::model::state::AppState;
-use crate::verify::{Fault, FlankVerdict};
+use crate::app::model::verdict::uncut_words;
+use crate::verify::Fault;
 
 const STALE: &str = "The setup was edited after this calculation";
 const UNFINISHED: &str = "The calculation was cancelled: this is the best plan so far";
@@ -132,24 +133,13 @@ pub fn fault_lines(faults: &[Fault]) -> Vec<String> {
     lines
 }
 
-/// What a flank program leaves of floor and walls, if that is more than it may without a warning.
-fn uncut_concerns(verdict: &FlankVerdict) -> Vec<String> {
-    let shares = [
-        (verdict.layer.uncut_share.into(), "of the accessible floor is not machined"),
-        (verdict.uncovered.gap, "of the floor keeps more than the scallop height, in gaps between passes"),
-        (verdict.unmilled_wall_share, "of the walls is not milled"),
-    ];
-    let many = shares.into_iter().filter(|(share, _)| *share > MAX_GOOD_UNCUT_SHARE);
-    many.map(|(share, what)| format!("{} {what}", format_percent(share))).collect()
-}
-
 fn flank_concerns(state: &AppState, each: &str) -> Vec<String> {
     let Some(outcome) = &state.results.flank else { return Vec::new() };
     let mut found = fault_lines(&outcome.faults);
     if outcome.verdict.is_none() {
         found.push("The program could not be verified".to_owned());
     }
-    found.extend(outcome.verdict.iter().flat_map(uncut_concerns));
+    found.extend(outcome.verdict.iter().flat_map(uncut_words).map(|[_, full]| full));
     if state.flank_is_stale() {
         found.push(STALE.to_owned());
     }

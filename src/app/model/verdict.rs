@@ -58,23 +58,25 @@ pub fn of_plunges(state: &AppState, result: &PolicyResult) -> (Condition, Option
     (if interfering > 0 { Condition::Interfering } else { Condition::Blocked }, Some(words))
 }
 
-/// What a flank program leaves of floor and walls, if that is more than it may without a warning.
-fn uncut_words(verdict: &FlankVerdict) -> Option<String> {
-    let uncut = f64::from(verdict.layer.uncut_share);
-    if uncut > MAX_GOOD_UNCUT_SHARE {
-        return Some(format!("{} not machined", format_percent(uncut)));
-    }
-    let gap = verdict.uncovered.gap;
-    if gap > MAX_GOOD_UNCUT_SHARE {
-        return Some(format!("{} of the floor in gaps", format_percent(gap)));
-    }
-    let walls = verdict.unmilled_wall_share;
-    (walls > MAX_GOOD_UNCUT_SHARE).then(|| format!("{} of the walls not milled", format_percent(walls)))
+/// What a flank program leaves of floor and walls, where that is more than it may without a warning: in
+/// short, and in full.
+pub fn uncut_words(verdict: &FlankVerdict) -> impl Iterator<Item = [String; 2]> + use<> {
+    let shares = [
+        (verdict.layer.uncut_share.into(), "not machined", "of the accessible floor is not machined"),
+        (
+            verdict.uncovered.gap,
+            "of the floor in gaps",
+            "of the floor keeps more than the scallop height, in gaps between passes",
+        ),
+        (verdict.unmilled_wall_share, "of the walls not milled", "of the walls is not milled"),
+    ];
+    let many = shares.into_iter().filter(|(share, ..)| *share > MAX_GOOD_UNCUT_SHARE);
+    many.map(|(share, short, full)| [short, full].map(|words| format!("{} {words}", format_percent(share))))
 }
 
 /// Whether a flank program leaves no more of floor and walls than it may without a warning.
 pub fn is_flank_complete(verdict: &FlankVerdict) -> bool {
-    uncut_words(verdict).is_none()
+    uncut_words(verdict).next().is_none()
 }
 
 /// The verdict on a flank plan, and what is wrong with it, if anything is.
@@ -88,7 +90,7 @@ pub fn of_flank(state: &AppState, outcome: &FlankOutcome) -> (Condition, Option<
         (Condition::Blocked, Some("not verified".to_owned()))
     } else if skipped > 0 {
         (Condition::Blocked, Some(count_skipped_stretches(skipped)))
-    } else if let Some(words) = outcome.verdict.as_ref().and_then(uncut_words) {
+    } else if let Some([words, _]) = outcome.verdict.iter().flat_map(uncut_words).next() {
         (Condition::Blocked, Some(words))
     } else {
         (Condition::Sound, None)

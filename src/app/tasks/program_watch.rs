@@ -41,11 +41,8 @@ impl ProgramWatch {
         let is_of = |look: &FileLook| {
             checked.is_some_and(|checked| look.path == checked.request.path && look.checked == checked.stamp)
         };
-        if wanted.is_none() || !self.0.is_busy() || !self.0.asked().is_some_and(is_of) {
-            self.0.request(wanted);
-        } else {
-            self.0.request(self.0.asked().cloned());
-        }
+        let pending = self.0.asked().filter(|look| self.0.is_busy() && is_of(look)).cloned();
+        self.0.request(pending.or(wanted));
         self.0.answer().filter(|(look, _)| is_of(look)).map_or(FileChange::None, |(_, change)| *change)
     }
 }

@@ -30,9 +30,6 @@ impl PlungeColumn {
     }
 }
 
-/// Height above the top of a column from which on it is looked at for stock, mm.
-const CLEAR: f64 = 1e-3;
-
 /// Computes up to which height core columns can meet stock.
 #[derive(Debug)]
 pub struct BlankTop<'a> {
@@ -61,7 +58,7 @@ impl<'a> BlankTop<'a> {
         let found = shroud.into_iter().chain(faces).max_by(f64::total_cmp);
         // The search for the shroud may end where the axis crosses it before, or on the far side.
         let is_clear =
-            |&top: &f64| !self.blank.has_stock_above(&cutter.tip, &cutter.axis, radius, top.max(0.0) + CLEAR);
+            |&top: &f64| !self.blank.has_stock_above(&cutter.tip, &cutter.axis, radius, top.max(0.0));
         found.filter(is_clear).unwrap_or_else(|| self.blank.exit_height(&cutter.tip, &cutter.axis, radius))
     }
 }

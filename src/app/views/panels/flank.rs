@@ -90,7 +90,7 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 
 /// The tool: the one that fits best, or one of those there are.
 fn tool_row(ui: &mut Ui, setup: &mut Setup) {
-    let tip = "Cutter used for all passes.\nAutomatic: the largest ball end that still leaves room for several passes between the blades; from the tool library where none of the setup fits";
+    let tip = "Cutter used for all passes.\nAutomatic: the largest ball-end cutter that leaves room for several passes between the blades, taken from the tool library if none in the setup fits";
     let units = units::display_units(ui);
     let entry = |tool: &Tool| ListEntry {
         value: Some(tool.number),

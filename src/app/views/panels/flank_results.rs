@@ -85,13 +85,18 @@ struct FloorShare {
 /// Shares of the floor that the program leaves; none where it is not verified.
 fn floor_shares(outcome: &FlankOutcome) -> Vec<FloorShare> {
     let Some(verdict) = &outcome.verdict else { return Vec::new() };
-    let Uncovered { fillet, no_axis, gap } = verdict.uncovered;
-    let [fillet, no_axis, gaps] = [fillet, no_axis, gap].map(format_percent);
-    let parts = format!("{fillet} fillet beside blades, {no_axis} inaccessible, {gaps} gaps of the program");
+    let (parts, gap) = (parts_words(&verdict.uncovered), verdict.uncovered.gap);
     let uncut = verdict.layer.uncut_share.into();
     let above = (ABOVE_SCALLOP, verdict.uncovered.share(), gap, format!("{ABOVE_SCALLOP_TIP}:\n{parts}"));
     let not_cut = ("Not machined", uncut, uncut, "Share of the accessible floor that is not cut".to_owned());
     [above, not_cut].map(|(name, share, counted, tip)| FloorShare { name, share, counted, tip }).into()
+}
+
+/// What the share of the floor above the scallop height consists of.
+fn parts_words(uncovered: &Uncovered) -> String {
+    let Uncovered { fillet, no_axis, gap } = *uncovered;
+    let [fillet, no_axis, gaps] = [fillet, no_axis, gap].map(format_percent);
+    format!("{fillet} fillet beside blades, {no_axis} inaccessible, {gaps} gaps of the program")
 }
 
 /// Draws the results.
@@ -174,15 +179,11 @@ fn table(ui: &mut Ui, outcome: &FlankOutcome) {
         format_duration(outcome.time_s()).replace(' ', "\u{a0}"),
     ));
     if let Some(verdict) = &outcome.verdict {
-        let Uncovered { fillet, no_axis, gap } = verdict.uncovered;
         ui.label(format!(
-            "{} of the walls is not milled. {} of the floor keeps more stock than the scallop height: {} fillet \
-             beside blades, {} inaccessible, {} gaps of the program",
+            "{} of the walls is not milled. {} of the floor keeps more stock than the scallop height: {}",
             format_percent(verdict.unmilled_wall_share),
             format_percent(verdict.uncovered.share()),
-            format_percent(fillet),
-            format_percent(no_axis),
-            format_percent(gap),
+            parts_words(&verdict.uncovered),
         ));
     }
     if !plan.uncut.is_empty() {
