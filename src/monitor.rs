@@ -1,8 +1,12 @@
-//! Progress reporting, stopping and cancelling of long computations.
+//! Progress reporting, stopping and cancelling of long computations, and precedence among several.
 
 use crate::error::{ErrorCode, UserError};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// Interval at which a computation that waits for others looks whether it goes on.
+const WAIT: Duration = Duration::from_millis(4);
 
 /// The computation was cancelled; the caller keeps its last good result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -49,9 +53,17 @@ struct MonitorState {
     stopped: AtomicBool,
     cancelled: AtomicBool,
     permille: AtomicU32,
+    /// What goes ahead of the computation; `None`: nothing does.
+    precedence: Option<Precedence>,
 }
 
 impl Monitor {
+    /// The token of a computation that waits, at its checks, while others that go ahead of it are busy.
+    pub fn with_precedence(precedence: Precedence) -> Self {
+        let state = MonitorState { precedence: Some(precedence), ..MonitorState::default() };
+        Self { shared: Arc::new(state), ..Self::default() }
+    }
+
     /// Requests an early end with the best result found so far; the search ends within a few milliseconds.
     pub fn stop(&self) {
         self.shared.stopped.store(true, Ordering::Relaxed);
@@ -100,11 +112,17 @@ impl Monitor {
         StepCount { monitor: self, total, done: AtomicUsize::new(0) }
     }
 
-    /// Returns an error once the computation must end; to be called every few milliseconds.
+    /// Returns an error once the computation must end; to be called every few milliseconds, and not while a
+    /// lock is held that others need: it waits for those that go ahead.
     ///
     /// # Errors
     /// [`Cancelled`] after a cancel, or after a stop unless stops are ignored.
     pub fn check(&self) -> Result<(), Cancelled> {
+        if let Some(precedence) = &self.shared.precedence {
+            while precedence.must_wait() && !self.is_cancelled() {
+                std::thread::sleep(WAIT);
+            }
+        }
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
     }
 
@@ -126,6 +144,47 @@ impl Monitor {
     /// Progress, 0…1.
     pub fn progress(&self) -> f64 {
         f64::from(self.shared.permille.load(Ordering::Relaxed)) / 1000.0
+    }
+}
+
+/// Precedence of a computation among others that may be busy at the same time: while one of lower rank is, it
+/// waits at its checks, and goes on where it was.
+#[derive(Clone, Debug)]
+pub struct Precedence {
+    all: Arc<[RankedWork]>,
+    own: usize,
+}
+
+#[derive(Debug, Default)]
+struct RankedWork {
+    rank: AtomicU8,
+    is_busy: AtomicBool,
+}
+
+impl Precedence {
+    /// That of `N` computations among each other, idle and of the same rank.
+    pub fn of_each<const N: usize>() -> [Self; N] {
+        let all: Arc<[RankedWork]> = (0..N).map(|_| RankedWork::default()).collect();
+        std::array::from_fn(|own| Self { all: Arc::clone(&all), own })
+    }
+
+    /// Sets the rank; the lowest goes ahead, equal ones share the cores.
+    pub fn set_rank(&self, rank: u8) {
+        self.all[self.own].rank.store(rank, Ordering::Relaxed);
+    }
+
+    /// Sets whether there is anything to compute.
+    pub fn set_busy(&self, is_busy: bool) {
+        self.all[self.own].is_busy.store(is_busy, Ordering::Relaxed);
+    }
+
+    /// Whether others go ahead now.
+    pub fn must_wait(&self) -> bool {
+        let rank = self.all[self.own].rank.load(Ordering::Relaxed);
+        let is_ahead = |work: &RankedWork| {
+            work.is_busy.load(Ordering::Relaxed) && work.rank.load(Ordering::Relaxed) < rank
+        };
+        self.all.iter().any(is_ahead)
     }
 }
 
@@ -173,5 +232,29 @@ mod tests {
         assert_eq!(monitor.progress(), 0.75, "two of four are done");
         monitor.cancel();
         assert!(steps.begin().is_err(), "parts end with the whole");
+    }
+
+    #[test]
+    fn a_computation_waits_for_those_ahead_until_they_end_or_it_is_cancelled() {
+        let [first, second, equal] = Precedence::of_each();
+        second.set_rank(1);
+        equal.set_rank(1);
+        equal.set_busy(true);
+        let monitor = Monitor::with_precedence(second);
+        assert!(monitor.check().is_ok(), "equal ones go on together");
+        first.set_busy(true);
+        let is_done = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                monitor.silent().check().expect("goes on");
+                assert!(is_done.load(Ordering::SeqCst), "not before");
+            });
+            std::thread::sleep(5 * WAIT);
+            is_done.store(true, Ordering::SeqCst);
+            first.set_busy(false);
+        });
+        first.set_busy(true);
+        monitor.cancel();
+        assert!(monitor.check().is_err(), "a cancel does not wait");
     }
 }

@@ -143,9 +143,11 @@ impl App {
         cc.egui_ctx.add_plugin(KeyOrder::default());
         let pictures = cc.wgpu_render_state.as_ref().map(Pictures::new);
         let device = pictures.as_ref().map_or_else(|| "no 3D view".to_owned(), Pictures::device_name);
+        let work = Work::new(&engine, &repaint(&cc.egui_ctx));
+        let weighing = TradeoffWork::new(&repaint(&cc.egui_ctx), work.ranks.curve.clone());
         Self {
             state: AppState::default(),
-            work: Work::new(&engine, &repaint(&cc.egui_ctx)),
+            work,
             engine,
             dialogs: Dialogs::new(&cc.egui_ctx),
             view: View3d::default(),
@@ -158,7 +160,7 @@ impl App {
             flank_runs: FlankRunWork::new(&repaint(&cc.egui_ctx)),
             judged_flank: Arc::default(),
             assessing: AssessWork::new(&repaint(&cc.egui_ctx)),
-            weighing: TradeoffWork::new(&repaint(&cc.egui_ctx)),
+            weighing,
             timeline_tool: TimelineTool::default(),
             solids: PerSide::new(|_| SolidWork::new(&repaint(&cc.egui_ctx))),
             hover: None,
@@ -370,6 +372,7 @@ impl eframe::App for App {
             }
             self.palette.begin_with(words);
         }
+        self.rank_work();
         self.plan_edits(ctx.input(|input| input.pointer.any_down()));
         self.claim_project(ctx);
         self.look_for_copies(ctx);

@@ -4,13 +4,18 @@
 //! outcome that was not fetched is overwritten by the next. [`Worker::cancel`] takes effect for the caller at
 //! once; the thread itself stops as soon as the job checks its [`Monitor`], and any result it still returns
 //! is dropped.
+//!
+//! A [`Worker::ranked`] has threads and a [`Precedence`] of its own: it waits where it is while others go
+//! ahead.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use crate::monitor::Monitor;
+use rayon::ThreadPoolBuilder;
+
+use crate::monitor::{Monitor, Precedence};
 
 /// Status of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,8 +62,9 @@ pub struct Ticket {
 }
 
 impl Ticket {
-    fn new(number: u64) -> Self {
-        Self { number, status: Arc::new(AtomicU8::new(Status::Waiting as u8)), monitor: Arc::default() }
+    fn new(number: u64, monitor: Monitor) -> Self {
+        let status = Arc::new(AtomicU8::new(Status::Waiting as u8));
+        Self { number, status, monitor: Arc::new(monitor) }
     }
 
     /// Number of the request, counted from 1 within a worker.
@@ -115,12 +121,20 @@ struct RequestQueue<R, T, E> {
 struct WorkerShared<R, T, E> {
     queue: Mutex<RequestQueue<R, T, E>>,
     wake: Condvar,
+    /// `None`: it goes on whatever else is busy.
+    precedence: Option<Precedence>,
 }
 
 impl<R, T, E> WorkerShared<R, T, E> {
     /// Locks the queue. No code under the lock can panic, so a poisoned lock is still consistent.
     fn lock_queue(&self) -> MutexGuard<'_, RequestQueue<R, T, E>> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set_busy(&self, is_busy: bool) {
+        if let Some(precedence) = &self.precedence {
+            precedence.set_busy(is_busy);
+        }
     }
 }
 
@@ -147,9 +161,32 @@ where
         job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
         notify: impl Fn() + Send + Sync + 'static,
     ) -> Self {
+        Self::start(name, None, job, notify)
+    }
+
+    /// The same for work that takes long: it waits while work is busy that goes ahead of it. It has threads
+    /// of its own for the cores, as those that wait are of no use to others.
+    ///
+    /// # Panics
+    /// If the system cannot start a thread.
+    pub fn ranked(
+        name: &str,
+        precedence: Precedence,
+        job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
+        notify: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        Self::start(name, Some(precedence), job, notify)
+    }
+
+    fn start(
+        name: &str,
+        precedence: Option<Precedence>,
+        job: impl Fn(&R, &Monitor) -> Result<T, E> + Send + Sync + 'static,
+        notify: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
         let queue =
             RequestQueue { waiting: None, running: None, outcome: None, requests: 0, shutting_down: false };
-        let shared = Arc::new(WorkerShared { queue: Mutex::new(queue), wake: Condvar::new() });
+        let shared = Arc::new(WorkerShared { queue: Mutex::new(queue), wake: Condvar::new(), precedence });
         let notify: Arc<dyn Fn() + Send + Sync> = Arc::new(notify);
         let thread = {
             let (shared, notify) = (Arc::clone(&shared), Arc::clone(&notify));
@@ -165,7 +202,9 @@ where
     pub fn submit(&self, request: R) -> Ticket {
         let mut queue = self.shared.lock_queue();
         queue.requests += 1;
-        let ticket = Ticket::new(queue.requests);
+        let monitor = self.shared.precedence.clone().map_or_else(Monitor::default, Monitor::with_precedence);
+        let ticket = Ticket::new(queue.requests, monitor);
+        self.shared.set_busy(true);
         if let Some(running) = queue.running.take() {
             running.stop(Status::Superseded);
         }
@@ -186,6 +225,7 @@ where
         let Some(ticket) = waiting.or(running) else { return };
         ticket.stop(Status::Cancelled);
         queue.outcome = Some((ticket, Outcome::Cancelled));
+        self.shared.set_busy(false);
         drop(queue);
         (self.notify)();
     }
@@ -226,6 +266,11 @@ where
         self.progress().is_some()
     }
 
+    /// Whether a request waits for work that goes ahead of it.
+    pub fn is_held(&self) -> bool {
+        self.is_busy() && self.shared.precedence.as_ref().is_some_and(Precedence::must_wait)
+    }
+
     /// Whether an outcome waits to be taken.
     pub fn has_outcome(&self) -> bool {
         self.shared.lock_queue().outcome.is_some()
@@ -246,6 +291,7 @@ impl<R, T, E> Drop for Worker<R, T, E> {
             if let Some(running) = queue.running.take() {
                 running.stop(Status::Cancelled);
             }
+            self.shared.set_busy(false);
         }
         self.shared.wake.notify_all();
         if let Some(thread) = self.thread.take() {
@@ -257,9 +303,15 @@ impl<R, T, E> Drop for Worker<R, T, E> {
 
 fn run_requests<R, T, E>(
     shared: &WorkerShared<R, T, E>,
-    job: &impl Fn(&R, &Monitor) -> Result<T, E>,
+    job: &(impl Fn(&R, &Monitor) -> Result<T, E> + Sync),
     notify: &(dyn Fn() + Send + Sync),
-) {
+) where
+    R: Send,
+    T: Send,
+    E: Send,
+{
+    // Made for the first request: most windows need few.
+    let mut pool = None;
     loop {
         let (request, ticket) = {
             let mut queue = shared.lock_queue();
@@ -275,13 +327,21 @@ fn run_requests<R, T, E>(
                 queue = shared.wake.wait(queue).unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let answer = catch_unwind(AssertUnwindSafe(|| job(&request, &ticket.monitor)));
+        if shared.precedence.is_some() && pool.is_none() {
+            pool = ThreadPoolBuilder::new().build().ok();
+        }
+        let monitor = &*ticket.monitor;
+        let answer = catch_unwind(AssertUnwindSafe(|| match &pool {
+            Some(pool) => pool.install(move || job(&request, monitor)),
+            None => job(&request, monitor),
+        }));
         let mut queue = shared.lock_queue();
         // Cancelled or superseded meanwhile: the outcome or a newer request is already set.
         if queue.running.as_ref().is_none_or(|running| running.number != ticket.number) {
             continue;
         }
         queue.running = None;
+        shared.set_busy(false);
         let end = match answer {
             Ok(Ok(result)) => Outcome::Done(result),
             Ok(Err(error)) => Outcome::Failed(error),
@@ -463,6 +523,44 @@ mod tests {
         // The job runs until it is stopped: without a stop this would not end.
         drop(worker);
         assert_eq!(Arc::strong_count(&alive), 1, "the thread is gone");
+    }
+
+    #[test]
+    fn ranked_work_waits_where_it_is_and_goes_on() {
+        let [first, second] = Precedence::of_each();
+        second.set_rank(1);
+        let steps = Arc::new(AtomicUsize::new(0));
+        let counter = Arc::clone(&steps);
+        let count = move |wanted: &usize, monitor: &Monitor| -> Result<usize, &'static str> {
+            while counter.load(Ordering::SeqCst) < *wanted {
+                monitor.check().map_err(|_| "stopped")?;
+                counter.fetch_add(1, Ordering::SeqCst);
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Ok(*wanted)
+        };
+        let ahead = Worker::ranked("ahead", first, fake, || ());
+        let behind = Worker::ranked("behind", second, count, || ());
+        behind.submit(1000);
+        until(|| (steps.load(Ordering::SeqCst) > 5).then_some(()));
+        assert!(!behind.is_held());
+        ahead.submit(1);
+        std::thread::sleep(Duration::from_millis(20));
+        let then = steps.load(Ordering::SeqCst);
+        std::thread::sleep(Duration::from_millis(40));
+        assert!(steps.load(Ordering::SeqCst) <= then + 1 && behind.is_held(), "it waits");
+        ahead.cancel();
+        assert!(matches!(ahead.take_outcome(), Some((_, Outcome::Cancelled))));
+        assert!(matches!(until(|| behind.take_outcome()).1, Outcome::Done(1000)), "it goes on");
+        // One that waits can be cancelled, and dropped.
+        ahead.submit(1);
+        behind.submit(2000);
+        behind.cancel();
+        assert!(matches!(behind.take_outcome(), Some((_, Outcome::Cancelled))));
+        behind.submit(2000);
+        drop(behind);
+        ahead.submit(3);
+        assert!(matches!(until(|| ahead.take_outcome()).1, Outcome::Panicked(_)), "from its own threads");
     }
 
     #[test]

@@ -28,8 +28,8 @@ use vanecut::verify::FlankVerdict;
 use crate::channels::show_channels;
 use crate::fake;
 use crate::harness::{
-    Window, choose_in_file_menu, choose_in_list, click_enabled, labels, settle, snapshot_view, with_sample,
-    words,
+    HANG, Window, choose_in_file_menu, choose_in_list, click_enabled, labels, settle, snapshot_view,
+    with_sample, words,
 };
 
 /// Sets the depth of the layers in the panel of flank milling, mm.
@@ -491,7 +491,7 @@ fn the_program_of_the_selected_operation_is_exported() {
 }
 
 #[test]
-fn f6_while_both_operations_are_calculated_begins_nothing_anew() {
+fn f6_while_both_operations_are_calculated_begins_nothing_anew_and_the_selected_one_goes_ahead() {
     let (engine, slow) = fake::engine();
     let (calls, held) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(true)));
     let (counted, waits) = (Arc::clone(&calls), Arc::clone(&held));
@@ -516,13 +516,28 @@ fn f6_while_both_operations_are_calculated_begins_nothing_anew() {
         window.key_press(egui::Key::F6);
         window.run_steps(3);
     }
-    window.get_by_label("Roughing: calculating…");
+    window.get_by_label("Roughing: waiting…");
     window.get_by_label("Flank: calculating…");
     assert!(!labels(&window, "Calculating flank milling…").is_empty());
     let running = window.state().running_task().map(|(name, _)| name);
     assert_eq!(running, Some("Calculating flank"), "of the selected operation");
-    slow.store(false, Ordering::SeqCst);
+    // The one that is selected goes ahead.
+    window.get_by_label("Roughing: waiting…").click();
+    window.run_steps(4);
+    window.get_by_label("Roughing: calculating…");
+    window.get_by_label("Flank: waiting…").click();
+    window.run_steps(4);
+    window.get_by_label("Roughing: waiting…");
     held.store(false, Ordering::SeqCst);
+    let start = std::time::Instant::now();
+    while window.state().state().results.flank.is_none() {
+        assert!(start.elapsed() < HANG, "it does not wait for roughing");
+        window.step();
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    window.run_steps(2);
+    window.get_by_label("Roughing: calculating…");
+    slow.store(false, Ordering::SeqCst);
     settle(&mut window);
     assert_eq!(calls.load(Ordering::SeqCst), 1, "the same is not begun again");
     assert!(window.state().state().results.flank.is_some());

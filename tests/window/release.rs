@@ -1,15 +1,22 @@
 //! Nothing is lost and no bad program leaves the window unasked.
 
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::checked::CheckRequest;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::planned::Side;
+use vanecut::app::tasks::check::CheckError;
+use vanecut::app::tasks::engine::Engine;
+use vanecut::monitor::Monitor;
 
 use crate::fake;
-use crate::harness::{click_enabled, settle, with_sample};
+use crate::flank::plan_flank;
+use crate::harness::{HANG, Window, click_enabled, settle, with_sample};
 
 const ONE_CHANNEL: Purpose = Purpose::ExportCl { channels: 1 };
 
@@ -91,7 +98,7 @@ fn a_question_follows_the_plan_that_is_calculated_meanwhile() {
         if window.query_by_label_contains("calculated anew while this was asked").is_some() {
             break;
         }
-        std::thread::sleep(std::time::Duration::from_millis(5));
+        std::thread::sleep(Duration::from_millis(5));
     }
     assert!(window.query_by_label_contains("The setup was edited").is_none(), "it is the plan of that setup");
     window.get_by_label_contains("stopped at its limit of iterations");
@@ -159,6 +166,85 @@ fn what_is_counted_in_one_channel_is_said_to_be_in_each() {
         window.key_press(egui::Key::Escape);
         window.run_steps(2);
     }
+}
+
+/// Draws frames until it is so.
+fn wait_until(window: &mut Window, is_so: impl Fn(&Window) -> bool) {
+    let start = Instant::now();
+    while !is_so(window) {
+        assert!(start.elapsed() < HANG, "it does not come to it");
+        window.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Only an export that has to be checked first waits for another such one, which is said; both go ahead of
+/// the check of a program, which goes on afterwards.
+#[test]
+fn exports_go_ahead_of_checks_and_short_ones_of_those_that_are_checked_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let (steps, held) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(true)));
+    let (counter, holds, inner) = (Arc::clone(&steps), Arc::clone(&held), Arc::clone(&engine.check));
+    let check = move |request: &CheckRequest, monitor: &Monitor| {
+        while holds.load(Ordering::SeqCst) {
+            monitor.check().map_err(|_| CheckError::Cancelled)?;
+            counter.fetch_add(1, Ordering::SeqCst);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        inner(request, monitor)
+    };
+    let steps = || steps.load(Ordering::SeqCst);
+    let mut window = with_sample(Engine { check: Arc::new(check), ..engine });
+    plan_flank(&mut window, 10.0);
+    let ctx = window.ctx.clone();
+    let export = |window: &mut Window, purpose: Purpose, name: &str| {
+        let path = folder.path().join(name);
+        window.state_mut().file_chosen(&ctx, purpose, path.clone());
+        window.run_steps(2);
+        if window.query_by_label("Export anyway").is_some() {
+            click_enabled(window, "Export anyway");
+            window.run_steps(2);
+        }
+        path
+    };
+    let checked = export(&mut window, ONE_CHANNEL, "checked.apt");
+    settle(&mut window);
+    window.state_mut().open_path(checked);
+    wait_until(&mut window, |_| steps() > 5);
+    assert_eq!(window.state().running_task().map(|(name, _)| name), Some("Checking program"));
+
+    let flank = |channels| Purpose::ExportFlank { channels };
+    let whole = export(&mut window, flank(4), "whole.apt");
+    let waiting = "The flank program waits for the export that is being checked";
+    assert!(window.query_by_label(waiting).is_none(), "it is the first");
+    let two = export(&mut window, flank(2), "two.apt");
+    window.get_by_label(waiting);
+    let begun = steps();
+    for (purpose, name) in [(flank(1), "one.apt"), (ONE_CHANNEL, "rough.apt")] {
+        let path = export(&mut window, purpose, name);
+        wait_until(&mut window, |_| path.exists());
+        settle_message(&mut window, name);
+        assert!(!whole.exists(), "it is written first");
+    }
+    assert_eq!(window.state().running_task().map(|(name, _)| name), Some("Checking export"));
+    wait_until(&mut window, |_| whole.exists());
+    let done = steps() - begun;
+    assert!(done < 100, "{done} steps of the check meanwhile");
+    wait_until(&mut window, |_| two.exists());
+    let then = steps();
+    wait_until(&mut window, |_| steps() > then + 50);
+    held.store(false, Ordering::SeqCst);
+    settle(&mut window);
+    assert!(window.state().state().results.checked.is_some(), "the check went on where it was");
+}
+
+/// Waits for the message about a file that was written.
+fn settle_message(window: &mut Window, name: &str) {
+    wait_until(window, |window| {
+        let wrote = window.query_all_by_label_contains("Wrote ");
+        wrote.into_iter().any(|node| node.value().is_some_and(|text| text.contains(name)))
+    });
 }
 
 /// A message about a file that could not be written ends when one of the same kind is.

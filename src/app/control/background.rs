@@ -471,11 +471,16 @@ impl App {
     }
 
     pub(in crate::app) fn write(&mut self, task: WriteTask) {
-        if self.work.is_writing() {
-            let kind = task.kind();
-            self.state.report_done(format!("The {kind} waits for the file that is being written"));
+        let kind = task.kind();
+        if self.work.write(task) {
+            self.state.report_done(format!("The {kind} waits for the export that is being checked"));
         }
-        self.work.write(task);
+    }
+
+    /// Lets work go ahead that the user waits for.
+    pub(in crate::app) fn rank_work(&self) {
+        let exported = self.postponed.as_ref().and_then(|export| export.purpose.planned_operation());
+        self.work.rank(self.state.look.operation, exported);
     }
 }
 

@@ -52,7 +52,7 @@ pub(in crate::app) struct ReleaseQuestion {
 /// An export that goes on once the plan follows the setup.
 #[derive(Debug)]
 pub(in crate::app) struct PostponedExport {
-    purpose: Purpose,
+    pub(super) purpose: Purpose,
     path: PathBuf,
     /// The setup that is calculated for it.
     setup: Setup,

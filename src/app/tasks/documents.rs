@@ -9,7 +9,7 @@ use crate::io::InputError;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::job::FIELD_CELLS;
 use crate::job::assess::AssessedPart;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::report::ReportPage;
 use crate::report::assessment::assessment_page;
 use crate::report::pictures::{flank_pictures, plan_pictures};
@@ -25,18 +25,38 @@ pub struct SheetTask {
     pub files: Vec<ProgramFile>,
 }
 
+/// Why a setup sheet is not written.
+pub(super) enum UnwrittenSheet {
+    /// Cancelled while its program was checked.
+    Cancelled,
+    /// Its pictures cannot be drawn, or its program cannot be judged.
+    Failed(InputError),
+}
+
+impl From<InputError> for UnwrittenSheet {
+    fn from(error: InputError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl From<Cancelled> for UnwrittenSheet {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
 /// The setup sheet of a plan, to be saved at `path`. Its program is verified as it is written.
 ///
 /// # Errors
-/// When the pictures cannot be drawn or the program cannot be verified.
-pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputError> {
+/// When the pictures cannot be drawn or the program cannot be verified; when `monitor` is cancelled.
+pub(super) fn sheet(path: &Path, task: &SheetTask, monitor: &Monitor) -> Result<ReportPage, UnwrittenSheet> {
     let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
     let source = match &task.source {
         ProgramSource::Plunges(source) => source,
         ProgramSource::Flank(source) => {
             let outcome = &source.ordered();
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
-            let program = &source.program(&Monitor::default()).map_err(|error| fault(error.into()))?;
+            let program = &source.program(monitor)?;
             return Ok(flank_sheet(&FlankSheetInput { outcome, program, files: &task.files }, pictures));
         }
     };
@@ -44,11 +64,10 @@ pub(super) fn sheet(path: &Path, task: &SheetTask) -> Result<ReportPage, InputEr
     let shown = source.planned.result(source.policy);
     let program = write_apt(&plunge_program(source));
     let written = read_apt_bytes("the program", program.as_bytes())?;
-    let report =
-        report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, &Monitor::default());
+    let report = report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, monitor);
     let report = report.map_err(|error| match error {
-        VerifyError::Program(error) => fault(error.into()),
-        VerifyError::Cancelled(error) => fault(error.into()),
+        VerifyError::Program(error) => UnwrittenSheet::Failed(fault(error.into())),
+        VerifyError::Cancelled(cancelled) => cancelled.into(),
     })?;
     let pictures = plan_pictures(outcome, shown, &prefix(path)).map_err(fault)?;
     let (channels, files) = (source.channels, &*task.files);

@@ -33,7 +33,7 @@ use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
-use crate::app::tasks::documents::{SheetTask, assessment, sheet};
+use crate::app::tasks::documents::{SheetTask, UnwrittenSheet, assessment, sheet};
 use crate::app::tasks::programs::{
     FlankSource, NcTask, PlungeSource, ProgramSource, UnwrittenProgram, cl_text, flank_text, nc_text,
 };
@@ -312,14 +312,15 @@ impl WriteTask {
         }
     }
 
-    /// Whether it is a flank program of several channels, which is judged first: that takes as long as to
-    /// plan it, and can be cancelled. Everything else takes a moment.
-    pub fn is_judged_first(&self) -> bool {
+    /// Whether its program is checked first, which can be cancelled: that of a flank plan in several
+    /// channels, which takes as long as to plan it, and that of a setup sheet. Everything else takes a
+    /// moment.
+    pub fn is_checked_first(&self) -> bool {
         match self {
             Self::Flank(_, source) => source.channels > 1,
-            Self::Nc(_, content) => {
-                matches!(&content.source, ProgramSource::Flank(source) if source.channels > 1)
-            }
+            Self::Nc(_, NcTask { source: ProgramSource::Flank(source), .. }) => source.channels > 1,
+            Self::Sheet(_, SheetTask { source: ProgramSource::Flank(source), .. }) => source.channels > 1,
+            Self::Sheet(_, SheetTask { source: ProgramSource::Plunges(_), .. }) => true,
             _ => false,
         }
     }
@@ -370,7 +371,13 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
         }
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
-        WriteTask::Sheet(path, source) => return Ok(write_document(path, &sheet(path, source)?)?),
+        WriteTask::Sheet(path, source) => {
+            let page = sheet(path, source, monitor).map_err(|unwritten| match unwritten {
+                UnwrittenSheet::Cancelled => WriteError::Cancelled,
+                UnwrittenSheet::Failed(error) => WriteError::from(error),
+            })?;
+            return Ok(write_document(path, &page)?);
+        }
         WriteTask::Assessment(path, assessed) => {
             return Ok(write_document(path, &assessment(path, assessed)?)?);
         }

@@ -109,6 +109,10 @@ impl FlankSource {
     /// When `monitor` is cancelled.
     pub(super) fn program(&self, monitor: &Monitor) -> Result<Arc<FlankProgram>, Cancelled> {
         let channels = self.outcome.workpiece.part.channels_within(self.channels);
+        // That of one is judged with its plan.
+        if channels <= 1 {
+            return Ok(Arc::new(self.ordered().program_for_channels(channels, monitor)?));
+        }
         let (outcome, order) = (Arc::downgrade(&self.outcome), self.order);
         // Locked while it is judged: another file of the same program waits for it.
         let mut last = self.judged.lock();

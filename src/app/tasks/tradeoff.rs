@@ -7,7 +7,7 @@ use super::Repaint;
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::state::AppState;
 use crate::job::worker::{Outcome, Worker};
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, Precedence};
 use crate::setup::{AxisPolicy, Goal, Setup};
 use crate::tradeoff::TradeoffPoint;
 
@@ -55,13 +55,13 @@ pub(in crate::app) struct TradeoffWork {
 
 impl TradeoffWork {
     /// Starts the thread.
-    pub(in crate::app) fn new(repaint: &Repaint) -> Self {
+    pub(in crate::app) fn new(repaint: &Repaint, precedence: Precedence) -> Self {
         let find = |request: &TradeoffRequest, monitor: &Monitor| {
             let points = request.planned.outcome.time_stock_points(POINTS, monitor)?;
             Ok((request.clone(), points.into()))
         };
         let repaint = Arc::clone(repaint);
-        let worker = Worker::new("tradeoff", find, move || repaint());
+        let worker = Worker::ranked("tradeoff", precedence, find, move || repaint());
         Self { worker, asked: None, answer: None, was_cancelled: false }
     }
 

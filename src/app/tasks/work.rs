@@ -19,7 +19,7 @@ use crate::io::InputError;
 use crate::job::JobError;
 use crate::job::flank::{FlankOutcome, FlankRequest};
 use crate::job::worker::{Outcome, Worker};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Precedence};
 use crate::setup::Setup;
 
 /// The background threads.
@@ -29,14 +29,16 @@ pub(in crate::app) struct Work {
     pub flanker: Worker<FlankRequest, FlankOutcome, JobError>,
     pub checker: Worker<CheckRequest, CheckedProgram, CheckError>,
     pub writer: Worker<WriteTask, Written, WriteError>,
-    /// Writes programs that are judged first.
+    /// Writes what is checked first; see [`WriteTask::is_checked_first`].
     pub judge: Worker<WriteTask, Written, WriteError>,
-    /// Programs that wait for that, in turn: a worker knows one request.
+    /// What waits for that, in turn: a worker knows one request.
     pub to_judge: VecDeque<WriteTask>,
     /// Other files that wait to be written, in turn.
     pub to_write: VecDeque<WriteTask>,
     /// Writes recovery copies of the tool library.
     pub copier: Worker<LibraryCopy, (), InputError>,
+    /// What goes ahead of what.
+    pub ranks: Ranks,
     /// Slot through which the planner passes its preview.
     pub preview: PreviewSlot,
     /// The last request to the planner.
@@ -49,6 +51,39 @@ pub(in crate::app) struct Work {
     pub tasks: u64,
     /// When it was submitted.
     pub submitted: Option<Instant>,
+}
+
+/// What goes ahead of what: all of it shares the cores. What goes behind waits where it is.
+pub(in crate::app) struct Ranks {
+    /// The curve of time against stock.
+    pub curve: Precedence,
+    planner: Precedence,
+    flanker: Precedence,
+    checker: Precedence,
+}
+
+impl Ranks {
+    /// What is written in a moment.
+    const WRITING: u8 = 0;
+    /// Programs that are checked before they are written, and the calculations that the user looks at.
+    const WANTED: u8 = 1;
+    /// The check of the program that the user looks at.
+    const CHECK: u8 = 2;
+    /// What nobody looks at.
+    const BESIDE: u8 = 3;
+
+    /// Ranks the calculations: those of the selected operation go ahead, and of one that an export waits for.
+    fn set(&self, selected: Operation, exported: Option<Operation>) {
+        let wanted = |operation| operation == selected || Some(operation) == exported;
+        for (work, operation, rank) in [
+            (&self.planner, Operation::Roughing, Self::WANTED),
+            (&self.flanker, Operation::Flank, Self::WANTED),
+            (&self.checker, Operation::Program, Self::CHECK),
+        ] {
+            work.set_rank(if wanted(operation) { rank } else { Self::BESIDE });
+        }
+        self.curve.set_rank(Self::BESIDE);
+    }
 }
 
 /// Interval at which the progress display is updated.
@@ -70,24 +105,32 @@ impl Work {
             let (slot, notify) = (preview.clone(), repaint());
             move |task: &PlanTask, monitor: &Monitor| to_plan.planned(task, monitor, &slot, &notify)
         };
+        let [writes, judges, curve, plans, flanks, checks] = Precedence::of_each();
+        writes.set_rank(Ranks::WRITING);
+        judges.set_rank(Ranks::WANTED);
+        let ranks = Ranks { curve, planner: plans.clone(), flanker: flanks.clone(), checker: checks.clone() };
+        ranks.set(Operation::Roughing, None);
         Self {
             opener: Worker::new("open", move |task, monitor| open(&to_open, task, monitor), repaint()),
-            planner: Worker::new("plan", plan, repaint()),
-            flanker: Worker::new(
+            planner: Worker::ranked("plan", plans, plan, repaint()),
+            flanker: Worker::ranked(
                 "flank",
+                flanks,
                 move |request, monitor| (to_flank.flank)(request, monitor),
                 repaint(),
             ),
-            checker: Worker::new(
+            checker: Worker::ranked(
                 "check",
+                checks,
                 move |request, monitor| (to_check.check)(request, monitor),
                 repaint(),
             ),
-            writer: Worker::new("write", files::write, repaint()),
+            writer: Worker::ranked("write", writes, files::write, repaint()),
             copier: Worker::new("copy", |copy: &LibraryCopy, _| copy.write(), repaint()),
-            judge: Worker::new("judge", files::write, repaint()),
+            judge: Worker::ranked("judge", judges, files::write, repaint()),
             to_judge: VecDeque::new(),
             to_write: VecDeque::new(),
+            ranks,
             preview,
             asked: None,
             asked_flank: None,
@@ -131,6 +174,30 @@ impl Work {
         }
     }
 
+    /// Whether the calculation of an operation waits for what goes ahead of it.
+    pub(in crate::app) fn is_held(&self, operation: Operation) -> bool {
+        match operation {
+            Operation::Roughing => self.planner.is_held(),
+            Operation::Flank => self.flanker.is_held(),
+            Operation::Program => self.checker.is_held(),
+        }
+    }
+
+    /// What becomes of an operation that is being calculated, in a word.
+    pub(in crate::app) fn words_while_calculating(&self, operation: Operation) -> Option<&'static str> {
+        let words = match operation {
+            _ if self.is_held(operation) => "waiting…",
+            Operation::Program => "checking…",
+            Operation::Roughing | Operation::Flank => "calculating…",
+        };
+        self.is_calculating(operation).then_some(words)
+    }
+
+    /// Ranks the calculations by the selected operation, and one that an export waits for.
+    pub(in crate::app) fn rank(&self, selected: Operation, exported: Option<Operation>) {
+        self.ranks.set(selected, exported);
+    }
+
     /// Whether a plan of an operation is calculated, or was and is not taken yet.
     pub(in crate::app) fn is_due(&self, operation: Operation) -> bool {
         self.is_calculating(operation)
@@ -141,7 +208,8 @@ impl Work {
             }
     }
 
-    /// Name and progress (0…1) of the running task; of several, that of the selected operation.
+    /// Name and progress (0…1) of the running task; of several, that of the selected operation, unless that
+    /// waits for others, which go on.
     pub(in crate::app) fn running(&self, selected: Operation) -> Option<(&'static str, f64)> {
         let opening = self.opener.progress().map(|fraction| ("Opening", fraction));
         let what = if self.planner.is_stopping() { "Checking" } else { "Calculating" };
@@ -150,28 +218,29 @@ impl Work {
             Operation::Flank => self.flanker.progress().map(|fraction| ("Calculating flank", fraction)),
             Operation::Program => self.checker.progress().map(|fraction| ("Checking program", fraction)),
         };
-        let any = [selected, Operation::Roughing, Operation::Flank, Operation::Program];
+        let all = [selected, Operation::Roughing, Operation::Flank, Operation::Program];
+        let goes_on = Some(selected).filter(|&operation| !self.is_held(operation));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let judging = || self.judge.progress().map(|fraction| ("Checking export", fraction));
-        opening.or_else(|| any.into_iter().find_map(calculating)).or_else(judging).or_else(writing)
+        let calculated = opening.or_else(|| goes_on.and_then(calculating));
+        calculated.or_else(judging).or_else(writing).or_else(|| all.into_iter().find_map(calculating))
     }
 
-    /// Writes a file. It waits for those before it: none is lost, and the end of each is reported.
-    pub(in crate::app) fn write(&mut self, task: WriteTask) {
-        let (worker, waiting) = match task.is_judged_first() {
+    /// Writes a file. It waits for those before it: none is lost, and the end of each is reported. Returns
+    /// whether there is one that has to be checked first.
+    pub(in crate::app) fn write(&mut self, task: WriteTask) -> bool {
+        let is_checked = task.is_checked_first();
+        let (worker, waiting) = match is_checked {
             true => (&self.judge, &mut self.to_judge),
             false => (&self.writer, &mut self.to_write),
         };
-        if worker.is_busy() || worker.has_outcome() {
+        let waits = worker.is_busy() || worker.has_outcome();
+        if waits {
             waiting.push_back(task);
         } else {
             worker.submit(task);
         }
-    }
-
-    /// Whether a program is judged, or a file is written, that further ones may have to wait for.
-    pub(in crate::app) fn is_writing(&self) -> bool {
-        self.judge.is_busy() || self.writer.is_busy()
+        waits && is_checked
     }
 
     /// What came of files that were to be written.

@@ -30,8 +30,8 @@ impl App {
                 self.apply_action(ui.ctx(), action);
             }
             ui.separator();
-            let is_running = |operation| self.work.is_calculating(operation);
-            let chosen = panels::operations::show(ui, &self.state, is_running);
+            let running = |operation| self.work.words_while_calculating(operation);
+            let chosen = panels::operations::show(ui, &self.state, running);
             self.state.look.operation = chosen.unwrap_or(self.state.look.operation);
             ui.separator();
             match self.state.look.operation {

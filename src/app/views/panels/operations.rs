@@ -12,7 +12,11 @@ use crate::app::views::list_keys;
 use crate::app::views::theme::Condition;
 
 /// State of an operation, in words and as a condition.
-fn status(state: &AppState, operation: Operation, running: bool) -> (String, Option<Condition>) {
+fn status(
+    state: &AppState,
+    operation: Operation,
+    running: Option<&'static str>,
+) -> (String, Option<Condition>) {
     let channels = state.document.part.as_ref().map_or(1, |part| part.impeller.blade_count);
     let (times, (condition, wrong), is_stale) = match operation {
         Operation::Roughing => {
@@ -24,8 +28,7 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
         }
         Operation::Program => {
             let Some(checked) = &state.results.checked else {
-                let words = if running { "checking…" } else { "not checked" };
-                return (words.to_owned(), None);
+                return (running.unwrap_or("not checked").to_owned(), None);
             };
             let verdict = match checked.findings.len() {
                 0 => (Condition::Sound, None),
@@ -42,8 +45,8 @@ fn status(state: &AppState, operation: Operation, running: bool) -> (String, Opt
             (times, verdict::of_flank(state, outcome), state.flank_is_stale())
         }
     };
-    if running {
-        ("calculating…".to_owned(), None)
+    if let Some(running) = running {
+        (running.to_owned(), None)
     } else if is_stale {
         ("out of date".to_owned(), Some(Condition::Blocked))
     } else {
@@ -56,13 +59,17 @@ fn times(channel_s: f64, wheel_s: f64) -> String {
     format!("{}, wheel {}", format_duration(channel_s), format_duration(wheel_s))
 }
 
-fn unplanned(running: bool) -> (String, Option<Condition>) {
-    (if running { "calculating…" } else { "not calculated" }.to_owned(), None)
+fn unplanned(running: Option<&'static str>) -> (String, Option<Condition>) {
+    (running.unwrap_or("not calculated").to_owned(), None)
 }
 
-/// Draws the list; returns the operation that was clicked. `is_running`: whether an operation is being
+/// Draws the list; returns the operation that was clicked. `running`: words for an operation that is being
 /// calculated.
-pub fn show(ui: &mut Ui, state: &AppState, is_running: impl Fn(Operation) -> bool) -> Option<Operation> {
+pub fn show(
+    ui: &mut Ui,
+    state: &AppState,
+    running: impl Fn(Operation) -> Option<&'static str>,
+) -> Option<Operation> {
     let mut clicked = None;
     let mut shown = Vec::new();
     let all = [
@@ -76,7 +83,7 @@ pub fn show(ui: &mut Ui, state: &AppState, is_running: impl Fn(Operation) -> boo
             continue;
         }
         let selected = state.look.operation == operation;
-        let (words, condition) = status(state, operation, is_running(operation));
+        let (words, condition) = status(state, operation, running(operation));
         let visuals = ui.visuals();
         let colour = match condition {
             // The colours of conditions are too pale on that of the selection.
