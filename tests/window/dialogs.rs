@@ -102,6 +102,36 @@ fn a_wrong_ending_is_refused_and_nothing_is_replaced_unasked() {
     assert!(window.query_by_label("Export CL (APT)").is_none(), "one Esc closes it");
 }
 
+/// The name that is proposed keeps its ending behind what is typed, and the list takes no keys.
+#[test]
+fn a_typed_ending_is_not_doubled_and_a_click_in_the_list_leaves_the_keys_to_the_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.state_mut().use_own_file_dialogs();
+    export(&mut window);
+    name_file(&mut window, &folder.path().join("first.apt"));
+    press_enter(&mut window);
+    // The next dialog begins in that folder, with one file in its list.
+    export(&mut window);
+    let name = |window: &Window| window.get_by_role_and_label(Role::TextInput, "File").value();
+    for letter in ["n", "e", "w", ".", "a", "p", "t"] {
+        window.event(egui::Event::Text(letter.to_owned()));
+        window.run_steps(2);
+    }
+    assert_eq!(name(&window).as_deref(), Some("new.apt"));
+    let field = window.get_by_role_and_label(Role::TextInput, "File").rect();
+    press(&mut window, field.center_top() - egui::vec2(0.0, 40.0));
+    window.run_steps(3);
+    window.event(egui::Event::Text("x".to_owned()));
+    window.run_steps(2);
+    assert_eq!(name(&window).as_deref(), Some("new.aptx"), "it goes on where it was");
+    window.key_press(egui::Key::Backspace);
+    window.run_steps(2);
+    press_enter(&mut window);
+    assert!(folder.path().join("new.apt").exists());
+}
+
 #[test]
 fn a_click_beside_a_dialog_loses_nothing() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -119,10 +119,20 @@ fn atom(rest: &mut &[u8], depth: usize) -> Option<f64> {
         }
         _ => {
             let length = rest.iter().take_while(|b| b.is_ascii_digit() || **b == b'.').count();
-            let (digits, after) = rest.split_at(length);
+            let (digits, after) = rest.split_at(length + length_of_exponent(&rest[length..]));
             *rest = after;
             std::str::from_utf8(digits).ok()?.parse().ok()
         }
+    }
+}
+
+/// Length of the exponent that `rest` begins with, as in `1e9` and `2.5E-3`; 0 without one.
+fn length_of_exponent(rest: &[u8]) -> usize {
+    let [b'e' | b'E', after @ ..] = rest else { return 0 };
+    let sign = usize::from(matches!(after, [b'+' | b'-', ..]));
+    match after[sign..].iter().take_while(|b| b.is_ascii_digit()).count() {
+        0 => 0,
+        digits => 1 + sign + digits,
     }
 }
 
@@ -167,6 +177,9 @@ mod tests {
             ("10 ipm", FeedRate, 254.0),
             ("1200 rpm", SpindleSpeed, 1200.0),
             ("6/2", Count, 3.0),
+            ("1e9", Length, 1e9),
+            ("2.5E-1 cm", Length, 2.5),
+            ("1e+2*2", Plain, 200.0),
         ] {
             let parsed = parse(text, quantity).unwrap_or_else(|| panic!("{text} is a number"));
             assert!((parsed - value).abs() < 1e-12, "{text:?}: {parsed}");
@@ -176,7 +189,22 @@ mod tests {
 
     #[test]
     fn no_numbers() {
-        for text in ["", "mm", "1/0", "1..2", "(1", "1)", "1e999", "auto", "--", "€", &"(".repeat(10_000)] {
+        for text in [
+            "",
+            "mm",
+            "1/0",
+            "1..2",
+            "(1",
+            "1)",
+            "1e999",
+            "1e",
+            "1e+",
+            "e3",
+            "auto",
+            "--",
+            "€",
+            &"(".repeat(10_000),
+        ] {
             assert_eq!(parse(text, Length), None, "{text:?}");
         }
     }

@@ -169,6 +169,7 @@ mod tests {
             ("20", None, Some("20 is too much: at most 15 mm, the radius")),
             ("1 in", None, Some("1 in is too much: at most 15 mm, the radius")),
             ("-3", None, Some("-3 is too little: at least 0.5 mm, as the form says")),
+            ("1e9", None, Some("1e9 is too much: at most 15 mm, the radius")),
             ("5 ft", None, Some("“5 ft” is not a length: 12.5, 30/4 mm or 0.5 in are")),
         ] {
             assert_eq!(limits.parse(text, "10 mm", &typed), value, "{text}");

@@ -118,9 +118,15 @@ impl Prompt {
                 let hint = self.purpose.filter().1.iter().map(|e| format!(".{e}")).collect::<Vec<_>>();
                 let field = TextEdit::singleline(&mut self.name).desired_width(f32::INFINITY);
                 let field = ui.add(field.hint_text(hint.join(", "))).labelled_by(label.id);
+                if field.changed() {
+                    drop_doubled_ending(&mut self.name, self.purpose.filter().1);
+                }
                 if std::mem::take(&mut self.fresh) {
                     field.request_focus();
                     select_stem(ui, field.id, &self.name);
+                } else if ui.memory(|memory| memory.focused().is_none()) {
+                    // A click in the list takes it away, but what is typed is meant as a name.
+                    field.request_focus();
                 }
             });
             let target = self.target();
@@ -298,6 +304,16 @@ fn end_that_fits(text: &str, fits: impl Fn(&str) -> bool) -> String {
     fitting.cloned().unwrap_or_else(|| text.to_owned())
 }
 
+/// Drops one of two equal `endings` of a name: the ending stays behind what is typed, and may be typed, too.
+fn drop_doubled_ending(name: &mut String, endings: &[&str]) {
+    for ending in endings {
+        let ending = format!(".{ending}");
+        if name.ends_with(&ending.repeat(2)) {
+            name.truncate(name.len() - ending.len());
+        }
+    }
+}
+
 /// Selects a name up to its ending in the field `id`: what is typed replaces it, and the ending stays.
 fn select_stem(ui: &Ui, id: egui::Id, name: &str) {
     let stem = Path::new(name).file_stem().map_or(0, |stem| stem.to_string_lossy().chars().count());
@@ -316,6 +332,17 @@ mod tests {
         assert_eq!(in_home("~"), home);
         assert_eq!(in_home("~/parts/a.toml"), home.join("parts/a.toml"));
         assert_eq!(in_home("~a.toml"), PathBuf::from("~a.toml"));
+    }
+
+    #[test]
+    fn an_ending_that_is_typed_is_not_doubled() {
+        for (typed, name) in
+            [("p.apt.apt", "p.apt"), ("p.apt", "p.apt"), ("p.cl.apt", "p.cl.apt"), ("papt.apt", "papt.apt")]
+        {
+            let mut now = typed.to_owned();
+            drop_doubled_ending(&mut now, &["apt", "cl"]);
+            assert_eq!(now, name, "{typed}");
+        }
     }
 
     #[test]
