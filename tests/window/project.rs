@@ -123,6 +123,7 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     window.state_mut().file_chosen(&ctx, export, program.clone());
     window.run_steps(3);
     window.get_by_label_contains("6 values of the setup in the project were faulty");
+    window.get_by_label_contains("(Hub allowance, Blade allowance, Rapid clearance and 3 more)");
     window.key_press(egui::Key::Escape);
     window.run_steps(3);
     settle(&mut window);
@@ -152,6 +153,15 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     settle(&mut window);
     assert_eq!(shown(&window), keys.len() - 2);
     assert!(window.state().state().document.edited.setup == setup, "nothing else changes");
+    window.run_steps(8);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(shown(&window), keys.len() - 1, "it is undone");
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
+    window.run_steps(3);
+    settle(&mut window);
+    assert_eq!(shown(&window), keys.len() - 2, "and done again");
     window.state_mut().file_chosen(&ctx, export, program.clone());
     window.run_steps(3);
     window.get_by_label_contains("4 values of the setup in the project were faulty");

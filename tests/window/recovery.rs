@@ -340,7 +340,7 @@ fn a_recovered_project_still_has_the_faults_of_its_setup() {
     third.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
     third.run_steps(3);
     settle(&mut third);
-    assert!(third.state().state().document.replaced.is_empty());
+    assert!(third.state().state().document.edited.replaced.is_empty());
 }
 
 #[test]

@@ -295,7 +295,7 @@ impl App {
             fault: fault.clone(),
             field: problem.field.clone(),
         };
-        self.state.document.replaced = faults.iter().zip(of_current).map(replaced).collect();
+        self.state.document.edited.replaced = faults.iter().zip(of_current).map(replaced).collect();
         for problem in shown {
             self.state.report_problem(problem);
         }

@@ -40,6 +40,9 @@ pub struct Edited {
     pub setup: Setup,
     /// Stored variants.
     pub sets: Vec<WhatIf>,
+    /// Faulty values of the setup in the file, in whose place defaults stand until the field is edited. A
+    /// saved project keeps them.
+    pub replaced: Vec<ReplacedValue>,
 }
 
 /// Part, setup and variants, with the project file.
@@ -54,9 +57,6 @@ pub struct Document {
     pub path: Option<PathBuf>,
     /// Hash of that file as this window read or wrote it last; `None` where it has not.
     pub on_disk: Option<u64>,
-    /// Faulty values of the setup in the file, in whose place defaults stand until the field is edited. A
-    /// saved project keeps them.
-    pub replaced: Vec<ReplacedValue>,
     /// Content as last saved or opened; `None`: never saved.
     saved: Option<Edited>,
     history: History<Edited>,
@@ -70,7 +70,6 @@ impl Document {
         self.edited = edited;
         self.path = path.map(absolute);
         self.on_disk = None;
-        self.replaced.clear();
         self.history = History::default();
     }
 

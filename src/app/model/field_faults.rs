@@ -46,6 +46,20 @@ pub struct ReplacedValue {
     pub field: Option<FieldFault>,
 }
 
+impl ReplacedValue {
+    /// What the value is: its field, or else its place in the file.
+    pub fn name(&self) -> String {
+        let Some(FieldFault { field: FaultyField { scope, label }, .. }) = &self.field else {
+            return self.fault.error.place();
+        };
+        match scope {
+            FieldScope::Setup | FieldScope::Flank => (*label).to_owned(),
+            FieldScope::Tool(index) => format!("{label} of tool entry {}", index + 1),
+            FieldScope::Section(index) => format!("{label} {}", index + 1),
+        }
+    }
+}
+
 /// Label that stands for all fields of a section.
 pub const SECTION: &str = "Section";
 

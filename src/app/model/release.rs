@@ -3,6 +3,7 @@
 use crate::plunge::DropReason;
 use crate::setup::{TILT_TOLERANCE, falls_short};
 
+use crate::app::model::field_faults::ReplacedValue;
 use crate::app::model::figures::{MAX_GOOD_UNCUT_SHARE, format_percent, policy_label, skipped_length};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::Operation;
@@ -41,16 +42,30 @@ pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<Stri
         let fault = on_machine.and_then(|on_machine| Some((on_machine, on_machine.fault.as_ref()?)));
         found.extend(fault.map(|(on, (what, _))| format!("{} cannot run it: {what}", on.machine.name)));
     }
-    found.extend(match state.document.replaced.len() {
-        0 => None,
-        1 => {
-            Some("1 value of the setup in the project was faulty: the default stands in its place".to_owned())
-        }
-        n => {
-            Some(format!("{n} values of the setup in the project were faulty: defaults stand in their place"))
-        }
-    });
+    found.extend(faulty_values(state));
     found
+}
+
+/// Faulty values of the setup in the project that are named.
+const MAX_NAMED: usize = 3;
+
+/// What is said of faulty values of the setup in the project, the first by name.
+fn faulty_values(state: &AppState) -> Option<String> {
+    let replaced = &state.document.edited.replaced;
+    let names: Vec<String> = replaced.iter().take(MAX_NAMED).map(ReplacedValue::name).collect();
+    let names = match replaced.len() - names.len() {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names.join(", ")),
+    };
+    match replaced.len() {
+        0 => None,
+        1 => Some(format!(
+            "1 value of the setup in the project was faulty: the default stands in its place ({names})"
+        )),
+        n => Some(format!(
+            "{n} values of the setup in the project were faulty: defaults stand in their place ({names})"
+        )),
+    }
 }
 
 /// What speaks against a model of a plan: it is that of another setup, or not all of the plan.

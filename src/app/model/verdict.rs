@@ -26,7 +26,7 @@ pub fn count_skipped_stretches(count: usize) -> String {
 
 /// Number of faulty values of the setup in the file, in whose place defaults stand, in words.
 fn faulty_values(state: &AppState) -> Option<String> {
-    let count = state.document.replaced.len();
+    let count = state.document.edited.replaced.len();
     (count > 0).then(|| counted(count, "faulty value", "faulty values"))
 }
 

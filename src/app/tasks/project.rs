@@ -42,8 +42,8 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
         original: None,
         original_hash: None,
         // Nobody has said that the defaults in their place are meant.
-        setup_faults: state.document.replaced.iter().map(|value| value.fault.clone()).collect(),
-        current_faults: state.document.replaced.len(),
+        setup_faults: state.document.edited.replaced.iter().map(|value| value.fault.clone()).collect(),
+        current_faults: state.document.edited.replaced.len(),
     })
 }
 
@@ -60,7 +60,7 @@ fn viewpoint(camera: &Camera) -> Viewpoint {
 /// Setup and variants of a project.
 pub(in crate::app) fn edited_of(project: &Project) -> Edited {
     let sets = project.sets.iter().map(|set| WhatIf { name: set.name.clone(), setup: set.setup.clone() });
-    Edited { setup: project.setup.clone(), sets: sets.collect() }
+    Edited { setup: project.setup.clone(), sets: sets.collect(), replaced: Vec::new() }
 }
 
 /// Source of a project's part.

@@ -416,7 +416,7 @@ impl AppState {
     /// What is wrong with single fields. Those of a project file stay when their messages are dismissed.
     pub fn field_faults(&self) -> Arc<[FieldFault]> {
         let replaced: Vec<&FieldFault> =
-            self.document.replaced.iter().filter_map(|value| value.field.as_ref()).collect();
+            self.document.edited.replaced.iter().filter_map(|value| value.field.as_ref()).collect();
         let reported = self.problems.iter().filter_map(|problem| problem.field.as_ref());
         let others = reported.filter(|fault| !replaced.contains(fault));
         replaced.iter().copied().chain(others).cloned().collect()
@@ -432,7 +432,7 @@ impl AppState {
         self.problems.retain(|problem| !is_ended(problem));
         let is_edited =
             |value: &ReplacedValue| value.field.as_ref().is_some_and(|f| edited.contains(&f.field));
-        self.document.replaced.retain(|value| !is_edited(value));
+        self.document.edited.replaced.retain(|value| !is_edited(value));
     }
 
     /// Removes what is said of faults in variants of the project: the defaults in their place were saved.
