@@ -282,6 +282,9 @@ fn the_tool_of_flank_milling_is_chosen_from_the_tools_there_are() {
     let planned =
         |window: &Window| window.state().state().results.flank.clone().expect("planned").plan.tool.clone();
     let automatic = planned(&window);
+    // What was taken stands beside it.
+    let taken = format!("T{} Ø{}", automatic.number, automatic.diameter);
+    assert_eq!(labels(&window, &taken).len(), 1);
     let setup = window.state().state().document.edited.setup.clone();
     let thinner = selectable(&setup, flank_cutters()).iter().filter(|t| t.diameter < automatic.diameter);
     let other = thinner.max_by(|a, b| a.diameter.total_cmp(&b.diameter)).expect("a thinner one");
@@ -294,6 +297,7 @@ fn the_tool_of_flank_milling_is_chosen_from_the_tools_there_are() {
     settle(&mut window);
     let chosen = window.state().state().document.edited.setup.flank.tool;
     assert_eq!((chosen, planned(&window).number), (Some(other.number), other.number));
+    assert!(labels(&window, &taken).is_empty());
     window.get_by_label("Reset tool").click();
     window.run_steps(3);
     settle(&mut window);

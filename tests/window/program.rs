@@ -2,13 +2,16 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
+use vanecut::app::model::checked::CheckRequest;
 use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
+use vanecut::app::tasks::engine::Engine;
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::machine_file::{built_in_names, read_machine};
 use vanecut::io::nc::read_post;
@@ -82,7 +85,7 @@ fn faults_of_a_program_are_a_list_that_leads_to_their_places() {
     let setup = &state.document.edited.setup;
     let part = &state.document.part.as_ref().expect("open").impeller;
     let program = read_apt_bytes("deep.apt", text.as_bytes()).expect("a program");
-    let workpiece = setup.allowances.workpiece_of(std::sync::Arc::clone(part));
+    let workpiece = setup.allowances.workpiece_of(Arc::clone(part));
     let verdict = verify(&workpiece, setup, &program, &Monitor::default()).expect("judged");
     let faults: Vec<_> = checked.findings.iter().map(|finding| finding.fault.clone()).collect();
     assert_eq!(faults, verdict.faults);
@@ -568,6 +571,35 @@ fn a_checked_program_is_out_of_date_with_other_clearances() {
     window.run_steps(3);
     settle(&mut window);
     assert!(window.state().state().program_is_stale());
+}
+
+/// It was without faults against another setup.
+#[test]
+fn a_program_that_is_out_of_date_is_not_said_to_be_without_faults() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let inner = Arc::clone(&engine.check);
+    let sound = move |request: &CheckRequest, monitor: &Monitor| {
+        let mut checked = inner(request, monitor)?;
+        checked.findings.clear();
+        Ok(checked)
+    };
+    let mut window = with_sample(Engine { check: Arc::new(sound), ..engine });
+    let path = write(folder.path(), "sound.apt", &program(&window));
+    window.set_size(egui::vec2(1200.0, 760.0));
+    window.run_steps(3);
+    check(&mut window, &path);
+    window.get_by_label("No faults");
+    window.get_by_label("Auto-update").click();
+    window.run_steps(2);
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(3);
+    window.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(1.5);
+    window.run_steps(3);
+    window.get_by_label("Program: out of date").click();
+    window.run_steps(3);
+    assert!(window.query_by_label("No faults").is_none());
+    window.get_by_label("No faults, but out of date");
 }
 
 /// A post that writes the program again leaves the window with a check of what is no longer there.

@@ -88,8 +88,8 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
     (FlankColours::Walls, "walls", "Residual stock on the walls, and overcut below the blade allowance"),
 ];
 
-/// The tool: the one that fits best, or one of those there are.
-fn tool_row(ui: &mut Ui, setup: &mut Setup) {
+/// The tool: the one that fits best, with the one that was `taken`, or one of those there are.
+fn tool_row(ui: &mut Ui, setup: &mut Setup, taken: Option<&Tool>) {
     let tip = "Cutter used for all passes.\nAutomatic: the largest ball-end cutter that leaves room for several passes between the blades, taken from the tool library if none in the setup fits";
     let units = units::display_units(ui);
     let entry = |tool: &Tool| ListEntry {
@@ -106,13 +106,19 @@ fn tool_row(ui: &mut Ui, setup: &mut Setup) {
         entries.push(ListEntry { value: Some(number), name: name.into(), meaning: meaning.into() });
     }
     fields::list_row(ui, &mut setup.flank.tool, None, ("Tool", tip), &entries);
+    if let Some(tool) = taken.filter(|_| setup.flank.tool.is_none()) {
+        ui.label("");
+        let text = format!("T{} {}", tool.number, units.diameter(tool.diameter));
+        ui.label(RichText::new(text).weak()).on_hover_text("The cutter of the plan, chosen automatically");
+        ui.end_row();
+    }
 }
 
 /// Draws the fields of the setup. `planned` is the latest flank plan.
 pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&FlankOutcome>) {
     let default = &defaults.flank;
     let form = |ui: &mut Ui| {
-        tool_row(ui, setup);
+        tool_row(ui, setup, planned.filter(|p| p.plan.reason.is_some()).map(|p| &p.plan.tool));
         fields::choice_row(ui, &mut setup.flank.strategy, default.strategy, &SCHEME);
         fields::number_row(ui, &mut setup.flank.layer_depth, default.layer_depth, &DEPTH);
         fields::number_row(ui, &mut setup.flank.scallop_height, default.scallop_height, &ERROR);

@@ -17,9 +17,9 @@ use crate::io::nc::built_in_posts;
 /// Maximum number of faults that are listed.
 const MAX_LISTED: usize = 500;
 
-/// The worst verdict on a program.
-fn condition(checked: &CheckedProgram) -> Condition {
-    match (checked.findings.is_empty(), checked.is_complete) {
+/// The worst verdict on a program. One that was not checked since an edit is not known to be sound.
+fn condition(state: &AppState, checked: &CheckedProgram) -> Condition {
+    match (checked.findings.is_empty(), checked.is_complete && !state.program_is_stale()) {
         (false, _) => Condition::Interfering,
         (true, false) => Condition::Blocked,
         (true, true) => Condition::Sound,
@@ -47,7 +47,7 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
             },
         );
     }
-    let colour = condition(checked).text(ui.visuals());
+    let colour = condition(state, checked).text(ui.visuals());
     let text = RichText::new(format!("Faults {}", checked.findings.len())).strong().color(colour);
     ui.label(text).on_hover_text(&checked.summary);
     for (name, value, tip) in &checked.figures {
@@ -112,7 +112,8 @@ pub fn faults(ui: &mut Ui, state: &mut AppState) {
     }
     ui.label(RichText::new("Faults").strong());
     if checked.findings.is_empty() {
-        ui.label(RichText::new("No faults").color(condition(&checked).text(ui.visuals())));
+        let words = if state.program_is_stale() { "No faults, but out of date" } else { "No faults" };
+        ui.label(RichText::new(words).color(condition(state, &checked).text(ui.visuals())));
         return;
     }
     ui.add(Label::new(&checked.summary).wrap());
