@@ -435,6 +435,7 @@ impl eframe::App for App {
             let preview = self.pictures.as_ref().map(Pictures::preview_name);
             let activity = panels::status::Activity {
                 running: self.running_task(),
+                can_cancel: self.can_cancel(),
                 preview: preview.unwrap_or_else(|| "no 3D view".to_owned()),
                 device: self.device.clone(),
             };

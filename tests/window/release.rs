@@ -133,6 +133,25 @@ fn an_interfering_plan_is_named_as_such_before_it_is_exported() {
     assert!(path.exists());
 }
 
+/// What becomes known without another plan is not said to come with one.
+#[test]
+fn a_question_that_changes_without_another_plan_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.get_by_label("Auto-update").click();
+    window.state_mut().look_mut().side = Side::Before;
+    window.run_steps(2);
+    let ctx = window.ctx.clone();
+    window.state_mut().file_chosen(&ctx, ONE_CHANNEL, folder.path().join("p.apt"));
+    window.run_steps(2);
+    window.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
+    window.run_steps(3);
+    window.get_by_label_contains("The setup was edited after this calculation");
+    window.get_by_label("Something else became known while this was asked. Now:");
+    assert!(window.query_by_label_contains("calculated anew").is_none());
+}
+
 /// The command line ends with exit code 1 then.
 #[test]
 fn a_plan_that_did_not_converge_is_asked_about() {

@@ -103,11 +103,16 @@ impl App {
             | C::CutRowEarlier
             | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
-            C::Cancel => self.running_task().is_some() || self.state.look.measure.is_some(),
+            C::Cancel => self.can_cancel() || self.state.look.measure.is_some(),
             C::Undo => self.state.document.can_undo() || self.library.can_undo(&self.state.document.edited),
             C::Redo => self.state.document.can_redo() || self.library.can_redo(),
             _ => true,
         }
+    }
+
+    /// Whether there is work to cancel.
+    pub(in crate::app) fn can_cancel(&self) -> bool {
+        self.work.can_cancel() || self.weighing.progress().is_some()
     }
 
     /// Executes a command.
@@ -116,7 +121,7 @@ impl App {
         if let Some(why) = self.why_not_exported(command) {
             return self.state.report_refusal(why);
         }
-        let is_running = self.running_task().is_some();
+        let can_cancel = self.can_cancel();
         // One behind another tab comes to the front.
         let is_behind = |panel| self.state.look.panels.is_open(panel) && !self.is_in_view(panel);
         let behind = [DockPanel::Machinability, DockPanel::Tradeoff].map(is_behind);
@@ -196,7 +201,7 @@ impl App {
                 look.flank.shown = !(look.flank.shown && look.operation == Operation::Flank);
                 look.operation = Operation::Flank;
             }
-            C::Cancel if !is_running => look.measure = None,
+            C::Cancel if !can_cancel => look.measure = None,
             C::Cancel => self.cancel(),
             C::NextFault => self.state.select_next_fault(true),
             C::PreviousFault => self.state.select_next_fault(false),

@@ -2,7 +2,7 @@
 //! pictures.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use egui::Ui;
 
@@ -10,9 +10,11 @@ use super::background::panic_problem;
 use crate::app::App;
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::look::{DEFAULT_MACHINE, Operation};
+use crate::app::model::planned::DisplayPlan;
 use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::{Problem, Topic, without_markdown};
 use crate::app::model::release::{concerns, fault_lines};
+use crate::app::model::results::Results;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
 use crate::app::tasks::files::{SceneTask, WriteError, WriteTask, Written};
@@ -20,7 +22,7 @@ use crate::app::tasks::programs::{FlankSource, NcTask, OnFaults, PlungeSource, P
 use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
-use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords};
+use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
 use crate::gpu::SceneOptions;
 use crate::gpu::image::MAX_SIDE;
 use crate::gpu::legend::add_legend;
@@ -45,8 +47,30 @@ pub(in crate::app) struct ReleaseQuestion {
     /// The flank plan whose program of several channels was judged, if it is about its faults.
     judged: Option<Arc<FlankOutcome>>,
     recalculation: Recalculation,
-    /// When its plan was replaced by another one, and what it says with it, s.
+    /// The plans that it was about at first.
+    plans: ExportedPlans,
+    /// When what it says was replaced, s.
     renewed_at: Option<f64>,
+}
+
+/// The plans that there are.
+#[derive(Debug, Clone, Default)]
+struct ExportedPlans {
+    plunges: Weak<DisplayPlan>,
+    flank: Weak<FlankOutcome>,
+}
+
+impl ExportedPlans {
+    fn of(results: &Results) -> Self {
+        Self {
+            plunges: results.planned.as_ref().map_or_else(Weak::new, Arc::downgrade),
+            flank: results.flank.as_ref().map_or_else(Weak::new, Arc::downgrade),
+        }
+    }
+
+    fn are_same(&self, other: &Self) -> bool {
+        self.plunges.ptr_eq(&other.plunges) && self.flank.ptr_eq(&other.flank)
+    }
 }
 
 /// An export that goes on once the plan follows the setup.
@@ -93,7 +117,7 @@ impl App {
             true => Recalculation::Offered,
             false => Recalculation::None,
         };
-        let (judged, renewed_at) = (None, None);
+        let (judged, renewed_at, plans) = (None, None, ExportedPlans::of(&self.state.results));
         self.release = Some(ReleaseQuestion {
             purpose,
             path,
@@ -102,6 +126,7 @@ impl App {
             words,
             judged,
             recalculation,
+            plans,
             renewed_at,
         });
     }
@@ -208,11 +233,14 @@ impl App {
     pub(in crate::app) fn ask_release(&mut self, ui: &Ui) {
         let time = ui.input(|input| input.time);
         self.renew_question(time);
+        let plans = ExportedPlans::of(&self.state.results);
         let answer = self.release.as_ref().and_then(|question| {
-            let since_renewal = question.renewed_at.map(|at| time - at);
+            let has_new_plan = !question.plans.are_same(&plans);
+            let since = question.renewed_at.map(|at| time - at);
+            let renewal = since.map(|since_s| Renewal { since_s, has_new_plan });
             let file = question.path.file_name().unwrap_or_default().to_string_lossy();
             let words = (question.words, &*file);
-            release::ask(ui, words, &question.concerns, question.recalculation, since_renewal)
+            release::ask(ui, words, &question.concerns, question.recalculation, renewal)
         });
         let Some(answer) = answer else { return };
         let Some(ReleaseQuestion { purpose, path, judged, .. }) = self.release.take() else { return };

@@ -256,6 +256,14 @@ impl Work {
         ended.collect()
     }
 
+    /// Whether there is anything to cancel: what is written in a moment is not.
+    pub(in crate::app) fn can_cancel(&self) -> bool {
+        let operations = [Operation::Roughing, Operation::Flank, Operation::Program];
+        self.opener.is_busy()
+            || self.judge.is_busy()
+            || operations.into_iter().any(|operation| self.is_calculating(operation))
+    }
+
     /// Cancels programs that are judged before they are written.
     pub(in crate::app) fn cancel_judging(&mut self) {
         self.to_judge.clear();
@@ -268,4 +276,21 @@ pub(in crate::app) struct PlanKey {
     pub setup: Setup,
     pub compare: bool,
     pub draft: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_in_a_moment_is_not_cancelled() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let repaint: Repaint = Arc::new(|| ());
+        let mut work = Work::new(&Engine::default(), &repaint);
+        let (side, path) = (3000, folder.path().join("large.png"));
+        let pixels = vec![7; 4 * (side * side) as usize];
+        assert!(!work.write(WriteTask::Picture(path, side, side, pixels)), "nothing is before it");
+        let running = work.running(Operation::Roughing).map(|(name, _)| name);
+        assert_eq!((running, work.can_cancel()), (Some("Writing"), false));
+    }
 }

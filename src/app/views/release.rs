@@ -28,6 +28,29 @@ pub enum Recalculation {
     Done,
 }
 
+/// A question that says something else than at first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Renewal {
+    /// How long ago that began, s.
+    pub since_s: f64,
+    /// Whether there is another plan.
+    pub has_new_plan: bool,
+}
+
+impl Renewal {
+    /// What is said of it, where something speaks against the file or nothing does.
+    fn words(self, is_sound: bool) -> &'static str {
+        match (self.has_new_plan, is_sound) {
+            (true, true) => {
+                "The plan was calculated anew while this was asked. Nothing speaks against it now."
+            }
+            (true, false) => "The plan was calculated anew while this was asked. Now:",
+            (false, true) => "Nothing speaks against it any more.",
+            (false, false) => "Something else became known while this was asked. Now:",
+        }
+    }
+}
+
 /// Time for which nothing is exported after the question has changed, s: who was about to click reads first.
 const READING_TIME_S: f64 = 1.0;
 
@@ -67,14 +90,13 @@ pub const EXISTING_LIBRARY: ReleaseWords = ReleaseWords {
     anyway: "Write into it",
 };
 
-/// Draws the question with what speaks against `file`, by name; returns the answer once. `since_renewal`: how
-/// long ago its plan was replaced by another, s.
+/// Draws the question with what speaks against `file`, by name; returns the answer once.
 pub fn ask(
     ui: &Ui,
     (words, file): (&ReleaseWords, &str),
     concerns: &[String],
     recalculation: Recalculation,
-    since_renewal: Option<f64>,
+    renewal: Option<Renewal>,
 ) -> Option<ReleaseAnswer> {
     let mut answer = None;
     let modal = Modal::new(egui::Id::unique("release")).show(ui.ctx(), |ui| {
@@ -85,11 +107,8 @@ pub fn ask(
         if !words.above.is_empty() {
             ui.label(words.above);
         }
-        if since_renewal.is_some() {
-            let said = match concerns.is_empty() {
-                true => "The plan was calculated anew while this was asked. Nothing speaks against it now.",
-                false => "The plan was calculated anew while this was asked. Now:",
-            };
+        if let Some(renewal) = renewal {
+            let said = renewal.words(concerns.is_empty());
             ui.label(RichText::new(said).color(Condition::Blocked.text(ui.visuals())));
         }
         let colour = Condition::Interfering.text(ui.visuals());
@@ -109,7 +128,7 @@ pub fn ask(
                     answer = Some(ReleaseAnswer::Recalculate);
                 }
             }
-            let is_read = since_renewal.is_none_or(|time| time >= READING_TIME_S);
+            let is_read = renewal.is_none_or(|renewal| renewal.since_s >= READING_TIME_S);
             if ui.add_enabled(is_read, egui::Button::new(words.anyway)).clicked() {
                 answer = Some(ReleaseAnswer::Export);
             }

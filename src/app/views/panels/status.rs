@@ -12,6 +12,8 @@ use crate::app::views::theme::Condition;
 pub struct Activity {
     /// Name and progress (0…1) of the running task.
     pub running: Option<(&'static str, f64)>,
+    /// Whether it can be cancelled.
+    pub can_cancel: bool,
     /// What computes the drawn stock.
     pub preview: String,
     /// Name and driver of the graphics device.
@@ -25,7 +27,7 @@ const BAR: f32 = 130.0;
 pub fn show(ui: &mut Ui, state: &AppState, activity: &Activity) -> bool {
     let mut cancel = false;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        let button = ui.add_enabled(activity.running.is_some(), Button::new(Command::Cancel.label()));
+        let button = ui.add_enabled(activity.can_cancel, Button::new(Command::Cancel.label()));
         cancel = button.on_hover_text(Command::Cancel.tip_with_keys(ui.ctx())).clicked();
         match activity.running {
             Some((what, fraction)) => {
