@@ -6,13 +6,16 @@ use rayon::prelude::*;
 
 use super::lattice::Lattice;
 use super::part::{Action, ToolPart};
-use super::piece::{Piece, PieceOnRays};
+use super::piece::{Extent, Piece, PieceOnRays};
 use super::rays::{RayField, RayTile, TILE};
 use super::span::{Span, SpanEnd, cut};
 use crate::geometry::Point;
 
 /// Cuts in a tile after which the bounds of its stock are computed anew; in between they are only too wide.
 const REFRESH: u32 = 4;
+/// Neighbouring rays along each side of a block, and blocks along each side of a tile.
+const BLOCK: usize = 4;
+const BLOCKS: usize = TILE / BLOCK;
 
 /// Stock that a part of a tool met in one move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,8 +108,9 @@ pub fn carve(
                 tile.load(rays);
                 rays.iter().zip(ends.iter_mut()).for_each(|(spans, ends)| *ends = ends_of(spans));
                 let (found, changes) = (Vec::new(), 0);
+                let gaps = [NO_GAP; BLOCKS * BLOCKS];
                 let mut carver =
-                    TileCarver { lattice, direction, u, v, rays, ends, found, resolved, changes };
+                    TileCarver { lattice, direction, u, v, rays, ends, gaps, found, resolved, changes };
                 let (mut range, mut changed) = (tile.range(), false);
                 for &index in bin {
                     changed |= carver.apply(&pieces[index as usize], &mut range);
@@ -149,6 +153,24 @@ fn ends_of(spans: &[Span]) -> (f64, f64) {
     }
 }
 
+/// A gap that holds nothing.
+const NO_GAP: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// The gap between the spans of a ray around the coordinate `t`; [`NO_GAP`] where there is stock.
+fn gap_around(spans: &[Span], t: f64) -> (f64, f64) {
+    let mut low = f64::NEG_INFINITY;
+    for span in spans {
+        if span.from >= t {
+            return (low, span.from);
+        }
+        if span.to > t {
+            return NO_GAP;
+        }
+        low = span.to;
+    }
+    (low, f64::INFINITY)
+}
+
 /// The rays of a tile while pieces are applied to them.
 struct TileCarver<'a> {
     lattice: &'a Lattice,
@@ -159,6 +181,9 @@ struct TileCarver<'a> {
     rays: &'a mut [Vec<Span>],
     /// Of each ray where its stock begins and ends; [`NO_STOCK`] where it has none.
     ends: &'a mut [(f64, f64)],
+    /// Of each block two coordinates between which none of its rays has stock. Stock is only removed, so that
+    /// a gap stays one.
+    gaps: [(f64, f64); BLOCKS * BLOCKS],
     found: Vec<Contact>,
     resolved: ResolvedDepth,
     /// Number of pieces that removed stock.
@@ -167,6 +192,9 @@ struct TileCarver<'a> {
 
 impl TileCarver<'_> {
     /// Applies one piece; `range` are bounds of all stock in the tile. Returns whether stock was removed.
+    ///
+    /// A tool moves by little at a time: most of what it passes it has cut before. Blocks of rays in whose
+    /// gap the piece stays are passed over.
     fn apply(&mut self, piece: &Piece, range: &mut (f64, f64)) -> bool {
         let (low, high) = piece.bounds();
         if low[self.direction] >= range.1 || high[self.direction] <= range.0 {
@@ -175,63 +203,26 @@ impl TileCarver<'_> {
         let on_rays = PieceOnRays::new(piece, self.direction);
         let first = on_rays.local(&self.lattice.ray(self.direction, self.u, self.v));
         let steps = on_rays.steps(Lattice::across(self.direction), self.lattice.spacing);
-        let reach = on_rays.reach(*range);
-        let extent = on_rays.extent();
+        let to_middle = 0.5 * (BLOCK - 1) as f64;
+        let of_ray = on_rays.extent(0.0);
+        let of_block = on_rays.extent(to_middle * std::f64::consts::SQRT_2 * self.lattice.spacing);
         let mut changed = false;
-        for i in 0..TILE {
-            let row = moved(&first, i, &steps.0);
-            for j in reach.rays(&row, &steps.1, TILE) {
-                let (from, to) = self.ends[i * TILE + j];
-                if from > to {
-                    continue;
-                }
-                let origin = moved(&row, j, &steps.1);
-                // Most rays are clear already where the cutter comes along.
-                let (least, most) = extent.on_ray(&origin);
-                if from > most || to < least {
-                    continue;
-                }
-                let spans = &mut self.rays[i * TILE + j];
-                if spans.iter().all(|span| span.from > most || span.to < least) {
-                    continue;
-                }
-                let Some(swept) = on_rays.interval(&origin) else { continue };
-                if swept.low >= to || swept.high <= from {
-                    continue;
-                }
-                match piece.action {
-                    Action::Cut => {
-                        changed |= cut(spans, swept.low, swept.high, |at_high| {
-                            let (t, share) = if at_high {
-                                (swept.high, swept.high_share)
-                            } else {
-                                (swept.low, swept.low_share)
-                            };
-                            // The stock lies on the other side of the cutter's surface.
-                            SpanEnd::new(&-on_rays.normal(&origin, t, share), piece.number)
-                        });
-                        self.ends[i * TILE + j] = ends_of(spans);
-                    }
-                    Action::Check(part) => {
-                        for span in spans.iter() {
-                            let (low, high) = (swept.low.max(span.from), swept.high.min(span.to));
-                            if low < high {
-                                let ray = self.lattice.ray(self.direction, self.u + i, self.v + j);
-                                let at = (low, high);
-                                record(
-                                    &mut self.found,
-                                    &on_rays,
-                                    self.direction,
-                                    (&origin, ray),
-                                    part,
-                                    at,
-                                    self.resolved,
-                                );
-                            }
-                        }
-                    }
+        for block in 0..self.gaps.len() {
+            let (u, v) = (block / BLOCKS * BLOCK, block % BLOCKS * BLOCK);
+            let middle = moved(&first, u as f64 + to_middle, &steps.0);
+            let (least, most) = of_block.on_ray(&moved(&middle, v as f64 + to_middle, &steps.1));
+            let (from, to) = self.gaps[block];
+            if least > most || from <= least && most <= to {
+                continue;
+            }
+            for i in u..u + BLOCK {
+                let row = moved(&first, i as f64, &steps.0);
+                for j in v..v + BLOCK {
+                    let origin = moved(&row, j as f64, &steps.1);
+                    changed |= self.apply_to_ray((&on_rays, &of_ray), (i, j), &origin);
                 }
             }
+            self.gaps[block] = self.gap_of_block((u, v), 0.5 * (least + most));
         }
         self.changes += u32::from(changed);
         if changed && self.changes.is_multiple_of(REFRESH) {
@@ -240,12 +231,76 @@ impl TileCarver<'_> {
         }
         changed
     }
+
+    /// Around the coordinate `t`, the gap of all rays of the block that begins at (`u`, `v`).
+    fn gap_of_block(&self, (u, v): (usize, usize), t: f64) -> (f64, f64) {
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        for i in u..u + BLOCK {
+            for spans in &self.rays[i * TILE + v..i * TILE + v + BLOCK] {
+                let (from, to) = gap_around(spans, t);
+                (low, high) = (low.max(from), high.min(to));
+                if low > high {
+                    return NO_GAP;
+                }
+            }
+        }
+        (low, high)
+    }
+
+    /// Applies a piece with its extent to the ray (`i`, `j`) of the tile through `origin` (in the frame of
+    /// the piece). Returns whether stock was removed.
+    #[inline]
+    fn apply_to_ray(
+        &mut self,
+        (on_rays, extent): (&PieceOnRays, &Extent),
+        (i, j): (usize, usize),
+        origin: &[f64; 3],
+    ) -> bool {
+        let (from, to) = self.ends[i * TILE + j];
+        if from > to {
+            return false;
+        }
+        let (least, most) = extent.on_ray(origin);
+        if from > most || to < least {
+            return false;
+        }
+        let spans = &mut self.rays[i * TILE + j];
+        if spans.iter().all(|span| span.from > most || span.to < least) {
+            return false;
+        }
+        let Some(swept) = on_rays.interval(origin) else { return false };
+        if swept.low >= to || swept.high <= from {
+            return false;
+        }
+        match on_rays.action() {
+            Action::Cut => {
+                let changed = cut(spans, swept.low, swept.high, |at_high| {
+                    let (t, share) =
+                        if at_high { (swept.high, swept.high_share) } else { (swept.low, swept.low_share) };
+                    // The stock lies on the other side of the cutter's surface.
+                    SpanEnd::new(&-on_rays.normal(origin, t, share), on_rays.number())
+                });
+                self.ends[i * TILE + j] = ends_of(spans);
+                changed
+            }
+            Action::Check(part) => {
+                let ray = self.lattice.ray(self.direction, self.u + i, self.v + j);
+                for span in spans.iter() {
+                    let at = (swept.low.max(span.from), swept.high.min(span.to));
+                    if at.0 < at.1 {
+                        let rays = (origin, ray);
+                        record(&mut self.found, on_rays, self.direction, rays, part, at, self.resolved);
+                    }
+                }
+                false
+            }
+        }
+    }
 }
 
 /// `point` moved by `count` steps.
 #[inline(always)]
-fn moved(point: &[f64; 3], count: usize, step: &[f64; 3]) -> [f64; 3] {
-    let count = count as f64;
+fn moved(point: &[f64; 3], count: f64, step: &[f64; 3]) -> [f64; 3] {
     [point[0] + count * step[0], point[1] + count * step[1], point[2] + count * step[2]]
 }
 

@@ -76,36 +76,6 @@ impl SweptInterval {
     }
 }
 
-/// Bounds of the origins of rays that can meet a piece: three directions in its frame, each with the least
-/// and the greatest coordinate along it.
-pub struct Reach {
-    bounds: [([f64; 3], f64, f64); 3],
-}
-
-impl Reach {
-    /// The numbers, up to `count`, of rays `origin` + number · `step` within the bounds.
-    #[inline]
-    pub fn rays(&self, origin: &[f64; 3], step: &[f64; 3], count: usize) -> std::ops::Range<usize> {
-        let (mut first, mut last) = (0.0f64, count as f64 - 1.0);
-        for (unit, least, most) in &self.bounds {
-            let (at, rate) = (dot(unit, origin), dot(unit, step));
-            if rate.abs() > TINY {
-                let (p, q) = ((least - at) / rate, (most - at) / rate);
-                first = first.max(p.min(q));
-                last = last.min(p.max(q));
-            } else if at < *least || at > *most {
-                return 0..0;
-            }
-        }
-        if first > last { 0..0 } else { first.ceil() as usize..(last.floor() + 1.0) as usize }
-    }
-}
-
-#[inline(always)]
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 /// Bounds of what a piece can sweep of a ray: the cylinder around it, cut off at the planes of its ends.
 pub struct Extent {
     /// Directions across the axis of the piece, in its frame: along the rays, and at right angles to them.
@@ -176,36 +146,21 @@ impl<'a> PieceOnRays<'a> {
         self.piece.number
     }
 
-    /// Bounds of the rays that can meet the piece where stock lies between two coordinates along them.
-    pub fn reach(&self, (low, high): (f64, f64)) -> Reach {
-        let [ex, ey, ez] = self.ray;
-        let across = ex.hypot(ey);
-        let along = if across > TINY { [ex / across, ey / across] } else { [1.0, 0.0] };
-        let aside = [-along[1], along[0]];
-        let outline = &self.piece.outline;
-        let slack = SLACK * (1.0 + outline.radius + low.abs().max(high.abs()));
-        let [vx, vy, vz] = self.travel;
-        let wide = |unit: [f64; 2], near: f64, far: f64| {
-            let moved = unit[0] * vx + unit[1] * vy;
-            let (least, most) = (moved.min(0.0) - far, moved.max(0.0) - near);
-            ([unit[0], unit[1], 0.0], least - outline.radius - slack, most + outline.radius + slack)
-        };
-        // Heights of the stock above the ray's own origin.
-        let (near, far) = if ez < 0.0 { (ez * high, ez * low) } else { (ez * low, ez * high) };
-        let height =
-            ([0.0, 0.0, 1.0], vz.min(0.0) - far - slack, vz.max(0.0) + outline.length - near + slack);
-        Reach { bounds: [wide(aside, 0.0, 0.0), wide(along, across * low, across * high), height] }
+    /// What the piece does.
+    pub fn action(&self) -> Action {
+        self.piece.action
     }
 
-    /// Bounds of what the piece can sweep of any ray.
-    pub fn extent(&self) -> Extent {
+    /// Bounds of what the piece can sweep of any ray, or of the rays up to `beside` mm from any.
+    pub fn extent(&self, beside: f64) -> Extent {
         let [ex, ey, rise] = self.ray;
         let across = ex.hypot(ey);
         let along = if across > TINY { [ex / across, ey / across] } else { [1.0, 0.0] };
         let aside = [-along[1], along[0]];
         let outline = &self.piece.outline;
         let [vx, vy, vz] = self.travel;
-        let slack = SLACK * (1.0 + outline.radius + outline.length + vx.abs() + vy.abs() + vz.abs());
+        let size = 1.0 + outline.radius + outline.length + vx.abs() + vy.abs() + vz.abs() + beside;
+        let slack = SLACK * size;
         let moved = [along, aside].map(|unit| {
             let moved = unit[0] * vx + unit[1] * vy;
             (moved.min(0.0) - slack, moved.max(0.0) + slack)
@@ -214,8 +169,8 @@ impl<'a> PieceOnRays<'a> {
             along,
             aside,
             moved,
-            heights: (vz.min(0.0) - slack, vz.max(0.0) + outline.length + slack),
-            squared_radius: (outline.radius + slack).powi(2),
+            heights: (vz.min(0.0) - beside - slack, vz.max(0.0) + outline.length + beside + slack),
+            squared_radius: (outline.radius + beside + slack).powi(2),
             across,
             rise,
         }
