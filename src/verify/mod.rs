@@ -61,8 +61,6 @@ struct Measured {
     hub: f64,
     blade: f64,
     retract: Option<f64>,
-    /// Whether the bottom ends in the blank.
-    in_blank: bool,
     /// Height above the tip at which the cutter has left the blank, mm, and height of the stock that this cut
     /// removes, mm; the latter only where it may exceed the overhang of the tool.
     top: f64,
@@ -151,7 +149,6 @@ pub fn verify(
                 hub: worst(&|c| finished.hub_clearance(c)),
                 blade: worst(&|c| finished.blade_clearance(c)),
                 retract,
-                in_blank: bottom_in_blank(&cut.cutter, blank),
                 top: whole.top,
                 lead_out: lead_out.unwrap_or_default(),
                 engagement: engagement(&whole, earlier, blank),
@@ -192,7 +189,13 @@ pub fn verify(
             retract_clearance: seen.retract,
         });
     }
-    if !measured.iter().any(|seen| seen.in_blank) {
+    // The bottom of a plunge at the rim may end beyond the blank, with the blank beside the tool.
+    let passes_blank = |cut: &ProgramCut| {
+        let whole = PlungeColumn::new(cut.cutter, cut.tool.radius(), &top);
+        let depth = core_contact(&whole, columns.before(0), blank).depth;
+        depth > 0.0 && depth <= cut.tool.overhang
+    };
+    if !cuts.iter().any(|cut| bottom_in_blank(&cut.cutter, blank)) && !cuts.iter().any(passes_blank) {
         let what = "the program cuts nothing of the part: no cut reaches the blank";
         let finding = Finding::new(FaultKind::CutsNothing, None, what);
         faults.push(finding.with_help("check its units and its origin").at(first_line));

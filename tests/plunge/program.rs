@@ -203,6 +203,9 @@ fn programs_that_do_nothing_sensible_are_faults() {
         |faults: Vec<(usize, FaultKind, Option<f64>)>| faults.into_iter().map(|f| f.1).collect::<Vec<_>>();
     let off = kinds(faults_after(|p| p.moves.iter_mut().for_each(|m| m.tip += Vector::new(0.0, 0.0, 900.0))));
     assert!(off.contains(&FaultKind::CutsNothing), "{off:?}");
+    // The bottom of the first plunge ends beyond the rim, its side cuts.
+    let first_alone = kinds(faults_after(|p| p.moves.truncate(3)));
+    assert!(!first_alone.contains(&FaultKind::CutsNothing), "{first_alone:?}");
     let unfed = faults_after(|p| {
         p.moves.iter_mut().filter(|m| m.motion != Motion::Rapid).for_each(|m| m.motion = Motion::Feed(None));
     });
