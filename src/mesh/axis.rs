@@ -6,7 +6,7 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen, UnitVector3};
 
 use super::surface::MeshSurface;
 use crate::error::{ErrorCode, UserError};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, frame_about, norm2};
 
 /// An axis of the file's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -101,8 +101,17 @@ const TURNED: f64 = 0.05;
 const SNAP: (f64, f64) = (0.002, 5e-4);
 /// An axis beside the origin has more area of revolution about it than one through it by this factor.
 const BESIDE: f64 = 1.2;
+/// As [`BESIDE`], of the area that tells where the axis is, and smallest sine of the angle between its
+/// normals and the axis.
+const BESIDE_STEEP: f64 = 2.0;
+const STEEP: f64 = 0.3;
 /// As [`SNAP`], for an axis that is exact but for rounding: rad and mm.
 const EXACT: (f64, f64) = (1e-6, 1e-4);
+
+/// Corners of a circle about the axis are of one height, next to each other in radius where the centre is
+/// uncertain, and on the circle, each as a share of the size, and in each of this number of sectors.
+const RING: (f64, f64, f64) = (4e-6, 2e-3, 2e-5);
+const SECTORS: usize = 8;
 
 /// A triangle of a surface. The axis is sought in some dozen passes over all of them.
 struct Facet {
@@ -192,6 +201,17 @@ fn revolved_share(facets: &[Facet], along: &Vector, through: &Point) -> f64 {
     turned / f64::max(total, 1e-300)
 }
 
+/// Area of a surface that is of revolution about an axis and tells where that is, mm²: faces across it, as
+/// discs, are so about any axis beside it, and those that are nearly so about many.
+fn locating_area(facets: &[Facet], along: &Vector, through: &Point) -> f64 {
+    let tells = |facet: &&Facet| {
+        let steep = facet.normal.cross(along).norm();
+        let arm = along.cross(&(facet.centre - through));
+        steep > STEEP && facet.normal.dot(&arm).abs() < TURNED * arm.norm()
+    };
+    facets.iter().filter(tells).map(|facet| facet.area).sum()
+}
+
 /// The axis in a direction of the file's with by far the largest area of revolution about it. In a wheel with
 /// its blades, that area is the hub and the blade tips. The axis goes through the origin, unless clearly more
 /// area is of revolution about a line beside it.
@@ -206,12 +226,17 @@ fn largest_revolved_axis(surface: &MeshSurface, facets: &[Facet]) -> Option<Part
         (shares[0], shares[1].0)
     };
     let (own, next) = by_share(&|_| Some(Point::origin()));
+    let tells_better = |along: &Vector, through: &Point| {
+        let own = locating_area(facets, along, &Point::origin());
+        locating_area(facets, along, through) > BESIDE_STEEP * own
+    };
     let (beside, beside_next) = by_share(&|along| revolution_centre(facets, along));
     if let Some(through) = beside.3
-        && beside.0 > BESIDE * own.0
         && beside.0 > 1.5 * beside_next
+        && (beside.0 > BESIDE * own.0 || tells_better(&beside.2, &through))
     {
         let size = surface.points.iter().map(|p| (p - through).norm()).fold(0.0, f64::max);
+        let through = centre_of_rings(&surface.points, (&beside.2, &through), size).unwrap_or(through);
         return Some(PartFromFile::snapped(&through, &beside.2, SNAP.0, SNAP.1 * size));
     }
     (own.0 > 1.5 * next).then_some(PartFromFile::Along(own.1))
@@ -241,6 +266,63 @@ fn revolution_centre(facets: &[Facet], along: &Vector) -> Option<Point> {
         through += step;
     }
     through.iter().all(|x| x.is_finite()).then_some(through)
+}
+
+/// The point through which an axis `along`, which is near `through`, has circles of corners about it: those
+/// of one height and radius all around. Corners are on the surface, as facets are not: they tell the axis
+/// better than normals do.
+fn centre_of_rings(points: &[Point], (along, through): (&Vector, &Point), size: f64) -> Option<Point> {
+    let (e1, e2) = frame_about(along);
+    let place = |p: &Point| {
+        let d = p - through;
+        (d.dot(along), d.dot(&e1), d.dot(&e2))
+    };
+    let mut places: Vec<(f64, f64, f64)> = points.iter().map(place).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let radius = |(_, x, y): &(f64, f64, f64)| norm2(*x, *y);
+    let mut centres: Vec<(f64, f64, f64)> = Vec::new();
+    for level in places.chunk_by(|a, b| b.0 - a.0 < RING.0 * size) {
+        let mut level = level.to_vec();
+        level.sort_by(|a, b| radius(a).total_cmp(&radius(b)));
+        for ring in level.chunk_by(|a, b| radius(b) - radius(a) < RING.1 * size) {
+            centres.extend(centre_of_ring(ring, RING.2 * size).map(|(x, y)| (ring.len() as f64, x, y)));
+        }
+    }
+    let weight: f64 = centres.iter().map(|c| c.0).sum();
+    let median = |of: fn(&(f64, f64, f64)) -> f64| {
+        let mut sorted: Vec<(f64, f64)> = centres.iter().map(|c| (of(c), c.0)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut sum = 0.0;
+        sorted.into_iter().find_map(|(x, w)| {
+            sum += w;
+            (sum >= 0.5 * weight).then_some(x)
+        })
+    };
+    let (x, y) = (median(|c| c.1)?, median(|c| c.2)?);
+    Some(through + e1 * x + e2 * y)
+}
+
+/// The centre of a circle through places, all around and within `tolerance` of it.
+fn centre_of_ring(ring: &[(f64, f64, f64)], tolerance: f64) -> Option<(f64, f64)> {
+    let mut met = [false; SECTORS];
+    for (_, x, y) in ring {
+        let turn = y.atan2(*x) / std::f64::consts::TAU + 0.5;
+        met[((turn * SECTORS as f64) as usize).min(SECTORS - 1)] = true;
+    }
+    if met.contains(&false) {
+        return None;
+    }
+    // x² + y² = 2 a x + 2 b y + c, by least squares.
+    let (mut squares, mut sums) = (Matrix3::zeros(), Vector::zeros());
+    for (_, x, y) in ring {
+        let row = Vector::new(2.0 * x, 2.0 * y, 1.0);
+        squares += row * row.transpose();
+        sums += row * (x * x + y * y);
+    }
+    let found = squares.try_inverse()? * sums;
+    let radius = (found.z + found.x * found.x + found.y * found.y).sqrt();
+    let is_on = |(_, x, y): &(f64, f64, f64)| (norm2(x - found.x, y - found.y) - radius).abs() < tolerance;
+    ring.iter().all(is_on).then_some((found.x, found.y))
 }
 
 /// Centre of the area of a surface.
@@ -290,4 +372,30 @@ fn fit_axis(facets: &[Facet]) -> Option<(Vector, Point)> {
         a
     };
     p.iter().all(|x| x.is_finite()).then_some((a, p))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{TriangleMesh, grid_triangles};
+
+    #[test]
+    fn circles_of_corners_tell_an_axis_beside_the_origin() {
+        // A cone with facets of different widths about an axis along Z.
+        const SECTORS: u32 = 48;
+        let angle = |k: u32| {
+            let turn = f64::from(k % SECTORS);
+            std::f64::consts::TAU * (turn + 0.4 * turn.sin()) / f64::from(SECTORS)
+        };
+        let ring = |(r, z): (f64, f64)| {
+            (0..=SECTORS).map(move |k| Point::new(10.0 + r * angle(k).cos(), r * angle(k).sin() - 5.0, z))
+        };
+        let points = [(40.0, 0.0), (20.0, 15.0)].into_iter().flat_map(ring).collect();
+        let triangles = grid_triangles(2, SECTORS as usize + 1, |_, _| true);
+        let cone = MeshSurface::from_mesh(&TriangleMesh { points, triangles });
+        let frame = largest_revolved_axis(&cone, &Facet::all(&cone));
+        let Some(PartFromFile::Turned { through, .. }) = frame else { panic!("{frame:?}") };
+        let off = norm2(through.x - 10.0, through.y + 5.0);
+        assert!(off < 1e-9, "{off} mm");
+    }
 }

@@ -21,6 +21,11 @@ const TURN: f64 = 0.3;
 const OVER_BESIDE: f64 = 2.5;
 /// Smallest turn over the border of a face that bends, rad.
 const LEAST_TURN: f64 = 0.05;
+/// The same beside a side that is straight, rad, how many times as much as that side bends, and how many
+/// times the reach it is looked at.
+const LEAST_OF_STRAIGHT: f64 = 0.02;
+const OVER_STRAIGHT: f64 = 5.0;
+const STRAIGHT_REACH: f64 = 4.0;
 /// Distance up to which the turns beside an edge are looked at, and smallest length of a crease, as a share
 /// of the extent of the blade.
 const REACH: f64 = 0.05;
@@ -89,10 +94,19 @@ pub fn find_curvature_jumps(surface: &MeshSurface) -> Vec<[bool; 3]> {
             }
             let turn = surface.normals[t].angle(&surface.normals[n as usize]);
             let back = (0..3).find(|&m| surface.neighbours[n as usize][m] as usize == t);
-            let (true, Some(back)) = (turn > LEAST_TURN, back) else { continue };
+            let (true, Some(back)) = (turn > LEAST_OF_STRAIGHT, back) else { continue };
             let sides = [(t, k), (n as usize, back)];
-            let [one, other] = sides.map(|side| turn > OVER_BESIDE * turn_beside(surface, side, reach));
-            if one != other {
+            let walks = sides.map(|side| walk_beside(surface, side, reach));
+            let [one, other] = walks.map(|walk| turn > OVER_BESIDE * walk.turn);
+            // Where a side is straight, as that of a plate or a nose up to its tip, the first facet of a
+            // fillet may turn little.
+            let from_straight = |a: usize| {
+                let is_straight = |walk: WalkTurns| turn > OVER_STRAIGHT * walk.bend;
+                is_straight(walks[a])
+                    && turn < OVER_BESIDE * walks[1 - a].bend
+                    && is_straight(walk_beside(surface, sides[a], STRAIGHT_REACH * reach))
+            };
+            if (one != other && turn > LEAST_TURN) || from_straight(0) || from_straight(1) {
                 sides.into_iter().for_each(|(t, k)| jumps[t][k] = true);
             }
         }
@@ -154,13 +168,22 @@ fn bend(surface: &MeshSurface, (t, k): (usize, usize), reach: f64) -> Option<f64
     }
     let turn = cosine.acos();
     let back = (0..3).find(|&m| surface.neighbours[n][m] as usize == t)?;
-    let beside = turn_beside(surface, (t, k), reach).max(turn_beside(surface, (n, back), reach));
+    let beside = walk_beside(surface, (t, k), reach).turn.max(walk_beside(surface, (n, back), reach).turn);
     (turn > OVER_BESIDE * beside).then_some(turn)
 }
 
-/// The largest turn on a straight walk over the mesh, rad, from the middle of an edge of a triangle at right
-/// angles to it, for the distance `reach` or up to a sharp edge.
-fn turn_beside(surface: &MeshSurface, (mut t, mut entered): (usize, usize), reach: f64) -> f64 {
+/// What a straight walk over a mesh meets, rad.
+#[derive(Clone, Copy, Default)]
+struct WalkTurns {
+    /// Largest angle between triangles.
+    turn: f64,
+    /// Largest turn of the way itself: 0 along the straight lines of a cylinder.
+    bend: f64,
+}
+
+/// A straight walk over the mesh from the middle of an edge of a triangle at right angles to it, for the
+/// distance `reach` or up to a sharp edge.
+fn walk_beside(surface: &MeshSurface, (mut t, mut entered): (usize, usize), reach: f64) -> WalkTurns {
     let edge = |t: usize, k: usize| {
         let corners = surface.triangles[t];
         [corners[k], corners[(k + 1) % 3]].map(|i| surface.points[i as usize])
@@ -170,8 +193,8 @@ fn turn_beside(surface: &MeshSurface, (mut t, mut entered): (usize, usize), reac
         surface.normals[t].cross(&(b - a))
     };
     let [a, b] = edge(t, entered);
-    let (mut from, mut way, mut most) = (a + (b - a) * 0.5, 0.0, 0.0_f64);
-    let Some(mut direction) = inwards(t, entered).try_normalize(1e-12) else { return 0.0 };
+    let (mut from, mut way, mut most) = (a + (b - a) * 0.5, 0.0, WalkTurns::default());
+    let Some(mut direction) = inwards(t, entered).try_normalize(1e-12) else { return most };
     for _ in 0..MAX_STEPS {
         let exits = (0..3).filter(|&k| k != entered).filter_map(|k| {
             let inwards = inwards(t, k);
@@ -188,10 +211,11 @@ fn turn_beside(surface: &MeshSurface, (mut t, mut entered): (usize, usize), reac
         if cosine < SHARP {
             break;
         }
-        most = most.max(cosine.min(1.0).acos());
+        most.turn = most.turn.max(cosine.min(1.0).acos());
         from += direction * step;
         let normal = surface.normals[next as usize];
         let Some(on) = (direction - normal * normal.dot(&direction)).try_normalize(1e-12) else { break };
+        most.bend = most.bend.max(direction.cross(&on).norm());
         let back = (0..3).find(|&m| surface.neighbours[next as usize][m] as usize == t);
         (direction, entered, t) = (on, back.unwrap_or(0), next as usize);
     }
@@ -252,6 +276,10 @@ mod tests {
         let filleted = cylinder(&line(side.chain([(0.1, 0.2)]).chain((0..6).map(|_| (0.2, 0.2)))));
         // The end of the surface is as good as straight.
         assert_eq!(marked(&filleted, &find_curvature_jumps(&filleted)), [4, 10]);
+        // Its first facet may turn little beside a side that is straight.
+        let shallow = (0..4).map(|_| (0.0, 5.0)).chain([(0.03, 0.2)]).chain((0..6).map(|_| (0.06, 0.2)));
+        let shallow = cylinder(&line(shallow));
+        assert!(marked(&shallow, &find_curvature_jumps(&shallow)).contains(&4));
         let round = cylinder(&line((0..20).map(|_| (0.2, 0.2))));
         let jumps = marked(&round, &find_curvature_jumps(&round));
         assert!(jumps.iter().all(|k| [1, 19].contains(k)), "{jumps:?}");

@@ -29,6 +29,8 @@ use crate::part::{BladeDescription, CurveDescription, Impeller, PartDescription,
 
 /// Number of points of a side of a section.
 const SECTION_POINTS: usize = 180;
+/// Number of points of a straight piece before the beginning of a hub.
+const AHEAD: usize = 16;
 /// Largest distance of the fitted straight lines from a side that is treated as ruled, mm.
 const STRAIGHT: f64 = 0.012;
 /// Largest distance of a corner from the curve of hub or shroud: mm, and share of the diameter.
@@ -201,6 +203,7 @@ fn describe_roles(
     let mut size = radius(&hub);
     // The body whose flow side the hub is.
     let mut body_of_hub: Option<MeshSurface> = None;
+    let mut hub_ahead_mm = 0.0;
     if let Some(OneMesh { name, missing }) = one {
         let bodies =
             bodies.into_iter().map(|b| Body { surface: about_z(b.surface), ..b }).collect::<Vec<Body>>();
@@ -208,10 +211,10 @@ fn describe_roles(
             Some(missing) => Err(missing.clone()),
             None => segment_wheel(hub, &normals, name),
         };
-        let wheel = |Segments { hub, shroud, blades }: Segments| WheelBodies {
-            hub,
-            shroud,
-            blades: blades.into_iter().map(|blade| (Role::Blade, blade)).collect(),
+        let mut wheel = |Segments { hub, hub_ahead_mm: ahead, shroud, blades }: Segments| {
+            hub_ahead_mm = ahead;
+            let blades = blades.into_iter().map(|blade| (Role::Blade, blade)).collect();
+            WheelBodies { hub, shroud, blades }
         };
         let is_wheel = |body: &Body| segment_wheel(&body.surface, &normals, &body.name).is_ok();
         let found = match sort_bodies(bodies, is_wheel, &mut notes) {
@@ -228,7 +231,7 @@ fn describe_roles(
                     body_of_hub = Some(body.surface);
                     wheel(segments)
                 }
-                Err(alone) => whole(&hub, &name).map(wheel).map_err(|_| alone)?,
+                Err(alone) => wheel(whole(&hub, &name).map_err(|_| alone)?),
             },
             SortedBodies::Unknown => {
                 let found = wheel(whole(&hub, &name)?);
@@ -248,8 +251,13 @@ fn describe_roles(
     notes.extend(note);
     let blades =
         Blades { main: fill_holes(main), splitters: splitters.into_iter().map(fill_holes).collect() };
-    let Walls { blades, corners, course, hub: hub_curve, shroud: fitted_shroud } =
+    let Walls { blades, corners, course, hub: mut hub_curve, hub_ahead_mm: ahead, shroud: fitted_shroud } =
         fit_walls(blades, &hub, shroud.as_ref(), &mut normals, (size, tolerance), &mut notes)?;
+    let hub_of_body = hub_curve.points.clone();
+    hub_ahead_mm = hub_ahead_mm.max(ahead);
+    if hub_ahead_mm > 0.0 {
+        hub_curve.points = gone_on(&hub_curve.points, hub_ahead_mm);
+    }
     let Blades { main, splitters } = blades;
     let through = |profile: &FittedProfile| MeridionalCurve::through(&profile.points);
     // With whether the tips turn into leading and trailing edge past its ends.
@@ -311,8 +319,8 @@ fn describe_roles(
     notes.extend(note);
     notes.extend(ring_note(&main, &through(&hub_curve)));
     let body = body_of_hub.as_ref().unwrap_or(&hub);
-    let ahead = outline_ahead(body, &hub_curve.points, course.inlet_up(), tolerance);
-    let hub_points = if ahead.is_empty() { hub_curve.points } else { joined_to(&ahead, &hub_curve.points) };
+    let ahead = outline_ahead(body, &hub_of_body, course.inlet_up(), tolerance);
+    let hub_points = if ahead.is_empty() { hub_of_body } else { joined_to(&ahead, &hub_of_body) };
     let leading_first = rotation.sign_about_z(course.inlet_up()) < 0.0;
     Ok(PartDescription {
         name: name.to_owned(),
@@ -355,6 +363,13 @@ struct NamedBody {
     /// Whether the user says it.
     given: bool,
     mesh: TriangleMesh,
+}
+
+/// The points of a curve with those of a straight piece of a length, mm, before its beginning.
+fn gone_on(points: &[Meridional], length: f64) -> Vec<Meridional> {
+    let curve = MeridionalCurve::through(points);
+    let before = (0..AHEAD).map(|k| curve.point(length * (k as f64 / AHEAD as f64 - 1.0)));
+    before.chain(points.iter().copied()).collect()
 }
 
 /// Whether the tips of a blade go on past an end of its shroud, straight within `tolerance`, mm.

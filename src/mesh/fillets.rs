@@ -26,6 +26,10 @@ const ZONES: usize = 6;
 const SAMPLES_PER_ZONE: usize = 5;
 /// Range of a side that is examined, without the edges, whose thickness varies otherwise.
 const MIDDLE: (f64, f64) = (0.1, 0.9);
+/// Share of the thickness of the section before below which a section is broken, in this number of zones, and
+/// largest number of broken sections at an end.
+const BROKEN: (f64, usize) = (0.8, 3);
+const MOST_BROKEN: usize = 2;
 /// Search range for the nearest point of the other side, as a share of that side, in both directions.
 const ASIDE: f64 = 0.15;
 
@@ -42,13 +46,14 @@ pub fn between_fillets(low: f64, high: f64, section: impl Fn(f64) -> Option<Span
 fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     let sections: Vec<SpanSection> = (0..=STEPS).map_while(section).collect();
     let Some(last) = sections.len().checked_sub(1).filter(|last| *last > 3) else { return STEPS };
-    let height = {
-        let span = sections[0].sides[0].point(0.5) - sections[last].sides[0].point(0.5);
-        2.0 * span.norm() * STEPS as f64 / last as f64
-    };
     let thick: Vec<[f64; ZONES]> =
         sections.iter().map(|s| std::array::from_fn(|zone| thickness(s, zone))).collect();
-    if let Some(begun) = fillet_begins(&thick, height) {
+    let whole = last_whole(&thick);
+    let height = {
+        let span = sections[0].sides[0].point(0.5) - sections[whole].sides[0].point(0.5);
+        2.0 * span.norm() * STEPS as f64 / whole as f64
+    };
+    if let Some(begun) = fillet_begins(&thick[..=whole], height) {
         // Where the blade is lowest, at its trailing edge, the fillet may reach higher and round that edge.
         let has_round_tail = |section: &SpanSection| section.has_round_tail;
         let same = sections.iter().position(|s| has_round_tail(s) != has_round_tail(&sections[0]));
@@ -56,6 +61,17 @@ fn free_until(section: impl Fn(usize) -> Option<SpanSection>) -> usize {
     }
     // Close to the end, where blade and hub meet, a slice may fall into pieces.
     if 3 * last >= 2 * STEPS && last < STEPS { last - 1 } else { STEPS }
+}
+
+/// Index of the last section that is whole: of the lowest rows of a fillet on a hub a slice may hold pieces
+/// only, which are thinner by far than the section before.
+fn last_whole(thick: &[[f64; ZONES]]) -> usize {
+    let last = thick.len() - 1;
+    let is_broken = |k: usize| {
+        let thinner = (0..ZONES).filter(|zone| thick[k][*zone] < BROKEN.0 * thick[k - 1][*zone]);
+        thinner.count() >= BROKEN.1
+    };
+    (1..=last).rev().take(MOST_BROKEN + 1).find(|&k| k > 3 && !is_broken(k)).unwrap_or(last)
 }
 
 /// Index of the step with which a fillet begins in a blade of some `height` (mm) that is `thick` (mm) in each
@@ -148,6 +164,16 @@ mod tests {
         let begun = fillet_begins(&filleted, HEIGHT).expect("a fillet") as f64 * STEP;
         let expected = HEIGHT / 2.0 - RADIUS;
         assert!((begun - expected).abs() < 2.0 * STEP, "{begun} mm from the middle, in place of {expected}");
+    }
+
+    #[test]
+    fn sections_in_pieces_at_the_end_of_a_fillet_do_not_count() {
+        let mut sections = blade(|h| 3.0 + 8.0 * (h - 8.5).max(0.0).powi(2));
+        sections[STEPS] = [0.1, 0.2, 0.9, 1.6, 2.3, 3.1];
+        let whole = last_whole(&sections);
+        assert_eq!(whole, STEPS - 1);
+        assert!(fillet_begins(&sections, HEIGHT).is_none());
+        assert!(fillet_begins(&sections[..=whole], HEIGHT).is_some());
     }
 
     #[test]

@@ -22,17 +22,53 @@ const SAME: f64 = 1e-6;
 /// Faces that are straight in the meridional plane, as discs, cones and cylinders are, have corners at their
 /// ends only, and rounded ones have few: no fit could tell how the curve runs between them, least of all
 /// where its curvature jumps from one face to the next. An edge with exact normals at its ends tells it:
-/// cubic Hermite interpolation. Without them the corners are all there is.
+/// cubic Hermite interpolation. Without them the corners are all there is, but for wide gaps between their
+/// distances `along` the channel, over which edges are straight.
 pub fn meridional_points(
     surface: &MeshSurface,
     triangles: &[usize],
     exact: &ExactNormals,
+    along: impl Fn(Meridional) -> f64,
 ) -> Vec<Meridional> {
-    let shortest = if exact.is_empty() { f64::INFINITY } else { 1.0 / PARTS };
-    points_along(surface, triangles, shortest, |[a, b], t, chord| {
+    if exact.is_empty() {
+        return points_over_gaps(surface, triangles, along);
+    }
+    points_along(surface, triangles, 1.0 / PARTS, |[a, b], t, chord| {
         let tangent = |i: u32| tangent_along(surface, (i, t), chord, exact);
         Some([tangent(a)?, tangent(b)?])
     })
+}
+
+/// The corners of `triangles`, and points along the chords of their longest edges where there are no corners
+/// in between: no function through the corners tells how the curve runs over a gap.
+fn points_over_gaps(
+    surface: &MeshSurface,
+    triangles: &[usize],
+    along: impl Fn(Meridional) -> f64,
+) -> Vec<Meridional> {
+    let mut points = corners_of(surface, triangles);
+    let mut places: Vec<f64> = points.iter().map(|p| along(*p)).collect();
+    places.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return points };
+    let widest = STRAIGHT * (last - first);
+    let gaps: Vec<[f64; 2]> =
+        places.windows(2).filter(|w| w[1] - w[0] > widest).map(|w| [w[0], w[1]]).collect();
+    if !gaps.is_empty() {
+        let more = straight_points(surface, triangles).into_iter().skip(points.len());
+        let is_in_gap = |p: &Meridional| gaps.iter().any(|[from, to]| (*from..*to).contains(&along(*p)));
+        points.extend(more.filter(is_in_gap));
+    }
+    points
+}
+
+/// The corners of `triangles`.
+fn corners_of(surface: &MeshSurface, triangles: &[usize]) -> Vec<Meridional> {
+    let mut used = vec![false; surface.points.len()];
+    for &t in triangles {
+        surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);
+    }
+    let own = surface.points.iter().zip(&used).filter(|(_, used)| **used);
+    own.map(|(p, _)| Meridional::from_point(p)).collect()
 }
 
 /// As [`meridional_points`], of a mesh without exact normals: points are along the chords of its longest
@@ -53,18 +89,10 @@ fn points_along(
     tangents: impl Fn([u32; 2], usize, Meridional) -> Option<[Meridional; 2]>,
 ) -> Vec<Meridional> {
     let corners: Vec<Meridional> = surface.points.iter().map(Meridional::from_point).collect();
-    let mut used = vec![false; corners.len()];
-    for &t in triangles {
-        surface.triangles[t].iter().for_each(|i| used[*i as usize] = true);
-    }
-    let own = || corners.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p);
-    let mut points: Vec<Meridional> = own().collect();
-    if shortest.is_infinite() {
-        return points;
-    }
+    let mut points = corners_of(surface, triangles);
     let extent = |of: &dyn Fn(&Meridional) -> f64| {
-        let (low, high) =
-            own().map(|p| of(&p)).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let ends = |(a, b): (f64, f64), x: f64| (a.min(x), b.max(x));
+        let (low, high) = points.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), ends);
         high - low
     };
     let size = norm2(extent(&|p| p.r), extent(&|p| p.z));

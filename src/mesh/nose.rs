@@ -20,6 +20,8 @@ const DIP: f64 = 0.1;
 const OUTSIDE: f64 = 0.05;
 /// Turn of the outline from which on a place is a corner, rad.
 const CORNER: f64 = 0.26;
+/// Turn of the outline at which a wall ends in the rounded corner at its foot, rad.
+const BENT: f64 = 0.02;
 /// Length of the rounding on either side of a corner, and largest distance of points, as shares of the length
 /// of the curve.
 const ROUNDING: f64 = 1.0 / 600.0;
@@ -70,16 +72,20 @@ pub fn outline_ahead(
     if rises { line } else { Vec::new() }
 }
 
-/// Places along the outline `ahead` of a hub at which it has a corner, and its end.
-pub fn corners_of(ahead: &[Meridional]) -> Vec<usize> {
-    let is_corner = |k: &usize| *k + 1 == ahead.len() || turn(ahead[k - 1], ahead[*k], ahead[k + 1]) > CORNER;
-    (1..ahead.len()).filter(is_corner).collect()
+/// The wall of a boss along the outline `ahead` of a hub: up to the first corner over which it turns towards
+/// the axis, or the end of the outline, and as far back from there as it is straight.
+pub fn wall_of(ahead: &[Meridional], inlet_up: bool) -> Option<&[Meridional]> {
+    let inwards = if inlet_up { 1.0 } else { -1.0 };
+    let turn_at = |k: usize| inwards * turn(ahead[k - 1], ahead[k], ahead[k + 1]);
+    let top = (1..ahead.len()).find(|k| *k + 1 == ahead.len() || turn_at(*k) > CORNER)?;
+    let bottom = (1..top).rev().find(|k| turn_at(*k) < -BENT).unwrap_or(0);
+    Some(&ahead[bottom..=top])
 }
 
-/// Angle between the directions of two stretches that meet in `b`, rad.
+/// Angle between the directions of two stretches that meet in `b`, rad: positive from r towards z.
 fn turn(a: Meridional, b: Meridional, c: Meridional) -> f64 {
     let (into, out) = ((b.r - a.r, b.z - a.z), (c.r - b.r, c.z - b.z));
-    (into.0 * out.1 - into.1 * out.0).atan2(into.0 * out.0 + into.1 * out.1).abs()
+    (into.0 * out.1 - into.1 * out.0).atan2(into.0 * out.0 + into.1 * out.1)
 }
 
 /// The curve of a hub with the outline `ahead` of it, which begins where the hub does: corners are rounded,
@@ -107,7 +113,7 @@ pub fn joined_to(ahead: &[Meridional], hub: &[Meridional]) -> Vec<Meridional> {
     let mut corners: Vec<f64> = Vec::new();
     for k in 1..front.len() {
         let next = front.get(k + 1).copied().unwrap_or_else(|| flow.point(ROUNDING * whole));
-        if turn(front[k - 1], front[k], next) > CORNER {
+        if turn(front[k - 1], front[k], next).abs() > CORNER {
             corners.push(along[k]);
         }
     }

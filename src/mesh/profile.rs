@@ -16,7 +16,7 @@ use crate::part::PartError;
 /// Smallest share of the area of hub or shroud, without fillets, that has to be on its curve.
 pub const MOSTLY: f64 = 0.5;
 /// Smallest number of votes of a piece of the flow side, as a share of the largest number.
-const VOTES: f64 = 0.2;
+pub const VOTES: f64 = 0.2;
 /// Smallest area of a piece of the flow side, as a share of that of the largest.
 const PIECE: f64 = 0.005;
 /// Distance of places on long edges of a hub or shroud, as a share of its largest radius, and their largest
@@ -81,7 +81,7 @@ impl Course {
             |points: &[Meridional]| points.iter().map(|p| p.z).sum::<f64>() / points.len().max(1) as f64;
         let (inner, outer) = (&by_radius[..few], &by_radius[by_radius.len() - few..]);
         let mut rise = mean(outer) - mean(inner);
-        let (innermost, disc) = (by_radius.first().map_or(0.0, |p| p.r), outer.first().map_or(0.0, |p| p.r));
+        let (innermost, disc) = (by_radius.first().map_or(0.0, |p| p.r), outer.last().map_or(0.0, |p| p.r));
         if rise.abs() < FLAT * (disc - innermost) {
             let (mut sum, mut area) = (0.0, 0.0);
             for t in (0..wheel.triangles.len()).filter(|&t| is_hub(t)) {
@@ -287,7 +287,7 @@ pub fn towards(surface: &MeshSurface, t: usize, p: Meridional) -> f64 {
 }
 
 /// The flow side of a hub or shroud: the smooth pieces nearest to the blades, found by votes of blade
-/// corners.
+/// corners: those with at least a `share` of the votes of the one that has most.
 ///
 /// # Errors
 /// Fails when no surface of revolution is beside the blades.
@@ -295,7 +295,7 @@ pub fn find_flow_side(
     surface: &MeshSurface,
     course: &Course,
     blades: &[Meridional],
-    exact: &ExactNormals,
+    (exact, share): (&ExactNormals, f64),
     name: &str,
 ) -> Result<FlowSide, PartError> {
     // Fillets and other triangles that are not of revolution are ignored.
@@ -361,12 +361,12 @@ pub fn find_flow_side(
     }
     let most = votes.iter().copied().max().unwrap_or(0);
     let largest = (0..count).filter(|g| votes[*g] > 0).map(|g| areas[g]).fold(0.0, f64::max);
-    let is_chosen = |g: usize| votes[g] as f64 >= VOTES * most.max(1) as f64 && areas[g] >= PIECE * largest;
+    let is_chosen = |g: usize| votes[g] as f64 >= share * most.max(1) as f64 && areas[g] >= PIECE * largest;
     let chosen: Vec<bool> = (0..count).map(is_chosen).collect();
     let is_beside = |t: usize| group[t] != NONE && chosen[group[t] as usize] && turned[t];
     let triangles: Vec<usize> =
         (0..group.len()).filter(|&t| is_beside(t) && follows(course, surface, t)).collect();
-    let points = meridional_points(surface, &triangles, exact);
+    let points = meridional_points(surface, &triangles, exact, |p| course.coordinates_of(p).0);
     if points.len() < 8 {
         return Err(PartError::new(
             ErrorCode::NotRevolved,

@@ -1,12 +1,13 @@
 //! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
 //! cover, the rest is blades.
 
-use super::boss::cut_off_boss;
+use super::boss::{BossOfHub, cut_off_boss, end_of_foot};
 use super::meridional_points::{meridional_points, straight_points};
 use super::normals::ExactNormals;
 use super::profile::{Course, FittedProfile, MOSTLY, mean_point, meridional_normal, towards};
 use super::round::{SECTORS, TURNED, is_round, radii, sectors_met};
 use super::surface::MeshSurface;
+use super::tip_border::begins_in_hub;
 use super::trim::trimmed;
 use super::weld::NONE;
 use crate::error::ErrorCode;
@@ -37,6 +38,9 @@ const OUTER: f64 = 0.8;
 pub struct Segments {
     /// The hub, or its flow side.
     pub hub: MeshSurface,
+    /// How far blades go on before the beginning of the hub, straight, in the rounded corner at the foot of a
+    /// boss, mm.
+    pub hub_ahead_mm: f64,
     /// The shroud where it is a separate piece, or the cover.
     pub shroud: Option<MeshSurface>,
     /// Single blades.
@@ -70,7 +74,7 @@ fn segment_disconnected(wheel: &MeshSurface) -> Result<Option<Segments>, usize> 
     round.sort_by(|a, b| radii(a).0.total_cmp(&radii(b).0));
     let mut round = round.into_iter();
     let Some(hub) = round.next() else { return Ok(None) };
-    Ok(Some(Segments { hub, shroud: round.next(), blades }))
+    Ok(Some(Segments { hub, hub_ahead_mm: 0.0, shroud: round.next(), blades }))
 }
 
 /// Shares of a face's stretches past the blades that are tried for its curve: smoothly joined to hub or cover
@@ -167,6 +171,34 @@ struct RevolvedFace {
     heights: Vec<f64>,
     /// Smallest radius of its corners, mm.
     inner: f64,
+}
+
+impl RevolvedFace {
+    /// A face with the points of its curve, which has its outer side towards the blades; with the corners of
+    /// the wheel, and the smallest radius of its own.
+    fn new(
+        number: usize,
+        points: Vec<Meridional>,
+        curve: MeridionalCurve,
+        (corners, inner): (&[Meridional], f64),
+        course: &Course,
+    ) -> Option<Self> {
+        let ends = [points.first()?, points.last()?].map(|p| course.coordinates_of(*p).0);
+        let feet_of: Vec<(f64, f64)> = corners.iter().map(|p| curve.project(*p)).collect();
+        let inside = 1e-6 * curve.length()..=(1.0 - 1e-6) * curve.length();
+        let at_end = feet_of.iter().map(|(t, _)| !inside.contains(t)).collect();
+        let heights = feet_of.into_iter().map(|(_, height)| height).collect();
+        Some(Self { number, points, curve, extent: (ends[0], ends[1]), at_end, heights, inner })
+    }
+
+    /// The face from the arc length `from` of its curve on.
+    fn behind(&self, from: f64, corners: &[Meridional], course: &Course) -> Option<Self> {
+        let curve = self.curve.piece(from, self.curve.length());
+        let begin = course.coordinates_of(curve.point(0.0)).0;
+        let rest = self.points.iter().filter(|p| course.coordinates_of(**p).0 > begin);
+        let points = std::iter::once(curve.point(0.0)).chain(rest.copied()).collect();
+        Self::new(self.number, points, curve, (corners, self.inner), course)
+    }
 }
 
 /// Segments a wheel given as one mesh about Z into hub, blades and, where there is one, cover.
@@ -292,13 +324,13 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         let fitted = |points: &[Meridional]| {
             curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance))
         };
+        let along = |p: Meridional| course.coordinates_of(p).0;
         // Long edges of fillets that join the face smoothly are not on its curve: then its corners tell it.
-        let (points, own_corners) = (meridional_points(wheel, &triangles, exact), of(&own));
-        let has_more = points.len() > own_corners.len();
+        let (points, own_corners) = (meridional_points(wheel, &triangles, exact, along), of(&own));
+        let has_more = !exact.is_empty() && points.len() > own_corners.len();
         let profile = fitted(&points)
             .or_else(|| if has_more { fitted(&own_corners) } else { None })
             .or_else(|| fitted(&straight_points(wheel, &triangles)))?;
-        let ends = [profile.points.first()?, profile.points.last()?].map(|p| course.coordinates_of(*p).0);
         // The face of a solid tells its outer side; what stands may do so on the back of the hub, too.
         let outside = |sign: f64| -> Vec<Meridional> {
             let aside = |&t: &usize| {
@@ -310,13 +342,8 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         };
         let beside = outward.map_or_else(|| standing.clone(), outside);
         let curve = MeridionalCurve::through(&profile.points).with_outer_side_towards_most(&beside);
-        let feet_of: Vec<(f64, f64)> = corners.iter().map(|p| curve.project(*p)).collect();
-        let inside = 1e-6 * curve.length()..=(1.0 - 1e-6) * curve.length();
-        let at_end = feet_of.iter().map(|(t, _)| !inside.contains(t)).collect();
-        let heights = feet_of.into_iter().map(|(_, height)| height).collect();
         let inner = points.iter().map(|p| p.r).fold(f64::INFINITY, f64::min);
-        let points = profile.points;
-        Some(RevolvedFace { number, points, curve, extent: (ends[0], ends[1]), at_end, heights, inner })
+        RevolvedFace::new(number, profile.points, curve, (&corners, inner), &course)
     };
     // Blades that reach from edge to edge divide a face into patches, one for each channel: those on a curve
     // that was found before belong to it.
@@ -338,7 +365,7 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     // The hub is nearer to the axis.
     faces.sort_by(|a, b| a.inner.total_cmp(&b.inner));
     let mut faces = faces.into_iter();
-    let Some(hub) = faces.next() else {
+    let Some(mut hub) = faces.next() else {
         return Err(unclear("no surface of revolution runs from inlet to outlet between the blades"));
     };
     let cover = faces.next();
@@ -367,30 +394,59 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         !of_it.iter().any(behind) && of_it.iter().any(|i| corner(i) > tolerance) && !past(cover, t)
     };
     let in_cover = |t: usize| cover.as_ref().is_none_or(|cover| is_in(cover, t));
-    // Of a face of a blade that goes on below the edge of the hub, as a trailing edge does in the rim.
-    let goes_below = |t: usize| {
-        let reach = END_SLACK * (hub.extent.1 - hub.extent.0);
-        let within = |i: &u32| {
-            let x = course.coordinates_of(corners[*i as usize]).0;
-            x > hub.extent.0 - reach && x < hub.extent.1 + reach
+    let over_hub_of = |hub: &RevolvedFace, whole: Option<&RevolvedFace>| {
+        // Of a face of a blade that goes on below the edge of the hub, as a trailing edge does in the rim.
+        let goes_below = |t: usize| {
+            let reach = END_SLACK * (hub.extent.1 - hub.extent.0);
+            let within = |i: &u32| {
+                let p = corners[*i as usize];
+                let x = course.coordinates_of(p).0;
+                // A rim at right angles to the hub may be wide.
+                let is_at_end = || {
+                    let t = hub.curve.project_past_ends(p).0;
+                    t > -reach && t < hub.curve.length() + reach
+                };
+                (x > hub.extent.0 - reach && x < hub.extent.1 + reach) || is_at_end()
+            };
+            below(hub, t) && any(hub, t, &|h| h > tolerance) && wheel.triangles[t].iter().all(within)
         };
-        below(&hub, t) && any(&hub, t, &|h| h > tolerance) && wheel.triangles[t].iter().all(within)
+        let crossing: Vec<bool> = (0..wheel.triangles.len()).map(goes_below).collect();
+        let is_wall = |t: usize| turned[t] && whole.is_some_and(|whole| lies(whole, t));
+        let over_hub = wheel.subset(|t| (over(hub, t) || crossing[t]) && in_cover(t) && !is_wall(t));
+        match crossing.contains(&true) {
+            true => trimmed(&over_hub, &hub.curve, tolerance),
+            false => over_hub,
+        }
     };
-    let crossing: Vec<bool> = (0..wheel.triangles.len()).map(goes_below).collect();
-    let over_hub = wheel.subset(|t| (over(&hub, t) || crossing[t]) && in_cover(t));
-    let over_hub = match crossing.contains(&true) {
-        true => trimmed(&over_hub, &hub.curve, tolerance),
-        false => over_hub,
-    };
+    let mut over_hub = over_hub_of(&hub, None);
     let mut pieces = over_hub.clone().into_pieces();
-    if !are_apart(&pieces) {
-        let above = hub.curve.offset_derivative(0.5 * hub.curve.length(), ASIDE * size).0;
-        let boss = (hub.points.as_slice(), above);
-        pieces = cut_off_boss(wheel, &over_hub, boss, course.inlet_up(), (tolerance, are_apart))
-            .ok_or_else(|| unclear("the blades on its hub are connected with each other"))?;
+    // Blades that begin in a boss with a rounded foot stand on a hub that goes on up to its top.
+    let first_blade = pieces.iter().zip(blades_among(&pieces)).find(|(_, is)| *is).map(|(piece, _)| piece);
+    let in_boss = first_blade.is_some_and(|blade| begins_in_hub(blade, &hub.points, &course));
+    let foot = if in_boss { end_of_foot(&hub.curve) } else { None };
+    let behind = foot.and_then(|foot| hub.behind(foot, &corners, &course));
+    let rounded = behind.map(|behind| std::mem::replace(&mut hub, behind));
+    if rounded.is_some() {
+        over_hub = over_hub_of(&hub, rounded.as_ref());
+    }
+    let mut hub_ahead_mm = 0.0;
+    if rounded.is_some() || !are_apart(&pieces) {
+        let boss = BossOfHub {
+            wheel,
+            hub: &hub.points,
+            rounded: rounded.as_ref().map(|face| &face.curve),
+            above: hub.curve.offset_derivative(0.5 * hub.curve.length(), ASIDE * size).0,
+            inlet_up: course.inlet_up(),
+            tolerance,
+        };
+        match (cut_off_boss(&over_hub, &boss, are_apart), rounded) {
+            (Some(cut), _) => (pieces, hub_ahead_mm) = (cut.pieces, cut.ahead_mm),
+            (None, Some(whole)) if are_apart(&pieces) => hub = whole,
+            _ => return Err(unclear("the blades on its hub are connected with each other")),
+        }
     }
     let is_blade = blades_among(&pieces);
     let blades = pieces.into_iter().zip(is_blade).filter(|(_, is)| *is).map(|(blade, _)| blade).collect();
     let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));
-    Ok(Segments { hub: wheel.subset(|t| lies(&hub, t)), shroud, blades })
+    Ok(Segments { hub: wheel.subset(|t| lies(&hub, t)), hub_ahead_mm, shroud, blades })
 }

@@ -27,6 +27,11 @@ const BASE: usize = 5;
 const ACROSS: f64 = 1.05;
 /// Smallest turn of the border at a corner, rad.
 const CORNER: f64 = 0.45;
+/// Largest height over the hub at which the border of a blade without leading edge begins, as a share of that
+/// of the tip.
+const AT_HUB: f64 = 0.1;
+/// Largest turn of that border, rad.
+const NO_TURN: f64 = 0.4;
 /// Fewest corners that a curve is fitted through.
 const FEWEST: usize = 8;
 
@@ -46,6 +51,24 @@ pub fn fit_tip_border(blade: &MeshSurface, hub: &[Meridional], course: &Course) 
 pub fn tip_extent(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<(f64, f64)> {
     let TipOutline { from, step, tip, .. } = TipOutline::from_blade(blade, hub, course)?;
     Some((from + step * tip.0 as f64, from + step * tip.1 as f64))
+}
+
+/// Whether `blade` has no leading edge: its border goes on from the hub, where it begins, to the end of its
+/// tip without a turn.
+pub fn begins_in_hub(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> bool {
+    let Some(outline) = TipOutline::from_blade(blade, hub, course) else { return false };
+    let Some(first) = (0..outline.tip.1).find(|k| outline.across[*k].is_finite()) else { return false };
+    let slope =
+        |a: usize, b: usize| (outline.across[b] - outline.across[a]).atan2(outline.step * (b - a) as f64);
+    let (from, to) = (first + 1, outline.tip.1 - 1);
+    let tip = slope(outline.tip.0, to);
+    let is_alike = |k: usize| (slope(k, k + BASE) - tip).abs() < NO_TURN;
+    // The tip of a leading edge, with which the border may begin, is far from the hub.
+    let hub: Vec<(f64, f64)> = hub.iter().map(|p| course.coordinates_of(*p)).collect();
+    let x = outline.from + outline.step * first as f64;
+    let over = outline.across[first] - outline.sign * along_hub(&hub, x).0;
+    let begins = over < AT_HUB * outline.height && x > hub[0].0 - 2.0 * outline.step;
+    begins && to > from + 4 * BASE && (from..to - BASE).all(is_alike)
 }
 
 /// Share of a stretch along the course, mm, that a curve goes along.
@@ -68,17 +91,35 @@ struct TipOutline {
     height: f64,
 }
 
+/// The place across the course of a hub, extended straight, at a distance along it, and its slope there.
+fn along_hub(hub: &[(f64, f64)], x: f64) -> (f64, f64) {
+    let i = hub.partition_point(|p| p.0 < x).clamp(1, hub.len() - 1);
+    let (a, b) = (hub[i - 1], hub[i]);
+    let slope = (b.1 - a.1) / (b.0 - a.0).max(1e-9);
+    (a.1 + slope * (x - a.0), slope)
+}
+
+/// +1 or −1: on which side of a hub most places over it are. Those at the feet of fillets are on it.
+fn side_of_hub(hub: &[(f64, f64)], places: &[(f64, f64)]) -> f64 {
+    let (Some(first), Some(last)) = (hub.first(), hub.last()) else { return 1.0 };
+    let over = places.iter().filter(|p| (first.0..=last.0).contains(&p.0));
+    let sum: f64 = over.map(|p| p.1 - along_hub(hub, p.0).0).sum();
+    sum.signum()
+}
+
 impl TipOutline {
     fn from_blade(blade: &MeshSurface, hub: &[Meridional], course: &Course) -> Option<Self> {
         let hub: Vec<(f64, f64)> = hub.iter().map(|p| course.coordinates_of(*p)).collect();
+        if hub.len() < 2 {
+            return None;
+        }
         let places: Vec<(f64, f64)> =
             blade.points.iter().map(|p| course.coordinates_of(Meridional::from_point(p))).collect();
-        let mean = |p: &[(f64, f64)]| p.iter().map(|p| p.1).sum::<f64>() / p.len().max(1) as f64;
-        let sign = (mean(&places) - mean(&hub)).signum();
+        let sign = side_of_hub(&hub, &places);
         let (low, high) =
             places.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
         let step = (high - low) / INTERVALS as f64;
-        if !(step.is_finite() && step > 0.0) || hub.len() < 2 {
+        if !(step.is_finite() && step > 0.0) {
             return None;
         }
         let mut outline = Self {
@@ -118,10 +159,8 @@ impl TipOutline {
     fn bound(&mut self, hub: &[(f64, f64)]) -> Option<()> {
         // Hub as a function along the course, extended straight.
         let over = |x: f64| {
-            let i = hub.partition_point(|p| p.0 < x).clamp(1, hub.len() - 1);
-            let (a, b) = (hub[i - 1], hub[i]);
-            let slope = (b.1 - a.1) / (b.0 - a.0).max(1e-9);
-            (self.sign * (a.1 + slope * (x - a.0)), (self.sign * slope).atan())
+            let (y, slope) = along_hub(hub, x);
+            (self.sign * y, (self.sign * slope).atan())
         };
         let filled: Vec<usize> = (0..=INTERVALS).filter(|&k| self.across[k].is_finite()).collect();
         let (&first, &last) = (filled.first()?, filled.last()?);
@@ -218,7 +257,7 @@ impl TipOutline {
         let curve = MeridionalCurve::through(&core.points);
         let reach = NEAR * self.height;
         let mut all = tips;
-        all.extend(at_ends.iter().filter(|p| curve.project(**p).1.abs() < reach));
+        all.extend(at_ends.iter().filter(|p| curve.project_past_ends(**p).1.abs() < reach));
         course.fit_curve(&all).filter(|fit| fit.max_deviation_mm < near).or(Some(core))
     }
 }

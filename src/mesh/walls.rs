@@ -1,11 +1,13 @@
 //! Hub and cover of a wheel as meridional curves, and its blades cut off at them: blades of solids that were
 //! not united go on into hub and cover, through the cover, and past the rim of both.
 
+use super::boss::{BossOfHub, cut_off_boss, end_of_foot};
 use super::meridional_points::straight_points;
 use super::normals::ExactNormals;
-use super::profile::{Course, FittedProfile, MOSTLY, find_flow_side, mean_point};
+use super::profile::{Course, FittedProfile, MOSTLY, VOTES, find_flow_side, mean_point};
 use super::surface::MeshSurface;
-use super::trim::{BodyOutline, depth_behind, rim_line, trimmed_with_normals};
+use super::tip_border::begins_in_hub;
+use super::trim::{BodyOutline, depth_behind, rim_line, trimmed, trimmed_with_normals};
 use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
@@ -39,6 +41,9 @@ pub struct Walls {
     pub course: Course,
     /// The hub.
     pub hub: FittedProfile,
+    /// How far blades go on before the beginning of the hub, straight, in the rounded corner at the foot of a
+    /// boss, mm.
+    pub hub_ahead_mm: f64,
     /// The cover, where there is one.
     pub shroud: Option<FittedProfile>,
 }
@@ -88,6 +93,7 @@ pub fn fit_walls(
         .map(|shroud| fit_revolved(shroud, &course, (&corners, &*normals), "shroud", tolerance))
         .transpose()?;
     let cover = shroud.as_ref().filter(|_| outlines[1].is_some());
+    let whole = Blades { main: main.clone(), splitters: splitters.clone() };
     let borders = [
         (outlines[0].is_some().then(|| through(&hub_curve)), "reach", "into the hub"),
         (cover.map(through), "reach", "into the cover"),
@@ -106,7 +112,72 @@ pub fn fit_walls(
             notes.push(format!("the blades {reach} {depth:.2} mm {place}; they are cut off there"));
         }
     }
-    Ok(Walls { blades: Blades { main, splitters }, corners, course, hub: hub_curve, shroud })
+    let mut walls = Walls {
+        blades: Blades { main, splitters },
+        corners,
+        course,
+        hub: hub_curve,
+        hub_ahead_mm: 0.0,
+        shroud,
+    };
+    if let Some(body) = &outlines[0] {
+        cut_off_in_boss(&mut walls, &whole, (hub, body), (size, tolerance), notes);
+    }
+    Ok(walls)
+}
+
+/// Cuts blades off at the wall of a boss of the `hub` in which they begin; the hub then begins there, and
+/// `whole` are the blades that are not yet cut off at it.
+fn cut_off_in_boss(
+    walls: &mut Walls,
+    whole: &Blades,
+    (hub, body): (&MeshSurface, &BodyOutline),
+    (size, tolerance): (f64, f64),
+    notes: &mut Vec<String>,
+) {
+    let Walls { blades, corners, course, hub: hub_curve, .. } = &*walls;
+    let curve = MeridionalCurve::through(&hub_curve.points).with_outer_side_towards_most(corners);
+    // Where its foot is rounded, the wall of the boss is part of the curve.
+    let on_wall = begins_in_hub(&blades.main, &hub_curve.points, course);
+    let foot = if on_wall { end_of_foot(&curve) } else { None };
+    let begin = foot.map_or(0.0, |foot| course.coordinates_of(curve.point(foot)).0);
+    let is_behind = |p: &&Meridional| foot.is_none() || course.coordinates_of(**p).0 > begin;
+    let first = foot.map(|foot| curve.point(foot));
+    let points: Vec<Meridional> =
+        first.into_iter().chain(hub_curve.points.iter().filter(is_behind).copied()).collect();
+    if points.len() < FEWEST {
+        return;
+    }
+    let line = MeridionalCurve::through(&points).with_outer_side_towards_most(corners);
+    let is_in_boss =
+        |p: &Meridional| line.project_past_ends(*p).1 > REACHES_IN * tolerance && body.contains(*p);
+    let from = if foot.is_some() { whole } else { blades };
+    if !from.main.places(size / PLACES).iter().any(is_in_boss) {
+        return;
+    }
+    let boss = BossOfHub {
+        wheel: hub,
+        hub: &points,
+        rounded: foot.map(|_| &curve),
+        above: mean_point(corners),
+        inlet_up: course.inlet_up(),
+        tolerance,
+    };
+    let cut = |blade: &MeshSurface| {
+        let over = trimmed(blade, &line, ON_WALL * tolerance);
+        let cut = cut_off_boss(&over, &boss, |_| true);
+        let cut = cut?;
+        let piece = cut.pieces.into_iter().max_by_key(|piece| piece.triangles.len())?;
+        Some((piece, cut.ahead_mm))
+    };
+    let splitters = from.splitters.iter().map(|blade| cut(blade).map(|(piece, _)| piece)).collect();
+    if let (Some((main, ahead_mm)), Some(splitters)) = (cut(&from.main), splitters) {
+        walls.corners = main.points.iter().map(Meridional::from_point).collect();
+        walls.blades = Blades { main, splitters };
+        walls.hub.points = points;
+        walls.hub_ahead_mm = ahead_mm;
+        notes.push("the blades begin within the boss of the hub; they are cut off at its wall".to_owned());
+    }
 }
 
 fn fit_revolved(
@@ -116,7 +187,26 @@ fn fit_revolved(
     name: &str,
     tolerance: f64,
 ) -> Result<FittedProfile, PartError> {
-    let side = find_flow_side(surface, course, blades, exact, name)?;
+    let profile = fit_side(surface, course, (blades, exact, VOTES), name, tolerance)?;
+    if profile.max_deviation_mm > tolerance
+        && let Ok(one) = fit_side(surface, course, (blades, exact, 1.0), name, tolerance)
+        && one.max_deviation_mm <= tolerance
+    {
+        // The wall of a boss in which the blades begin is a piece of its own behind a corner.
+        return Ok(one);
+    }
+    check_deviation(profile, name, tolerance)
+}
+
+/// The curve of the pieces of a surface that have a `share` of the votes of the one with most.
+fn fit_side(
+    surface: &MeshSurface,
+    course: &Course,
+    (blades, exact, share): (&[Meridional], &ExactNormals, f64),
+    name: &str,
+    tolerance: f64,
+) -> Result<FittedProfile, PartError> {
+    let side = find_flow_side(surface, course, blades, (exact, share), name)?;
     let above = mean_point(blades);
     let fit = |points: &[Meridional]| {
         let profile = course.fit_without_feet(points, above, tolerance)?;
@@ -142,7 +232,7 @@ fn fit_revolved(
     {
         return Ok(straight);
     }
-    check_deviation(profile, name, tolerance)
+    Ok(profile)
 }
 
 /// Checks that a curve follows the corners it was fitted to.

@@ -12,6 +12,8 @@ use crate::cad_as_mesh::{in_mm, plate, turned};
 /// Paddles that begin in the boss of their disc, and a covered wheel with an eye, made by the script beside
 /// them.
 const PADDLE_WHEEL: &[u8] = include_bytes!("../data/step/paddle_wheel.step");
+const PADDLE_FOOT: &[u8] = include_bytes!("../data/step/paddle_foot.step");
+const PADDLE_FILLETS: &[u8] = include_bytes!("../data/step/paddle_fillets.stl");
 const PUMP_EYE: &[u8] = include_bytes!("../data/step/pump_eye.step");
 
 /// All bodies of a STEP file as an STL file.
@@ -72,6 +74,42 @@ fn paddles_that_begin_in_a_boss_are_blades() {
         assert!((part.shroud.point(0.5).z - 16.0).abs() < 0.01, "{name}");
         let off = off_planes(&part, 1.5);
         assert!(off < 0.01, "{name}: a side is {off} mm off");
+    }
+}
+
+#[test]
+fn paddles_that_begin_in_a_boss_with_a_rounded_foot_are_blades() {
+    let step = built(&read_bytes("wheel.step", PADDLE_FOOT, &MeshOptions::default()));
+    let stl = built(&read_part_bytes("wheel.stl", &as_stl(PADDLE_FOOT), &in_mm()));
+    for (name, part) in [("STEP", step), ("STL", stl)] {
+        assert_eq!((part.blade_count, part.splitters.len()), (3, 0), "{name}");
+        let (hub, tip) = (part.hub.point(0.0), part.shroud.point(0.0));
+        assert!((hub.r - 15.2).abs() < 0.2 && (tip.r - 15.2).abs() < 0.2, "{name}: {hub:?} {tip:?}");
+        // The wall, the middle of the corner at its foot, and the disc.
+        let middle = 4.0 - 4.0 * std::f64::consts::FRAC_1_SQRT_2;
+        for place in [(15.0, 15.0), (15.0, 9.0), (15.0 + middle, 4.0 + middle), (20.0, 4.0), (55.0, 4.0)] {
+            let off = off_hub(&part, place);
+            assert!(off < 0.02, "{name}: the hub is {off} mm off {place:?}");
+        }
+        assert!((part.shroud.point(0.5).z - 16.0).abs() < 0.01, "{name}");
+        let off = off_planes(&part, 1.5);
+        assert!(off < 0.01, "{name}: a side is {off} mm off");
+    }
+}
+
+#[test]
+fn plates_with_fillets_are_plane_as_bare_triangles() {
+    let part = built(&read_part_bytes("wheel.stl", PADDLE_FILLETS, &in_mm()));
+    assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
+    assert!(off_hub(&part, (40.0, 4.0)) < 0.01 && (part.shroud.point(0.5).z - 16.0).abs() < 0.01);
+    let off = off_planes(&part, 1.5);
+    assert!(off < 0.01, "a side is {off} mm off");
+    for (u, r) in [(0.0, 25.0), (1.0, 60.0)] {
+        for v in [0.1, 0.5, 0.9] {
+            let p = part.main.suction.point(u, v);
+            let off = (Meridional::from_point(&p).r - r).abs();
+            assert!(off < 0.05, "the edge at r = {r} mm is {off} mm off at {v} of the height");
+        }
     }
 }
 
