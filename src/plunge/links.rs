@@ -51,6 +51,17 @@ pub(super) fn raise_links<E: Sync>(
     };
     let bottom = |k| if monitor.is_cancelled() { [NearBottom::NOWHERE; 2] } else { links.bottoms_at(k) };
     links.bottoms = (0..plan.positions.len()).into_par_iter().map(bottom).collect();
+    // Links are looked at from where the tool is clear of the blank: a retract that is raised after them
+    // would leave by another link.
+    let clear: Vec<Point> =
+        (0..plan.positions.len()).into_par_iter().map(|k| links.clear_retract(k).0).collect();
+    for (k, tip) in clear.into_iter().enumerate() {
+        if tip != links.retracts[k] {
+            links.retracts[k] = tip;
+            links.bottoms[k] = links.bottoms_at(k);
+        }
+    }
+    monitor.check()?;
     // Clearance of each link and what it lacks, mm, with its ends raised as in `seen`.
     let mut looks = vec![(safety, 0.0); numbers.len()];
     let mut seen: Option<Vec<f64>> = None;

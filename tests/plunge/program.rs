@@ -8,10 +8,11 @@ use std::sync::LazyLock;
 use serde_json::Value;
 use vanecut::geometry::{Meridional, Vector};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
-use vanecut::io::part_file::read_part;
-use vanecut::job::{PlanOutcome, Summary};
+use vanecut::io::part_file::{read_part, read_part_bytes};
+use vanecut::job::{PlanOutcome, PlanRequest, Summary, run};
 use vanecut::monitor::Monitor;
 use vanecut::part::{Blank, Impeller};
+use vanecut::setup::{AxisPolicy, Setup};
 use vanecut::toolpath::{ClProgram, Motion, Move};
 use vanecut::verify::{FaultKind, PlungeReport, report_plunges, verify};
 
@@ -62,6 +63,40 @@ fn programs_of_whole_wheels_have_no_fault() {
             );
         }
     }
+}
+
+/// A wheel of plane paddles on a disc whose boss, with a rounded foot, stands above them.
+const BOSS: &str = r#"
+name = "boss"
+blades = 6
+[hub]
+points = [
+  [15.0, 22.0], [15.0, 18.0], [15.0, 14.0], [15.0, 11.2], [15.0, 7.0], [15.2284, 5.8519], [15.8787, 4.8787],
+  [16.8519, 4.2284], [18.0, 4.0], [21.0, 4.0], [24.0, 4.0], [30.0, 4.0], [40.0, 4.0], [50.0, 4.0], [60.0, 4.0],
+]
+[shroud]
+points = [[15.3, 14.0], [30.0, 14.0], [45.0, 14.0], [60.0, 14.0]]
+"#;
+
+/// Retracts beside a boss are raised above its edge, and the links between them are those of the raised ones.
+#[test]
+fn links_over_the_edge_of_a_boss_keep_the_safety_distance() {
+    let side = |y: f64, z: f64| [15.3, 26.0, 37.0, 48.0, 60.0].map(|x| [x, y, z]);
+    let section =
+        |z: f64| format!("[[main.section]]\nsuction = {:?}\npressure = {:?}\n", side(1.5, z), side(-1.5, z));
+    let text = BOSS.to_owned() + &[4.0, 9.0, 14.0].map(section).concat();
+    let part = read_part_bytes("boss.toml", text.as_bytes(), "toml").expect("readable");
+    let request = PlanRequest {
+        part: Impeller::build(&part).expect("an impeller").into(),
+        setup: Setup::default(),
+        policy: AxisPolicy::Minimal,
+        compare: false,
+        field_cells: 128,
+    };
+    let outcome = run(&request, &Monitor::default()).expect("a plan");
+    let verdict = verify(&outcome.workpiece, &outcome.setup, &written(&outcome, 1), &Monitor::default());
+    let verdict = verdict.expect("can be judged");
+    assert!(verdict.cuts.len() > 100 && verdict.faults.is_empty(), "{:#?}", verdict.faults);
 }
 
 /// Machine time of one channel of each sample by `minimal`, s.
