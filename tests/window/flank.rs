@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
+use vanecut::app::model::look::Operation;
 use vanecut::app::model::planned::Side;
 use vanecut::app::model::release;
 use vanecut::app::model::solid::SolidSource;
@@ -545,6 +546,36 @@ fn f6_while_both_operations_are_calculated_begins_nothing_anew_and_the_selected_
     settle(&mut window);
     assert_eq!(calls.load(Ordering::SeqCst), 1, "the same is not begun again");
     assert!(window.state().state().results.flank.is_some());
+}
+
+#[test]
+fn a_flank_plan_that_is_ready_does_not_leave_the_operation_that_is_worked_on() {
+    let (engine, _) = fake::engine();
+    let held = Arc::new(AtomicBool::new(true));
+    let (inner, waits) = (Arc::clone(&engine.flank), Arc::clone(&held));
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        while waits.load(Ordering::SeqCst) {
+            monitor.check().map_err(|_| JobError::Cancelled)?;
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        inner(request, monitor)
+    };
+    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    window.get_by_label("Flank: not calculated").click();
+    window.run_steps(4);
+    // Few layers.
+    let field = window.get_by_role_and_label(Role::Slider, "Layer depth");
+    field.set_value_accesskit(10.0);
+    window.run_steps(4);
+    window.key_press(egui::Key::F6);
+    window.run_steps(3);
+    window.get_by(|node| node.label().is_some_and(|label| label.starts_with("Roughing: "))).click();
+    window.run_steps(4);
+    held.store(false, Ordering::SeqCst);
+    settle(&mut window);
+    let state = window.state().state();
+    assert!(state.results.flank.is_some());
+    assert_eq!(state.look.operation, Operation::Roughing);
 }
 
 #[test]

@@ -194,12 +194,15 @@ impl AppState {
         self.report_done(format!("Calculation cancelled{kept}"));
     }
 
-    /// Stores a flank plan and shows it.
+    /// Stores a flank plan, to be shown where flank milling is selected: the user may have gone on to another
+    /// operation meanwhile.
     pub fn take_flank(&mut self, outcome: FlankOutcome) {
-        (self.look.flank.cut, self.look.flank.pass, self.look.playing) = (None, None, None);
+        (self.look.flank.cut, self.look.flank.pass) = (None, None);
+        if self.look.operation == Operation::Flank {
+            self.look.playing = None;
+        }
         self.results.flank = Some(Arc::new(outcome));
         self.look.flank.shown = true;
-        self.look.operation = Operation::Flank;
         self.follow_flank_channels();
         self.solve(Topic::Flank);
         self.notice = None;
