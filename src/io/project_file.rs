@@ -19,7 +19,7 @@ use crate::mesh::MeshOptions;
 use crate::setup::Setup;
 
 /// Version of the file format; newer files are rejected.
-pub const VERSION: u32 = 4;
+pub const VERSION: u32 = 5;
 /// Extension of project files.
 pub const EXTENSION: &str = "vanecut";
 /// What the current setup is called in messages.
@@ -164,6 +164,8 @@ pub struct StoredSet {
     pub setup: Setup,
     /// Its results, if it was planned.
     pub figures: Option<SetFigures>,
+    /// As [`Project::setup_faults`], in its setup.
+    pub faults: Vec<SetupEntryFault>,
 }
 
 /// A project.
@@ -185,11 +187,16 @@ pub struct Project {
     pub original: Option<PathBuf>,
     /// In such a copy, the hash of that file as the session knew it, if it did.
     pub original_hash: Option<u64>,
-    /// Faults in its setups when it was read: each faulty entry has its default. Those of sets name no entry.
+    /// Faulty entries of the current setup, each with its default in its place. The file keeps them until
+    /// somebody has given another value.
     pub setup_faults: Vec<SetupEntryFault>,
-    /// How many of them, from the first on, are in the current setup; the others are in variants. The file
-    /// keeps those of the current setup, until somebody has given another value.
-    pub current_faults: usize,
+}
+
+impl Project {
+    /// Faults of all its setups, those of the current one first.
+    pub fn faults(&self) -> impl Iterator<Item = &SetupEntryFault> {
+        self.setup_faults.iter().chain(self.sets.iter().flat_map(|set| &set.faults))
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -252,6 +259,8 @@ struct SetFile {
     setup: String,
     #[serde(default)]
     figures: Option<SetFigures>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    replaced: Vec<ReplacedFile>,
 }
 
 /// Writes a project file (JSON) to be saved at `path`: the part's path is relative to it if the part is
@@ -271,13 +280,14 @@ pub fn write_project(project: &Project, path: &Path) -> String {
                 setup: write_setup(&beside(&set.setup, path)),
                 // JSON has no NaN; figures without a value are omitted.
                 figures: set.figures.filter(SetFigures::is_known),
+                replaced: set.faults.iter().map(ReplacedFile::new).collect(),
             })
             .collect(),
         viewpoint: project.viewpoint,
         chosen: project.chosen,
         original: project.original.clone(),
         original_hash: project.original_hash.map(|hash| format!("{hash:016x}")),
-        replaced: project.setup_faults.iter().take(project.current_faults).map(ReplacedFile::new).collect(),
+        replaced: project.setup_faults.iter().map(ReplacedFile::new).collect(),
     };
     let mut text = serde_json::to_string_pretty(&file).unwrap_or_default();
     text.push('\n');
@@ -296,7 +306,7 @@ pub fn read_project(path: &Path) -> Result<Project, InputError> {
 ///
 /// # Errors
 /// When the bytes are not a project file of a supported version. Faults in its setups do not keep it from
-/// being opened: they are in [`Project::setup_faults`].
+/// being opened: they are in [`Project::faults`].
 pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputError> {
     let name = name_of(path);
     let fault =
@@ -322,24 +332,19 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     };
     let part_hash = hash("part_hash", &file.part_hash)?;
     let original_hash = file.original_hash.as_deref().map(|text| hash("original_hash", text)).transpose()?;
-    let mut setup_faults: Vec<SetupEntryFault> = file.replaced.into_iter().map(ReplacedFile::fault).collect();
-    let known_faults = setup_faults.len();
-    let mut read_setup = |what: &str, text: &str| {
+    // What was faulty before, and what is now.
+    let read_setup = |what: &str, text: &str, replaced: Vec<ReplacedFile>| {
         let TolerantSetup { setup, faults } = read_setup_tolerantly(&inside(&name, what), text)?;
-        let count = faults.len();
-        setup_faults.extend(
-            faults
-                .into_iter()
-                .map(|fault| SetupEntryFault { entry: fault.entry.filter(|_| what == CURRENT), ..fault }),
-        );
-        Ok::<_, InputError>((setup, count))
+        let known = replaced.into_iter().map(ReplacedFile::fault);
+        Ok::<_, InputError>((setup, known.chain(faults).collect::<Vec<_>>()))
     };
-    let (setup, current_faults) = read_setup(CURRENT, &file.setup)?;
+    let (setup, setup_faults) = read_setup(CURRENT, &file.setup, file.replaced)?;
     let mut sets = Vec::with_capacity(file.sets.len());
-    for set in file.sets {
-        let (setup, faults) = read_setup(&set.name, &set.setup)?;
+    for SetFile { name, setup, figures, replaced } in file.sets {
+        let is_known = replaced.len();
+        let (setup, faults) = read_setup(&name, &setup, replaced)?;
         // Figures are those of a setup as it was.
-        sets.push(StoredSet { name: set.name, setup, figures: set.figures.filter(|_| faults == 0) });
+        sets.push(StoredSet { name, setup, figures: figures.filter(|_| faults.len() == is_known), faults });
     }
     let is_relative = |part: &Path| {
         let first = part.components().next();
@@ -359,7 +364,6 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         original: file.original,
         original_hash,
         setup_faults,
-        current_faults: known_faults + current_faults,
     })
 }
 
@@ -396,6 +400,7 @@ mod tests {
                     time: 900.0,
                     wheel_time: Some(15_000.0),
                 }),
+                faults: Vec::new(),
             }],
             viewpoint: Some(Viewpoint {
                 target: [1.0, 2.0, 3.0],
@@ -416,7 +421,6 @@ mod tests {
             original: None,
             original_hash: None,
             setup_faults: Vec::new(),
-            current_faults: 0,
         }
     }
 
@@ -468,7 +472,7 @@ mod tests {
         for (bytes, word) in [
             (String::new(), "not a project file"),
             ("{\"vanecut_project\": 1}".to_owned(), "not a project file"),
-            (text.replace("\"vanecut_project\": 4", "\"vanecut_project\": 99"), "newer vanecut"),
+            (text.replace("\"vanecut_project\": 5", "\"vanecut_project\": 99"), "newer vanecut"),
             (text.replacen("version = 2", "version = 77", 1), "newer vanecut"),
             (text.replace("123456789abcdef0", "xyz"), "hexadecimal"),
         ] {
@@ -482,19 +486,21 @@ mod tests {
         let path = Path::new("p.vanecut");
         let text = write_project(&project(), path).replace("step = 7.5", "step = -7.5");
         let read = read_project_bytes(path, text.as_bytes()).expect("opens");
-        let named: Vec<String> = read.setup_faults.iter().map(|fault| fault.error.place()).collect();
+        let named: Vec<String> = read.faults().map(|fault| fault.error.place()).collect();
         assert_eq!((read.setup.plunge.step, read.sets[0].setup.plunge.step), (None, None));
         assert_eq!(read.sets[0].figures, None, "they are those of another setup");
         assert!(named.len() == 2 && named[0].starts_with("p.vanecut (setup):"), "{named:?}");
         assert!(named[1].starts_with("p.vanecut (Set 1):"), "{named:?}");
-        let key = |k: usize| read.setup_faults[k].entry.as_ref().and_then(|entry| entry.key.clone());
-        assert_eq!((key(0).as_deref(), key(1)), (Some("step"), None));
-        assert_eq!(read.current_faults, 1, "the other is in a variant");
-        let saved = Project { setup_faults: Vec::new(), current_faults: 0, ..read.clone() };
+        let key = |faults: &[SetupEntryFault]| faults[0].entry.as_ref().and_then(|entry| entry.key.clone());
+        assert_eq!(
+            (key(&read.setup_faults), key(&read.sets[0].faults)),
+            (Some("step".into()), Some("step".into()))
+        );
+        let mut saved = Project { setup_faults: Vec::new(), ..read.clone() };
+        saved.sets[0].faults.clear();
         let again = read_project_bytes(path, write_project(&saved, path).as_bytes()).expect("opens");
-        assert!(again.setup_faults.is_empty() && again.setup == read.setup, "saved, it has no faults");
-        let copy = Project { setup_faults: read.setup_faults[..1].to_vec(), ..read };
-        let again = read_project_bytes(path, write_project(&copy, path).as_bytes()).expect("reads");
-        assert_eq!(again, copy, "the file keeps what was faulty");
+        assert!(again.faults().count() == 0 && again.setup == read.setup, "saved, it has no faults");
+        let again = read_project_bytes(path, write_project(&read, path).as_bytes()).expect("reads");
+        assert_eq!(again, read, "the file keeps what was faulty");
     }
 }

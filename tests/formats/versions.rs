@@ -70,8 +70,8 @@ fn flank_plan_of_version_2() {
 }
 
 #[test]
-fn projects_of_versions_1_to_3() {
-    for (version, channels) in [(1, 1), (2, 1), (3, 3)] {
+fn projects_of_versions_1_to_4() {
+    for (version, channels) in [(1, 1), (2, 1), (3, 3), (4, 3)] {
         let name = &format!("project-{version}.vanecut");
         let project = read_project_bytes(Path::new(name), &bytes(name)).expect(name);
         check_setup(&project.setup);
@@ -79,6 +79,8 @@ fn projects_of_versions_1_to_3() {
             assert_eq!((set.name.as_str(), set.setup.plunge.stepover), ("Wider steps", Some(21.0)));
             assert_eq!((project.chosen.before, project.chosen.position), (true, Some(4)));
         }
-        assert_eq!((project.chosen.channels, project.chosen.flank), (channels, false), "{name}");
+        let is_flank = version == 4;
+        assert_eq!((project.chosen.channels, project.chosen.flank), (channels, is_flank), "{name}");
+        assert_eq!(project.faults().count(), usize::from(version == 4), "{name}");
     }
 }

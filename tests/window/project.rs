@@ -140,7 +140,7 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     window.run_steps(3);
     save_as(&mut window, &path);
     assert_eq!(shown(&window), keys.len() - 1);
-    assert_eq!(read_project(&path).expect("reads").current_faults, keys.len() - 1);
+    assert_eq!(read_project(&path).expect("reads").setup_faults.len(), keys.len() - 1);
     window.state_mut().file_chosen(&ctx, export, program.clone());
     window.run_steps(3);
     window.get_by_label_contains("5 values of the setup in the project were faulty");
@@ -172,6 +172,47 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
 }
 
 #[test]
+fn a_faulty_value_of_a_variant_is_kept_until_it_is_edited() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    first.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    first.run_steps(3);
+    edit_step(&mut first, 6.0);
+    save_as(&mut first, &path);
+    let text = std::fs::read_to_string(&path).expect("reads");
+    let at = text.rfind("hub_allowance = ").expect("the variant comes last");
+    let end = at + text[at..].find("\\n").expect("more lines follow");
+    let text = format!("{}hub_allowance = -3{}", &text[..at], &text[end..]);
+    std::fs::write(&path, text).expect("writes");
+    let mut second = window(engine);
+    second.state_mut().open_path(path.clone());
+    settle(&mut second);
+    let shown = |window: &Window| window.state().state().field_faults().len();
+    assert_eq!(shown(&second), 0, "the fields are of the current setup");
+    second.get_by_label("Load Variant 1").click();
+    second.run_steps(3);
+    settle(&mut second);
+    assert_eq!(shown(&second), 1);
+    second.get_by_label("Roughing: 1 faulty value");
+    save_as(&mut second, &path);
+    let saved = read_project(&path).expect("reads");
+    assert_eq!(
+        (saved.setup_faults.len(), saved.sets[0].faults.len()),
+        (1, 1),
+        "nobody has said they are meant"
+    );
+    second.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
+    second.run_steps(3);
+    settle(&mut second);
+    assert_eq!(shown(&second), 0);
+    save_as(&mut second, &path);
+    let saved = read_project(&path).expect("reads");
+    assert_eq!((saved.setup_faults.len(), saved.sets[0].faults.len()), (0, 1), "the variant is as it was");
+}
+
+#[test]
 fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("p.vanecut");
@@ -193,7 +234,7 @@ fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     second.run_steps(2);
     settle(&mut second);
     let saved = read_project(&path).expect("reads");
-    assert_eq!(saved.current_faults, 1, "nobody has said that the default is meant");
+    assert_eq!(saved.setup_faults.len(), 1, "nobody has said that the default is meant");
     assert_eq!(second.state().state().field_faults().len(), 1);
     second.get_by_role_and_label(Role::SpinButton, "Hub allowance").set_value_accesskit(0.4);
     second.run_steps(3);

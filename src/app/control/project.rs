@@ -8,7 +8,6 @@ use egui::{Context, Rect, Ui};
 use crate::app::App;
 use crate::app::control::unsaved::Pending;
 use crate::app::model::document::Edited;
-use crate::app::model::field_faults::{FaultyField, ReplacedValue};
 use crate::app::model::file_purpose::Purpose;
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::look::REVEAL;
@@ -27,7 +26,6 @@ use crate::app::views::tour::WindowRegion;
 use crate::app::views::unsaved::UnsavedWork;
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{EXTENSION, PlanSelection, Project, write_project};
-use crate::io::setup_file::SetupEntryFault;
 
 /// Number of faults of a project's setups that are shown one by one.
 const MAX_REPORTED_FAULTS: usize = 4;
@@ -218,7 +216,6 @@ impl App {
         let WrittenProject { path, edited, hash } = written;
         self.note_recent(&path);
         self.state.document.note_saved(path, edited, hash);
-        self.state.forget_faults_of_variants();
         if !self.state.document.is_unsaved() {
             if let Some(home) = &self.session.home {
                 home.drop_copy();
@@ -280,22 +277,14 @@ impl App {
 
     /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults
     /// stand in place of what is faulty.
-    fn report_setup_faults(&mut self, Project { setup_faults: faults, current_faults, .. }: &Project) {
-        let mut problems = faults.iter().map(|SetupEntryFault { error: fault, entry }| {
-            let help = format!("{}; until then the default is used", fault.help);
-            let problem =
-                Problem::about(Topic::Project, &format!("{}: {}", fault.place(), fault.message), &help);
-            let field = entry.as_ref().and_then(FaultyField::of_entry);
-            problem.with_code(fault.code).at_field(field, &fault.message)
-        });
+    fn report_setup_faults(&mut self, project: &Project) {
+        // Those of variants are at no field: the fields are of the current setup.
+        let current = project.setup_faults.iter().map(Problem::of_replaced);
+        let others = project.sets.iter().flat_map(|set| &set.faults);
+        let others = others.map(|fault| Problem { field: None, ..Problem::of_replaced(fault) });
+        let mut problems = current.chain(others);
         let shown: Vec<Problem> = problems.by_ref().take(MAX_REPORTED_FAULTS).collect();
         let rest: Vec<Problem> = problems.collect();
-        let of_current = shown.iter().chain(&rest).take(*current_faults);
-        let replaced = |(fault, problem): (&SetupEntryFault, &Problem)| ReplacedValue {
-            fault: fault.clone(),
-            field: problem.field.clone(),
-        };
-        self.state.document.edited.replaced = faults.iter().zip(of_current).map(replaced).collect();
         for problem in shown {
             self.state.report_problem(problem);
         }
@@ -305,7 +294,7 @@ impl App {
             let help = "look through setup and variants before you save";
             self.state.report_problem(Problem::about(Topic::Project, &message, help));
         }
-        if !faults.is_empty() {
+        if project.faults().next().is_some() {
             self.state.document.mark_unsaved();
         }
     }

@@ -31,6 +31,8 @@ pub struct WhatIf {
     pub name: String,
     /// The setup.
     pub setup: Setup,
+    /// As [`Edited::replaced`], in its setup.
+    pub replaced: Vec<ReplacedValue>,
 }
 
 /// Everything that undo covers and the project file stores.
@@ -135,7 +137,8 @@ impl Document {
     pub fn keep_set(&mut self) {
         let taken = |name: &str| self.edited.sets.iter().any(|set| set.name == name);
         let name = (1..).map(|k| format!("Variant {k}")).find(|name| !taken(name)).unwrap_or_default();
-        self.edited.sets.push(WhatIf { name, setup: self.edited.setup.clone() });
+        let Edited { setup, replaced, .. } = self.edited.clone();
+        self.edited.sets.push(WhatIf { name, setup, replaced });
     }
 }
 

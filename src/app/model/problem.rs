@@ -4,6 +4,7 @@ use super::field_faults::{FaultyField, FieldFault};
 use crate::error::ErrorCode;
 use crate::gpu::GpuError;
 use crate::io::InputError;
+use crate::io::setup_file::SetupEntryFault;
 
 /// What a problem is about; decides what solves and replaces it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,7 +15,7 @@ pub enum Topic {
     Flank,
     /// The checked program: solved by the next check.
     Program,
-    /// What is faulty in an opened project: solved where its field is edited, in variants by saving.
+    /// What is faulty in an opened project: solved where its field is edited.
     Project,
     /// The project, which another window has open: solved when that closes it.
     SharedProject,
@@ -107,6 +108,14 @@ impl Problem {
     #[must_use]
     pub fn with_code(self, code: ErrorCode) -> Self {
         Self { code: Some(code), ..self }
+    }
+
+    /// The problem of a faulty value of a setup in a project file, in whose place the default stands.
+    pub fn of_replaced(SetupEntryFault { error: fault, entry }: &SetupEntryFault) -> Self {
+        let help = format!("{}; until then the default is used", fault.help);
+        let problem = Self::about(Topic::Project, &format!("{}: {}", fault.place(), fault.message), &help);
+        let field = entry.as_ref().and_then(FaultyField::of_entry);
+        problem.with_code(fault.code).at_field(field, &fault.message)
     }
 
     /// The same problem, shown at its field, too: `what` is wrong there, without the place in a file.

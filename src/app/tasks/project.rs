@@ -1,12 +1,15 @@
 //! The open project as the content of a project file, and back.
 
 use crate::app::model::document::{Edited, WhatIf};
+use crate::app::model::field_faults::ReplacedValue;
 use crate::app::model::look::Operation;
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
+use crate::app::model::problem::Problem;
 use crate::app::model::state::AppState;
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{PartLocation, PlanSelection, Project, StoredSet, Viewpoint};
+use crate::io::setup_file::SetupEntryFault;
 
 /// The open project; `None` while no part is open.
 pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Option<Project> {
@@ -23,6 +26,7 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
         name: set.name.clone(),
         setup: set.setup.clone(),
         figures: state.results.figures(&set.setup),
+        faults: faults_of(&set.replaced),
     });
     Some(Project {
         part: place,
@@ -42,9 +46,12 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
         original: None,
         original_hash: None,
         // Nobody has said that the defaults in their place are meant.
-        setup_faults: state.document.edited.replaced.iter().map(|value| value.fault.clone()).collect(),
-        current_faults: state.document.edited.replaced.len(),
+        setup_faults: faults_of(&edited.replaced),
     })
+}
+
+fn faults_of(replaced: &[ReplacedValue]) -> Vec<SetupEntryFault> {
+    replaced.iter().map(|value| value.fault.clone()).collect()
 }
 
 fn viewpoint(camera: &Camera) -> Viewpoint {
@@ -59,8 +66,17 @@ fn viewpoint(camera: &Camera) -> Viewpoint {
 
 /// Setup and variants of a project.
 pub(in crate::app) fn edited_of(project: &Project) -> Edited {
-    let sets = project.sets.iter().map(|set| WhatIf { name: set.name.clone(), setup: set.setup.clone() });
-    Edited { setup: project.setup.clone(), sets: sets.collect(), replaced: Vec::new() }
+    let value = |fault: &SetupEntryFault| ReplacedValue {
+        fault: fault.clone(),
+        field: Problem::of_replaced(fault).field,
+    };
+    let replaced = |faults: &[SetupEntryFault]| faults.iter().map(value).collect();
+    let sets = project.sets.iter().map(|set| WhatIf {
+        name: set.name.clone(),
+        setup: set.setup.clone(),
+        replaced: replaced(&set.faults),
+    });
+    Edited { setup: project.setup.clone(), sets: sets.collect(), replaced: replaced(&project.setup_faults) }
 }
 
 /// Source of a project's part.

@@ -438,11 +438,6 @@ impl AppState {
         self.document.edited.replaced.retain(|value| !is_edited(value));
     }
 
-    /// Removes what is said of faults in variants of the project: the defaults in their place were saved.
-    pub fn forget_faults_of_variants(&mut self) {
-        self.problems.retain(|problem| problem.topic != Topic::Project || problem.field.is_some());
-    }
-
     /// Removes the problems of a topic: it is solved.
     pub fn solve(&mut self, topic: Topic) {
         self.problems.retain(|problem| problem.topic != topic);

@@ -60,7 +60,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
     }
     let edited = &mut state.document.edited;
     if let Some(set) = used.and_then(|k| edited.sets.get(k)) {
-        edited.setup = set.setup.clone();
+        (edited.setup, edited.replaced) = (set.setup.clone(), set.replaced.clone());
     }
     if let Some(k) = removed {
         edited.sets.remove(k);
