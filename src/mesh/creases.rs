@@ -102,7 +102,8 @@ pub fn find_curvature_jumps(surface: &MeshSurface) -> Vec<[bool; 3]> {
             // fillet may turn little.
             let from_straight = |a: usize| {
                 let is_straight = |walk: WalkTurns| turn > OVER_STRAIGHT * walk.bend;
-                is_straight(walks[a])
+                walks[a].is_whole
+                    && is_straight(walks[a])
                     && turn < OVER_BESIDE * walks[1 - a].bend
                     && is_straight(walk_beside(surface, sides[a], STRAIGHT_REACH * reach))
             };
@@ -179,6 +180,8 @@ struct WalkTurns {
     turn: f64,
     /// Largest turn of the way itself: 0 along the straight lines of a cylinder.
     bend: f64,
+    /// Whether it went all the way: one that a sharp edge ends may have met nothing yet.
+    is_whole: bool,
 }
 
 /// A straight walk over the mesh from the middle of an edge of a triangle at right angles to it, for the
@@ -204,7 +207,8 @@ fn walk_beside(surface: &MeshSurface, (mut t, mut entered): (usize, usize), reac
         let Some((step, k)) = exits.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
         let next = surface.neighbours[t][k];
         way += step;
-        if way > reach || next == NONE {
+        most.is_whole = way > reach;
+        if most.is_whole || next == NONE {
             break;
         }
         let cosine = surface.normals[t].dot(&surface.normals[next as usize]);

@@ -191,7 +191,7 @@ fn a_faulty_value_of_a_variant_is_kept_until_it_is_edited() {
     settle(&mut second);
     let shown = |window: &Window| window.state().state().field_faults().len();
     assert_eq!(shown(&second), 0, "the fields are of the current setup");
-    second.get_by_label("Load Variant 1").click();
+    second.get_by_label("Load Variant 1").click_accesskit();
     second.run_steps(3);
     settle(&mut second);
     assert_eq!(shown(&second), 1);
