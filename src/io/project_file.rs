@@ -341,10 +341,15 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
     let (setup, setup_faults) = read_setup(CURRENT, &file.setup, file.replaced)?;
     let mut sets = Vec::with_capacity(file.sets.len());
     for SetFile { name, setup, figures, replaced } in file.sets {
-        let is_known = replaced.len();
+        let known_count = replaced.len();
         let (setup, faults) = read_setup(&name, &setup, replaced)?;
         // Figures are those of a setup as it was.
-        sets.push(StoredSet { name, setup, figures: figures.filter(|_| faults.len() == is_known), faults });
+        sets.push(StoredSet {
+            name,
+            setup,
+            figures: figures.filter(|_| faults.len() == known_count),
+            faults,
+        });
     }
     let is_relative = |part: &Path| {
         let first = part.components().next();

@@ -76,8 +76,8 @@ pub struct CutBlades {
 /// What stands over the hub, cut off at the wall of the boss ahead of the channel.
 ///
 /// The wall is the outline of the wheel ahead of its hub up to its top, and goes on straight past it. Where
-/// its foot is rounded, the blades go on straight within the rounded corner. `None` where there is no boss,
-/// or where blades go on over it.
+/// the foot of the boss is rounded, the blades are extended straight through that corner. `None` where there
+/// is no boss, or where blades go on over it.
 pub fn cut_off_boss(
     over_hub: &MeshSurface,
     boss: &BossOfHub,
@@ -93,10 +93,8 @@ pub fn cut_off_boss(
     }
     let wall = MeridionalCurve::through(&line).with_outer_side_towards(above);
     let over = |p: &Point| wall.project_past_ends(Meridional::from_point(p)).1;
-    let over_hub = &match rounded {
-        Some(curve) => through_corner(over_hub, hub, curve, (&over, tolerance)),
-        None => over_hub.clone(),
-    };
+    let extended = rounded.map(|curve| through_corner(over_hub, hub, curve, (&over, tolerance)));
+    let over_hub = extended.as_ref().unwrap_or(over_hub);
     let up = |z: f64| if inlet_up { z } else { -z };
     let is_lost = |p: &Point| over(p) < -2.0 * tolerance && up(p.z) > up(front.z) + 2.0 * tolerance;
     if over_hub.points.iter().any(is_lost) {

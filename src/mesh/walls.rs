@@ -165,8 +165,7 @@ fn cut_off_in_boss(
     };
     let cut = |blade: &MeshSurface| {
         let over = trimmed(blade, &line, ON_WALL * tolerance);
-        let cut = cut_off_boss(&over, &boss, |_| true);
-        let cut = cut?;
+        let cut = cut_off_boss(&over, &boss, |_| true)?;
         let piece = cut.pieces.into_iter().max_by_key(|piece| piece.triangles.len())?;
         Some((piece, cut.ahead_mm))
     };

@@ -317,6 +317,20 @@ pub fn with_changed_plans(
     Engine { plan: Arc::new(plan), ..engine }
 }
 
+/// The engine, whose flank planner waits until the flag is cleared.
+pub fn with_held_flank(engine: Engine) -> (Engine, Arc<AtomicBool>) {
+    let held = Arc::new(AtomicBool::new(true));
+    let (inner, waits) = (Arc::clone(&engine.flank), Arc::clone(&held));
+    let flank = move |request: &FlankRequest, monitor: &Monitor| {
+        while waits.load(Ordering::SeqCst) {
+            monitor.check().map_err(|_| JobError::Cancelled)?;
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        inner(request, monitor)
+    };
+    (Engine { flank: Arc::new(flank), ..engine }, held)
+}
+
 /// The engine, with its flank plans changed.
 pub fn with_changed_flank(
     engine: Engine,

@@ -1,7 +1,7 @@
 //! Flank milling in the window.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -18,7 +18,6 @@ use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
 use vanecut::flank::{UncutLength, UncutReason};
 use vanecut::io::tool_library::flank_cutters;
-use vanecut::job::JobError;
 use vanecut::job::flank::{FlankOutcome, FlankRequest};
 use vanecut::monitor::Monitor;
 use vanecut::plunge::Condition;
@@ -498,15 +497,11 @@ fn the_program_of_the_selected_operation_is_exported() {
 #[test]
 fn f6_while_both_operations_are_calculated_begins_nothing_anew_and_the_selected_one_goes_ahead() {
     let (engine, slow) = fake::engine();
-    let (calls, held) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(true)));
-    let (counted, waits) = (Arc::clone(&calls), Arc::clone(&held));
-    let inner = Arc::clone(&engine.flank);
+    let (engine, held) = fake::with_held_flank(engine);
+    let calls = Arc::new(AtomicUsize::new(0));
+    let (counted, inner) = (Arc::clone(&calls), Arc::clone(&engine.flank));
     let flank = move |request: &FlankRequest, monitor: &Monitor| {
         counted.fetch_add(1, Ordering::SeqCst);
-        while waits.load(Ordering::SeqCst) {
-            monitor.check().map_err(|_| JobError::Cancelled)?;
-            std::thread::sleep(std::time::Duration::from_millis(1));
-        }
         inner(request, monitor)
     };
     let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
@@ -551,16 +546,8 @@ fn f6_while_both_operations_are_calculated_begins_nothing_anew_and_the_selected_
 #[test]
 fn a_flank_plan_that_is_ready_does_not_leave_the_operation_that_is_worked_on() {
     let (engine, _) = fake::engine();
-    let held = Arc::new(AtomicBool::new(true));
-    let (inner, waits) = (Arc::clone(&engine.flank), Arc::clone(&held));
-    let flank = move |request: &FlankRequest, monitor: &Monitor| {
-        while waits.load(Ordering::SeqCst) {
-            monitor.check().map_err(|_| JobError::Cancelled)?;
-            std::thread::sleep(std::time::Duration::from_millis(1));
-        }
-        inner(request, monitor)
-    };
-    let mut window = with_sample(Engine { flank: Arc::new(flank), ..engine });
+    let (engine, held) = fake::with_held_flank(engine);
+    let mut window = with_sample(engine);
     window.get_by_label("Flank: not calculated").click();
     window.run_steps(4);
     // Few layers.

@@ -77,6 +77,12 @@ fn a_project_opens_as_it_was_saved() {
     assert_eq!(read_project(&path).expect("reads").setup.plunge.step, Some(9.0));
 }
 
+/// The text of a project in which `key`, which stands at the byte `at`, is −3.
+fn with_faulty_value(text: &str, at: usize, key: &str) -> String {
+    let end = at + text[at..].find("\\n").expect("more lines follow");
+    format!("{}{key} = -3{}", &text[..at], &text[end..])
+}
+
 /// A window with a project, saved at `path`, whose setup has −3 for `keys`.
 fn with_faulty_setup(path: &Path, keys: &[&str]) -> Window {
     let (engine, _) = fake::engine();
@@ -86,8 +92,7 @@ fn with_faulty_setup(path: &Path, keys: &[&str]) -> Window {
     let mut text = std::fs::read_to_string(path).expect("reads");
     for key in keys {
         let at = text.find(&format!("{key} = ")).expect("it is written");
-        let end = at + text[at..].find("\\n").expect("more lines follow");
-        text = format!("{}{key} = -3{}", &text[..at], &text[end..]);
+        text = with_faulty_value(&text, at, key);
     }
     std::fs::write(path, text).expect("writes");
     let mut second = window(engine);
@@ -183,9 +188,7 @@ fn a_faulty_value_of_a_variant_is_kept_until_it_is_edited() {
     save_as(&mut first, &path);
     let text = std::fs::read_to_string(&path).expect("reads");
     let at = text.rfind("hub_allowance = ").expect("the variant comes last");
-    let end = at + text[at..].find("\\n").expect("more lines follow");
-    let text = format!("{}hub_allowance = -3{}", &text[..at], &text[end..]);
-    std::fs::write(&path, text).expect("writes");
+    std::fs::write(&path, with_faulty_value(&text, at, "hub_allowance")).expect("writes");
     let mut second = window(engine);
     second.state_mut().open_path(path.clone());
     settle(&mut second);

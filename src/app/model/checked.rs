@@ -70,7 +70,7 @@ impl FileChange {
         match self {
             Self::None => None,
             Self::Written => Some("The file was written again after this check: check it again"),
-            Self::Gone => Some("The file is no longer there: it was moved or deleted after this check"),
+            Self::Gone => Some("The file is no longer there; it has been moved or deleted since this check"),
         }
     }
 }

@@ -74,6 +74,9 @@ pub enum Operation {
 }
 
 impl Operation {
+    /// All, in the order of the list.
+    pub const ALL: [Self; 3] = [Self::Roughing, Self::Flank, Self::Program];
+
     /// Label in the list of operations.
     pub fn label(self) -> &'static str {
         match self {

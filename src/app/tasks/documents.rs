@@ -3,13 +3,13 @@
 
 use std::path::Path;
 
-use super::programs::{ProgramSource, plunge_program};
+use super::programs::{ProgramSource, UnwrittenProgram, plunge_program};
 use crate::error::UserError;
 use crate::io::InputError;
 use crate::io::apt::{read_apt_bytes, write_apt};
 use crate::job::FIELD_CELLS;
 use crate::job::assess::AssessedPart;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::Monitor;
 use crate::report::ReportPage;
 use crate::report::assessment::assessment_page;
 use crate::report::pictures::{flank_pictures, plan_pictures};
@@ -25,31 +25,15 @@ pub struct SheetTask {
     pub files: Vec<ProgramFile>,
 }
 
-/// Why a setup sheet is not written.
-pub(super) enum UnwrittenSheet {
-    /// Cancelled while its program was checked.
-    Cancelled,
-    /// Its pictures cannot be drawn, or its program cannot be judged.
-    Failed(InputError),
-}
-
-impl From<InputError> for UnwrittenSheet {
-    fn from(error: InputError) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl From<Cancelled> for UnwrittenSheet {
-    fn from(Cancelled: Cancelled) -> Self {
-        Self::Cancelled
-    }
-}
-
 /// The setup sheet of a plan, to be saved at `path`. Its program is verified as it is written.
 ///
 /// # Errors
 /// When the pictures cannot be drawn or the program cannot be verified; when `monitor` is cancelled.
-pub(super) fn sheet(path: &Path, task: &SheetTask, monitor: &Monitor) -> Result<ReportPage, UnwrittenSheet> {
+pub(super) fn sheet(
+    path: &Path,
+    task: &SheetTask,
+    monitor: &Monitor,
+) -> Result<ReportPage, UnwrittenProgram> {
     let fault = |error: UserError| InputError::at_file(&path.display().to_string(), error);
     let source = match &task.source {
         ProgramSource::Plunges(source) => source,
@@ -66,7 +50,7 @@ pub(super) fn sheet(path: &Path, task: &SheetTask, monitor: &Monitor) -> Result<
     let written = read_apt_bytes("the program", program.as_bytes())?;
     let report = report_plunges(&outcome.workpiece, &outcome.setup, &written, FIELD_CELLS, monitor);
     let report = report.map_err(|error| match error {
-        VerifyError::Program(error) => UnwrittenSheet::Failed(fault(error.into())),
+        VerifyError::Program(error) => UnwrittenProgram::Failed(fault(error.into())),
         VerifyError::Cancelled(cancelled) => cancelled.into(),
     })?;
     let pictures = plan_pictures(outcome, shown, &prefix(path)).map_err(fault)?;

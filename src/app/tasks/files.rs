@@ -33,7 +33,7 @@ use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::{PartSource, Sample};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::solid::{SolidSource, StockMoment};
-use crate::app::tasks::documents::{SheetTask, UnwrittenSheet, assessment, sheet};
+use crate::app::tasks::documents::{SheetTask, assessment, sheet};
 use crate::app::tasks::programs::{
     FlankSource, NcTask, PlungeSource, ProgramSource, UnwrittenProgram, cl_text, flank_text, nc_text,
 };
@@ -371,11 +371,10 @@ fn write_file(task: &WriteTask, monitor: &Monitor) -> Result<Written, WriteError
         }
         WriteTask::Scene(path, scene) => (path, scene_bytes(scene)),
         WriteTask::Stock(path, source, moment) => (path, stock_bytes(path, source, *moment)?),
-        WriteTask::Sheet(path, source) => {
-            let page = sheet(path, source, monitor).map_err(|unwritten| match unwritten {
-                UnwrittenSheet::Cancelled => WriteError::Cancelled,
-                UnwrittenSheet::Failed(error) => WriteError::from(error),
-            })?;
+        WriteTask::Sheet(path, task) => {
+            let purpose = Purpose::ExportSheet { operation: task.source.operation() };
+            let page = sheet(path, task, monitor)
+                .map_err(|unwritten| WriteError::of_program(unwritten, purpose, path))?;
             return Ok(write_document(path, &page)?);
         }
         WriteTask::Assessment(path, assessed) => {

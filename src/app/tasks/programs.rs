@@ -27,13 +27,13 @@ use crate::verify::Fault;
 /// What to do instead of a subprogram, in the words of the dialog.
 const INSTEAD_OF_SUBPROGRAM: &str = "export all channels, without Subprogram";
 
-/// Why a program is not written.
+/// Why a program or its setup sheet is not written.
 pub(super) enum UnwrittenProgram {
     /// Cancelled while it was judged.
     Cancelled,
     /// It has these faults, which nobody was asked about.
     Faulty(Vec<Fault>),
-    /// Machine or post cannot be read, or the machine cannot run it.
+    /// Machine or post cannot be read, or the machine cannot run it; the sheet cannot be drawn.
     Failed(InputError),
 }
 

@@ -218,12 +218,14 @@ impl Work {
             Operation::Flank => self.flanker.progress().map(|fraction| ("Calculating flank", fraction)),
             Operation::Program => self.checker.progress().map(|fraction| ("Checking program", fraction)),
         };
-        let all = [selected, Operation::Roughing, Operation::Flank, Operation::Program];
         let goes_on = Some(selected).filter(|&operation| !self.is_held(operation));
         let writing = || self.writer.progress().map(|fraction| ("Writing", fraction));
         let judging = || self.judge.progress().map(|fraction| ("Checking export", fraction));
         let calculated = opening.or_else(|| goes_on.and_then(calculating));
-        calculated.or_else(judging).or_else(writing).or_else(|| all.into_iter().find_map(calculating))
+        calculated
+            .or_else(judging)
+            .or_else(writing)
+            .or_else(|| std::iter::once(selected).chain(Operation::ALL).find_map(calculating))
     }
 
     /// Writes a file. It waits for those before it: none is lost, and the end of each is reported. Returns
@@ -258,10 +260,9 @@ impl Work {
 
     /// Whether there is anything to cancel: what is written in a moment is not.
     pub(in crate::app) fn can_cancel(&self) -> bool {
-        let operations = [Operation::Roughing, Operation::Flank, Operation::Program];
         self.opener.is_busy()
             || self.judge.is_busy()
-            || operations.into_iter().any(|operation| self.is_calculating(operation))
+            || Operation::ALL.into_iter().any(|operation| self.is_calculating(operation))
     }
 
     /// Cancels programs that are judged before they are written.

@@ -193,8 +193,8 @@ struct TileCarver<'a> {
 impl TileCarver<'_> {
     /// Applies one piece; `range` are bounds of all stock in the tile. Returns whether stock was removed.
     ///
-    /// A tool moves by little at a time: most of what it passes it has cut before. Blocks of rays in whose
-    /// gap the piece stays are passed over.
+    /// A tool moves in small steps, so most of the space that it sweeps has been cut already: blocks of rays
+    /// are skipped where the piece stays within their gap.
     fn apply(&mut self, piece: &Piece, range: &mut (f64, f64)) -> bool {
         let (low, high) = piece.bounds();
         if low[self.direction] >= range.1 || high[self.direction] <= range.0 {

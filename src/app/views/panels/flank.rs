@@ -90,7 +90,7 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 
 /// The tool: the one that fits best, with the one that was `taken`, or one of those there are.
 fn tool_row(ui: &mut Ui, setup: &mut Setup, taken: Option<&Tool>) {
-    let tip = "Cutter used for all passes.\nAutomatic: the largest ball-end cutter that leaves room for several passes between the blades, taken from the tool library if none in the setup fits";
+    let tip = "Cutter for all passes.\nAutomatic: the largest ball-end cutter that leaves room for several passes between the blades. If none in the setup fits, one is taken from the tool library";
     let units = units::display_units(ui);
     let entry = |tool: &Tool| ListEntry {
         value: Some(tool.number),
