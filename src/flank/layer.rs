@@ -3,7 +3,8 @@
 //! Points of a layer are (x, y): arc length along its meridional curve, mm, and angle about the rotation
 //! axis, rad, which grows from the wall at λ = 0 to the one at λ = 1.
 
-use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, norm2, search, wrap_angle};
+use super::offset::{closed_parallel, folds_between};
+use crate::geometry::{Meridional, MeridionalCurve, Point, Vector, evenly, norm2, search, wrap_angle};
 use crate::part::{BladeSide, Impeller};
 
 /// A point of a layer.
@@ -40,13 +41,17 @@ pub struct LayerSurface {
 const CURVE_POINTS: usize = 120;
 /// Maximum length of the layer upstream of the leading edge, as a share of its length.
 const UPSTREAM: f64 = 0.2;
-/// Least length of the offset per length of the hub: where the hub bends more, the layer ends.
-const MIN_STRETCH: f64 = 0.05;
 /// Least length of a layer, mm.
 const MIN_LENGTH: f64 = 1e-3;
+/// Steps in which the part of a layer in the channel is searched.
+const SEARCH_STEPS: usize = 400;
+/// Radius of the rounding of a layer where the parallel of the hub folds, as a share of the layer's length:
+/// some points of the layer's curve lie on it.
+const CORNER_RADIUS: f64 = 0.03;
 
 impl LayerSurface {
-    /// The layer `height` mm above the hub; `None` where the channel is nowhere that deep.
+    /// The layer `height` mm above the hub; `None` where the channel is nowhere that deep. Where the parallel
+    /// of the hub folds, as above the foot of a boss, the layer is rounded.
     pub fn at_height(part: &Impeller, height: f64) -> Option<Self> {
         let hub = part.hub.curve();
         // Ends where the offset of the hub crosses the straight lines of the leading edge and of the rim.
@@ -58,10 +63,28 @@ impl LayerSurface {
         let outlet = beyond(part.hub.point(1.0), part.shroud.point(1.0));
         let (start, end) = (part.hub.arc_at(0.0), part.hub.arc_at(1.0));
         let reach = 2.0 * height + 0.1 * (end - start);
-        let mut from = border(|t| inlet(at(t)), start, reach);
+        let from = border(|t| inlet(at(t)), start, reach);
         let to = border(|t| outlet(at(t)), end, reach);
-        // Where the offset folds over itself it is not a valid surface.
-        let count = 400;
+        let extended = from - UPSTREAM * (to - from);
+        let first = from.min(0.0);
+        if !folds_between(hub, height, extended.max(first), to) {
+            return Self::along(part, hub, height, [from, to], height);
+        }
+        let curve = closed_parallel(hub, height, CORNER_RADIUS * (to - from), first, to)?;
+        let ends = [curve.project(at(from)).0, curve.length()];
+        Self::along(part, &curve, 0.0, ends, height)
+    }
+
+    /// The layer at the offset by `distance` of `curve`, where that is in the channel between two arc
+    /// lengths, mm. The layer is `height` mm above the hub.
+    fn along(
+        part: &Impeller,
+        curve: &MeridionalCurve,
+        distance: f64,
+        [mut from, to]: [f64; 2],
+        height: f64,
+    ) -> Option<Self> {
+        let at = |t: f64| curve.offset_derivative(t, distance).0;
         let shroud = part.shroud.curve();
         let depth_left = |t: f64| {
             let p = at(t);
@@ -69,22 +92,16 @@ impl LayerSurface {
             // Beyond the ends of the shroud the lines of leading edge and rim bound the channel.
             if arc <= 0.0 || arc >= shroud.length() { d.abs() } else { -d }
         };
-        let sound = |t: f64| {
-            let stretch = 1.0 - height * hub.at(t).curvature;
-            stretch > MIN_STRETCH
-        };
         let mut last = from;
         let mut inside = false;
-        for i in 0..=count {
-            let t = from + (to - from) * f64::from(i) / f64::from(count);
-            let good = sound(t) && depth_left(t) > -1e-6;
-            match (inside, good) {
+        for t in evenly(from, to, SEARCH_STEPS + 1) {
+            match (inside, depth_left(t) > -1e-6) {
                 (false, true) => {
                     from = t;
                     inside = true;
                 }
                 (true, false) => {
-                    last = if sound(t) { search::root(&depth_left, last, t, 1e-9) } else { last };
+                    last = search::root(&depth_left, last, t, 1e-9);
                     break;
                 }
                 _ => {}
@@ -98,15 +115,12 @@ impl LayerSurface {
         let mut ahead = 0;
         let step = (last - from) / CURVE_POINTS as f64;
         let most = (UPSTREAM * CURVE_POINTS as f64) as usize;
-        while ahead < most
-            && from - step * (ahead + 1) as f64 > 0.0
-            && sound(from - step * (ahead + 1) as f64)
-        {
+        while ahead < most && from - step * (ahead + 1) as f64 > 0.0 {
             ahead += 1;
         }
         let points: Vec<Meridional> =
             (0..=CURVE_POINTS + ahead).map(|i| at(from + step * (i as f64 - ahead as f64))).collect();
-        let outer = hub.offset_derivative(0.5 * (from + last), height + 0.01 * hub.length()).0;
+        let outer = curve.offset_derivative(0.5 * (from + last), distance + 0.01 * curve.length()).0;
         Self::through(part, &points, ahead, outer, height)
     }
 

@@ -32,6 +32,7 @@ pub mod fixed_axis;
 pub mod layer;
 pub mod layer_regions;
 pub mod layer_walls;
+mod offset;
 mod passes;
 pub mod path;
 pub mod plan;

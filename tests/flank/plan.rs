@@ -10,6 +10,7 @@ use vanecut::flank::curves::{FlankError, FlankLayout, LayoutInputs};
 use vanecut::flank::layer::{LayerPoint, LayerSurface};
 use vanecut::flank::layer_walls::LayerWalls;
 use vanecut::flank::region::WallName;
+use vanecut::geometry::{Meridional, Point};
 use vanecut::io::read_part;
 use vanecut::io::tool_library::flank_cutters;
 use vanecut::monitor::Monitor;
@@ -38,6 +39,35 @@ fn planned(part: &Impeller, setup: &Setup) -> Result<(FlankLayout, Tool), FlankE
     let chosen = choose_tool(&workpiece, setup, flank_cutters()).map_err(FlankError::Setup)?;
     let source = LayoutInputs { workpiece: &workpiece, setup, tool: &chosen.tool };
     Ok((source.plan(&Monitor::default())?, chosen.tool))
+}
+
+/// Over the corner between boss and disc, sharp or rounded, the parallels of the hub fold: layers are rounded
+/// there, and go on over the disc.
+#[test]
+fn layers_over_the_foot_of_a_boss_keep_their_height_above_the_hub() {
+    let steps = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/step");
+    for name in ["paddle_wheel.step", "paddle_foot.step"] {
+        let part = open(&steps.join(name));
+        let hub = part.hub.curve();
+        for height in [1.0, 3.0, 6.0, 9.0, 11.0] {
+            let layer = LayerSurface::at_height(&part, height).expect("the paddles are 12 mm high");
+            let length = layer.to - layer.from;
+            // From the boss of R 15 to the rim at R 60.
+            assert!(length > 0.95 * (60.0 - 15.0 - height), "{name}, {height}: {length} mm long");
+            let rounding = 0.03 * (std::f64::consts::SQRT_2 - 1.0) * (length + 12.0);
+            for k in 0..=500 {
+                let x = layer.to * f64::from(k) / 500.0;
+                let (point, normal) = layer.point_and_normal(LayerPoint { x, y: 0.3 });
+                let above = |p: &Point| hub.project(Meridional::from_point(p)).1;
+                let here = above(&point);
+                assert!(
+                    here > height - 5e-3 && here < height + rounding,
+                    "{name}, {height}: {here} mm above the hub {x} mm along the layer"
+                );
+                assert!(above(&(point + 0.1 * normal)) > here, "{name}, {height}: upside down at {x} mm");
+            }
+        }
+    }
 }
 
 /// Length of the shortest path over the layer between two points, mm: minimised over chains of points.
