@@ -93,10 +93,16 @@ impl ToolAssembly {
         self.shank.is_empty() && self.holder.is_empty()
     }
 
+    /// Height above the tip at which the edges end and the shank begins, with the holder `overhang` mm above the
+    /// tip, mm: the given length, else what the shank leaves of the overhang.
+    pub fn flutes_end(&self, overhang: f64) -> f64 {
+        let shank = || self.shank.iter().map(|[_, length]| length).sum::<f64>();
+        self.flute_length.unwrap_or_else(|| overhang - shank()).max(0.0)
+    }
+
     /// Segments of shank and holder with the holder beginning `overhang` mm above the tip.
     pub fn segments(&self, overhang: f64) -> Vec<AssemblySegment> {
-        let total: f64 = self.shank.iter().map(|[_, length]| length).sum();
-        let mut from = self.flute_length.unwrap_or(overhang - total).max(0.0);
+        let mut from = self.flutes_end(overhang);
         let mut segments = Vec::with_capacity(self.shank.len() + self.holder.len());
         for (index, &[diameter, length]) in self.shank.iter().enumerate() {
             let end = if index + 1 == self.shank.len() { overhang } else { (from + length).min(overhang) };

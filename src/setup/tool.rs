@@ -112,7 +112,7 @@ impl Tool {
         let corner = self.corner_radius;
         let from = corner * (1.0 - taper.sin());
         let lower = (self.radius() - corner).max(0.0) + corner * taper.cos();
-        let length = self.assembly.flute_length.unwrap_or(self.overhang) - from;
+        let length = self.assembly.flutes_end(self.overhang) - from;
         (length > 0.0).then(|| (from, length, [lower, lower + length * taper.tan()]))
     }
 
@@ -148,8 +148,7 @@ impl Tool {
     pub fn outline(&self) -> Vec<OutlinePiece> {
         let segments = self.assembly.segments(self.overhang);
         let above = segments.iter().find(|segment| segment.part == AssemblyPart::Shank);
-        let given = self.assembly.flute_length.unwrap_or(self.overhang);
-        let flutes = above.map_or(given, |shank| shank.from).min(self.overhang);
+        let flutes = self.assembly.flutes_end(self.overhang).min(self.overhang);
         let piece = |kind, from, length, radii| OutlinePiece { kind, from, length, radii };
         let upper = self.taper_cone().map_or(self.radius(), |(_, _, radii)| radii[1]);
         let mut outline = vec![piece(OutlineKind::Cutter, 0.0, flutes, [self.radius(), upper])];

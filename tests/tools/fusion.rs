@@ -234,3 +234,27 @@ fn whatever_is_changed_in_a_tool_is_read_back_from_the_library_it_was_written_to
         }
     }
 }
+
+/// Without a flute length the shank begins where its length from the holder says: a library that lets it begin
+/// at the end of the overhang has none.
+#[test]
+fn a_shank_without_a_flute_length_stays_where_it_is() {
+    let setup =
+        "[[tool]]\nnumber = 7\ndiameter = 4.0\noverhang = 50.0\nshank = [[8, 30]]\nholder = [[30, 40, 50]]\n";
+    let library = read_library_bytes("t.toml", setup.as_bytes(), LibraryFormat::Toml).expect("reads");
+    let shank = |library: &ToolLibrary, number: u32| -> Vec<(f64, f64, [f64; 2])> {
+        let entry = library.tools.iter().find(|entry| entry.tool.number == number).expect("is there");
+        let segments = entry.tool.assembly.segments(entry.tool.overhang);
+        segments.iter().map(|segment| (segment.from, segment.length, segment.radii)).collect()
+    };
+    let wanted = shank(&library, 7);
+    assert_eq!(wanted[0], (20.0, 30.0, [4.0; 2]));
+    let again =
+        |text: &str| read_library_bytes("t.json", text.as_bytes(), LibraryFormat::FusionJson).unwrap();
+    assert_eq!(shank(&again(&write_fusion(&library)), 7), wanted);
+    // Into an entry whose edges end 10 mm above the tip, and beside the others.
+    assert_eq!(shank(&again(&merged(SHOP, &library).0), 7)[0], wanted[0]);
+    let mut other = library.clone();
+    Arc::make_mut(&mut other.tools[0]).tool.number = 8;
+    assert_eq!(shank(&again(&merged(SHOP, &other).0), 8), wanted);
+}

@@ -10,7 +10,7 @@ use super::{LibraryTool, ToolLibrary};
 use crate::error::ErrorCode;
 use crate::io::InputError;
 use crate::io::source::Source;
-use crate::setup::Tool;
+use crate::setup::{Tool, ToolAssembly};
 
 /// Difference up to which two numbers count as equal, mm, mm/min, rev/min or m/min: formats round them.
 const SAME: f64 = 1e-6;
@@ -118,7 +118,13 @@ fn change_entry(entry: &mut Value, known: &LibraryTool, wanted: &LibraryTool) ->
     let mut changes = EntryChanges { entry, mm };
     changes.length("DC", "tool_diameter", Some(was.diameter), Some(now.diameter));
     changes.length("RE", "tool_cornerRadius", Some(was.corner_radius), Some(now.corner_radius));
-    changes.length("LCF", "tool_fluteLength", old.flute_length, new.flute_length);
+    // A tool without them has edges all the way: those of the entry stay.
+    let flutes = |tool: &Tool| {
+        let ToolAssembly { flute_length, shank, .. } = &tool.assembly;
+        (flute_length.is_some() || !shank.is_empty()).then(|| tool.assembly.flutes_end(tool.overhang))
+    };
+    let (old_flutes, new_flutes) = (flutes(was), flutes(now));
+    changes.length("LCF", "tool_fluteLength", old_flutes, new_flutes);
     if differs(Some(was.overhang), Some(now.overhang)) {
         changes.length("LB", "tool_bodyLength", Some(was.overhang), Some(now.overhang));
         changes.move_gauge_line(now.overhang - was.overhang);
@@ -148,7 +154,7 @@ fn change_entry(entry: &mut Value, known: &LibraryTool, wanted: &LibraryTool) ->
         }
     }
     // Segments stand on the flutes; the entry gives the neck by the height of its shoulder.
-    let stands_elsewhere = differs(old.flute_length, new.flute_length) && !new.shank.is_empty();
+    let stands_elsewhere = differs(old_flutes, new_flutes) && !new.shank.is_empty();
     if stands_elsewhere || !same_shank(&old.shank, &new.shank) {
         changes.shank(now);
     }
@@ -255,7 +261,7 @@ impl EntryChanges<'_> {
         };
         let rows: Vec<Value> = tool.assembly.shank.iter().map(row).collect();
         self.set(&["shaft"], json!({"type": "shaft", "segments": rows}));
-        let flute = rounded(tool.assembly.flute_length.unwrap_or(tool.overhang) / mm);
+        let flute = rounded(tool.assembly.flutes_end(tool.overhang) / mm);
         self.set(&["geometry", "shoulder-length"], json!(flute));
         self.forget_expression("tool_shoulderLength");
     }

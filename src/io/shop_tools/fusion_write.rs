@@ -66,7 +66,7 @@ pub(super) fn entry_of(LibraryTool { tool, missing, .. }: &LibraryTool) -> Value
     } else {
         "flat end mill"
     };
-    let flute = more.flute_length.unwrap_or(tool.overhang);
+    let flute = more.flutes_end(tool.overhang);
     let mut geometry = Map::new();
     let mut put = |key: &str, value: Value| {
         geometry.insert(key.to_owned(), value);
