@@ -31,6 +31,9 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
         Some(word) => word.parse().map_err(|error: UserError| Failure::from(error).at("--show"))?,
         None => FlankColours::default(),
     };
+    if args.legend && colours != FlankColours::Walls {
+        eprintln!("vanecut: --legend: only `--show walls` of a flank plan has a colour scale");
+    }
     let walls = (colours == FlankColours::Walls).then(|| wall_deviations(&plan.part, &plan.walls));
     let (shown_on, map, most) = match &walls {
         Some((_, most)) => (FloorColours::Walls, ColourMap::Difference, most.max(1e-3)),
@@ -54,5 +57,5 @@ pub fn picture(args: &RenderArgs, plan: &StoredFlank, view: View, size: UVec2) -
         scene.set_values(&gpu, mesh);
     }
     scene.set_paths(&gpu, &toolpath_lines(&plan.passes, &plan.moves[..shown], plan.layers, colours));
-    draw_png(&gpu, &mut renderer, &scene, view, &options, size, false).map_err(Failure::of_work)
+    draw_png(&gpu, &mut renderer, &scene, view, &options, size, args.legend).map_err(Failure::of_work)
 }

@@ -1,6 +1,8 @@
 //! Draws a [`Scene`] into a texture. The window shows the texture and the command line reads it back, so that
 //! both get the same pixels.
 
+use std::ops::Range;
+
 use bytemuck::Pod;
 use glam::{UVec2, Vec2, Vec3};
 
@@ -27,6 +29,23 @@ pub struct Picture {
     pub height: u32,
     /// 4 · width · height bytes.
     pub rgba: Vec<u8>,
+}
+
+impl Picture {
+    /// Columns of two pictures of one height beside each other.
+    pub fn beside(parts: [(&Self, Range<u32>); 2]) -> Self {
+        let [(left, _), _] = &parts;
+        let height = left.height;
+        let width = parts.iter().map(|(_, columns)| columns.end - columns.start).sum();
+        let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+        for row in 0..height as usize {
+            for (picture, columns) in &parts {
+                let at = |column: u32| 4 * (row * picture.width as usize + column as usize);
+                rgba.extend_from_slice(&picture.rgba[at(columns.start)..at(columns.end)]);
+            }
+        }
+        Self { width, height, rgba }
+    }
 }
 
 /// Render target of one size and sample count.
@@ -280,7 +299,7 @@ impl Renderer {
         &self.cutter_meshes[usize::from(options.draft)]
     }
 
-    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, unit: &CutterMesh, indices: std::ops::Range<u32>) {
+    fn draw_cutters(&self, pass: &mut wgpu::RenderPass, unit: &CutterMesh, indices: Range<u32>) {
         if let Some(buffer) = self.cutters.buffer.as_ref().filter(|_| self.cutters.count > 0) {
             pass.set_vertex_buffer(0, unit.mesh.vertices.slice(..));
             pass.set_vertex_buffer(1, buffer.slice(..));

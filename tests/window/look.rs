@@ -84,6 +84,45 @@ fn pictures_have_the_size_and_the_background_that_were_asked_for() {
     assert_ne!(transparent, opaque);
 }
 
+/// A picture of a view with both plans has both.
+#[test]
+fn pictures_of_both_plans_have_both() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("view.png");
+    let mut saved = |window: &mut Window| {
+        window.state_mut().export_settings_mut().size = Some([600, 400]);
+        let ctx = window.ctx.clone();
+        window.state_mut().file_chosen(&ctx, Purpose::SavePicture, path.clone());
+        settle(window);
+        let mut reader =
+            png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).expect("a file")))
+                .read_info()
+                .expect("a PNG file");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        let frame = reader.next_frame(&mut pixels).expect("a picture");
+        assert_eq!((frame.width, frame.height), (600, 400));
+        let row = pixels.len() / 400;
+        let half = |first: usize| -> Vec<u8> {
+            pixels.chunks(row).flat_map(|line| line[first..first + row / 2].to_vec()).collect()
+        };
+        [half(0), half(row / 2)]
+    };
+    let after = saved(&mut window);
+    window.key_press(egui::Key::B);
+    window.run_steps(3);
+    let before = saved(&mut window);
+    assert!(before[0] != after[0] && before[1] != after[1]);
+    window.get_by_label("Wipe").click();
+    window.run_steps(3);
+    assert!(saved(&mut window) == [before[0].clone(), after[1].clone()]);
+    window.get_by_label("Both").click();
+    window.run_steps(3);
+    let [left, right] = saved(&mut window);
+    assert!(left != before[0] && right != after[1] && left != right);
+}
+
 /// What stands last in the setup is not under a bar that only the rounding of a dense screen would need.
 #[test]
 fn the_last_button_of_the_setup_takes_clicks_on_a_dense_screen() {

@@ -29,6 +29,22 @@ fn a_tool_without_plunges_says_why() {
     window.get_by_label(&format!("T1 Ø30: {count} plunges"));
 }
 
+/// Also one that no section names.
+#[test]
+fn a_tool_without_a_section_says_so() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1400.0));
+    window.run_steps(3);
+    window.get_by_label("Edit tools and sections").click_accesskit();
+    window.run_steps(3);
+    window.get_by_label("Add tool").click_accesskit();
+    window.run_steps(3);
+    settle(&mut window);
+    let added = window.state().state().document.edited.setup.tools.last().expect("tools").clone();
+    window.get_by_label(&format!("T{} Ø{}: no plunges, no section names it", added.number, added.diameter));
+}
+
 #[test]
 fn the_plunges_of_the_tools_are_those_of_the_strategy_that_is_shown() {
     let (engine, _) = fake::engine();
@@ -162,7 +178,7 @@ fn a_library_is_opened_searched_taken_into_the_setup_and_saved() {
     window.get_by_label("In the setup as T12, its only tool");
     // Once more, it gets another number, which is said as long as it is there.
     click(&mut window, "Take into setup");
-    window.get_by_label("In the setup as T12, T13");
+    window.get_by_label("In the setup as T12, T14");
     // It is saved as our own.
     click(&mut window, "Save library…");
     name_file(&mut window, &saved);

@@ -1,5 +1,4 @@
-//! Files that leave the window: programs, after a question where something speaks against them; scenes and
-//! pictures.
+//! Files that leave the window: programs, after a question where something speaks against them, and scenes.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Weak};
@@ -23,9 +22,6 @@ use crate::app::views::command::Command;
 use crate::app::views::nc_dialog::{NcAnswer, NcQuestion, TargetChoice};
 use crate::app::views::picture_dialog::ExportSettings;
 use crate::app::views::release::{self, Recalculation, ReleaseAnswer, ReleaseWords, Renewal};
-use crate::gpu::SceneOptions;
-use crate::gpu::image::MAX_SIDE;
-use crate::gpu::legend::add_legend;
 use crate::io::shop_tools::{is_fusion_library, missing_in_fusion};
 use crate::job::flank::FlankOutcome;
 use crate::job::worker::Outcome;
@@ -436,22 +432,6 @@ impl App {
         self.write(WriteTask::Nc(path, NcTask { source, target }));
     }
 
-    /// Draws the picture dialog.
-    pub(in crate::app) fn ask_export(&mut self, ui: &Ui) {
-        let screen = self.screen_size();
-        let mut dialog = std::mem::take(&mut self.export_dialog);
-        if dialog.show(ui, &mut self.export, screen) {
-            let name = self.suggest_file_name("picture.png");
-            self.dialogs.open_dialog(ui.ctx(), Purpose::SavePicture, name);
-        }
-        self.export_dialog = dialog;
-    }
-
-    fn screen_size(&self) -> [u32; 2] {
-        let size = self.screen.size * self.screen.scale;
-        [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
-    }
-
     /// Writes the part as a glTF scene, with the plan of the active side.
     pub(in crate::app) fn export_scene(&mut self, path: PathBuf) {
         let Some(part) = &self.state.document.part else { return };
@@ -459,38 +439,5 @@ impl App {
         let planned = shown.map(|shown| (shown.planned.clone(), shown.policy));
         let scene = SceneTask { part: part.impeller.clone(), planned, range: self.state.range() };
         self.write(WriteTask::Scene(path, scene));
-    }
-
-    /// Writes the view of the active side as a picture.
-    pub(in crate::app) fn export_picture(&mut self, path: PathBuf) {
-        let side = self.state.look.side;
-        let Some(camera) = self.view.current() else { return };
-        let settings = self.export;
-        let options = SceneOptions { transparent: settings.transparent, ..self.options(side) };
-        let size = settings.size.unwrap_or(self.screen_size());
-        let content = self.content(side);
-        let program = self.state.drawn_program().cloned();
-        let (flank, tool) = (self.flank_content(), self.shown_tool());
-        let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else { return };
-        picture.load(content);
-        let look = &self.state.look;
-        picture.load_cutter_colours(
-            look.layers.cutter_colours,
-            &look.hidden_classes,
-            &self.state.plans_in_view(),
-        );
-        // A file cannot show the badge of a plan under way, so its preview is left out.
-        picture.load_preview(tool.as_ref());
-        picture.load_flank(flank);
-        picture.load_program(program.as_ref());
-        match picture.export(&camera, &options, size) {
-            Ok(mut picture) => {
-                if settings.legend {
-                    add_legend(&mut picture, &options);
-                }
-                self.write(WriteTask::Picture(path, picture.width, picture.height, picture.rgba));
-            }
-            Err(error) => self.state.report_problem(Problem::of_device(&error)),
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! The tool library of the shop: what is open, what is searched and filtered, what is selected.
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -236,14 +237,17 @@ impl ShopLibrary {
         tools.filter(|(_, entry)| fits(&entry.tool)).map(|(index, _)| index).collect()
     }
 
-    /// Puts a copy of the selected tool into `setup`, under a number of its own, with the rates that it lacks
-    /// by the material of the setup. Returns that number.
+    /// Puts a copy of the selected tool into `setup`, with the rates that it lacks by the material of the setup.
+    /// Where the setup has another tool of its number, it gets one that no tool of the setup or of the library
+    /// has. Returns its number.
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
         let entry = self.content.tools.get(self.selected?)?;
         let mut tool = entry.missing.filled(&entry.tool, setup.allowances.cutting_data());
         let taken = |number: u32| setup.tools.iter().any(|known| known.number == number);
         if tool.number == 0 || taken(tool.number) {
-            tool.number = setup.tools.iter().map(|known| known.number).max().unwrap_or(0) + 1;
+            let own: HashSet<u32> = self.content.tools.iter().map(|entry| entry.tool.number).collect();
+            let last = setup.tools.iter().map(|known| known.number).max().unwrap_or(0);
+            tool.number = (last + 1..).find(|number| !own.contains(number)).unwrap_or(last + 1);
         }
         let number = tool.number;
         setup.tools.push(tool);
@@ -288,6 +292,10 @@ mod tests {
         let first = library.take_into(&mut setup).expect("a tool");
         let second = library.take_into(&mut setup).expect("a tool");
         assert_ne!(first, second);
+        let others = library.content().tools.iter().map(|entry| entry.tool.number);
+        assert!(
+            others.clone().any(|number| number == first) && !others.clone().any(|number| number == second)
+        );
         assert_eq!(setup.tools.len(), 2);
         // Edited so that the search would not find it, it stays.
         let selected = library.selected.expect("selected");

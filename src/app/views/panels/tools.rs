@@ -120,8 +120,34 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
             label.on_hover_text(reason);
         }
     }
+    let is_idle = |tool: &&Tool| plan.sections.iter().all(|section| section.tool.number != tool.number);
+    let mut idle = planned.setup.tools.iter().filter(is_idle).peekable();
+    if idle.peek().is_none() {
+        return;
+    }
+    let why = match planned.setup.plunge.sections.is_empty() {
+        true => "not chosen for a section",
+        false => "no section names it",
+    };
+    let names: Vec<String> = idle
+        .by_ref()
+        .take(MAX_IDLE)
+        .map(|tool| format!("T{} {}", tool.number, units::display_units(ui).diameter(tool.diameter)))
+        .collect();
+    let more = match idle.count() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let text = format!("{}{more}: no plunges, {why}", names.join(", "));
+    ui.add(egui::Label::new(RichText::new(text).color(Condition::Blocked.text(ui.visuals()))).wrap())
+        .on_hover_text(
+            "Sections get the tools that cut the channel in the least time. Cutters that are too thick or too \
+             short, tapered ones and ball ends are no choice for them.",
+        );
 }
 
+/// Number of tools without plunges that are named.
+const MAX_IDLE: usize = 8;
 /// Number of tools that are all listed; of a library in a setup only those that are used.
 const MAX_LISTED: usize = 100;
 

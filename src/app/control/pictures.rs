@@ -1,0 +1,102 @@
+//! Pictures of the view as files.
+
+use std::path::PathBuf;
+
+use egui::Ui;
+
+use crate::app::App;
+use crate::app::model::file_purpose::Purpose;
+use crate::app::model::look::Arrangement;
+use crate::app::model::planned::Side;
+use crate::app::model::problem::Problem;
+use crate::app::tasks::files::WriteTask;
+use crate::gpu::camera::Camera;
+use crate::gpu::image::MAX_SIDE;
+use crate::gpu::legend::add_legend;
+use crate::gpu::{GpuError, Picture, SceneOptions};
+
+impl App {
+    /// Draws the picture dialog.
+    pub(in crate::app) fn ask_export(&mut self, ui: &Ui) {
+        let screen = self.screen_size();
+        let mut dialog = std::mem::take(&mut self.export_dialog);
+        if dialog.show(ui, &mut self.export, screen) {
+            let name = self.suggest_file_name("picture.png");
+            self.dialogs.open_dialog(ui.ctx(), Purpose::SavePicture, name);
+        }
+        self.export_dialog = dialog;
+    }
+
+    fn screen_size(&self) -> [u32; 2] {
+        let size = self.screen.size * self.screen.scale;
+        [size.x, size.y].map(|side| (side.round() as u32).clamp(1, MAX_SIDE))
+    }
+
+    /// Writes the view as a picture, with both plans where it shows both.
+    pub(in crate::app) fn export_picture(&mut self, path: PathBuf) {
+        let Some(camera) = self.view.current() else { return };
+        match self.drawn_view(&camera, self.export.size.unwrap_or(self.screen_size())) {
+            Ok(None) => {}
+            Ok(Some(mut picture)) => {
+                if self.export.legend {
+                    add_legend(&mut picture, &self.picture_options(self.state.look.side));
+                }
+                self.write(WriteTask::Picture(path, picture.width, picture.height, picture.rgba));
+            }
+            Err(error) => self.state.report_problem(Problem::of_device(&error)),
+        }
+    }
+
+    /// The view in pixels; `None` while nothing can be drawn.
+    fn drawn_view(
+        &mut self,
+        camera: &Camera,
+        [width, height]: [u32; 2],
+    ) -> Result<Option<Picture>, GpuError> {
+        let look = &self.state.look;
+        let border = (f64::from(look.wipe) * f64::from(width)).round() as u32;
+        let (widths, columns) = match look.shown_arrangement() {
+            Arrangement::One => return self.drawn_side(look.side, camera, [width, height]),
+            Arrangement::Both => {
+                let widths = [width / 2, width - width / 2];
+                (widths, widths.map(|width| 0..width))
+            }
+            Arrangement::Wipe => ([width; 2], [0..border, border..width]),
+        };
+        let before = self.drawn_side(Side::Before, camera, [widths[0], height])?;
+        let after = self.drawn_side(Side::After, camera, [widths[1], height])?;
+        let [left, right] = columns;
+        Ok(before.zip(after).map(|(before, after)| Picture::beside([(&before, left), (&after, right)])))
+    }
+
+    fn drawn_side(
+        &mut self,
+        side: Side,
+        camera: &Camera,
+        size: [u32; 2],
+    ) -> Result<Option<Picture>, GpuError> {
+        let options = self.picture_options(side);
+        let content = self.content(side);
+        let program = self.state.drawn_program().cloned();
+        let (flank, tool) = (self.flank_content(), self.shown_tool());
+        let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(side)) else {
+            return Ok(None);
+        };
+        picture.load(content);
+        let look = &self.state.look;
+        picture.load_cutter_colours(
+            look.layers.cutter_colours,
+            &look.hidden_classes,
+            &self.state.plans_in_view(),
+        );
+        // A file cannot show the badge of a plan under way, so its preview is left out.
+        picture.load_preview(tool.as_ref());
+        picture.load_flank(flank);
+        picture.load_program(program.as_ref());
+        picture.export(camera, &options, size).map(Some)
+    }
+
+    fn picture_options(&self, side: Side) -> SceneOptions {
+        SceneOptions { transparent: self.export.transparent, ..self.options(side) }
+    }
+}
