@@ -95,6 +95,28 @@ fn what_is_left_of_floor_and_walls_is_named_in_every_verdict() {
     }
 }
 
+/// The headline names the walls as it does the floor, and its tooltip each of them.
+#[test]
+fn walls_that_are_not_milled_are_in_the_headline() {
+    let (engine, _) = fake::engine();
+    let flank = move |outcome: &mut FlankOutcome| {
+        let verdict = outcome.verdict.as_mut().expect("verified");
+        (verdict.unmilled_wall_share, verdict.layer.uncut_share) = (0.27, 0.01);
+        assert_eq!(verdict.unmilled_walls.len(), verdict.walls.len(), "a share for each wall");
+        verdict.unmilled_walls = vec![0.5, 0.125];
+    };
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    plan_flank(&mut window, 10.0);
+    window.get_by_label("1.0 % floor");
+    window.get_by_label("27.0 % walls").hover();
+    window.run_steps(20);
+    let tip = labels(&window, "Share of the walls that is not milled");
+    let lines = ["Share of the walls that is not milled", "suction side: 50.0 %", "pressure side: 12.5 %"];
+    assert_eq!(tip, [lines.join("\n")]);
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(verdict::of_flank(window.state().state(), &outcome).0, Condition::Blocked);
+}
+
 /// A setup whose tools have flat ends takes none of them by itself; its tools are those of the plunges.
 #[test]
 fn tools_of_the_plunges_are_not_taken_for_passes() {

@@ -175,13 +175,28 @@ pub fn colour_radios(ui: &mut Ui, look: &mut FlankLook) {
     }
 }
 
-/// Name of a region of a channel with some number of `splitters`.
-pub fn region_words(region: Region, splitters: usize) -> String {
-    let name = |wall: WallName| match wall {
+/// Name of a wall of a channel with some number of `splitters`.
+fn wall_words(wall: WallName, splitters: usize) -> String {
+    match wall {
         WallName::Low => "suction side".to_owned(),
         WallName::High => "pressure side".to_owned(),
         WallName::Splitter(number) => splitter_name(number, splitters),
-    };
+    }
+}
+
+/// The same with the side of a splitter, which is that of the passage beside it.
+pub fn wall_side_words(wall: WallName, beside: Region, splitters: usize) -> String {
+    let name = wall_words(wall, splitters);
+    match wall {
+        WallName::Splitter(_) if beside.low == wall => format!("suction side of the {name}"),
+        WallName::Splitter(_) => format!("pressure side of the {name}"),
+        _ => name,
+    }
+}
+
+/// Name of a region of a channel with some number of `splitters`.
+pub fn region_words(region: Region, splitters: usize) -> String {
+    let name = |wall: WallName| wall_words(wall, splitters);
     match (region, splitters) {
         (Region::INLET, 0) => "the whole channel".to_owned(),
         (Region::INLET, 1) => "before the splitter".to_owned(),
