@@ -1,12 +1,16 @@
 //! Defects that a programmer found in the window, each as it was found: they stay repaired.
 
+use std::sync::Arc;
+
+use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::Condition;
 use vanecut::job::PlanOutcome;
 
 use crate::fake;
-use crate::harness::{Window, pixels_in, settle, window, with_sample};
+use crate::flank;
+use crate::harness::{Window, labels, pixels_in, press, settle, window, with_sample};
 use crate::roles::{open_with_roles, wheel};
 
 /// Number of pixels of a label that have the ink of a condition.
@@ -25,7 +29,7 @@ fn a_plan_that_misses_most_of_the_floor_has_no_green_headline() {
     };
     let mut sound = with_sample(engine.clone());
     let mut poor = with_sample(fake::with_changed_plans(engine, missing));
-    let headline = "Interfering 5 to 0";
+    let headline = "Interfering plunges 5 to 0";
     assert!(inked(&mut sound, headline, Condition::Sound) > 20);
     assert_eq!(inked(&mut sound, "1.2 %", Condition::Blocked), 0);
     assert_eq!(inked(&mut poor, headline, Condition::Sound), 0, "green over a plan that is not");
@@ -93,4 +97,35 @@ fn messages_leave_the_most_of_the_picture_free() {
     }
     assert_eq!(window.state().state().problems.len(), 5);
     assert!(pixels_in(&mut window, lower) == free, "the part can be seen below them");
+}
+
+#[test]
+fn a_click_on_the_selected_row_leaves_it_selected_and_escape_does_not() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    let selected = |window: &Window| window.state().state().look.selected;
+    for _ in 0..2 {
+        window.get_by_label("Position 3").click();
+        window.run_steps(3);
+        settle(&mut window);
+        assert_eq!(selected(&window), Some(2));
+    }
+    // A field that is typed in has the key first.
+    window.get_by_role_and_label(Role::SpinButton, "Step").click();
+    window.run_steps(3);
+    for left in [Some(2), None] {
+        window.key_press(egui::Key::Escape);
+        window.run_steps(3);
+        assert_eq!(selected(&window), left);
+    }
+    flank::plan_flank(&mut window, 10.0);
+    for _ in 0..2 {
+        window.get_by_label("Pass 2").click();
+        window.run_steps(3);
+        settle(&mut window);
+        assert_eq!(window.state().state().look.flank.pass, Some(1));
+    }
+    window.key_press(egui::Key::Escape);
+    window.run_steps(3);
+    assert_eq!(window.state().state().look.flank.pass, None);
 }

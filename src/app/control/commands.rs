@@ -104,6 +104,7 @@ impl App {
             | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.can_cancel() || self.state.look.measure.is_some(),
+            C::Deselect => self.state.has_selection(),
             C::Undo => self.state.document.can_undo() || self.library.can_undo(&self.state.document.edited),
             C::Redo => self.state.document.can_redo() || self.library.can_redo(),
             _ => true,
@@ -203,6 +204,7 @@ impl App {
             }
             C::Cancel if !can_cancel => look.measure = None,
             C::Cancel => self.cancel(),
+            C::Deselect => self.state.deselect(),
             C::NextFault => self.state.select_next_fault(true),
             C::PreviousFault => self.state.select_next_fault(false),
             C::NextRow => self.state.select_next_row(1),

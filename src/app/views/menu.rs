@@ -51,7 +51,13 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
         &[
             &[Command::Assess, Command::TimeAgainstStock, Command::StudyResults],
             &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
-            &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
+            &[
+                Command::NextFault,
+                Command::PreviousFault,
+                Command::NextRow,
+                Command::PreviousRow,
+                Command::Deselect,
+            ],
             &[
                 Command::Play,
                 Command::StepForward,
