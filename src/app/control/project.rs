@@ -275,8 +275,8 @@ impl App {
         }
     }
 
-    /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults
-    /// stand in place of what is faulty.
+    /// Reports the faults in the setups of an opened project. The project does not count as changed: what is
+    /// saved keeps the faulty values until they are edited.
     fn report_setup_faults(&mut self, project: &Project) {
         // Those of variants are at no field: the fields are of the current setup.
         let current = project.setup_faults.iter().map(Problem::of_replaced);
@@ -293,9 +293,6 @@ impl App {
             let message = format!("{} more {word} in the setups of the project", rest.len());
             let help = "look through setup and variants before you save";
             self.state.report_problem(Problem::about(Topic::Project, &message, help));
-        }
-        if project.faults().next().is_some() {
-            self.state.document.mark_unsaved();
         }
     }
 
