@@ -129,3 +129,33 @@ fn a_click_on_the_selected_row_leaves_it_selected_and_escape_does_not() {
     window.run_steps(3);
     assert_eq!(window.state().state().look.flank.pass, None);
 }
+
+#[test]
+fn undo_brings_back_the_name_of_a_variant_and_not_the_time_before_it() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1180.0));
+    window.run_steps(3);
+    let names = |window: &Window| -> Vec<String> {
+        window.state().state().document.edited.sets.iter().map(|set| set.name.clone()).collect()
+    };
+    // It is renamed at once, before the variant would have become a step by itself.
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::D);
+    window.run_steps(2);
+    let notice = window.state().state().notice.clone().expect("a word about it");
+    assert_eq!(notice.text, "The setup is saved as \"Variant 1\", under Variants");
+    window.get_by_role_and_label(Role::TextInput, "Name of variant 1").click();
+    window.run_steps(2);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.event(egui::Event::Text("Rough".to_owned()));
+    window.run_steps(1);
+    assert_eq!(names(&window), ["Rough"]);
+    let undo = |window: &mut Window| {
+        window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+        window.run_steps(1);
+    };
+    undo(&mut window);
+    assert_eq!(names(&window), ["Variant 1"]);
+    undo(&mut window);
+    assert!(names(&window).is_empty());
+}

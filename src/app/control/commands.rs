@@ -135,7 +135,10 @@ impl App {
             C::SaveProject => self.save_project(ctx),
             C::SaveProjectAs => self.ask_for_project(ctx),
             C::Palette => self.palette.toggle(),
-            C::KeepSet => self.state.document.keep_set(),
+            C::KeepSet => {
+                let name = self.state.document.keep_set();
+                self.state.report_done(format!("The setup is saved as \"{name}\", under Variants"));
+            }
             C::FollowEdits => self.state.auto_update ^= true,
             C::DismissProblems => self.state.dismiss_problems(),
             C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
