@@ -174,6 +174,22 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     window.run_steps(3);
     settle(&mut window);
     assert!(program.exists());
+    // Whoever has the sheet alone knows it too.
+    let sheet = folder.path().join("sheet.html");
+    window.state_mut().file_chosen(
+        &ctx,
+        Purpose::ExportSheet { operation: Operation::Roughing },
+        sheet.clone(),
+    );
+    window.run_steps(3);
+    window.get_by_label("Export anyway").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let page = std::fs::read_to_string(&sheet).expect("a page");
+    assert!(
+        page.contains("<li>4 values of the setup in the project were faulty: defaults stand in"),
+        "{page}"
+    );
 }
 
 #[test]
