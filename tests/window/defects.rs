@@ -159,3 +159,52 @@ fn undo_brings_back_the_name_of_a_variant_and_not_the_time_before_it() {
     undo(&mut window);
     assert!(names(&window).is_empty());
 }
+
+#[test]
+fn tools_that_are_taken_over_unchanged_leave_the_plans_as_they_are() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 1900.0));
+    flank::plan_flank(&mut window, 10.0);
+    window.get_by_label_contains("Roughing: ").click();
+    window.run_steps(4);
+    let planned = window.state().state().results.planned.clone().expect("planned");
+    let flank = window.state().state().results.flank.clone().expect("planned");
+    window.get_by_label("Edit tools and sections").click();
+    window.run_steps(3);
+    assert!(!window.state().is_busy(), "nothing is calculated");
+    let assert_same = |window: &Window| {
+        let state = window.state().state();
+        assert!(!state.out_of_date() && !state.flank_is_stale());
+        assert!(Arc::ptr_eq(state.results.planned.as_ref().expect("planned"), &planned));
+        assert!(state.results.figures(&state.document.edited.setup).is_some(), "its figures are known");
+    };
+    assert!(!window.state().state().document.edited.setup.tools.is_empty(), "they can be edited");
+    assert_same(&window);
+    window.run_steps(8);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(3);
+    assert!(!window.state().is_busy(), "nor when it is undone");
+    assert_same(&window);
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
+    window.run_steps(3);
+    settle(&mut window);
+    // An edit of a tool for plunges is one of the roughing plan.
+    let header = window.get_all_by_label_contains("T1  Ø30").next().expect("a header").rect();
+    press(&mut window, header.center());
+    window.run_steps(10);
+    window.get_by_role_and_label(Role::SpinButton, "Diameter").set_value_accesskit(28.0);
+    window.run_steps(3);
+    settle(&mut window);
+    let state = window.state().state();
+    assert!(!Arc::ptr_eq(state.results.planned.as_ref().expect("planned"), &planned), "planned anew");
+    assert!(!state.flank_is_stale(), "the passes have a cutter of the library");
+    assert!(Arc::ptr_eq(state.results.flank.as_ref().expect("planned"), &flank));
+    // A ball end of the setup that fits is taken; here it is the one that was, or another one.
+    let mut setup = state.document.edited.setup.clone();
+    setup.tools.push(flank.plan.tool.clone());
+    assert!(flank.would_choose_from(&setup));
+    let last = setup.tools.last_mut().expect("tools");
+    last.overhang += 5.0;
+    assert!(!flank.would_choose_from(&setup));
+}
