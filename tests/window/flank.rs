@@ -13,6 +13,7 @@ use vanecut::app::model::solid::SolidSource;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::model::verdict;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::app::views::scale_ends::format_signed;
 use vanecut::drawing::flank::{FlankColours, wall_deviations};
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
@@ -28,8 +29,8 @@ use vanecut::verify::FlankVerdict;
 use crate::channels::show_channels;
 use crate::fake;
 use crate::harness::{
-    HANG, Window, choose_in_file_menu, choose_in_list, click_enabled, labels, settle, snapshot_view,
-    with_sample, words,
+    HANG, Window, choose_in_file_menu, choose_in_list, click_enabled, labels, pixels_in, settle,
+    snapshot_view, with_sample, words,
 };
 
 /// Sets the depth of the layers in the panel of flank milling, mm.
@@ -174,13 +175,37 @@ fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {
     let outcome = window.state().state().results.flank.clone().expect("planned");
     let verdict = outcome.verdict.as_ref().expect("verified");
     let most = verdict.max_overcut.max(verdict.max_undercut).max(0.02) as f32;
-    for end in [-most, most] {
-        window.get_by_label(&vanecut::app::views::legend::format_signed(end, most, DisplayUnits::Metric));
-    }
+    window.get_by_label(&format_signed(-most, most, DisplayUnits::Metric));
+    assert_eq!(window.state().state().shown_deviation(), Some(most));
     let (mesh, largest) = wall_deviations(&outcome.workpiece.part, &outcome.shown_walls());
     assert!(largest <= most + 1e-6, "the colours, too: {largest} of {most}");
     let grey = mesh.vertices.iter().any(|vertex| vertex.uncut > 0.5);
     assert_eq!(grey, verdict.unmilled_wall_share > 0.0, "and grey where it does not mill");
+}
+
+/// As the scale of the stock on the hub.
+#[test]
+fn the_scale_of_the_walls_is_edited_and_stays_until_it_is_fitted() {
+    let mut window = with_plan();
+    window.get_by_label("walls").click_accesskit();
+    window.run_steps(4);
+    let shown = |window: &Window| window.state().state().shown_deviation().expect("walls");
+    let fitting = shown(&window);
+    assert!(window.query_by_label("Fit scale").is_none());
+    let view = window.get_by_label("3D view").rect();
+    let before = pixels_in(&mut window, view);
+    window.get_by_role_and_label(Role::SpinButton, "Scale maximum").set_value_accesskit(2.0);
+    window.run_steps(4);
+    assert_eq!(shown(&window), 2.0);
+    window.get_by_label(&format_signed(-2.0, 2.0, DisplayUnits::Metric));
+    assert!(pixels_in(&mut window, view) != before, "the walls have other colours");
+    set_depth(&mut window, 8.0);
+    assert_eq!(shown(&window), 2.0, "another plan keeps it");
+    window.get_by_label("Fit scale").click();
+    window.run_steps(4);
+    let state = window.state().state();
+    assert_eq!(state.shown_deviation(), state.fitting_deviation());
+    assert!(shown(&window) < 2.0 && fitting < 2.0);
 }
 
 #[test]
@@ -216,7 +241,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&vanecut::app::views::legend::format_signed(most, most, DisplayUnits::Metric));
+    window.get_by_label(&format_signed(-most, most, DisplayUnits::Metric));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();

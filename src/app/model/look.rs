@@ -295,6 +295,8 @@ pub struct Look {
     pub is_fresh: bool,
     /// Ends of the colour scale, mm; `None`: fitted to the plan. The first finished plan sets them.
     pub range: Option<(f32, f32)>,
+    /// Upper end of the colour scale of the walls, mm; `None`: fitted to the flank plan.
+    pub wall_end: Option<f32>,
     /// Whether the floor of the after side shows residual stock after minus before.
     pub difference: bool,
     /// Selected fault of the checked program.
@@ -433,6 +435,7 @@ impl Default for Look {
             table: TableScroll::default(),
             is_fresh: true,
             range: None,
+            wall_end: None,
             difference: false,
             finding: None,
             reveal_finding: 0,

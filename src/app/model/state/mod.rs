@@ -213,9 +213,15 @@ impl AppState {
         self.notice = None;
     }
 
-    /// Largest over- or undercut of the walls, mm, while the view shows the walls instead of the stock on the
-    /// hub.
+    /// Upper end of the scale of the walls, which is symmetric, mm, while the view shows the walls instead of
+    /// the stock on the hub.
     pub fn shown_deviation(&self) -> Option<f32> {
+        let fitting = self.fitting_deviation()?;
+        Some(self.look.wall_end.unwrap_or(fitting))
+    }
+
+    /// The same that fits the flank plan: its largest over- or undercut of the walls.
+    pub fn fitting_deviation(&self) -> Option<f32> {
         let (outcome, _) = self.shown_flank().filter(|(_, colours)| *colours == FlankColours::Walls)?;
         Some((outcome.max_overcut().max(outcome.max_undercut()) as f32).max(MIN_DEVIATION))
     }
