@@ -19,7 +19,7 @@ use crate::app::tasks::files::{ProjectTask, WriteTask, WrittenProject};
 use crate::app::tasks::home::{Home, Preferences, is_same_file};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::open_task::OpenTask;
-use crate::app::tasks::project::project_of;
+use crate::app::tasks::project::{project_of, show_layers_of};
 use crate::app::views::changed::{self, ChangedAnswer};
 use crate::app::views::missing_part::{self, MissingPartAnswer};
 use crate::app::views::tour::WindowRegion;
@@ -315,6 +315,7 @@ impl App {
         let PlanSelection { before, position, cut, channels, channels_cut, channel, .. } = project.chosen;
         let channel_count = self.channel_count();
         let look = &mut self.state.look;
+        show_layers_of(project, look);
         look.side = if before { Side::Before } else { Side::After };
         (look.selected, look.selected_channel, look.cut_count) = (position, channel, cut);
         look.shown_channels = channels.clamp(1, channel_count);

@@ -1,6 +1,8 @@
 //! How part and plan are displayed: selection, table rows, layers, arrangement of the two plans, timeline.
 //! Nothing here changes the plan.
 
+use serde::{Deserialize, Serialize};
+
 use crate::drawing::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::plunge::inspect::CutPlane;
@@ -17,7 +19,8 @@ use crate::app::model::table_scroll::TableScroll;
 use crate::app::model::units::DisplayUnits;
 
 /// Visibility of the layers of the 3D view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Layers {
     /// Hub, coloured by residual stock.
     pub hub: bool,
