@@ -33,9 +33,11 @@ pub struct ChosenTool {
     pub reason: Option<String>,
 }
 
-/// The tools that a flank plan of `setup` may take: its own, or those of `library` where it has none.
-pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> &'a [Tool] {
-    if setup.tools.is_empty() { library } else { &setup.tools }
+/// The tools that a flank plan of `setup` may be given by number: its own, then those of `library` whose
+/// numbers it does not use.
+pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> impl Iterator<Item = &'a Tool> {
+    let is_own = move |number: u32| setup.tools.iter().any(|own| own.number == number);
+    setup.tools.iter().chain(library.iter().filter(move |tool| !is_own(tool.number)))
 }
 
 /// The tool for `setup`: by its number, otherwise from its tools if a ball end among them fits into the
@@ -84,14 +86,15 @@ impl ChannelSpace {
     /// As [`choose_tool`].
     pub fn choose_tool(&self, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
         if let Some(number) = setup.flank.tool {
-            let tool = match selectable(setup, library).iter().find(|t| t.number == number) {
+            let tool = match selectable(setup, library).find(|t| t.number == number) {
                 Some(tool) => tool,
                 None => tool_of(setup, number).map_err(|fault| fault.at(SetupPlace::Flank("tool")))?,
             };
             check_taper(tool)?;
             return Ok(ChosenTool { tool: tool.clone(), reason: None });
         }
-        let chosen = choose_from(selectable(setup, library), self);
+        let own = if setup.tools.is_empty() { library } else { &setup.tools };
+        let chosen = choose_from(own, self);
         if setup.tools.is_empty() || chosen.as_ref().is_ok_and(|chosen| self.fits_ball_end(&chosen.tool)) {
             return chosen;
         }

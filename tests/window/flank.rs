@@ -135,6 +135,23 @@ fn tools_of_the_plunges_are_not_taken_for_passes() {
     assert_eq!(outcome.plan.tool.corner_radius, outcome.plan.tool.radius(), "a ball end");
     assert!(!window.state().state().flank_is_stale());
     window.get_by_label_contains("from the tool library: no ball end of the setup fits");
+    // Others of the library can be chosen beside those of the setup.
+    let tools = window.state().state().document.edited.setup.tools.clone();
+    let thinner = flank_cutters().iter().filter(|tool| tool.diameter < outcome.plan.tool.diameter);
+    let other = thinner.max_by(|a, b| a.diameter.total_cmp(&b.diameter)).expect("a thinner one");
+    window.get_by_role_and_label(Role::ComboBox, "Tool").click();
+    window.run_steps(2);
+    for tool in tools.iter().chain([other]) {
+        window.get_by_role_and_label(Role::Button, &format!("T{} Ø{}", tool.number, tool.diameter));
+    }
+    let entry = format!("T{} Ø{}", other.number, other.diameter);
+    window.get_by_role_and_label(Role::Button, &entry).click_accesskit();
+    window.run_steps(3);
+    settle(&mut window);
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(&outcome.plan.tool, other);
+    assert!(!window.state().state().flank_is_stale());
+    assert_eq!(window.state().state().document.edited.setup.tools, tools, "the plunges keep theirs");
 }
 
 /// How far an axis tilts limits passes, too, and times are those on the machine.
@@ -333,7 +350,7 @@ fn the_tool_of_flank_milling_is_chosen_from_the_tools_there_are() {
     let taken = format!("T{} Ø{}", automatic.number, automatic.diameter);
     assert_eq!(labels(&window, &taken).len(), 1);
     let setup = window.state().state().document.edited.setup.clone();
-    let thinner = selectable(&setup, flank_cutters()).iter().filter(|t| t.diameter < automatic.diameter);
+    let thinner = selectable(&setup, flank_cutters()).filter(|t| t.diameter < automatic.diameter);
     let other = thinner.max_by(|a, b| a.diameter.total_cmp(&b.diameter)).expect("a thinner one");
     window.get_by_role_and_label(Role::ComboBox, "Tool").click();
     window.run_steps(2);
