@@ -423,6 +423,14 @@ fn every_item_of_a_menu_can_be_reached_in_a_low_window() {
     assert!(bottom(&window) < 533.0, "it scrolls to its end: {}", bottom(&window));
     window.key_press(egui::Key::Escape);
     window.run_steps(4);
+    // Opened again, it begins at its top.
+    let bar = window.get_by_label("File").rect().bottom();
+    window.get_by_label("File").click();
+    window.run_steps(4);
+    let first = window.get_by_label_contains("Open project…").rect();
+    assert!(first.top() > bar && bottom(&window) > 533.0, "{first}");
+    window.key_press(egui::Key::Escape);
+    window.run_steps(4);
     let timeline = window.get_by_role_and_label(Role::Slider, "Timeline").rect();
     assert!(timeline.width() > 80.0, "{timeline}");
     window.key_press(egui::Key::G);
