@@ -208,3 +208,17 @@ fn tools_that_are_taken_over_unchanged_leave_the_plans_as_they_are() {
     last.overhang += 5.0;
     assert!(!flank.would_choose_from(&setup));
 }
+
+#[test]
+fn the_headline_says_what_it_counts() {
+    let (engine, _) = fake::engine();
+    let sound = move |outcome: &mut PlanOutcome| {
+        let evaluation = outcome.after.plan.positions[0].evaluation;
+        for position in &mut outcome.before.plan.positions {
+            position.evaluation = evaluation;
+        }
+        outcome.before.summary.interfering = 0;
+    };
+    let window = with_sample(fake::with_changed_plans(engine, sound));
+    assert_eq!(labels(&window, "No plunge"), ["No plunge interferes"]);
+}

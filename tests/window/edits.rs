@@ -246,7 +246,7 @@ fn a_plunge_that_is_moved_into_a_blade_is_a_fault_everywhere() {
     window.run_steps(3);
     window.get_by_label("Closer to a blade than its allowance");
     let before = window.state().state().last_whole_plan(Side::Before).expect("planned").plan();
-    window.get_by_label(&format!("Interfering {} to {found}", before.count_interfering()));
+    window.get_by_label(&format!("Interfering plunges {} to {found}", before.count_interfering()));
     let word = if found == 1 { "fault" } else { "faults" };
     window.get_by_label(&format!("Roughing: {found} {word}"));
     window.get_by_label_contains("interfering, ");

@@ -268,7 +268,7 @@ fn no_line_of_the_verdict_begins_with_a_divider() {
     for width in (800..1300).step_by(25) {
         window.set_size(egui::vec2(width as f32, 500.0));
         window.run_steps(3);
-        let start = window.get_by_label("Interfering 5 to 0").rect();
+        let start = window.get_by_label("Interfering plunges 5 to 0").rect();
         let names = ["Residual", "Hub clearance", "blade", "Not machined", "Time"];
         let of =
             |name: &&str| window.query_all_by_label(name).map(|node| node.rect()).find(|at| at.top() < 80.0);
