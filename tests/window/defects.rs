@@ -1,12 +1,14 @@
 //! Defects that a programmer found in the window, each as it was found: they stay repaired.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::tasks::engine::Engine;
 use vanecut::app::views::theme::Condition;
 use vanecut::job::PlanOutcome;
+use vanecut::setup::{PlungeChange, PlungeEdit};
 
 use crate::fake;
 use crate::flank;
@@ -221,4 +223,31 @@ fn the_headline_says_what_it_counts() {
     };
     let window = with_sample(fake::with_changed_plans(engine, sound));
     assert_eq!(labels(&window, "No plunge"), ["No plunge interferes"]);
+}
+
+/// The plan of the tools that the program chose is the one that is edited by hand, too.
+#[test]
+fn a_plunge_is_lifted_twice_after_tools_are_taken_over() {
+    let (engine, slow) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1280.0, 1900.0));
+    window.run_steps(3);
+    window.get_by_label("Edit tools and sections").click();
+    window.run_steps(3);
+    window.get_by_label("Position 3").click();
+    window.run_steps(3);
+    window.key_press(egui::Key::E);
+    window.run_steps(3);
+    slow.store(true, Ordering::SeqCst);
+    window.get_by_role_and_label(Role::SpinButton, "Lift by").set_value_accesskit(1.0);
+    window.run_steps(3);
+    for _ in 0..2 {
+        window.get_by_role_and_label(Role::Button, "Lift").click();
+        window.run_steps(3);
+        assert!(window.state().is_busy(), "the plan has yet to follow");
+    }
+    let edits = window.state().state().document.edited.setup.plunge.edits.clone();
+    assert!(matches!(edits[..], [PlungeEdit { change: PlungeChange::Lift(2.0), .. }]), "{edits:?}");
+    slow.store(false, Ordering::SeqCst);
+    settle(&mut window);
 }

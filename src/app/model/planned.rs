@@ -128,6 +128,13 @@ impl DisplayPlan {
         asked.equals_except_flank(setup)
     }
 
+    /// Whether it would be the plan of `setup` with other edits by hand.
+    pub fn is_of_but_for_edits(&self, setup: &Setup) -> bool {
+        let mut asked = setup.clone();
+        asked.plunge.edits.clone_from(&self.setup.plunge.edits);
+        self.is_of(&asked)
+    }
+
     /// Computes the display data of a plan, drawn over `floor`; see [`Self::floor_of`]. Programs of `known`
     /// are taken over where their plunges are the same; others are sorted here.
     pub fn new(

@@ -44,9 +44,7 @@ impl KnownSelection {
 
     /// Whether another plan differs only by edits by hand.
     fn differs_by_hand(&self, shown: ShownPlan<'_>) -> bool {
-        let mut setup = self.planned.setup.clone();
-        setup.plunge.edits.clone_from(&shown.planned.setup.plunge.edits);
-        self.policy == shown.policy && setup.equals_except_flank(&shown.planned.setup)
+        self.policy == shown.policy && self.planned.is_of_but_for_edits(&shown.planned.setup)
     }
 }
 
