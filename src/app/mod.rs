@@ -32,6 +32,7 @@ use control::export::{PostponedExport, ReleaseQuestion};
 use control::handover::RecoverySlot;
 use control::project::Session;
 use control::unsaved::Pending;
+use control::windows::is_typing;
 use model::look::{Look, Operation};
 use model::panels::DockPanel;
 use model::part_source::PartSource;
@@ -354,6 +355,7 @@ impl eframe::App for App {
         }
         self.take_drops(ctx);
         self.watch_closing(ctx);
+        let typing = is_typing(ctx);
         // While a dialog or the command search is open, shortcuts are disabled.
         if !self.palette.is_open() && !self.is_asking() {
             // An open menu takes Escape first, then the window in front, then the tour.
@@ -361,7 +363,11 @@ impl eframe::App for App {
                 egui::Popup::is_any_open(ctx) || self.escape_closes_window(ctx) || self.tour.is_open();
             // What its keys cannot export is said.
             let is_heard = |command| self.is_available(command) || self.why_not_exported(command).is_some();
-            let can = |command| is_heard(command) && !(keeps_escape && command == Command::Cancel);
+            let can = |command: Command| match command {
+                Command::Cancel if keeps_escape => false,
+                Command::Deselect if keeps_escape || typing => false,
+                _ => is_heard(command),
+            };
             let words = Palette::take_typed(ctx);
             for command in Command::pressed(ctx, can) {
                 self.run_command(ctx, command);

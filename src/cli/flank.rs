@@ -147,7 +147,8 @@ fn write_sheet(folder: &Path, outcome: &FlankOutcome, program: &FlankProgram) ->
     #[cfg(not(feature = "gpu"))]
     let pictures = Vec::new();
     let files = [ProgramFile::plan("flank.json"), ProgramFile::apt("flank.apt")];
-    let document = flank_sheet(&FlankSheetInput { outcome, program, files: &files }, pictures);
+    let input = FlankSheetInput { outcome, program, files: &files, remarks: &[] };
+    let document = flank_sheet(&input, pictures);
     write_report(folder, &document)
 }
 

@@ -72,8 +72,8 @@ pub fn run(args: &PlanArgs) -> Result<(), Failure> {
     let on_machine = outcome.clock.on_machine().map(|clock| MachineFigures::of_plan(clock, &written));
     if args.report {
         let files = [ProgramFile::plan("plan.json"), ProgramFile::apt("plunge.apt")];
-        let sheet =
-            SheetInput { outcome: &outcome, shown: &outcome.after, report: &report, channels, files: &files };
+        let (shown, report, files) = (&outcome.after, &report, &files);
+        let sheet = SheetInput { outcome: &outcome, shown, report, channels, files, remarks: &[] };
         write_sheet(&args.output, &sheet)?;
     }
     // The plan is written and printed even if the curve is stopped.

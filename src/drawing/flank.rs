@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use super::walls::wall_mesh;
 use crate::error::UserError;
 use crate::flank::region::{Region, WallName};
@@ -14,7 +16,8 @@ use crate::palette::{self, ColourMap, Rgb, TABLE_LEN};
 use crate::part::{BladeSide, Channel, Impeller};
 
 /// What the colours of the lines show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FlankColours {
     /// The layer of a pass: dark next to the hub, light at the top.
     #[default]

@@ -5,7 +5,7 @@
 use super::uncut::UncutLength;
 use crate::error::ErrorCode;
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
-use crate::setup::{AssemblyPart, Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
+use crate::setup::{AllowanceSetup, AssemblyPart, Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
 /// walls at once.
@@ -33,9 +33,11 @@ pub struct ChosenTool {
     pub reason: Option<String>,
 }
 
-/// The tools that a flank plan of `setup` may take: its own, or those of `library` where it has none.
-pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> &'a [Tool] {
-    if setup.tools.is_empty() { library } else { &setup.tools }
+/// The tools that a flank plan of `setup` may be given by number: its own, then those of `library` whose
+/// numbers it does not use.
+pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> impl Iterator<Item = &'a Tool> {
+    let is_own = move |number: u32| setup.tools.iter().any(|own| own.number == number);
+    setup.tools.iter().chain(library.iter().filter(move |tool| !is_own(tool.number)))
 }
 
 /// The tool for `setup`: by its number, otherwise from its tools if a ball end among them fits into the
@@ -44,23 +46,7 @@ pub fn selectable<'a>(setup: &'a Setup, library: &'a [Tool]) -> &'a [Tool] {
 /// # Errors
 /// When neither the setup nor the library has a tool of that number, or no tool fits between the blades.
 pub fn choose_tool(workpiece: &Workpiece, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
-    if let Some(number) = setup.flank.tool {
-        let tool = match selectable(setup, library).iter().find(|t| t.number == number) {
-            Some(tool) => tool,
-            None => tool_of(setup, number).map_err(|fault| fault.at(SetupPlace::Flank("tool")))?,
-        };
-        check_taper(tool)?;
-        return Ok(ChosenTool { tool: tool.clone(), reason: None });
-    }
-    let room = Room::from_workpiece(workpiece, setup);
-    let chosen = choose_from(selectable(setup, library), &room);
-    if setup.tools.is_empty() || chosen.as_ref().is_ok_and(|chosen| room.fits_ball_end(&chosen.tool)) {
-        return chosen;
-    }
-    match choose_from(library, &room) {
-        Ok(other) if room.fits_ball_end(&other.tool) => Ok(from_library(other, setup)),
-        _ => chosen,
-    }
+    ChannelSpace::from_workpiece(workpiece, &setup.allowances).choose_tool(setup, library)
 }
 
 /// A tool chosen from the library because no tool of the `setup` fits, under a number not yet in use.
@@ -74,7 +60,8 @@ fn from_library(chosen: ChosenTool, setup: &Setup) -> ChosenTool {
 }
 
 /// The space in the channel that a tool has to fit into.
-struct Room {
+#[derive(Clone, Copy, Debug)]
+pub struct ChannelSpace {
     /// Minimum and maximum width of the channel, mm.
     widths: [f64; 2],
     /// Maximum height of the channel above the hub, mm.
@@ -83,12 +70,37 @@ struct Room {
     blade_allowance: f64,
 }
 
-impl Room {
-    fn from_workpiece(workpiece: &Workpiece, setup: &Setup) -> Self {
+impl ChannelSpace {
+    /// The space in a channel with these allowances.
+    pub fn from_workpiece(workpiece: &Workpiece, allowances: &AllowanceSetup) -> Self {
         Self {
             widths: widths(&workpiece.part, &workpiece.channel),
             depth: deepest(&workpiece.part),
-            blade_allowance: setup.allowances.blade_allowance,
+            blade_allowance: allowances.blade_allowance,
+        }
+    }
+
+    /// As [`choose_tool`], for a workpiece whose space is known.
+    ///
+    /// # Errors
+    /// As [`choose_tool`].
+    pub fn choose_tool(&self, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
+        if let Some(number) = setup.flank.tool {
+            let tool = match selectable(setup, library).find(|t| t.number == number) {
+                Some(tool) => tool,
+                None => tool_of(setup, number).map_err(|fault| fault.at(SetupPlace::Flank("tool")))?,
+            };
+            check_taper(tool)?;
+            return Ok(ChosenTool { tool: tool.clone(), reason: None });
+        }
+        let own = if setup.tools.is_empty() { library } else { &setup.tools };
+        let chosen = choose_from(own, self);
+        if setup.tools.is_empty() || chosen.as_ref().is_ok_and(|chosen| self.fits_ball_end(&chosen.tool)) {
+            return chosen;
+        }
+        match choose_from(library, self) {
+            Ok(other) if self.fits_ball_end(&other.tool) => Ok(from_library(other, setup)),
+            _ => chosen,
         }
     }
 
@@ -116,8 +128,8 @@ fn is_ball(tool: &Tool) -> bool {
 ///
 /// # Errors
 /// When there is none, or none fits between the blades.
-fn choose_from(tools: &[Tool], room: &Room) -> Result<ChosenTool, SetupFault> {
-    let Room { widths: [width, widest], depth, blade_allowance } = *room;
+fn choose_from(tools: &[Tool], room: &ChannelSpace) -> Result<ChosenTool, SetupFault> {
+    let ChannelSpace { widths: [width, widest], depth, blade_allowance } = *room;
     let tools = suited(tools, depth)?;
     let free_width = |t: &Tool| room.free_width(t);
     let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && free_width(t) >= 0.0;

@@ -3,7 +3,7 @@
 
 use super::renderer::Picture;
 use super::scene::{FloorColours, SceneOptions};
-use crate::palette::{ColourMap, TABLE_LEN, Theme};
+use crate::palette::{ColourMap, TABLE_LEN, Theme, to_bytes};
 
 /// Bitmap font of 5 × 7 dots: one number per row, the highest of five bits leftmost.
 const LETTERS: &[(char, [u8; 7])] = &[
@@ -56,20 +56,39 @@ pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
     draw_legend(picture, map, options.range_mm, title, options.theme);
 }
 
-/// Draws the legend into the lower left corner of a picture: `title` above the bar (letters that [`LETTERS`]
-/// lacks stay blank), the ends of `range` in mm below it. It scales with the picture.
+/// Heights of a picture per dot of its legend, pixels: text of 1 in 40 can be read where the picture fills a
+/// page or a slide.
+const HEIGHT_PER_DOT: u32 = 300;
+/// Least side of a dot where there is room for it, pixels.
+const MIN_DOT: u32 = 2;
+/// Width of the bar, and height of it, dots: the longest title fits above it.
+const BAR: [u32; 2] = [120, 8];
+/// Distance of text and bar from the edges of the picture, and from those of the plate, dots.
+const INSET: u32 = 12;
+const PLATE_MARGIN: u32 = 6;
+/// Height from the title to the lower edge of the picture, dots.
+const LEGEND_HEIGHT: u32 = 44;
+
+/// Draws the legend into the lower left corner of a picture, on a plate of its own: behind it the picture may
+/// be transparent, or as dark as its text. `title` stands above the bar (letters that [`LETTERS`] lacks stay
+/// blank), the ends of `range` in mm below it. It scales with the picture.
 fn draw_legend(picture: &mut Picture, map: ColourMap, range: (f32, f32), title: &str, theme: Theme) {
-    let dot = (picture.height / 360).max(1);
-    let (left, bar_width, bar_height) = (12 * dot, 150 * dot, 8 * dot);
-    let Some(top) = picture.height.checked_sub(44 * dot) else { return };
-    if picture.width < bar_width + 2 * left {
-        return;
-    }
+    let fits = |dot: &u32| {
+        picture.width >= (BAR[0] + 2 * INSET) * dot && picture.height >= (LEGEND_HEIGHT + PLATE_MARGIN) * dot
+    };
+    let wanted = picture.height.div_ceil(HEIGHT_PER_DOT).max(MIN_DOT);
+    let Some(dot) = (1..=wanted).rev().find(fits) else { return };
+    let (left, bar_width, bar_height) = (INSET * dot, BAR[0] * dot, BAR[1] * dot);
+    let top = picture.height - LEGEND_HEIGHT * dot;
     let ink = match theme {
         Theme::Light => [30, 34, 38],
         Theme::Dark => [232, 235, 238],
     };
     let mut pen = Pen { picture, dot, ink };
+    let margin = PLATE_MARGIN * dot;
+    let plate_height = (11 + BAR[1] + 3 + 7) * dot + 2 * margin;
+    let plate = to_bytes(theme.greys().background_top);
+    pen.fill(left - margin, top - margin, bar_width + 2 * margin, plate_height, plate);
     pen.text(left, top, title);
     let table = map.table();
     for x in 0..bar_width {
@@ -130,11 +149,20 @@ mod tests {
         let mut picture = blank(640, 360);
         draw_legend(&mut picture, ColourMap::Cividis, (0.5, 4.0), "stock", Theme::Light);
         let pixel = |x: u32, y: u32| picture.rgba[(4 * (y * 640 + x)) as usize..][..4].to_vec();
-        let y = 360 - 44 + 11 + 3;
+        let y = 360 - 2 * 44 + 2 * 11 + 3;
         let table = ColourMap::Cividis.table();
-        assert_eq!(pixel(12, y), [&table[0][..], &[255]].concat());
-        assert_eq!(pixel(12 + 149, y), [&table[255][..], &[255]].concat());
+        assert_eq!(pixel(24, y), [&table[0][..], &[255]].concat());
+        assert_eq!(pixel(24 + 239, y), [&table[255][..], &[255]].concat());
         assert!(picture.rgba.chunks(4).any(|p| p == [30, 34, 38, 255]), "letters");
+        // Of a transparent picture the plate is what is behind the letters.
+        let plate = [&to_bytes(Theme::Light.greys().background_top)[..], &[255]].concat();
+        for (x, y) in [(14, y), (24 + 250, y), (40, 360 - 2 * 44 - 8), (40, 360 - 2 * 44 + 2 * 29 + 8)] {
+            assert_eq!(pixel(x, y), plate, "at {x}, {y}");
+        }
+        assert_eq!(pixel(4, y), [0; 4], "and no more than that");
+        let mut narrow = blank(160, 360);
+        draw_legend(&mut narrow, ColourMap::Cividis, (0.5, 4.0), "stock", Theme::Light);
+        assert!(narrow.rgba.iter().any(|&byte| byte > 0), "smaller where it would not fit");
         let mut tiny = blank(60, 30);
         draw_legend(&mut tiny, ColourMap::Cividis, (0.0, 1.0), "stock", Theme::Dark);
         assert!(tiny.rgba.iter().all(|&byte| byte == 0));

@@ -183,6 +183,9 @@ pub struct Project {
     pub viewpoint: Option<Viewpoint>,
     /// What of the plan was selected and displayed.
     pub chosen: PlanSelection,
+    /// Which layers of the view were shown, and by what they were coloured, as the window writes it; `None`
+    /// in projects of older versions.
+    pub layers: Option<serde_json::Value>,
     /// In recovery copies that were saved automatically, the project file they belong to.
     pub original: Option<PathBuf>,
     /// In such a copy, the hash of that file as the session knew it, if it did.
@@ -212,6 +215,8 @@ struct ProjectFile {
     viewpoint: Option<Viewpoint>,
     #[serde(default)]
     chosen: PlanSelection,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    layers: Option<serde_json::Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     original: Option<PathBuf>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -285,6 +290,7 @@ pub fn write_project(project: &Project, path: &Path) -> String {
             .collect(),
         viewpoint: project.viewpoint,
         chosen: project.chosen,
+        layers: project.layers.clone(),
         original: project.original.clone(),
         original_hash: project.original_hash.map(|hash| format!("{hash:016x}")),
         replaced: project.setup_faults.iter().map(ReplacedFile::new).collect(),
@@ -366,6 +372,7 @@ pub fn read_project_bytes(path: &Path, bytes: &[u8]) -> Result<Project, InputErr
         sets,
         viewpoint: file.viewpoint.filter(Viewpoint::is_usable),
         chosen: file.chosen,
+        layers: file.layers,
         original: file.original,
         original_hash,
         setup_faults,
@@ -423,6 +430,7 @@ mod tests {
                 channel: 1,
                 flank: true,
             },
+            layers: Some(serde_json::json!({ "hub": true })),
             original: None,
             original_hash: None,
             setup_faults: Vec::new(),
@@ -458,7 +466,7 @@ mod tests {
         let from = text.find(",\n  \"chosen\"").expect("it is written last");
         let first = format!("{}\n}}\n", &text[..from]).replace("project\": 3", "project\": 1");
         let read = read_project_bytes(path, first.as_bytes()).expect("reads");
-        assert_eq!(read, Project { chosen: PlanSelection::default(), ..project() });
+        assert_eq!(read, Project { chosen: PlanSelection::default(), layers: None, ..project() });
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::JobError;
 use super::machine::clock_of;
 use super::part_cache::PartCache;
 use crate::flank::channels::{FlankChannel, FlankChannels};
-use crate::flank::choice::choose_tool;
+use crate::flank::choice::ChannelSpace;
 use crate::flank::fault_removal::MoveFault;
 use crate::flank::path::Times;
 use crate::flank::{
@@ -48,6 +48,10 @@ pub struct FlankOutcome {
     pub setup: Setup,
     /// The tools of the setup as given.
     pub given_tools: Vec<Tool>,
+    /// The space in the channel for which the cutter was chosen.
+    pub space: ChannelSpace,
+    /// Whether so much stands above the shroud that plunges open it, if a tool for them fits.
+    pub is_opened: bool,
     /// The plan.
     pub plan: FlankPlan,
     /// Faults that `verify` finds in the plan's program; empty unless a faulty move could not be removed.
@@ -143,9 +147,14 @@ impl FlankJob {
         check_part(&request.setup, part)?;
         let workpiece = Arc::new(request.setup.allowances.workpiece_of(Arc::clone(part)));
         let clock = clock_of(&request.setup, &workpiece)?;
-        let chosen = choose_tool(&workpiece, &request.setup, flank_cutters())?;
+        let space = ChannelSpace::from_workpiece(&workpiece, &request.setup.allowances);
+        let chosen = space.choose_tool(&request.setup, flank_cutters())?;
         let machine = clock.as_ref().map(MachineClock::machine);
         let opener = Opener::from_part(part, &request.setup, &chosen.tool, machine);
+        let is_opened = opener.is_some() || {
+            let from_library = Setup { tools: Vec::new(), ..request.setup.clone() };
+            Opener::from_part(part, &from_library, &chosen.tool, machine).is_some()
+        };
         let mut setup = request.setup.clone();
         let more =
             opener.iter().map(|opener| &opener.tool).filter(|tool| !request.setup.tools.contains(tool));
@@ -209,6 +218,8 @@ impl FlankJob {
             workpiece: Arc::clone(&workpiece),
             setup,
             given_tools: request.setup.tools.clone(),
+            space,
+            is_opened,
             plan,
             faults: judged_last.faults,
             verdict,
@@ -237,6 +248,22 @@ impl FlankOutcome {
         !self.given_tools.is_empty() && !self.given_tools.contains(&self.plan.tool)
     }
 
+    /// Whether its cutter would be chosen again for a `setup` that may have other tools.
+    pub fn would_choose_from(&self, setup: &Setup) -> bool {
+        let same = || self.space.choose_tool(setup, flank_cutters()).is_ok_and(|c| c.tool == self.plan.tool);
+        self.given_tools == setup.tools || same()
+    }
+
+    /// Whether plunges would open the channel with the same tool for a `setup` that may have other tools, or
+    /// none are needed.
+    pub fn would_open_with(&self, setup: &Setup) -> bool {
+        // A tool of the library gets a number that none of the setup has.
+        let numbers = |tools: &[Tool]| tools.iter().map(|tool| tool.number).collect::<Vec<_>>();
+        let (was, is) = (&self.given_tools, &setup.tools);
+        let has_own = for_plunges(is).next().is_some();
+        !self.is_opened || for_plunges(was).eq(for_plunges(is)) && (has_own || numbers(was) == numbers(is))
+    }
+
     /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the
     /// positions along the walls.
     pub fn max_overcut(&self) -> f64 {
@@ -255,6 +282,11 @@ impl FlankOutcome {
     }
 }
 
+/// Those of `tools` that plunges take: of those with a round bottom a plunge leaves much.
+fn for_plunges(tools: &[Tool]) -> impl Iterator<Item = &Tool> {
+    tools.iter().filter(|tool| tool.is_flat() && !tool.is_tapered())
+}
+
 /// What removes the stock above the shroud before the passes.
 struct Opener {
     /// Its tool, whose number no other tool of the setup has.
@@ -266,9 +298,7 @@ struct Opener {
 impl Opener {
     /// The opener for passes with `tool`; `None` where the blank hardly stands above the shroud.
     fn from_part(part: &Impeller, setup: &Setup, tool: &Tool, machine: Option<&MachineTool>) -> Option<Self> {
-        // Of tools with a round bottom a plunge leaves much.
-        let is_for_plunges = |tool: &&Tool| tool.is_flat() && !tool.is_tapered();
-        let own: Vec<Tool> = setup.tools.iter().filter(is_for_plunges).cloned().collect();
+        let own: Vec<Tool> = for_plunges(&setup.tools).cloned().collect();
         let from = if own.is_empty() { plunge_cutters() } else { &own };
         let mut setup = setup.clone();
         let step = OPENING_STEP_RADII * tool.radius();

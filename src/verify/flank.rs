@@ -256,7 +256,10 @@ impl<'a> FlankVerifier<'a> {
             )?;
             verdict.max_overcut = verdict.max_overcut.max(walls.overcut);
             verdict.max_undercut = verdict.max_undercut.max(walls.undercut);
-            verdict.unmilled_wall_share = verdict.unmilled_wall_share.max(walls.unmilled_share);
+            if index == 0 || walls.unmilled_share > verdict.unmilled_wall_share {
+                verdict.unmilled_wall_share = walls.unmilled_share;
+                verdict.unmilled_walls = walls.unmilled_walls;
+            }
             if index == 0 {
                 verdict.walls = walls.maps;
             }

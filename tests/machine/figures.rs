@@ -262,7 +262,7 @@ fn times_of_the_layers_on_the_setup_sheet_are_that_of_the_program() {
         outcome.machine_time = placed.as_ref().and_then(|clock| clock.time(&outcome.program()));
         outcome.clock = placed;
         let program = outcome.program_for_channels(1, &Monitor::default()).expect("judged");
-        let sheet = FlankSheetInput { outcome: &outcome, program: &program, files: &[] };
+        let sheet = FlankSheetInput { outcome: &outcome, program: &program, files: &[], remarks: &[] };
         let page = flank_sheet(&sheet, Vec::new()).page;
         let table =
             page.split("<h2>Layers</h2>").nth(1).and_then(|rest| rest.split("</table>").next()).unwrap();

@@ -319,3 +319,13 @@ fn tools_are_chosen_by_their_times_on_the_machine() {
     let slow = chosen_on(&text.replace(line, "tool_change_time = 9000"));
     assert!(usual.len() > 1 && slow.len() == 1, "{usual:?}, with slow changes {slow:?}");
 }
+
+/// The window does not plan again for them.
+#[test]
+fn a_setup_with_the_tools_that_were_chosen_for_it_resolves_to_itself() {
+    for name in SAMPLES {
+        let part = sample(name);
+        let first = chosen(&part, &Setup::default()).setup;
+        assert_eq!(chosen(&part, &first).setup, first, "{name}");
+    }
+}

@@ -51,7 +51,7 @@ fn engine_with_breach() -> Engine {
 #[test]
 fn the_headline_says_how_many_interfere_by_the_contact_of_their_core() {
     let window = with_sample(engine_with_breach());
-    window.get_by_label("Interfering 5 to 1 (core contact 5 to 0)");
+    window.get_by_label("Interfering plunges 5 to 1 (core contact 5 to 0)");
 }
 
 #[test]

@@ -29,7 +29,7 @@ fn without_a_device_everything_but_the_picture_works() {
     }
     window.run_steps(3);
     window.get_by_label("no 3D view");
-    window.get_by_label("Interfering 5 to 0");
+    window.get_by_label("Interfering plunges 5 to 0");
     window.get_by_label("Position 3").click();
     window.run_steps(3);
     assert_eq!(window.state().state().look.selected, Some(2), "the table works");

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT, Queryable};
 use vanecut::app::model::file_purpose::Purpose;
-use vanecut::app::model::look::Tab;
+use vanecut::app::model::look::{Operation, Tab};
 use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::planned::Side;
 use vanecut::io::project_file::read_project;
@@ -96,6 +96,14 @@ fn a_plunge_is_lifted_deleted_and_brought_back() {
     settle(&mut window);
     window.get_by_label("1 edit by hand not applied");
     window.get_by_label("Roughing: 1 edit by hand not applied");
+    // Whoever has the sheet alone knows it too.
+    let (ctx, sheet) = (window.ctx.clone(), folder.path().join("sheet.html"));
+    let purpose = Purpose::ExportSheet { operation: Operation::Roughing };
+    window.state_mut().file_chosen(&ctx, purpose, sheet.clone());
+    window.run_steps(3);
+    click(&mut window, "Export anyway");
+    let page = std::fs::read_to_string(&sheet).expect("a page");
+    assert!(page.contains("<li>Not applied: lift of the plunge at ("), "{page}");
 }
 
 #[test]
@@ -238,7 +246,7 @@ fn a_plunge_that_is_moved_into_a_blade_is_a_fault_everywhere() {
     window.run_steps(3);
     window.get_by_label("Closer to a blade than its allowance");
     let before = window.state().state().last_whole_plan(Side::Before).expect("planned").plan();
-    window.get_by_label(&format!("Interfering {} to {found}", before.count_interfering()));
+    window.get_by_label(&format!("Interfering plunges {} to {found}", before.count_interfering()));
     let word = if found == 1 { "fault" } else { "faults" };
     window.get_by_label(&format!("Roughing: {found} {word}"));
     window.get_by_label_contains("interfering, ");

@@ -13,6 +13,7 @@ use vanecut::app::model::solid::SolidSource;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::model::verdict;
 use vanecut::app::tasks::engine::Engine;
+use vanecut::app::views::scale_ends::format_signed;
 use vanecut::drawing::flank::{FlankColours, wall_deviations};
 use vanecut::flank::choice::selectable;
 use vanecut::flank::region::Region;
@@ -28,8 +29,8 @@ use vanecut::verify::FlankVerdict;
 use crate::channels::show_channels;
 use crate::fake;
 use crate::harness::{
-    HANG, Window, choose_in_file_menu, choose_in_list, click_enabled, labels, settle, snapshot_view,
-    with_sample, words,
+    HANG, Window, choose_in_file_menu, choose_in_list, click_enabled, labels, pixels_in, settle,
+    snapshot_view, with_sample, words,
 };
 
 /// Sets the depth of the layers in the panel of flank milling, mm.
@@ -95,6 +96,28 @@ fn what_is_left_of_floor_and_walls_is_named_in_every_verdict() {
     }
 }
 
+/// The headline names the walls as it does the floor, and its tooltip each of them.
+#[test]
+fn walls_that_are_not_milled_are_in_the_headline() {
+    let (engine, _) = fake::engine();
+    let flank = move |outcome: &mut FlankOutcome| {
+        let verdict = outcome.verdict.as_mut().expect("verified");
+        (verdict.unmilled_wall_share, verdict.layer.uncut_share) = (0.27, 0.01);
+        assert_eq!(verdict.unmilled_walls.len(), verdict.walls.len(), "a share for each wall");
+        verdict.unmilled_walls = vec![0.5, 0.125];
+    };
+    let mut window = with_sample(fake::with_changed_flank(engine, flank));
+    plan_flank(&mut window, 10.0);
+    window.get_by_label("1.0 % floor");
+    window.get_by_label("27.0 % walls").hover();
+    window.run_steps(20);
+    let tip = labels(&window, "Share of the walls that is not milled");
+    let lines = ["Share of the walls that is not milled", "suction side: 50.0 %", "pressure side: 12.5 %"];
+    assert_eq!(tip, [lines.join("\n")]);
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(verdict::of_flank(window.state().state(), &outcome).0, Condition::Blocked);
+}
+
 /// A setup whose tools have flat ends takes none of them by itself; its tools are those of the plunges.
 #[test]
 fn tools_of_the_plunges_are_not_taken_for_passes() {
@@ -112,6 +135,23 @@ fn tools_of_the_plunges_are_not_taken_for_passes() {
     assert_eq!(outcome.plan.tool.corner_radius, outcome.plan.tool.radius(), "a ball end");
     assert!(!window.state().state().flank_is_stale());
     window.get_by_label_contains("from the tool library: no ball end of the setup fits");
+    // Others of the library can be chosen beside those of the setup.
+    let tools = window.state().state().document.edited.setup.tools.clone();
+    let thinner = flank_cutters().iter().filter(|tool| tool.diameter < outcome.plan.tool.diameter);
+    let other = thinner.max_by(|a, b| a.diameter.total_cmp(&b.diameter)).expect("a thinner one");
+    window.get_by_role_and_label(Role::ComboBox, "Tool").click();
+    window.run_steps(2);
+    for tool in tools.iter().chain([other]) {
+        window.get_by_role_and_label(Role::Button, &format!("T{} Ø{}", tool.number, tool.diameter));
+    }
+    let entry = format!("T{} Ø{}", other.number, other.diameter);
+    window.get_by_role_and_label(Role::Button, &entry).click_accesskit();
+    window.run_steps(3);
+    settle(&mut window);
+    let outcome = window.state().state().results.flank.clone().expect("planned");
+    assert_eq!(&outcome.plan.tool, other);
+    assert!(!window.state().state().flank_is_stale());
+    assert_eq!(window.state().state().document.edited.setup.tools, tools, "the plunges keep theirs");
 }
 
 /// How far an axis tilts limits passes, too, and times are those on the machine.
@@ -152,13 +192,37 @@ fn the_scale_of_the_walls_is_that_of_what_the_program_leaves() {
     let outcome = window.state().state().results.flank.clone().expect("planned");
     let verdict = outcome.verdict.as_ref().expect("verified");
     let most = verdict.max_overcut.max(verdict.max_undercut).max(0.02) as f32;
-    for end in [-most, most] {
-        window.get_by_label(&vanecut::app::views::legend::format_signed(end, most, DisplayUnits::Metric));
-    }
+    window.get_by_label(&format_signed(-most, most, DisplayUnits::Metric));
+    assert_eq!(window.state().state().shown_deviation(), Some(most));
     let (mesh, largest) = wall_deviations(&outcome.workpiece.part, &outcome.shown_walls());
     assert!(largest <= most + 1e-6, "the colours, too: {largest} of {most}");
     let grey = mesh.vertices.iter().any(|vertex| vertex.uncut > 0.5);
     assert_eq!(grey, verdict.unmilled_wall_share > 0.0, "and grey where it does not mill");
+}
+
+/// As the scale of the stock on the hub.
+#[test]
+fn the_scale_of_the_walls_is_edited_and_stays_until_it_is_fitted() {
+    let mut window = with_plan();
+    window.get_by_label("walls").click_accesskit();
+    window.run_steps(4);
+    let shown = |window: &Window| window.state().state().shown_deviation().expect("walls");
+    let fitting = shown(&window);
+    assert!(window.query_by_label("Fit scale").is_none());
+    let view = window.get_by_label("3D view").rect();
+    let before = pixels_in(&mut window, view);
+    window.get_by_role_and_label(Role::SpinButton, "Scale maximum").set_value_accesskit(2.0);
+    window.run_steps(4);
+    assert_eq!(shown(&window), 2.0);
+    window.get_by_label(&format_signed(-2.0, 2.0, DisplayUnits::Metric));
+    assert!(pixels_in(&mut window, view) != before, "the walls have other colours");
+    set_depth(&mut window, 8.0);
+    assert_eq!(shown(&window), 2.0, "another plan keeps it");
+    window.get_by_label("Fit scale").click();
+    window.run_steps(4);
+    let state = window.state().state();
+    assert_eq!(state.shown_deviation(), state.fitting_deviation());
+    assert!(shown(&window) < 2.0 && fitting < 2.0);
 }
 
 #[test]
@@ -194,7 +258,7 @@ fn flank_curves_are_planned_shown_and_written() {
     window.run_steps(4);
     let most = window.state().state().shown_deviation().expect("walls are shown");
     window.get_by_label("Residual on walls");
-    window.get_by_label(&vanecut::app::views::legend::format_signed(most, most, DisplayUnits::Metric));
+    window.get_by_label(&format_signed(-most, most, DisplayUnits::Metric));
     snapshot_view(&mut window, "flank_walls");
     // The value under the cursor has a sign: above or below the allowance.
     let view = window.get_by_label("3D view").rect();
@@ -286,7 +350,7 @@ fn the_tool_of_flank_milling_is_chosen_from_the_tools_there_are() {
     let taken = format!("T{} Ø{}", automatic.number, automatic.diameter);
     assert_eq!(labels(&window, &taken).len(), 1);
     let setup = window.state().state().document.edited.setup.clone();
-    let thinner = selectable(&setup, flank_cutters()).iter().filter(|t| t.diameter < automatic.diameter);
+    let thinner = selectable(&setup, flank_cutters()).filter(|t| t.diameter < automatic.diameter);
     let other = thinner.max_by(|a, b| a.diameter.total_cmp(&b.diameter)).expect("a thinner one");
     window.get_by_role_and_label(Role::ComboBox, "Tool").click();
     window.run_steps(2);

@@ -268,7 +268,7 @@ fn no_line_of_the_verdict_begins_with_a_divider() {
     for width in (800..1300).step_by(25) {
         window.set_size(egui::vec2(width as f32, 500.0));
         window.run_steps(3);
-        let start = window.get_by_label("Interfering 5 to 0").rect();
+        let start = window.get_by_label("Interfering plunges 5 to 0").rect();
         let names = ["Residual", "Hub clearance", "blade", "Not machined", "Time"];
         let of =
             |name: &&str| window.query_all_by_label(name).map(|node| node.rect()).find(|at| at.top() < 80.0);
@@ -421,6 +421,14 @@ fn every_item_of_a_menu_can_be_reached_in_a_low_window() {
     }
     window.run_steps(10);
     assert!(bottom(&window) < 533.0, "it scrolls to its end: {}", bottom(&window));
+    window.key_press(egui::Key::Escape);
+    window.run_steps(4);
+    // Opened again, it begins at its top.
+    let bar = window.get_by_label("File").rect().bottom();
+    window.get_by_label("File").click();
+    window.run_steps(4);
+    let first = window.get_by_label_contains("Open project…").rect();
+    assert!(first.top() > bar && bottom(&window) > 533.0, "{first}");
     window.key_press(egui::Key::Escape);
     window.run_steps(4);
     let timeline = window.get_by_role_and_label(Role::Slider, "Timeline").rect();

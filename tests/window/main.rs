@@ -78,7 +78,7 @@ fn nothing_open_offers_the_samples() {
 fn the_repaired_plan_interferes_nowhere_and_both_can_be_seen() {
     let (engine, _) = fake::engine();
     let mut window = with_sample(engine);
-    window.get_by_label("Interfering 5 to 0");
+    window.get_by_label("Interfering plunges 5 to 0");
     snapshot_view(&mut window, "after");
     window.get_by_label("Before").click();
     window.run_steps(3);

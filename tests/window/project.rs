@@ -5,9 +5,10 @@ use std::path::Path;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 use vanecut::app::model::file_purpose::Purpose;
-use vanecut::app::model::look::Operation;
+use vanecut::app::model::look::{Layers, Operation};
 use vanecut::app::model::part_source::PartSource;
 use vanecut::app::model::state::Tone;
+use vanecut::gpu::scene::FloorColours;
 use vanecut::io::project_file::read_project;
 
 use crate::dialogs::{name_file, press_enter};
@@ -174,6 +175,22 @@ fn a_program_with_defaults_for_faulty_values_is_asked_about() {
     window.run_steps(3);
     settle(&mut window);
     assert!(program.exists());
+    // Whoever has the sheet alone knows it too.
+    let sheet = folder.path().join("sheet.html");
+    window.state_mut().file_chosen(
+        &ctx,
+        Purpose::ExportSheet { operation: Operation::Roughing },
+        sheet.clone(),
+    );
+    window.run_steps(3);
+    window.get_by_label("Export anyway").click();
+    window.run_steps(3);
+    settle(&mut window);
+    let page = std::fs::read_to_string(&sheet).expect("a page");
+    assert!(
+        page.contains("<li>4 values of the setup in the project were faulty: defaults stand in"),
+        "{page}"
+    );
 }
 
 #[test]
@@ -223,7 +240,7 @@ fn a_project_with_a_faulty_setup_opens_and_says_what_is_wrong() {
     let state = second.state().state();
     assert!(state.document.part.is_some(), "the part is open");
     assert_eq!(state.document.edited.setup.plunge.step, Some(6.0), "what is sound stays");
-    assert!(state.document.is_unsaved(), "the file says something else");
+    assert!(!state.document.is_unsaved(), "a saved one keeps the faulty value: nothing is to be lost");
     let said: Vec<_> = state.problems.iter().filter(|p| p.message.contains("Hub allowance")).collect();
     assert!(said.len() == 1 && said[0].help.contains("the default is used"), "{:?}", state.problems);
     let at_field = state.field_faults();
@@ -540,4 +557,46 @@ fn a_project_opens_in_the_operation_it_was_saved_in() {
     let state = second.state().state();
     assert_eq!(state.look.operation, Operation::Flank);
     assert!(state.results.flank.is_some() && state.results.planned.is_some(), "both are calculated");
+}
+
+#[test]
+fn what_the_view_shows_is_saved_and_comes_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.vanecut");
+    let (engine, _) = fake::engine();
+    let mut first = with_sample(engine.clone());
+    edit_step(&mut first, 6.0);
+    first.get_by_role_and_label(Role::Button, "Layers").click();
+    first.run_steps(2);
+    for layer in ["Shroud", "Cutters", "Rapids"] {
+        first.get_by_role_and_label(Role::CheckBox, layer).click();
+        first.run_steps(2);
+    }
+    first.get_by_role_and_label(Role::RadioButton, "Core contact").click();
+    first.run_steps(2);
+    first.key_press(egui::Key::Escape);
+    first.run_steps(2);
+    let shown = first.state().state().look.layers;
+    assert!(shown.shroud && shown.links && !shown.cutters && shown.floor == FloorColours::Interference);
+    save_as(&mut first, &path);
+    assert!(!first.state().state().document.is_unsaved());
+    let mut second = window(engine.clone());
+    second.state_mut().open_path(path.clone());
+    settle(&mut second);
+    assert_eq!(second.state().state().look.layers, shown);
+    // An older project, and one of a newer window, open all the same.
+    let text = std::fs::read_to_string(&path).expect("reads");
+    let mut file: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    file["layers"]["layers"]["floor"] = "temperature".into();
+    for is_older in [false, true] {
+        if is_older {
+            file.as_object_mut().expect("an object").remove("layers");
+        }
+        std::fs::write(&path, file.to_string()).expect("writes");
+        let mut third = window(engine.clone());
+        third.state_mut().open_path(path.clone());
+        settle(&mut third);
+        assert_eq!(third.state().state().look.layers, Layers::default());
+        assert_eq!(third.state().state().document.edited.setup.plunge.step, Some(6.0));
+    }
 }

@@ -27,7 +27,7 @@ fn the_count_of_interferential_positions_falls_to_none() {
     let [before, after] = [&planned.outcome.before.summary, &planned.outcome.after.summary];
     assert!(before.interfering > 0, "the conventional plan interferes");
     assert_eq!(after.interfering, 0, "the one by our policy does not");
-    let verdict = format!("Interfering {} to 0", before.interfering);
+    let verdict = format!("Interfering plunges {} to 0", before.interfering);
     window.get_by_label(&verdict);
 }
 

@@ -6,7 +6,7 @@ use vanecut::app::model::file_purpose::Purpose;
 use vanecut::app::model::look::Operation;
 use vanecut::app::model::units::DisplayUnits;
 use vanecut::app::tasks::engine::Engine;
-use vanecut::app::views::legend::format_signed;
+use vanecut::app::views::scale_ends::format_signed;
 use vanecut::io::project_file::read_project;
 use vanecut::job::PlanOutcome;
 

@@ -41,8 +41,8 @@ fn set(window: &mut Window, field: &str, value: f64) {
 
 /// The two counts of the verdict.
 fn interferential(window: &Window) -> (usize, usize) {
-    let verdict = words(window, "Interfering ").expect("a verdict");
-    let counts = verdict.strip_prefix("Interfering ").and_then(|counts| counts.split_once(" to "));
+    let verdict = words(window, "Interfering plunges ").expect("a verdict");
+    let counts = verdict.strip_prefix("Interfering plunges ").and_then(|counts| counts.split_once(" to "));
     let (before, after) = counts.unwrap_or_else(|| panic!("{verdict}"));
     (before.parse().expect("a count"), after.parse().expect("a count"))
 }

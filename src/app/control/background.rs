@@ -91,9 +91,7 @@ impl App {
         // The same once more would only begin from the start.
         let runs = self.work.is_planning() && !self.work.planner.is_stopping();
         let is_same = |asked: &PlanKey| {
-            !asked.draft
-                && asked.compare == self.state.compare
-                && asked.setup.equals_except_flank(&self.state.document.edited.setup)
+            !asked.draft && asked.compare == self.state.compare && self.state.is_current(&asked.setup)
         };
         if !(runs && self.work.asked.as_ref().is_some_and(is_same)) {
             self.submit_plan(false);
@@ -129,7 +127,7 @@ impl App {
         self.plan_flank_edits(held);
         self.check_edits(held);
         let (true, Some(asked)) = (self.state.auto_update, &self.work.asked) else { return };
-        let same = asked.setup.equals_except_flank(&self.state.document.edited.setup);
+        let same = self.state.is_current(&asked.setup);
         let enough = held || (!asked.draft && asked.compare == self.state.compare);
         if same && enough {
             return;

@@ -104,6 +104,7 @@ impl App {
             | C::CutRowLater => edit_plunge::is_possible(&self.state, command),
             C::MeasureHere => self.measure_start().is_some(),
             C::Cancel => self.can_cancel() || self.state.look.measure.is_some(),
+            C::Deselect => self.state.has_selection(),
             C::Undo => self.state.document.can_undo() || self.library.can_undo(&self.state.document.edited),
             C::Redo => self.state.document.can_redo() || self.library.can_redo(),
             _ => true,
@@ -134,7 +135,10 @@ impl App {
             C::SaveProject => self.save_project(ctx),
             C::SaveProjectAs => self.ask_for_project(ctx),
             C::Palette => self.palette.toggle(),
-            C::KeepSet => self.state.document.keep_set(),
+            C::KeepSet => {
+                let name = self.state.document.keep_set();
+                self.state.report_done(format!("The setup is saved as \"{name}\", under Variants"));
+            }
             C::FollowEdits => self.state.auto_update ^= true,
             C::DismissProblems => self.state.dismiss_problems(),
             C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
@@ -203,6 +207,7 @@ impl App {
             }
             C::Cancel if !can_cancel => look.measure = None,
             C::Cancel => self.cancel(),
+            C::Deselect => self.state.deselect(),
             C::NextFault => self.state.select_next_fault(true),
             C::PreviousFault => self.state.select_next_fault(false),
             C::NextRow => self.state.select_next_row(1),

@@ -12,7 +12,7 @@ use crate::app::model::look::{DEFAULT_MACHINE, Operation};
 use crate::app::model::planned::DisplayPlan;
 use crate::app::model::post_target::PostTarget;
 use crate::app::model::problem::{Problem, Topic, without_markdown};
-use crate::app::model::release::{concerns, fault_lines};
+use crate::app::model::release::{concerns, fault_lines, faulty_values};
 use crate::app::model::results::Results;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::documents::SheetTask;
@@ -361,7 +361,8 @@ impl App {
                 (ProgramSource::Plunges(PlungeSource { channels, ..plunges }), files)
             }
         };
-        self.write(WriteTask::Sheet(path, SheetTask { source, files }));
+        let remarks = faulty_values(&self.state).map(|words| format!("{words}.")).into_iter().collect();
+        self.write(WriteTask::Sheet(path, SheetTask { source, files, remarks }));
     }
 
     /// Asks where an NC program is to run: on the machine of the setup, or on the one that was asked for

@@ -19,7 +19,7 @@ use crate::app::tasks::files::{ProjectTask, WriteTask, WrittenProject};
 use crate::app::tasks::home::{Home, Preferences, is_same_file};
 use crate::app::tasks::lock::{HeldLock, LockTry};
 use crate::app::tasks::open_task::OpenTask;
-use crate::app::tasks::project::project_of;
+use crate::app::tasks::project::{project_of, show_layers_of};
 use crate::app::views::changed::{self, ChangedAnswer};
 use crate::app::views::missing_part::{self, MissingPartAnswer};
 use crate::app::views::tour::WindowRegion;
@@ -275,8 +275,8 @@ impl App {
         }
     }
 
-    /// Reports the faults in the setups of an opened project. The project then counts as changed: defaults
-    /// stand in place of what is faulty.
+    /// Reports the faults in the setups of an opened project. The project does not count as changed: what is
+    /// saved keeps the faulty values until they are edited.
     fn report_setup_faults(&mut self, project: &Project) {
         // Those of variants are at no field: the fields are of the current setup.
         let current = project.setup_faults.iter().map(Problem::of_replaced);
@@ -293,9 +293,6 @@ impl App {
             let message = format!("{} more {word} in the setups of the project", rest.len());
             let help = "look through setup and variants before you save";
             self.state.report_problem(Problem::about(Topic::Project, &message, help));
-        }
-        if project.faults().next().is_some() {
-            self.state.document.mark_unsaved();
         }
     }
 
@@ -318,6 +315,7 @@ impl App {
         let PlanSelection { before, position, cut, channels, channels_cut, channel, .. } = project.chosen;
         let channel_count = self.channel_count();
         let look = &mut self.state.look;
+        show_layers_of(project, look);
         look.side = if before { Side::Before } else { Side::After };
         (look.selected, look.selected_channel, look.cut_count) = (position, channel, cut);
         look.shown_channels = channels.clamp(1, channel_count);

@@ -1,10 +1,19 @@
 //! The windows over the picture, closed by Escape before it cancels anything.
 
-use egui::{Context, Key, Modifiers};
+use egui::{Context, Id, Key, Modifiers};
 
 use crate::app::App;
 use crate::app::model::panels::DockPanel;
 use crate::app::views::dock;
+
+/// Whether a field is typed in, or was in the frame before: Escape has taken the focus from it already. Call
+/// once per frame.
+pub(in crate::app) fn is_typing(ctx: &Context) -> bool {
+    let key = Id::unique("a field is typed in");
+    let (now, before) = (ctx.text_edit_focused(), ctx.data(|data| data.get_temp::<bool>(key)));
+    ctx.data_mut(|data| data.insert_temp(key, now));
+    now || before.unwrap_or_default()
+}
 
 impl App {
     /// Closes the window in front if Escape was pressed; `true` while there is one, which has that key first.

@@ -1,5 +1,7 @@
 //! What the cutters in the 3D view are coloured by, and the classes of that which can be hidden.
 
+use serde::{Deserialize, Serialize};
+
 use super::number::with_minus_signs;
 use super::planned::ShownPlan;
 use super::units::DisplayUnits;
@@ -7,7 +9,8 @@ use crate::palette::{self, ColourMap, Rgb, TABLE_LEN, category};
 use crate::plunge::{Condition, PlungePlan};
 
 /// Quantity that colours the cutters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum CutterColours {
     /// Sound, blocked or interfering.
     #[default]

@@ -133,12 +133,16 @@ impl Document {
         }
     }
 
-    /// Stores the current setup as a variant with an unused name.
-    pub fn keep_set(&mut self) {
+    /// Stores the current setup as a variant with an unused name, as an undo step of its own. Returns the
+    /// name.
+    pub fn keep_set(&mut self) -> String {
+        self.step();
         let taken = |name: &str| self.edited.sets.iter().any(|set| set.name == name);
         let name = (1..).map(|k| format!("Variant {k}")).find(|name| !taken(name)).unwrap_or_default();
         let Edited { setup, replaced, .. } = self.edited.clone();
-        self.edited.sets.push(WhatIf { name, setup, replaced });
+        self.edited.sets.push(WhatIf { name: name.clone(), setup, replaced });
+        self.step();
+        name
     }
 }
 

@@ -38,7 +38,10 @@ pub const INTERFERING_TIP: &str =
 pub fn interfering_words(sides: [&PolicyResult; 2]) -> String {
     let [before, after] = sides.map(|result| result.plan.count_interfering());
     let contact = sides.map(|result| result.summary.interfering);
-    let words = format!("Interfering {before} to {after}");
+    let words = match [before, after] {
+        [0, 0] => return "No plunge interferes".to_owned(),
+        [before, after] => format!("Interfering plunges {before} to {after}"),
+    };
     match contact == [before, after] {
         true => words,
         false => format!("{words} (core contact {} to {})", contact[0], contact[1]),

@@ -1,6 +1,8 @@
 //! How part and plan are displayed: selection, table rows, layers, arrangement of the two plans, timeline.
 //! Nothing here changes the plan.
 
+use serde::{Deserialize, Serialize};
+
 use crate::drawing::flank::FlankColours;
 use crate::gpu::scene::FloorColours;
 use crate::plunge::inspect::CutPlane;
@@ -17,7 +19,8 @@ use crate::app::model::table_scroll::TableScroll;
 use crate::app::model::units::DisplayUnits;
 
 /// Visibility of the layers of the 3D view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Layers {
     /// Hub, coloured by residual stock.
     pub hub: bool,
@@ -295,6 +298,8 @@ pub struct Look {
     pub is_fresh: bool,
     /// Ends of the colour scale, mm; `None`: fitted to the plan. The first finished plan sets them.
     pub range: Option<(f32, f32)>,
+    /// Upper end of the colour scale of the walls, mm; `None`: fitted to the flank plan.
+    pub wall_end: Option<f32>,
     /// Whether the floor of the after side shows residual stock after minus before.
     pub difference: bool,
     /// Selected fault of the checked program.
@@ -433,6 +438,7 @@ impl Default for Look {
             table: TableScroll::default(),
             is_fresh: true,
             range: None,
+            wall_end: None,
             difference: false,
             finding: None,
             reveal_finding: 0,

@@ -67,13 +67,17 @@ pub fn parse(text: &str, quantity: Quantity) -> Option<f64> {
 }
 
 /// `text` with minus signs before its numbers instead of hyphens: a hyphen is short, and lines break after
-/// it, so that it would be parted from its number.
+/// it, so that it would be parted from its number. What is rounded to zero has no sign.
 pub fn with_minus_signs(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     let mut chars = text.chars().peekable();
     while let Some(c) = chars.next() {
         let begins = shown.chars().last().is_none_or(|before| !before.is_alphanumeric());
         let is_sign = c == '-' && begins && chars.peek().is_some_and(char::is_ascii_digit);
+        let number = || chars.clone().take_while(|c| c.is_ascii_digit() || *c == '.');
+        if is_sign && number().all(|digit| matches!(digit, '0' | '.')) {
+            continue;
+        }
         shown.push(if is_sign { '−' } else { c });
     }
     shown
@@ -155,6 +159,7 @@ mod tests {
     fn only_signs_of_numbers_become_minus_signs() {
         let text = "comes within -5.7 mm (-3) of a semi-finished 2-1 hub - no";
         assert_eq!(with_minus_signs(text), "comes within −5.7 mm (−3) of a semi-finished 2-1 hub - no");
+        assert_eq!(with_minus_signs("-0.0 of -0.05 and -0, (-0.00)"), "0.0 of −0.05 and 0, (0.00)");
     }
 
     #[test]

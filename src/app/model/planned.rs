@@ -112,6 +112,29 @@ pub struct DisplayPlan {
 }
 
 impl DisplayPlan {
+    /// Whether it is the plan of `setup`: of what was asked for, or of the same with the tools and sections
+    /// that the program chose for it.
+    pub fn is_of(&self, setup: &Setup) -> bool {
+        if self.setup.equals_except_flank(setup) {
+            return true;
+        }
+        let chosen = &self.outcome.setup;
+        if !self.setup.tools.is_empty() || setup.tools != chosen.tools {
+            return false;
+        }
+        let mut asked = self.setup.clone();
+        asked.tools.clone_from(&chosen.tools);
+        asked.plunge.sections.clone_from(&chosen.plunge.sections);
+        asked.equals_except_flank(setup)
+    }
+
+    /// Whether it would be the plan of `setup` with other edits by hand.
+    pub fn is_of_but_for_edits(&self, setup: &Setup) -> bool {
+        let mut asked = setup.clone();
+        asked.plunge.edits.clone_from(&self.setup.plunge.edits);
+        self.is_of(&asked)
+    }
+
     /// Computes the display data of a plan, drawn over `floor`; see [`Self::floor_of`]. Programs of `known`
     /// are taken over where their plunges are the same; others are sorted here.
     pub fn new(

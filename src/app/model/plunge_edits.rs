@@ -77,10 +77,9 @@ impl AppState {
     /// which the next one adds.
     pub fn takes_lifts(&self) -> bool {
         let lifted = || {
-            let mut asked = self.results.planned.as_ref()?.setup.clone();
-            let (known, now) = (asked.plunge.edits.len(), &self.document.edited.setup);
-            asked.plunge.edits.clone_from(&now.plunge.edits);
-            let plunge = self.selected_pose().filter(|_| asked.equals_except_flank(now))?;
+            let planned = self.results.planned.as_ref()?;
+            let (known, now) = (planned.setup.plunge.edits.len(), &self.document.edited.setup);
+            let plunge = self.selected_pose().filter(|_| planned.is_of_but_for_edits(now))?;
             match now.plunge.edits.get(known..)? {
                 [only] if matches!(only.change, PlungeChange::Lift(_)) => Some(only.plunge.is(&plunge)),
                 _ => None,

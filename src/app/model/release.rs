@@ -50,7 +50,7 @@ pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<Stri
 const MAX_NAMED: usize = 3;
 
 /// What is said of faulty values of the setup in the project, the first by name.
-fn faulty_values(state: &AppState) -> Option<String> {
+pub fn faulty_values(state: &AppState) -> Option<String> {
     let replaced = &state.document.edited.replaced;
     let names: Vec<String> = replaced.iter().take(MAX_NAMED).map(ReplacedValue::name).collect();
     let names = match replaced.len() - names.len() {

@@ -124,6 +124,8 @@ impl Results {
 
     /// Figures of a setup, if it was planned.
     pub fn figures(&self, setup: &Setup) -> Option<SetFigures> {
+        let planned = self.planned.as_ref().filter(|planned| planned.is_of(setup));
+        let setup = planned.map_or(setup, |planned| &planned.setup);
         self.figures.iter().find(|(known, _)| known == setup).map(|(_, figures)| *figures)
     }
 }

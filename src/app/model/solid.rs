@@ -3,13 +3,16 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::flank_run::FlankRun;
 use crate::app::model::planned::DisplayPlan;
 use crate::setup::AxisPolicy;
 
 /// What the colours of the solid show.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum SolidColours {
     /// Distance of the cut surface to the finished part.
     #[default]

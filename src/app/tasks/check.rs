@@ -200,6 +200,11 @@ impl Judged {
             (ABOVE_SCALLOP, FigureValue::Text(format_percent(verdict.uncovered.share())), ABOVE_SCALLOP_TIP),
             ("Not machined", FigureValue::Text(format_percent(uncut)), UNCUT_TIP),
             (
+                "Walls not milled",
+                FigureValue::Text(format_percent(verdict.unmilled_wall_share)),
+                "Share of the walls to which no cutter comes near",
+            ),
+            (
                 "Hub clearance",
                 FigureValue::Length(verdict.min_hub_clearance),
                 "Least distance of a cutter to the finished hub",

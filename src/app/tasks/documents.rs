@@ -23,6 +23,8 @@ pub struct SheetTask {
     pub source: ProgramSource,
     /// Its program files.
     pub files: Vec<ProgramFile>,
+    /// What else must be known of the setup before the program runs.
+    pub remarks: Vec<String>,
 }
 
 /// The setup sheet of a plan, to be saved at `path`. Its program is verified as it is written.
@@ -41,7 +43,8 @@ pub(super) fn sheet(
             let outcome = &source.ordered();
             let pictures = flank_pictures(outcome, &prefix(path)).map_err(fault)?;
             let program = &source.program(monitor)?;
-            return Ok(flank_sheet(&FlankSheetInput { outcome, program, files: &task.files }, pictures));
+            let SheetTask { files, remarks, .. } = task;
+            return Ok(flank_sheet(&FlankSheetInput { outcome, program, files, remarks }, pictures));
         }
     };
     let outcome = &source.planned.outcome;
@@ -54,8 +57,8 @@ pub(super) fn sheet(
         VerifyError::Cancelled(cancelled) => cancelled.into(),
     })?;
     let pictures = plan_pictures(outcome, shown, &prefix(path)).map_err(fault)?;
-    let (channels, files) = (source.channels, &*task.files);
-    let input = SheetInput { outcome, shown, report: &report, channels, files };
+    let SheetTask { files, remarks, .. } = task;
+    let input = SheetInput { outcome, shown, report: &report, channels: source.channels, files, remarks };
     Ok(setup_sheet(&input, pictures))
 }
 

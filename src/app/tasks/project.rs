@@ -1,12 +1,16 @@
 //! The open project as the content of a project file, and back.
 
+use serde::{Deserialize, Serialize};
+
 use crate::app::model::document::{Edited, WhatIf};
 use crate::app::model::field_faults::ReplacedValue;
-use crate::app::model::look::Operation;
+use crate::app::model::look::{Layers, Look, Operation};
 use crate::app::model::part_source::PartSource;
 use crate::app::model::planned::Side;
 use crate::app::model::problem::Problem;
+use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
+use crate::drawing::flank::FlankColours;
 use crate::gpu::camera::{Camera, Projection};
 use crate::io::project_file::{PartLocation, PlanSelection, Project, StoredSet, Viewpoint};
 use crate::io::setup_file::SetupEntryFault;
@@ -43,11 +47,38 @@ pub(in crate::app) fn project_of(state: &AppState, camera: Option<Camera>) -> Op
             channel: state.look.selected_channel,
             flank: state.look.operation == Operation::Flank,
         },
+        layers: serde_json::to_value(ShownLayers::from_look(&state.look)).ok(),
         original: None,
         original_hash: None,
         // Nobody has said that the defaults in their place are meant.
         setup_faults: faults_of(&edited.replaced),
     })
+}
+
+/// What the view shows, as a project keeps it.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(default)]
+struct ShownLayers {
+    layers: Layers,
+    stock_by: SolidColours,
+    passes: bool,
+    passes_by: FlankColours,
+}
+
+impl ShownLayers {
+    fn from_look(look: &Look) -> Self {
+        let Look { layers, solid_colours, flank, .. } = look;
+        Self { layers: *layers, stock_by: *solid_colours, passes: flank.shown, passes_by: flank.colours }
+    }
+}
+
+/// Shows what a project shows. A layer that this version does not know leaves all as they are.
+pub(in crate::app) fn show_layers_of(project: &Project, look: &mut Look) {
+    let shown = project.layers.clone().and_then(|layers| serde_json::from_value(layers).ok());
+    if let Some(ShownLayers { layers, stock_by, passes, passes_by }) = shown {
+        (look.layers, look.solid_colours) = (layers, stock_by);
+        (look.flank.shown, look.flank.colours) = (passes, passes_by);
+    }
 }
 
 fn faults_of(replaced: &[ReplacedValue]) -> Vec<SetupEntryFault> {

@@ -113,6 +113,7 @@ commands! {
         "Plans the flank milling toolpath of the channel with the current setup" [NONE, F6];
     Cancel "Cancel"
         "Stops and keeps the best plan so far; pressed again: the last finished plan" [NONE, Escape];
+    Deselect "Deselect" "Selects no position, pass or fault any more" [NONE, Escape];
     NextFault "Next fault"
         "Selects the next interfering plunge in cutting order, or fault of a checked program" [NONE, N];
     PreviousFault "Previous fault" "Selects the interfering plunge or the fault before" [SHIFT, N];
@@ -217,7 +218,8 @@ impl Command {
     }
 
     /// Commands whose keys were pressed in this frame. Keys that also type or move count only while no field
-    /// has the focus. Keys of commands that are not available now are not consumed.
+    /// has the focus. Keys of commands that are not available now are not consumed: of two with the same keys
+    /// the first that is available has them.
     pub fn pressed(ctx: &Context, can: impl Fn(Self) -> bool) -> Vec<Self> {
         // An open list or menu takes the arrows before any of its entries has the focus.
         let has_focus = ctx.memory(|memory| memory.focused().is_some());
@@ -296,7 +298,10 @@ mod tests {
         for (i, a) in Command::ALL.iter().enumerate() {
             for b in &Command::ALL[i + 1..] {
                 assert_ne!(a.label(), b.label(), "two commands with one label");
-                assert!(a.shortcut().is_none() || a.shortcut() != b.shortcut(), "{a:?} and {b:?} share keys");
+                // Where there is nothing to cancel, the key deselects.
+                let takes_turns = (*a, *b) == (Command::Cancel, Command::Deselect);
+                let differ = a.shortcut().is_none() || a.shortcut() != b.shortcut();
+                assert!(differ || takes_turns, "{a:?} and {b:?} share keys");
             }
         }
     }

@@ -1,27 +1,25 @@
 //! The legend below the 3D view: what the colours mean, the ends of the scale, and the value under the
 //! cursor. It lies beside the picture, so that it hides nothing of it.
 
-use egui::{Color32, Rect, RichText, Sense, Ui, UiBuilder, Vec2};
+use egui::{Rect, RichText, Sense, Ui, UiBuilder, Vec2};
 
 use crate::drawing::flank::RAPID_COLOUR;
 use crate::gpu::scene::FloorColours;
-use crate::palette::{ColourMap, INTERFERING, Rgb, TABLE_LEN, Theme, category};
+use crate::palette::{ColourMap, INTERFERING, Rgb, Theme, category};
 
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{ClassShare, CutterClass, CutterColours, CutterLegend};
 use crate::app::model::figures::format_class_share;
 use crate::app::model::look::{Arrangement, Operation};
-use crate::app::model::number::Quantity;
 use crate::app::model::planned::Side;
 use crate::app::model::solid::SolidColours;
 use crate::app::model::state::AppState;
-use crate::app::model::units::DisplayUnits;
 use crate::app::tasks::solid::SolidPicture;
 use crate::app::views::overlay::floating;
 use crate::app::views::panels::flank;
-use crate::app::views::swatch::swatch;
+use crate::app::views::scale_ends::{FIELD_MARGIN, MARGIN, fit_width, format_signed, hub_ends, wall_ends};
+use crate::app::views::swatch::{colour_bar, swatch};
 use crate::app::views::theme::{self, Condition};
-use crate::app::views::typed::{self, Typed, TypedLimits};
 use crate::app::views::units;
 
 /// Height of the legend, points.
@@ -312,14 +310,9 @@ fn class_button(ui: &mut Ui, share: &ClassShare, has_text: bool, hidden: &mut Ve
     }
 }
 
-/// Label of the button that fits the scale.
-const FIT: &str = "Fit scale";
-/// How far the scale may reach into the margin of the legend, points.
-const MARGIN: f32 = 6.0;
 /// Least length of the bar of a scale, points.
 const MIN_BAR: f32 = 40.0;
-/// Width of a field beside its text, and of the space between two things, points.
-const FIELD_MARGIN: f32 = 12.0;
+/// Space between two things, points.
 const SPACE: f32 = 5.0;
 
 fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) {
@@ -337,7 +330,10 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
         Some(most) => [-most, most].map(|end| format_signed(end, most, units)),
         None => [low, high].map(|end| units.length(end.into(), 2)),
     };
-    let has_fit = scale.walls.is_none() && state.range() != state.fitting_range();
+    let has_fit = match scale.walls {
+        Some(_) => state.look.wall_end.is_some(),
+        None => state.range() != state.fitting_range(),
+    };
     let fit = if has_fit { fit_width(ui) } else { 0.0 };
     let text_width = |text: &str| theme::width_of_text(ui, text);
     let taken: f32 = ends_of_scale.iter().map(|end| text_width(end) + FIELD_MARGIN).sum();
@@ -354,13 +350,10 @@ fn show_scale(ui: &mut Ui, state: &mut AppState, scale: &Scale, values: Values) 
     let bar = (width - fit - 330.0).min(most).clamp(MIN_BAR, 180.0);
     match scale.walls {
         Some(most) => {
-            ui.label(format_signed(-most, most, units));
-            colour_bar(ui, scale.map, bar);
-            let end = ui.label(format_signed(most, most, units));
-            end.on_hover_text("Stock above the blade allowance; negative: overcut");
+            wall_ends(ui, state, most, bar);
             unmilled(ui, state, of_value);
         }
-        None => ends(ui, state, scale, bar),
+        None => hub_ends(ui, state, (scale.map, scale.difference), bar),
     }
     if let Some(value) = value {
         ui.label(RichText::new(value).strong());
@@ -382,115 +375,4 @@ fn unmilled(ui: &mut Ui, state: &AppState, of_value: f32) {
     ui.add_space(SPACE);
     swatch(ui, of.greys().uncut, 10.0);
     ui.label(TEXT).on_hover_text("No cutter of the program comes near");
-}
-
-/// A bar of the colours of `map`.
-fn colour_bar(ui: &mut Ui, map: ColourMap, width: f32) {
-    let (bar, _) = ui.allocate_exact_size(Vec2::new(width, 10.0), Sense::hover());
-    let table = map.table();
-    let steps = 64;
-    for k in 0..steps {
-        let at = |k: usize| egui::lerp(bar.left()..=bar.right(), k as f32 / steps as f32);
-        let part =
-            Rect::from_min_max(egui::pos2(at(k), bar.top()), egui::pos2(at(k + 1) + 0.5, bar.bottom()));
-        let [r, g, b] = table[k * (TABLE_LEN - 1) / (steps - 1)];
-        ui.painter().rect_filled(part, 0.0, Color32::from_rgb(r, g, b));
-    }
-}
-
-/// Least difference of the ends of a scale, mm.
-const MIN_RANGE: f32 = 0.05;
-/// Least and greatest end of a scale, mm.
-const END_LIMITS: (f32, f32) = (-10.0, 100.0);
-
-/// The bar with its ends, which are edited by dragging or typing.
-fn ends(ui: &mut Ui, state: &mut AppState, scale: &Scale, bar: f32) {
-    let ((mut low, mut high), units) = (state.range(), state.look.units);
-    let before = (low, high);
-    ui.spacing_mut().interact_size.x = 40.0;
-    let mut refused = None;
-    if scale.difference {
-        ui.label(format!("−{}", units.length(high.into(), 2)));
-    } else {
-        let end = ScaleEnd {
-            name: "Scale minimum",
-            tip: "Drag or type: stock at the lower end of the colour scale",
-            range: (END_LIMITS.0, high - MIN_RANGE),
-            why: ("", ", below the upper end. For more, raise that first"),
-        };
-        refused = end.show(ui, &mut low, units);
-    }
-    colour_bar(ui, scale.map, bar);
-    let end = ScaleEnd {
-        name: "Scale maximum",
-        tip: "Drag or type: stock at the upper end of the colour scale, and above",
-        range: (low + MIN_RANGE, END_LIMITS.1),
-        why: (if scale.difference { "" } else { ", above the lower end. For less, lower that first" }, ""),
-    };
-    refused = end.show(ui, &mut high, units).or(refused);
-    let fitting = state.fitting_range();
-    let fit = || egui::Button::new(FIT).small();
-    let tip = "The scale stays while plans change; this fits it to the plan that is shown";
-    let has_room = ui.available_width() + MARGIN > fit_width(ui);
-    if state.range() != fitting && has_room && ui.add(fit()).on_hover_text(tip).clicked() {
-        state.look.range = Some(fitting);
-    } else if (low, high) != before {
-        state.look.range = Some((low, high));
-    }
-    // The reason does not fit below these fields.
-    if let Some(reason) = refused {
-        state.report_refusal(reason);
-    }
-}
-
-/// Width of the button that fits the scale, with the space before it, points.
-fn fit_width(ui: &Ui) -> f32 {
-    theme::width_of_text(ui, FIT) + FIELD_MARGIN
-}
-
-/// A length of a scale, mm, as it is written: 0.05 is not 0.05000000075.
-fn rounded(mm: f32) -> f64 {
-    (1e4 * f64::from(mm)).round() / 1e4
-}
-
-/// A field for an end of a scale.
-struct ScaleEnd {
-    name: &'static str,
-    tip: &'static str,
-    /// Least and greatest value, mm.
-    range: (f32, f32),
-    /// What sets them, as ends of sentences.
-    why: (&'static str, &'static str),
-}
-
-impl ScaleEnd {
-    /// Draws it; returns why what was typed is not taken.
-    fn show(&self, ui: &mut Ui, value: &mut f32, units: DisplayUnits) -> Option<String> {
-        let show = |mm: f64| units.length(mm, 2);
-        let limits = TypedLimits {
-            quantity: Quantity::Length,
-            units,
-            range: rounded(self.range.0)..=rounded(self.range.1),
-            why_least: self.why.0,
-            why_most: self.why.1,
-            show: &show,
-        };
-        let (field, typed) = typed::limited_field(ui, value, &limits, 0.02);
-        let shown = f64::from(*value);
-        field.widget_info(|| {
-            let mut info = egui::WidgetInfo::drag_value(true, shown);
-            info.label = Some(self.name.to_owned());
-            info
-        });
-        field.on_hover_text(self.tip);
-        match typed {
-            Typed::Refused(reason) => Some(format!("{}: {reason}", self.name)),
-            Typed::Nothing | Typed::Taken => None,
-        }
-    }
-}
-
-/// Stock above an allowance with its sign; a scale up to `most` sets the decimals. Both in mm.
-pub fn format_signed(value: f32, most: f32, units: DisplayUnits) -> String {
-    units.signed_length(value.into(), if most < 0.1 { 4 } else { 3 })
 }

@@ -51,7 +51,13 @@ const MENUS: [(&str, &[&[Command]]); 3] = [
         &[
             &[Command::Assess, Command::TimeAgainstStock, Command::StudyResults],
             &[Command::Plan, Command::PlanFlank, Command::Cancel, Command::FollowEdits],
-            &[Command::NextFault, Command::PreviousFault, Command::NextRow, Command::PreviousRow],
+            &[
+                Command::NextFault,
+                Command::PreviousFault,
+                Command::NextRow,
+                Command::PreviousRow,
+                Command::Deselect,
+            ],
             &[
                 Command::Play,
                 Command::StepForward,
@@ -112,6 +118,15 @@ const BELOW_MENU: f32 = 4.0;
 /// Height of the window from which on every menu fits, points.
 const ALL_FIT: f32 = 720.0;
 
+/// Whether the menu of this name is drawn for the first time since it was closed: it begins at its top,
+/// however far it was scrolled then.
+fn has_opened(ui: &Ui, name: &str) -> bool {
+    let key = egui::Id::unique(("last pass of a menu", name));
+    let (now, last) = (ui.ctx().cumulative_pass_nr(), ui.data(|data| data.get_temp::<u64>(key)));
+    ui.data_mut(|data| data.insert_temp(key, now));
+    last.is_none_or(|last| last + 1 < now)
+}
+
 /// A menu that scrolls where the window is too low for it.
 fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let screen = ui.ctx().content_rect();
@@ -128,7 +143,9 @@ fn long_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
             // The menu is as wide as its items: none breaks for the bar.
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             // A popup is as high as its content was in the frame before.
-            scroll_area(room).show(ui, content);
+            let area = scroll_area(room);
+            let area = if has_opened(ui, name) { area.vertical_scroll_offset(0.0) } else { area };
+            area.show(ui, content);
         }
         false => content(ui),
     });

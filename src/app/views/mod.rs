@@ -32,6 +32,7 @@ mod point_menu;
 pub mod recover;
 pub mod release;
 pub mod roles;
+pub mod scale_ends;
 mod section_plane;
 mod sides;
 mod swatch;

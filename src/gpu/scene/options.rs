@@ -3,6 +3,7 @@
 use std::str::FromStr;
 
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 use crate::error::UserError;
 use crate::gpu::camera::ViewRay;
@@ -11,7 +12,8 @@ use crate::gpu::unknown_colours;
 use crate::palette::{ColourMap, Theme};
 
 /// Quantity shown as colours on the floor of the active channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum FloorColours {
     /// Height of stock left above the finished hub.
     #[default]

@@ -24,6 +24,8 @@ pub struct FlankSheetInput<'a> {
     pub program: &'a FlankProgram,
     /// The files of its program; none where it is not written with the sheet.
     pub files: &'a [ProgramFile],
+    /// What else must be known of the setup before the program runs.
+    pub remarks: &'a [String],
 }
 
 /// The sheet with `pictures` of its plan.
@@ -58,7 +60,7 @@ fn tools(outcome: &FlankOutcome) -> Vec<(&Tool, String)> {
 }
 
 fn warnings(input: &FlankSheetInput) -> String {
-    let FlankSheetInput { outcome, program, .. } = input;
+    let FlankSheetInput { outcome, program, remarks, .. } = input;
     let (plan, faults) = (&outcome.plan, &program.faults);
     let mut found: Vec<String> =
         faults.iter().take(MAX_FAULTS).map(|fault| format!("Line {}: {fault}", fault.line)).collect();
@@ -79,6 +81,7 @@ fn warnings(input: &FlankSheetInput) -> String {
             }
         }
     }
+    found.extend_from_slice(remarks);
     let left_out: f64 = plan.uncut.iter().map(|stretch| stretch.length).sum();
     if let Some(longest) = plan.uncut.iter().max_by(|a, b| a.length.total_cmp(&b.length)) {
         let UncutLength { layer, why, .. } = longest;
@@ -102,7 +105,7 @@ fn warnings(input: &FlankSheetInput) -> String {
 }
 
 fn program_text(input: &FlankSheetInput) -> String {
-    let FlankSheetInput { outcome, program, files } = *input;
+    let FlankSheetInput { outcome, program, files, .. } = *input;
     let faults = match (program.faults.len(), program.verdict.is_some()) {
         (_, false) => "not verified".to_owned(),
         (0, true) => "no fault".to_owned(),

@@ -13,9 +13,9 @@ use super::{PagePicture, ReportPage};
 use crate::job::{PlanOutcome, PolicyResult, Summary};
 use crate::machine::{MachineTool, SectionTime};
 use crate::part::Workpiece;
-use crate::plunge::DropReason;
 use crate::plunge::channels::count_tool_loads;
-use crate::setup::{SectionKind, Setup, Tool};
+use crate::plunge::{DropReason, UnappliedEdit};
+use crate::setup::{PlungePose, SectionKind, Setup, Tool};
 use crate::toolpath::TOOL_CHANGE_S;
 use crate::verify::PlungeReport;
 
@@ -43,6 +43,8 @@ pub struct SheetInput<'a> {
     pub channels: usize,
     /// The files of the program; none where it is not written with the sheet.
     pub files: &'a [ProgramFile],
+    /// What else must be known of the setup before the program runs.
+    pub remarks: &'a [String],
 }
 
 /// A file with a plan or its program.
@@ -165,6 +167,8 @@ fn warnings_text(input: &SheetInput) -> String {
             warnings.push(format!("{count} positions are left out {}.", why.words()));
         }
     }
+    warnings.extend(unapplied_edits(input));
+    warnings.extend_from_slice(input.remarks);
     let uncut = 100.0 * input.report.summary.uncut_share;
     if uncut >= 0.05 {
         warnings.push(format!("{uncut:.1} % of the reachable floor stays uncut."));
@@ -180,6 +184,29 @@ fn warnings_text(input: &SheetInput) -> String {
     unchecked.dedup();
     warnings.extend(unchecked.into_iter().map(|(_, text)| text));
     warning_list(warnings)
+}
+
+/// Edits by hand that were counted on and that the program does not have, each with its reason.
+fn unapplied_edits(input: &SheetInput) -> Vec<String> {
+    let SheetInput { outcome, shown, .. } = input;
+    // Edits belong to the plan that was asked for.
+    if shown.plan.policy != outcome.after.plan.policy {
+        return Vec::new();
+    }
+    let unapplied = &outcome.edits.unapplied;
+    let line = |of: &UnappliedEdit| {
+        let edit = outcome.setup.plunge.edits.get(of.index)?;
+        let what = if edit.whole_row { "row of the plunge" } else { "plunge" };
+        let PlungePose { tip, .. } = edit.plunge;
+        let (place, reason) =
+            (format!("({:.3}, {:.3}, {:.3})", tip.x, tip.y, tip.z), of.reason(|mm| format!("{mm:.3} mm")));
+        Some(format!("Not applied: {} of the {what} at {place}: {reason}.", edit.change.name()))
+    };
+    let mut lines: Vec<String> = unapplied.iter().take(MAX_FAULTS).filter_map(line).collect();
+    if unapplied.len() > MAX_FAULTS {
+        lines.push(format!("{} more edits by hand are not applied.", unapplied.len() - MAX_FAULTS));
+    }
+    lines
 }
 
 /// The list of `warnings`, with what holds for every program.

@@ -43,6 +43,8 @@ pub struct FlankVerdict {
     pub max_undercut: f64,
     /// Share of the walls to which no cutter comes near, of the channel with the most of it, 0…1.
     pub unmilled_wall_share: f64,
+    /// The same wall by wall, in the order of `walls`; NaN where a wall is below what is judged.
+    pub unmilled_walls: Vec<f64>,
     /// What is left on the walls of the first channel above the allowance: first and second main wall, then
     /// both sides of each splitter; NaN where no cutter comes near.
     pub walls: Vec<DeviationMap>,
@@ -81,6 +83,7 @@ impl FlankVerdict {
             max_overcut: 0.0,
             max_undercut: f64::NAN,
             unmilled_wall_share: 0.0,
+            unmilled_walls: Vec::new(),
             walls: Vec::new(),
             uncovered: Uncovered::default(),
             layer: ResidualStatistics::default(),

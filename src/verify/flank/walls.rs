@@ -26,6 +26,8 @@ pub(super) struct WallDeviation {
     pub(super) undercut: f64,
     /// Share of the samples to which no cutter comes near, 0…1.
     pub(super) unmilled_share: f64,
+    /// The same wall by wall; NaN where a wall has no samples.
+    pub(super) unmilled_walls: Vec<f64>,
     /// What is left, wall by wall; NaN where no cutter comes near.
     pub(super) maps: Vec<DeviationMap>,
 }
@@ -57,7 +59,7 @@ pub(super) fn wall_deviation(
     // Only the sides that face the channel: the back of a thin blade is near a cutter too.
     let splitters = channel.splitters.iter().flat_map(|splitter| [&splitter.near, &splitter.far]);
     let walls = channel.full.walls.iter().chain(splitters);
-    let (mut maps, mut samples) = (Vec::new(), 0);
+    let (mut maps, mut unmilled_walls, mut samples) = (Vec::new(), Vec::new(), 0);
     let mut milled: Vec<f64> = Vec::new();
     for wall in walls {
         let flank = wall.side();
@@ -71,8 +73,11 @@ pub(super) fn wall_deviation(
             Ok(is_judged.then(left).map(|left| if left < MILLED_DISTANCE { left } else { f64::NAN }))
         };
         let left: Vec<Option<f64>> = places.par_iter().map(left).collect::<Result<_, Cancelled>>()?;
-        samples += left.iter().flatten().count();
+        let judged = left.iter().flatten().count();
+        let known = milled.len();
         milled.extend(left.iter().flatten().copied().filter(|left| left.is_finite()));
+        unmilled_walls.push(1.0 - (milled.len() - known) as f64 / judged as f64);
+        samples += judged;
         maps.push(map_above_foot(u, &v, &left));
     }
     let unmilled_share = 1.0 - milled.len() as f64 / (samples as f64).max(1.0);
@@ -81,6 +86,7 @@ pub(super) fn wall_deviation(
         overcut: milled.iter().fold(none, |most, left| most.max(-left)),
         undercut: milled.iter().fold(none, |most, left| most.max(*left)),
         unmilled_share,
+        unmilled_walls,
         maps,
     })
 }

@@ -14,7 +14,7 @@ use crate::drawing::flank::FlankColours;
 use crate::job::flank::FlankOutcome;
 use crate::plunge::Position;
 use crate::report::words::missed_goal;
-use crate::setup::AxisPolicy;
+use crate::setup::{AxisPolicy, Setup};
 
 use crate::app::model::document::{Document, Edited, OpenPart};
 use crate::app::model::field_faults::{FaultyField, FieldFault, ReplacedValue};
@@ -124,10 +124,15 @@ impl Default for AppState {
 impl AppState {
     /// Whether the setup was edited after the last plan was requested.
     pub fn out_of_date(&self) -> bool {
-        self.results
-            .planned
-            .as_ref()
-            .is_some_and(|planned| !planned.setup.equals_except_flank(&self.document.edited.setup))
+        self.results.planned.as_ref().is_some_and(|planned| !planned.is_of(&self.document.edited.setup))
+    }
+
+    /// Whether a plan that was asked for with `asked` is one of the setup as it stands.
+    pub fn is_current(&self, asked: &Setup) -> bool {
+        let now = &self.document.edited.setup;
+        let is_answered =
+            |planned: &Arc<DisplayPlan>| planned.setup.equals_except_flank(asked) && planned.is_of(now);
+        asked.equals_except_flank(now) || self.results.planned.as_ref().is_some_and(is_answered)
     }
 
     /// What keeps the last plan from the goal of the setup; `None` where it meets it, or is out of date.
@@ -208,9 +213,15 @@ impl AppState {
         self.notice = None;
     }
 
-    /// Largest over- or undercut of the walls, mm, while the view shows the walls instead of the stock on the
-    /// hub.
+    /// Upper end of the scale of the walls, which is symmetric, mm, while the view shows the walls instead of
+    /// the stock on the hub.
     pub fn shown_deviation(&self) -> Option<f32> {
+        let fitting = self.fitting_deviation()?;
+        Some(self.look.wall_end.unwrap_or(fitting))
+    }
+
+    /// The same that fits the flank plan: its largest over- or undercut of the walls.
+    pub fn fitting_deviation(&self) -> Option<f32> {
         let (outcome, _) = self.shown_flank().filter(|(_, colours)| *colours == FlankColours::Walls)?;
         Some((outcome.max_overcut().max(outcome.max_undercut()) as f32).max(MIN_DEVIATION))
     }
@@ -242,25 +253,23 @@ impl AppState {
         let Some(outcome) = &self.results.flank else { return false };
         let now = &self.document.edited.setup;
         let mut asked = outcome.setup.clone();
-        // A tool that was chosen automatically, for a reason, does not count as a difference; from other
-        // tools another one may be chosen.
+        // A tool that was chosen automatically, for a reason, does not count as a difference, unless another
+        // one is chosen from the tools there are now.
         let is_chosen = outcome.plan.reason.is_some() && now.flank.tool.is_none();
         if is_chosen {
             asked.flank.tool = None;
         }
-        let misses_tool = match is_chosen {
-            true => outcome.given_tools != now.tools,
-            false => !now.tools.is_empty() && !now.tools.contains(&outcome.plan.tool),
-        };
         let opens = outcome.plan.opening.is_some();
-        // Edits by hand are those of the roughing plan.
+        // Edits by hand and sections are those of the roughing plan.
         asked.plunge.edits.clone_from(&now.plunge.edits);
+        asked.plunge.sections.clone_from(&now.plunge.sections);
         asked.flank != now.flank
             || asked.allowances != now.allowances
             || asked.clearances != now.clearances
             || asked.machine != now.machine
             || opens && asked.plunge != now.plunge
-            || misses_tool
+            || !outcome.would_choose_from(now)
+            || !outcome.would_open_with(now)
     }
 
     /// Policy that a side shows; `None` before there is a plan.
@@ -304,7 +313,7 @@ impl AppState {
 
     /// Whether what a side shows is older than the setup.
     pub fn is_stale(&self, side: Side) -> bool {
-        let stale = |shown: ShownPlan| !shown.planned.setup.equals_except_flank(&self.document.edited.setup);
+        let stale = |shown: ShownPlan| !shown.planned.is_of(&self.document.edited.setup);
         self.shown_on(side).is_some_and(stale)
     }
 

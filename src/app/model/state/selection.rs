@@ -6,7 +6,7 @@ use crate::plunge::{PlungePlan, Position};
 use crate::setup::{AxisPolicy, PlungePose};
 
 use super::AppState;
-use crate::app::model::look::REVEAL;
+use crate::app::model::look::{Operation, REVEAL};
 use crate::app::model::planned::{DisplayPlan, ShownPlan};
 
 /// The selection, and the plan that it is in.
@@ -44,9 +44,7 @@ impl KnownSelection {
 
     /// Whether another plan differs only by edits by hand.
     fn differs_by_hand(&self, shown: ShownPlan<'_>) -> bool {
-        let mut setup = self.planned.setup.clone();
-        setup.plunge.edits.clone_from(&shown.planned.setup.plunge.edits);
-        self.policy == shown.policy && setup.equals_except_flank(&shown.planned.setup)
+        self.policy == shown.policy && self.planned.is_of_but_for_edits(&shown.planned.setup)
     }
 }
 
@@ -62,6 +60,25 @@ fn nearest(plan: &PlungePlan, pose: &PlungePose) -> Option<usize> {
 }
 
 impl AppState {
+    /// Whether a position, pass or fault of the selected operation is selected.
+    pub fn has_selection(&self) -> bool {
+        let selected = match self.look.operation {
+            Operation::Roughing => self.look.selected,
+            Operation::Flank => self.look.flank.pass,
+            Operation::Program => self.look.finding,
+        };
+        selected.is_some()
+    }
+
+    /// Ends the selection in the selected operation.
+    pub fn deselect(&mut self) {
+        match self.look.operation {
+            Operation::Roughing => self.look.select(None),
+            Operation::Flank => self.select_pass(None),
+            Operation::Program => self.select_finding(None),
+        }
+    }
+
     /// Selects in a plan that is newly shown the plunge that was selected in the one before, or else the one
     /// nearest to it: its number means another plunge there. Call once per frame, and around a change of what
     /// is shown.

@@ -92,17 +92,23 @@ const COLOURS: [(FlankColours, &str, &str); 4] = [
 fn tool_row(ui: &mut Ui, setup: &mut Setup, taken: Option<&Tool>) {
     let tip = "Cutter for all passes.\nAutomatic: the largest ball-end cutter that leaves room for several passes between the blades. If none in the setup fits, one is taken from the tool library";
     let units = units::display_units(ui);
-    let entry = |tool: &Tool| ListEntry {
-        value: Some(tool.number),
-        name: format!("T{} {}", tool.number, units.diameter(tool.diameter)).into(),
-        meaning: format!("Stick-out {}", units.length(tool.overhang, 1)).into(),
+    let entry = |tool: &Tool| {
+        let source = if setup.tools.contains(tool) { "" } else { "From the tool library. " };
+        ListEntry {
+            value: Some(tool.number),
+            name: format!("T{} {}", tool.number, units.diameter(tool.diameter)).into(),
+            meaning: format!("{source}Stick-out {}", units.length(tool.overhang, 1)).into(),
+        }
     };
     let automatic =
         ListEntry { value: None, name: "Automatic".into(), meaning: "The one that fits best".into() };
     let mut entries = vec![automatic];
-    entries.extend(selectable(setup, flank_cutters()).iter().map(entry));
+    entries.extend(selectable(setup, flank_cutters()).map(entry));
     if let Some(number) = setup.flank.tool.filter(|_| entries.iter().all(|e| e.value != setup.flank.tool)) {
-        let (name, meaning) = (format!("T{number}, missing"), "The setup has no tool of this number");
+        let (name, meaning) = (
+            format!("T{number}, missing"),
+            "Neither the setup nor the tool library has a tool of this number",
+        );
         entries.push(ListEntry { value: Some(number), name: name.into(), meaning: meaning.into() });
     }
     fields::list_row(ui, &mut setup.flank.tool, None, ("Tool", tip), &entries);
@@ -146,7 +152,7 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&F
         );
     };
     field_faults::within(ui, FieldScope::Flank, |ui| fields::form(ui, "flank fields", form));
-    if let Some(outcome) = planned.filter(|outcome| outcome.has_library_cutter()) {
+    if let Some(outcome) = planned.filter(|p| p.plan.reason.is_some() && p.has_library_cutter()) {
         let tool = &outcome.plan.tool;
         let text = format!(
             "Cutter T{} {}, from the tool library: no ball end of the setup fits into the channel",
@@ -175,13 +181,28 @@ pub fn colour_radios(ui: &mut Ui, look: &mut FlankLook) {
     }
 }
 
-/// Name of a region of a channel with some number of `splitters`.
-pub fn region_words(region: Region, splitters: usize) -> String {
-    let name = |wall: WallName| match wall {
+/// Name of a wall of a channel with some number of `splitters`.
+fn wall_words(wall: WallName, splitters: usize) -> String {
+    match wall {
         WallName::Low => "suction side".to_owned(),
         WallName::High => "pressure side".to_owned(),
         WallName::Splitter(number) => splitter_name(number, splitters),
-    };
+    }
+}
+
+/// The same with the side of a splitter, which is that of the passage beside it.
+pub fn wall_side_words(wall: WallName, beside: Region, splitters: usize) -> String {
+    let name = wall_words(wall, splitters);
+    match wall {
+        WallName::Splitter(_) if beside.low == wall => format!("suction side of the {name}"),
+        WallName::Splitter(_) => format!("pressure side of the {name}"),
+        _ => name,
+    }
+}
+
+/// Name of a region of a channel with some number of `splitters`.
+pub fn region_words(region: Region, splitters: usize) -> String {
+    let name = |wall: WallName| wall_words(wall, splitters);
     match (region, splitters) {
         (Region::INLET, 0) => "the whole channel".to_owned(),
         (Region::INLET, 1) => "before the splitter".to_owned(),

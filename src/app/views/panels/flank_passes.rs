@@ -114,8 +114,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) {
             });
         });
     if let Some(k) = clicked {
-        // A second click on the row deselects it.
-        state.select_pass((selected != Some(k)).then_some(k));
+        state.select_pass(Some(k));
     }
 }
 

@@ -4,12 +4,13 @@
 use egui::{Grid, RichText, ScrollArea, Ui};
 
 use crate::flank::choice::overhang_note;
+use crate::io::flank_file::ShownWall;
 use crate::job::flank::FlankOutcome;
 use crate::setup::FlankStrategy;
-use crate::verify::Uncovered;
+use crate::verify::{FlankVerdict, Uncovered};
 
 use super::figures::{divide, divided_figure};
-use super::flank::strategy_label;
+use super::flank::{strategy_label, wall_side_words};
 use crate::app::model::figures::{
     ABOVE_SCALLOP, ABOVE_SCALLOP_TIP, MAX_GOOD_UNCUT_SHARE, flank_times_tip, format_duration, format_percent,
     format_times, skipped_length,
@@ -57,13 +58,16 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         walls,
         "Largest overcut below the blade allowance, and largest undercut above it",
     );
-    for FloorShare { name, share, counted, tip } in floor_shares(outcome) {
-        let share = format_percent(share);
-        divide(ui, &[name, &share]);
-        ui.label(RichText::new(name).weak()).on_hover_text(&tip);
-        let share = RichText::new(share);
-        let share = if counted > MAX_GOOD_UNCUT_SHARE { share.strong().color(amber) } else { share };
-        ui.label(share).on_hover_text(tip);
+    for LeftFigure { name, shares } in left_figures(outcome) {
+        let words: Vec<&str> = std::iter::once(name).chain(shares.iter().map(|s| &*s.text)).collect();
+        divide(ui, &words);
+        let all: Vec<&str> = shares.iter().map(|share| &*share.tip).collect();
+        ui.label(RichText::new(name).weak()).on_hover_text(all.join("\n"));
+        for LeftShare { text, counted, tip } in shares {
+            let text = RichText::new(text);
+            let text = if counted > MAX_GOOD_UNCUT_SHARE { text.strong().color(amber) } else { text };
+            ui.label(text).on_hover_text(tip);
+        }
     }
     divided_figure(ui, "Layers", outcome.plan.layout.layers.len().to_string(), "Layers from the hub up");
     let times = match outcome.wheel_time_s {
@@ -73,23 +77,55 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
     divided_figure(ui, "Time", times, flank_times_tip(outcome));
 }
 
-/// A share of the floor that the program leaves.
-struct FloorShare {
+/// What the program leaves of floor or walls.
+struct LeftFigure {
     name: &'static str,
-    share: f64,
+    shares: Vec<LeftShare>,
+}
+
+/// A share of the floor or of the walls that the program leaves.
+struct LeftShare {
+    text: String,
     /// How much of it another program with the same cutter would not leave.
     counted: f64,
     tip: String,
 }
 
-/// Shares of the floor that the program leaves; none where it is not verified.
-fn floor_shares(outcome: &FlankOutcome) -> Vec<FloorShare> {
+/// What the program leaves; nothing where it is not verified.
+fn left_figures(outcome: &FlankOutcome) -> Vec<LeftFigure> {
     let Some(verdict) = &outcome.verdict else { return Vec::new() };
     let (parts, gap) = (parts_words(&verdict.uncovered), verdict.uncovered.gap);
+    let above = LeftShare {
+        text: format_percent(verdict.uncovered.share()),
+        counted: gap,
+        tip: format!("{ABOVE_SCALLOP_TIP}:\n{parts}"),
+    };
     let uncut = verdict.layer.uncut_share.into();
-    let above = (ABOVE_SCALLOP, verdict.uncovered.share(), gap, format!("{ABOVE_SCALLOP_TIP}:\n{parts}"));
-    let not_cut = ("Not machined", uncut, uncut, "Share of the accessible floor that is not cut".to_owned());
-    [above, not_cut].map(|(name, share, counted, tip)| FloorShare { name, share, counted, tip }).into()
+    let floor = LeftShare {
+        text: format!("{} floor", format_percent(uncut)),
+        counted: uncut,
+        tip: "Share of the accessible floor that is not cut".to_owned(),
+    };
+    let walls = LeftShare {
+        text: format!("{} walls", format_percent(verdict.unmilled_wall_share)),
+        counted: verdict.unmilled_wall_share,
+        tip: format!("Share of the walls that is not milled{}", wall_words(outcome, verdict)),
+    };
+    vec![
+        LeftFigure { name: ABOVE_SCALLOP, shares: vec![above] },
+        LeftFigure { name: "Not machined", shares: vec![floor, walls] },
+    ]
+}
+
+/// The share of each wall that is not milled, a line each.
+fn wall_words(outcome: &FlankOutcome, verdict: &FlankVerdict) -> String {
+    let walls = outcome.shown_walls();
+    let splitters = outcome.workpiece.channel.splitters.len();
+    let known = walls.iter().zip(&verdict.unmilled_walls).filter(|(_, share)| share.is_finite());
+    let line = |(of, &share): (&ShownWall, &f64)| {
+        format!("\n{}: {}", wall_side_words(of.wall, of.region, splitters), format_percent(share))
+    };
+    known.map(line).collect()
 }
 
 /// What the share of the floor above the scallop height consists of.

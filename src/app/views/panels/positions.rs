@@ -217,8 +217,7 @@ fn table(ui: &mut Ui, state: &mut AppState, rows: &[usize]) -> Option<(Command, 
     scroll.is_new = false;
     state.look.table = scroll;
     if let Some(k) = clicked {
-        // A second click on the row deselects it.
-        state.look.select_and_zoom((selected != Some(k)).then_some(k));
+        state.look.select_and_zoom(Some(k));
         // Do not scroll: the row is under the cursor.
         state.look.reveal_selection = 0;
     }

@@ -72,7 +72,8 @@ fn content(
     }
     tools(ui, setup, chosen);
     sections(ui, setup);
-    if let Some((planned, policy)) = planned.filter(|(planned, _)| planned.setup.tools == setup.tools) {
+    if let Some((planned, policy)) = planned.filter(|(planned, _)| planned.outcome.setup.tools == setup.tools)
+    {
         uses(ui, planned, policy);
     }
     if ui.button("Reset to automatic").on_hover_text("Removes these tools and sections").clicked() {

@@ -22,7 +22,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
         ui.label(RichText::new("Save a variant to compare setups").weak());
         return chosen;
     }
-    let (mut used, mut removed) = (None, None);
+    let (mut used, mut removed, mut is_begun) = (None, None, false);
     let units = state.look.units;
     let stock_head = match units {
         DisplayUnits::Metric => "Stock mm",
@@ -48,6 +48,7 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             let field = ui.add(TextEdit::singleline(&mut set.name).desired_width(110.0));
             let name = format!("Name of variant {}", k + 1);
             field.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
+            is_begun |= field.gained_focus();
             field.on_hover_text(differences(&edited.setup, &set.setup));
             if small(ui, set.setup != edited.setup, "Load", &format!("Load {}", set.name)) {
                 used = Some(k);
@@ -57,6 +58,10 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<Command> {
             }
         });
         cells(ui, state.results.figures(&set.setup), channels);
+    }
+    // What was done before is a step of its own.
+    if is_begun || used.is_some() || removed.is_some() {
+        state.document.step();
     }
     let edited = &mut state.document.edited;
     if let Some(set) = used.and_then(|k| edited.sets.get(k)) {
