@@ -36,6 +36,8 @@ const FOOT: f64 = 0.02;
 /// share of the radius of their outlet from which on a disc is looked at.
 const FLAT: f64 = 0.4;
 const OUTER_DISC: f64 = 0.8;
+/// Points of a line nearer to each other than this share of its extent are one.
+const CLOSE: f64 = 5e-4;
 /// Circumferential component of the normal from which on a triangle is not part of a surface of revolution.
 const MIN_CIRCUMFERENTIAL: f64 = 0.35;
 
@@ -215,6 +217,17 @@ impl Course {
 
     fn pairs(&self, points: &[Meridional]) -> Vec<(f64, f64)> {
         points.iter().map(|p| self.coordinates_of(*p)).collect()
+    }
+
+    /// The line through all `points`, which keeps corners: of those nearer to each other than 1/2000 of
+    /// their extent one. Points off a line turn it sharply, which the share of a face on it tells.
+    pub fn line_through(&self, points: &[Meridional]) -> Option<FittedProfile> {
+        let mut line = points.to_vec();
+        line.sort_by(|a, b| self.coordinates_of(*a).0.total_cmp(&self.coordinates_of(*b).0));
+        let (first, last) = (*line.first()?, *line.last()?);
+        let least = CLOSE * first.distance(last);
+        line.dedup_by(|b, a| a.distance(*b) < least);
+        (line.len() > 1).then_some(FittedProfile { points: line, max_deviation_mm: 0.0, worst_corner: first })
     }
 
     /// The least-squares curve through all `points`.

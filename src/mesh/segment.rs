@@ -1,6 +1,8 @@
 //! Segmentation of a wheel given as a single mesh: surfaces of revolution that touch the blades are hub and
 //! cover, the rest is blades.
 
+use std::collections::HashMap;
+
 use super::boss::{BossOfHub, cut_off_boss, end_of_foot};
 use super::meridional_points::{meridional_points, straight_points};
 use super::normals::ExactNormals;
@@ -16,6 +18,10 @@ use crate::part::PartError;
 
 /// Smallest cosine of the angle between neighbouring triangles of one face.
 const SMOOTH: f64 = 0.9;
+/// Smallest share of the area of a face of revolution that is turned.
+const TURNED_FACE: f64 = 0.95;
+/// As `SMOOTH`, of a hub with obtuse corners on which blades stand.
+const OBTUSE: f64 = 0.6;
 /// Distance from the hub's curve within which a corner is on the hub: mm, and share of the rim radius.
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
 /// Smallest weight (area × border length) of the lighter one of hub and cover, as a share of the heavier one.
@@ -95,7 +101,7 @@ fn curve_of(
     (points, own): (&[Meridional], &[usize]),
     feet: &[Meridional],
     middle: Meridional,
-    (wheel, tolerance): (&MeshSurface, f64),
+    (wheel, tolerance, smooth): (&MeshSurface, f64, f64),
 ) -> Option<FittedProfile> {
     let ((first, last), (from, to)) = (course.extent_of(points), course.extent_of(feet));
     let ranges: Vec<(f64, f64)> = PAST_BLADES
@@ -115,9 +121,8 @@ fn curve_of(
     };
     let exact = ranges.iter().find_map(|range| {
         let (points, own) = within(*range);
-        course
-            .fit_curve(&points)
-            .filter(|p| p.max_deviation_mm < tolerance)
+        let line = if smooth < SMOOTH { course.line_through(&points) } else { course.fit_curve(&points) };
+        line.filter(|p| p.max_deviation_mm < tolerance)
             .filter(|p| p.area_share_on_curve(wheel, &own, tolerance) > MOSTLY)
     });
     if exact.is_some() {
@@ -201,12 +206,42 @@ impl RevolvedFace {
     }
 }
 
+/// Of each triangle, whether it may belong to a surface of revolution. Of CAD, faces tell it as a whole:
+/// where fillets run along the channel they are turned, too, and would join hub and blades.
+fn turned_triangles(wheel: &MeshSurface, exact: &ExactNormals) -> Vec<bool> {
+    let turned: Vec<bool> =
+        (0..wheel.triangles.len()).map(|t| meridional_normal(wheel, t).1.abs() < TURNED).collect();
+    if exact.is_empty() {
+        return turned;
+    }
+    let mut areas: HashMap<u32, [f64; 2]> = HashMap::new();
+    for (t, face) in wheel.faces.iter().enumerate() {
+        let of = areas.entry(*face).or_default();
+        of[usize::from(turned[t])] += wheel.area(t);
+    }
+    let is_turned =
+        |face: &u32| *face == NONE || areas.get(face).is_none_or(|[not, is]| *is > TURNED_FACE * (not + is));
+    turned.iter().zip(&wheel.faces).map(|(turned, face)| *turned && is_turned(face)).collect()
+}
+
 /// Segments a wheel given as one mesh about Z into hub, blades and, where there is one, cover.
 ///
 /// # Errors
 /// Fails when no surface of revolution touches blades, when there are more than two disconnected bodies of
 /// revolution, or when the blades are connected with each other.
 pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> Result<Segments, PartError> {
+    let by_smooth = segment_by(SMOOTH, wheel, exact, name);
+    // A hub drawn in straight pieces may have corners under the blades.
+    by_smooth.or_else(|error| segment_by(OBTUSE, wheel, exact, name).map_err(|_| error))
+}
+
+/// As [`segment_wheel`], with faces in one across edges whose angle has a cosine over `smooth`.
+fn segment_by(
+    smooth: f64,
+    wheel: &MeshSurface,
+    exact: &ExactNormals,
+    name: &str,
+) -> Result<Segments, PartError> {
     let unclear = |why: &str| {
         PartError::new(
             ErrorCode::MeshInOne,
@@ -221,10 +256,9 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
         Ok(None) => {}
         Err(count) => return Err(unclear(&format!("it has {count} bodies of revolution"))),
     }
-    let turned: Vec<bool> =
-        (0..wheel.triangles.len()).map(|t| meridional_normal(wheel, t).1.abs() < TURNED).collect();
+    let turned = turned_triangles(wheel, exact);
     let (group, count) =
-        wheel.groups(|a, b| turned[a] && turned[b] && wheel.normals[a].dot(&wheel.normals[b]) > SMOOTH);
+        wheel.groups(|a, b| turned[a] && turned[b] && wheel.normals[a].dot(&wheel.normals[b]) > smooth);
     // Hub and cover are the large faces of revolution with the longest common borders with other faces.
     let (mut areas, mut borders) = (vec![0.0; count], vec![0.0; count]);
     for t in (0..group.len()).filter(|&t| turned[t]) {
@@ -322,7 +356,7 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
             feet = of(&|t| own(t) && at_blade(t));
         }
         let fitted = |points: &[Meridional]| {
-            curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance))
+            curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance, smooth))
         };
         let along = |p: Meridional| course.coordinates_of(p).0;
         // Long edges of fillets that join the face smoothly are not on its curve: then its corners tell it.
@@ -447,6 +481,8 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     }
     let is_blade = blades_among(&pieces);
     let blades = pieces.into_iter().zip(is_blade).filter(|(_, is)| *is).map(|(blade, _)| blade).collect();
-    let shroud = cover.map(|cover| wheel.subset(|t| lies(&cover, t)));
-    Ok(Segments { hub: wheel.subset(|t| lies(&hub, t)), hub_ahead_mm, shroud, blades })
+    // Of CAD, the lowest triangles of fillets are not of the face.
+    let is_of = |face: &RevolvedFace, t: usize| lies(face, t) && (exact.is_empty() || turned[t]);
+    let shroud = cover.map(|cover| wheel.subset(|t| is_of(&cover, t)));
+    Ok(Segments { hub: wheel.subset(|t| is_of(&hub, t)), hub_ahead_mm, shroud, blades })
 }

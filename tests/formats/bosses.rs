@@ -13,6 +13,8 @@ use crate::cad_as_mesh::{in_mm, plate, turned};
 /// them.
 const PADDLE_WHEEL: &[u8] = include_bytes!("../data/step/paddle_wheel.step");
 const PADDLE_FOOT: &[u8] = include_bytes!("../data/step/paddle_foot.step");
+const PADDLE_CORNER: &[u8] = include_bytes!("../data/step/paddle_corner.step");
+const PADDLE_SPLINES: &[u8] = include_bytes!("../data/step/paddle_splines.step");
 const PADDLE_FILLETS: &[u8] = include_bytes!("../data/step/paddle_fillets.stl");
 const PUMP_EYE: &[u8] = include_bytes!("../data/step/pump_eye.step");
 
@@ -92,6 +94,34 @@ fn paddles_that_begin_in_a_boss_with_a_rounded_foot_are_blades() {
 }
 
 #[test]
+fn blades_stand_across_a_corner_of_the_hub() {
+    let from_step = built(&read_bytes("wheel.step", PADDLE_CORNER, &MeshOptions::default()));
+    let from_stl = built(&read_part_bytes("wheel.stl", &as_stl(PADDLE_CORNER), &in_mm()));
+    for (name, part) in [("STEP", from_step), ("STL", from_stl)] {
+        assert_eq!((part.blade_count, part.splitters.len()), (3, 0), "{name}");
+        for (place, tolerance) in [((50.0, 4.0 + 10.0 / 18.0), 0.01), ((23.0, 20.0 / 3.0), 0.05)] {
+            let off = off_hub(&part, place);
+            assert!(off < tolerance, "{name}: the hub is {off} mm off {place:?}");
+        }
+        assert!((part.shroud.point(0.5).z - 16.0).abs() < 0.01, "{name}");
+        let begins = Meridional::from_point(&part.main.suction.point(0.0, 0.5)).r;
+        assert!((begins - 22.0).abs() < 0.1, "{name}: the blades begin at r = {begins} mm");
+        let middle = |k: i32| {
+            let turn = f64::from(k) * part.pitch();
+            Point::new(-43.0 * turn.sin(), 43.0 * turn.cos(), 0.0)
+        };
+        for (u, v) in [(0.1, 0.1), (0.1, 0.9), (0.3, 0.0), (0.5, 0.5), (0.9, 0.1), (0.9, 0.9)] {
+            for side in [&part.main.suction, &part.main.pressure] {
+                let p = side.point(u, v);
+                let radii = (0..3).map(|k| (p.xy() - middle(k).xy()).norm());
+                let off = radii.map(|r| (r - 45.4).abs().min((r - 48.0).abs())).fold(f64::INFINITY, f64::min);
+                assert!(off < 0.02, "{name}: a side is {off} mm off at {u}, {v}");
+            }
+        }
+    }
+}
+
+#[test]
 fn plates_with_fillets_are_plane_as_bare_triangles() {
     let part = built(&read_part_bytes("wheel.stl", PADDLE_FILLETS, &in_mm()));
     assert_eq!((part.blade_count, part.splitters.len()), (3, 0));
@@ -123,21 +153,34 @@ fn a_wide_wheel_with_low_blades_opens_beside_other_bodies() {
     assert!(off < 0.01, "a side is {off} mm off");
 }
 
-#[test]
-fn triangles_beside_notches_follow_a_cylinder() {
-    let scene = read_scene_bytes("wheel.step", PUMP_EYE, None).expect("sound");
+/// Checks that the triangles of a cylinder of the `radius` above z = `low` have chords within `sag` of it,
+/// mm.
+fn check_cylinder(file: &[u8], radius: f64, low: f64, sag: f64) {
+    let scene = read_scene_bytes("wheel.step", file, None).expect("sound");
     let mesh = &scene.bodies[0].mesh;
-    let radius = |p: &Point| p.x.hypot(p.y);
+    let radius_of = |p: &Point| p.x.hypot(p.y);
     let mut seen = 0;
     for t in &mesh.triangles {
         let corners = t.map(|i| mesh.points[i as usize]);
-        if corners.iter().any(|p| (radius(p) - 30.0).abs() > 1e-6 || p.z < 22.0 - 1e-6) {
+        if corners.iter().any(|p| (radius_of(p) - radius).abs() > 1e-6 || p.z < low - 1e-6) {
             continue;
         }
         seen += 1;
-        let middle = |a: usize, b: usize| radius(&nalgebra::center(&corners[a], &corners[b]));
+        let middle = |a: usize, b: usize| radius_of(&nalgebra::center(&corners[a], &corners[b]));
         let least = middle(0, 1).min(middle(1, 2)).min(middle(2, 0));
-        assert!(least > 29.96, "a chord is {} mm inside", 30.0 - least);
+        assert!(least > radius - sag, "a chord is {} mm inside", radius - least);
     }
-    assert!(seen > 50, "{seen} triangles of the eye");
+    assert!(seen > 50, "{seen} triangles of the cylinder of {radius} mm");
+}
+
+#[test]
+fn triangles_beside_notches_follow_a_cylinder() {
+    check_cylinder(PUMP_EYE, 30.0, 22.0, 0.04);
+    // The same as a B-spline.
+    check_cylinder(PADDLE_SPLINES, 15.0, 4.0, 0.04);
+}
+
+#[test]
+fn splines_and_a_top_that_meets_the_axis_open_as_the_cylinders_they_are() {
+    check_paddles(PADDLE_SPLINES, &[(15.0, 15.0), (15.0, 8.0), (20.0, 4.0), (55.0, 4.0)], 0.01);
 }

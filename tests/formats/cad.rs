@@ -425,6 +425,10 @@ fn files_cut_off_or_changed_are_refused_in_one_line_or_read() {
         let error = read_scene_bytes("a.step", &whole[..next(whole.len() - 40)], Some(1.0));
         assert_eq!(error.expect_err("cut off").to_string().lines().count(), 1);
     }
+    // In the middle of a reference the message has nothing to quote.
+    let mark = whole.iter().rposition(|byte| *byte == b'#').expect("a reference");
+    let error = read_scene_bytes("a.step", &whole[..=mark], Some(1.0)).expect_err("cut off").to_string();
+    assert!(error.contains("the file ends instead of the number of an instance"), "{error}");
     for _ in 0..12 {
         let mut bytes = whole.clone();
         for _ in 0..=next(3) {

@@ -75,6 +75,10 @@ pub fn unwrapped(surface: &Surface, ring: &[u32], points: &[Point], poles: &[Pol
         if let (Some(pole), Some(before)) = (pole_at(p), last) {
             let mut q = [pole.value; 2];
             q[pole.loose] = before[pole.loose];
+            let across = 1 - pole.loose;
+            if let Some(w) = periods[across] {
+                q[across] += w * ((before[across] - q[across]) / w).round();
+            }
             places.push((q, i));
             waiting.push((places.len(), pole.loose));
             places.push((q, i));
@@ -210,9 +214,21 @@ impl Chart {
             0 => None,
             1 | -1 => {
                 let up = rising > falling;
-                let beyond =
-                    |p: &&Pole| p.loose == round && if up { p.value >= high } else { p.value <= low };
-                Some(*poles.iter().find(beyond).ok_or("it has no border at one end")?)
+                let ends =
+                    poles.iter().filter(|p| p.loose == round).map(|p| match surface.periods()[across] {
+                        // The next one round a tube that meets the axis.
+                        Some(turn) if up => p.value + turn * ((high - p.value) / turn - EQUAL).ceil(),
+                        Some(turn) => p.value + turn * ((low - p.value) / turn + EQUAL).floor(),
+                        None => p.value,
+                    });
+                let ends = ends.zip(poles.iter().filter(|p| p.loose == round));
+                let slack = EQUAL * surface.periods()[across].unwrap_or(0.0);
+                let beside = |value: f64| if up { value - high } else { low - value };
+                let ends = ends.filter(|(value, _)| beside(*value) >= -slack);
+                let (value, pole) = ends
+                    .min_by(|(a, _), (b, _)| beside(*a).total_cmp(&beside(*b)))
+                    .ok_or("it has no border at one end")?;
+                Some(Pole { value, ..*pole })
             }
             _ => return Err("its borders do not bound it"),
         };

@@ -193,7 +193,11 @@ impl StepScene {
     pub fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
         for body in &self.bodies {
-            let name = format!("body `{}` (#{})", body.name, body.id);
+            let named = std::iter::once(&body.name).chain(&body.parents).find(|name| !name.is_empty());
+            let name = match named {
+                Some(name) => format!("body `{name}` (#{})", body.id),
+                None => format!("body #{}", body.id),
+            };
             if let Some((face, why)) = body.faults.first() {
                 let more = match body.faults.len() {
                     1 => String::new(),

@@ -7,6 +7,8 @@ use super::model::Frame;
 use super::nurbs::NurbsSurface;
 use crate::geometry::{Point, Vector};
 
+/// Steps of a search by the golden section.
+const SEARCH: usize = 60;
 /// Points nearer to an axis than this are on it, mm.
 pub const ON_AXIS: f64 = 1e-6;
 /// Samples of the profile of a surface of revolution between two of its breaks.
@@ -60,6 +62,26 @@ impl Revolved {
         Self { frame, curve, profile }
     }
 
+    /// Parameters of the profile between its ends at which it is nearest to the axis: a whole circle may meet
+    /// it there.
+    fn nearest_to_axis(&self) -> Vec<f64> {
+        let radius = |t: f64| {
+            let q = self.frame.local(&self.curve.at(t));
+            q.x.hypot(q.y)
+        };
+        let is_least = |w: &&[(f64, f64, f64)]| w[1].1 <= w[0].1 && w[1].1 < w[2].1;
+        let least = self.profile.windows(3).filter(is_least);
+        let refined = |w: &[(f64, f64, f64)]| {
+            let (mut a, mut b) = (w[0].0, w[2].0);
+            for _ in 0..SEARCH {
+                let (c, d) = (a + 0.381_966 * (b - a), b - 0.381_966 * (b - a));
+                if radius(c) < radius(d) { b = d } else { a = c }
+            }
+            0.5 * (a + b)
+        };
+        least.map(refined).collect()
+    }
+
     fn nearest(&self, p: &Point) -> [f64; 2] {
         let q = self.frame.local(p);
         let (r, h) = (q.x.hypot(q.y), q.z);
@@ -86,7 +108,7 @@ impl Revolved {
             let last = self.profile.len() - 1;
             let (mut a, mut b) = (self.profile[k.saturating_sub(1)].0, self.profile[(k + 1).min(last)].0);
             let ends = [a, b, self.profile[k].0];
-            for _ in 0..60 {
+            for _ in 0..SEARCH {
                 let (c, d) = (a + 0.381_966 * (b - a), b - 0.381_966 * (b - a));
                 if far(c) < far(d) { b = d } else { a = c }
             }
@@ -244,12 +266,13 @@ impl Surface {
                 .to_vec(),
             Self::Revolved(s) => {
                 let (a, b) = s.curve.span();
-                let ends = [a, b].map(|value| Pole { loose: 0, value, point: s.curve.at(value) });
+                let places = [a, b].into_iter().chain(s.nearest_to_axis());
+                let places = places.map(|value| Pole { loose: 0, value, point: s.curve.at(value) });
                 let on_axis = |p: &Pole| {
                     let q = s.frame.local(&p.point);
                     q.x.hypot(q.y) < ON_AXIS
                 };
-                ends.into_iter().filter(on_axis).collect()
+                places.filter(on_axis).collect()
             }
             Self::Nurbs(n) => {
                 let mut poles = Vec::new();
@@ -300,6 +323,7 @@ impl Surface {
             Self::Cone(..) => i == 1,
             Self::Extruded(c, _) => i == 1 || c.is_straight(),
             Self::Revolved(s) => i == 1 && s.curve.is_straight(),
+            Self::Nurbs(n) => n.is_developable(i),
             _ => false,
         }
     }

@@ -1,11 +1,17 @@
 #!/usr/bin/env python3
-"""Writes paddle_wheel.step, paddle_foot.step, paddle_fillets.stl and pump_eye.step with Open CASCADE
-(pip install "cadquery-ocp<7.9").
+"""Writes paddle_wheel.step, paddle_foot.step, paddle_corner.step, paddle_splines.step, paddle_fillets.stl and pump_eye.step
+with Open CASCADE (pip install "cadquery-ocp<7.9").
 
 paddle_wheel.py paddles paddle_wheel.step: three radial paddles of 3 mm on a disc, which begin in its boss of radius 15 mm; the
 boss ends at z = 16 mm, as the paddles do, or, with `tall`, at z = 22 mm.
 
 paddle_wheel.py foot paddle_foot.step: the same paddles and boss, with a rounded corner of 4 mm at the foot of the boss.
+
+paddle_wheel.py corner paddle_corner.step: three vanes, arcs of 45.4 and 48 mm about (0, 43), from r = 22 mm on, which
+stand on the disc and on a cone ahead of it: between them the hub has a corner of 30 degrees at r = 24 mm.
+
+paddle_wheel.py splines paddle_splines.step: the paddles and boss of paddle_wheel.step, with B-splines as their surfaces, and a
+rounded top of the boss that meets the axis, which is none.
 
 paddle_wheel.py fillets paddle_fillets.stl: the same paddles, which begin at x = 25 mm, free of the boss, with fillets of 1 mm
 at their foot, as triangles within 0.01 mm.
@@ -18,7 +24,12 @@ import sys
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_Common, BRepAlgoAPI_Fuse
 from OCP.BRepAdaptor import BRepAdaptor_Curve
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_MakeEdge,
+    BRepBuilderAPI_MakeFace,
+    BRepBuilderAPI_MakeWire,
+    BRepBuilderAPI_NurbsConvert,
+)
 from OCP.BRepFilletAPI import BRepFilletAPI_MakeFillet
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakeRevol
@@ -30,7 +41,7 @@ from OCP.TopAbs import TopAbs_EDGE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
-from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 
 AXIS = gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
 
@@ -101,6 +112,19 @@ def main(kind, path):
         disc = turned(*outline, arcs={3: (15 + middle, 4 + middle)})
         envelope = turned((5, -1), (60, -1), (60, 40), (5, 40))
         bodies = [fused(disc, BRepPrimAPI_MakeBox(gp_Pnt(12, -1.5, 2), gp_Pnt(62, 1.5, 16)).Shape(), envelope)]
+    elif kind == "splines":
+        disc = turned((5, 0), (60, 0), (60, 4), (15, 4), (15, 16), (5, 16))
+        envelope = turned((5, -1), (60, -1), (60, 40), (5, 40))
+        body = fused(disc, BRepPrimAPI_MakeBox(gp_Pnt(12, -1.5, 2), gp_Pnt(62, 1.5, 16)).Shape(), envelope)
+        body = BRepBuilderAPI_NurbsConvert(body, True).Shape()
+        bodies = [BRepAlgoAPI_Fuse(body, turned((0, 0), (5, 0), (5, 16), (0, 18), arcs={2: (3, 17.4)})).Shape()]
+    elif kind == "corner":
+        disc = turned((8, 0), (60, 0), (60, 4), (24, 6), (15, 12), (12, 18), (8, 18))
+        place = gp_Trsf()
+        place.SetTranslation(gp_Vec(0, 43, 0))
+        ring = turned((45.4, 2), (48, 2), (48, 20), (45.4, 20)).Moved(TopLoc_Location(place))
+        vane = BRepAlgoAPI_Common(ring, BRepPrimAPI_MakeBox(gp_Pnt(0, -80, 0), gp_Pnt(80, 80, 40)).Shape()).Shape()
+        bodies = [fused(disc, vane, turned((22, -1), (60, -1), (60, 16), (22, 16)))]
     else:
         top = 22 if kind == "tall" else 16
         disc = turned((5, 0), (60, 0), (60, 4), (15, 4), (15, top), (5, top))

@@ -117,6 +117,10 @@ impl<'a> ExchangeParser<'a> {
         let digits = self.while_bytes(|b| b.is_ascii_digit());
         match digits.parse() {
             Ok(id) => Ok(id),
+            Err(_) if digits.is_empty() => {
+                let found = self.found();
+                self.fault(format!("{found} instead of the number of an instance"))
+            }
             Err(_) => self.fault(format!("{} is not the number of an instance", quote_for_message(digits))),
         }
     }
