@@ -32,19 +32,21 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Columns of two pictures of one height beside each other.
-    pub fn beside(parts: [(&Self, Range<u32>); 2]) -> Self {
-        let [(left, _), _] = &parts;
-        let height = left.height;
-        let width = parts.iter().map(|(_, columns)| columns.end - columns.start).sum();
-        let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
-        for row in 0..height as usize {
-            for (picture, columns) in &parts {
-                let at = |column: u32| 4 * (row * picture.width as usize + column as usize);
-                rgba.extend_from_slice(&picture.rgba[at(columns.start)..at(columns.end)]);
-            }
-        }
-        Self { width, height, rgba }
+    /// Some of its columns.
+    pub fn columns(&self, columns: Range<u32>) -> Self {
+        let row = 4 * self.width.max(1) as usize;
+        let bytes = 4 * columns.start as usize..4 * columns.end as usize;
+        let rgba = self.rgba.chunks_exact(row).flat_map(|line| &line[bytes.clone()]).copied().collect();
+        Self { width: columns.end - columns.start, height: self.height, rgba }
+    }
+
+    /// Two pictures of one height beside each other.
+    pub fn beside(left: &Self, right: &Self) -> Self {
+        let rows = |picture: &Self| 4 * picture.width.max(1) as usize;
+        let (left_rows, right_rows) =
+            (left.rgba.chunks_exact(rows(left)), right.rgba.chunks_exact(rows(right)));
+        let rgba = left_rows.zip(right_rows).flat_map(|(a, b)| a.iter().chain(b)).copied().collect();
+        Self { width: left.width + right.width, height: left.height, rgba }
     }
 }
 

@@ -196,6 +196,32 @@ impl Setup {
         setup.flank.scallop_height = scaled(setup.flank.scallop_height);
         setup
     }
+
+    /// What is as in the defaults `old` for one wheel becomes as in `new`, those for another one or for the same
+    /// in another unit: nobody asked for it.
+    pub fn follow_defaults(&mut self, old: &Self, new: &Self) {
+        let (mut old, mut new) = (old.clone(), new.clone());
+        let values = self.scaled_values().into_iter().zip(old.scaled_values()).zip(new.scaled_values());
+        for ((value, old), new) in values {
+            if value == old {
+                *value = *new;
+            }
+        }
+    }
+
+    /// The values whose defaults scale with the wheel.
+    fn scaled_values(&mut self) -> [&mut f64; 8] {
+        [
+            &mut self.allowances.hub_allowance,
+            &mut self.allowances.blade_allowance,
+            &mut self.allowances.safety_distance,
+            &mut self.clearances.shank,
+            &mut self.clearances.holder,
+            &mut self.plunge.wall_scallop,
+            &mut self.flank.layer_depth,
+            &mut self.flank.scallop_height,
+        ]
+    }
 }
 
 /// Stations along the channel at which its width and height are sampled.

@@ -255,6 +255,11 @@ fn what_an_stl_file_leaves_open_is_given_in_the_window() {
     assert!(window.query_by_label("Assign surfaces, wheel.stl").is_none(), "it opened");
     let inches = diameter(&window);
     assert!((inches / across - 25.4).abs() < 0.01, "{across} mm, then {inches} mm");
+    let document = &window.state().state().document;
+    let part = document.part.as_ref().expect("a part");
+    let wanted = vanecut::setup::Setup::for_part(&part.impeller);
+    assert_eq!(document.edited.setup.allowances, wanted.allowances, "defaults follow the size");
+    assert_eq!(document.edited.setup.flank, wanted.flank);
     assert!(window.query_by_label_contains("mm are assumed").is_none(), "nothing is assumed any more");
     let mut second = reopened(&mut window, folder.path());
     assert!((diameter(&second) - inches).abs() < 1e-9, "the project keeps the choices");

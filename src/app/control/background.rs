@@ -346,8 +346,8 @@ impl App {
             let edited = match (&project, &setup) {
                 (Some((_, project)), _) => edited_of(project),
                 (None, Some((_, setup))) => Edited { setup: setup.clone(), ..Edited::default() },
-                // The same file with other roles keeps its setup.
-                (None, None) if same => self.state.document.edited.clone(),
+                // The same file with other roles or in another unit keeps its setup, but for the defaults.
+                (None, None) if same => self.state.document.edited_with_defaults(&part.defaults),
                 (None, None) => Edited { setup: part.defaults.clone(), ..Edited::default() },
             };
             let own = self.state.document.path.clone().filter(|_| same);

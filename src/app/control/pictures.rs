@@ -35,12 +35,10 @@ impl App {
     /// Writes the view as a picture, with both plans where it shows both.
     pub(in crate::app) fn export_picture(&mut self, path: PathBuf) {
         let Some(camera) = self.view.current() else { return };
-        match self.drawn_view(&camera, self.export.size.unwrap_or(self.screen_size())) {
+        let size = self.export.size.unwrap_or(self.screen_size());
+        match self.drawn_view(&camera, size) {
             Ok(None) => {}
-            Ok(Some(mut picture)) => {
-                if self.export.legend {
-                    add_legend(&mut picture, &self.picture_options(self.state.look.side));
-                }
+            Ok(Some(picture)) => {
                 self.write(WriteTask::Picture(path, picture.width, picture.height, picture.rgba));
             }
             Err(error) => self.state.report_problem(Problem::of_device(&error)),
@@ -56,7 +54,11 @@ impl App {
         let look = &self.state.look;
         let border = (f64::from(look.wipe) * f64::from(width)).round() as u32;
         let (widths, columns) = match look.shown_arrangement() {
-            Arrangement::One => return self.drawn_side(look.side, camera, [width, height]),
+            Arrangement::One => {
+                let side = look.side;
+                let drawn = self.drawn_side(side, camera, [width, height])?;
+                return Ok(drawn.map(|picture| self.with_legend(picture, side)));
+            }
             Arrangement::Both => {
                 let widths = [width / 2, width - width / 2];
                 (widths, widths.map(|width| 0..width))
@@ -65,8 +67,29 @@ impl App {
         };
         let before = self.drawn_side(Side::Before, camera, [widths[0], height])?;
         let after = self.drawn_side(Side::After, camera, [widths[1], height])?;
+        let Some((before, after)) = before.zip(after) else { return Ok(None) };
         let [left, right] = columns;
-        Ok(before.zip(after).map(|(before, after)| Picture::beside([(&before, left), (&after, right)])))
+        let (before, after) = (before.columns(left), after.columns(right));
+        let scale = |side| {
+            let SceneOptions { map, range_mm, show_floor_colours, .. } = self.picture_options(side);
+            (map, range_mm, show_floor_colours)
+        };
+        // One legend is enough where both have the same scale.
+        Ok(Some(if scale(Side::Before) == scale(Side::After) {
+            self.with_legend(Picture::beside(&before, &after), Side::Before)
+        } else {
+            let [before, after] = [(before, Side::Before), (after, Side::After)]
+                .map(|(part, side)| self.with_legend(part, side));
+            Picture::beside(&before, &after)
+        }))
+    }
+
+    /// The picture of a side with its legend, where that is asked for.
+    fn with_legend(&self, mut picture: Picture, side: Side) -> Picture {
+        if self.export.legend {
+            add_legend(&mut picture, &self.picture_options(side));
+        }
+        picture
     }
 
     fn drawn_side(

@@ -75,6 +75,18 @@ impl Document {
         self.history = History::default();
     }
 
+    /// What is edited, with other `defaults` of the part in place of its own.
+    pub fn edited_with_defaults(&self, defaults: &Setup) -> Edited {
+        let mut edited = self.edited.clone();
+        if let Some(part) = &self.part {
+            let variants = edited.sets.iter_mut().map(|variant| &mut variant.setup);
+            for setup in std::iter::once(&mut edited.setup).chain(variants) {
+                setup.follow_defaults(&part.defaults, defaults);
+            }
+        }
+        edited
+    }
+
     /// Name of its file; before it is saved, that of its part.
     pub fn name(&self) -> String {
         let file = self.path.as_ref().and_then(|path| path.file_name());

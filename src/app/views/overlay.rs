@@ -369,9 +369,6 @@ pub fn section_bar(ui: &mut Ui, rect: Rect, look: &mut Look, reach: f32) {
     }
 }
 
-/// Room that the name of the policy may take from the left edge of a view on.
-const POLICY_ROOM: f32 = 130.0;
-
 /// Points and distance of a measurement.
 pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], under: Option<glam::Vec3>) {
     let size = glam::vec2(rect.width(), rect.height());
@@ -391,12 +388,10 @@ pub fn measurement(ui: &Ui, rect: Rect, camera: &Camera, points: &[glam::Vec3], 
         }
         _ => "Click two points to measure (Esc ends)".to_owned(),
     };
-    let at = egui::pos2(rect.center().x, rect.min.y + 56.0);
+    // Messages stand at the top.
+    let at = egui::pos2(rect.center().x, rect.max.y - 24.0);
     let galley = painter.layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
-    let mut back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
-    if back.left() < rect.left() + POLICY_ROOM {
-        back = back.translate(egui::vec2(0.0, 26.0));
-    }
+    let back = Rect::from_center_size(at, galley.size() + egui::vec2(12.0, 6.0));
     painter.rect_filled(back, 4.0, theme::overlay(ui.visuals()));
     painter.galley(back.min + egui::vec2(6.0, 3.0), galley, Color32::PLACEHOLDER);
 }

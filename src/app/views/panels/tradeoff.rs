@@ -167,10 +167,14 @@ fn show(
     let shown = planned.map(|outcome| &outcome.after.summary);
     let shown = shown.map(|summary| (summary.time_s() / 60.0, summary.residual_p95));
     ui.label(words(&curve, handle, shown, state));
+    // The figure of the plan itself, where that is what the handle stands for.
+    let total = planned
+        .filter(|_| stands_at(handle, now, state))
+        .and_then(|outcome| Some(now + outcome.finishing_time_s(&outcome.after)? / 60.0));
     if others.len() < OTHERS_COMPARED {
         ui.label(RichText::new("Other strategies: \"Compare all strategies\" under Axis strategies").weak());
     }
-    if let Some(total) = total_at(&curve, handle, &totals) {
+    if let Some(total) = total.or_else(|| total_at(&curve, handle, &totals)) {
         ui.label(format!("With semi-finishing {total:.1} min per channel"));
     }
     if let Some(refused) = planned.and_then(|outcome| refused_text(&outcome.policies())) {
@@ -244,6 +248,11 @@ fn total_at(curve: &[CurvePlace], minutes: f64, totals: &[CurvePlace]) -> Option
 /// Times that are nearer to each other than this are one, min: the handle moves by tenths.
 const SAME_TIME_MIN: f64 = 0.05;
 
+/// Whether the handle stands for the shown plan, which takes `now` min.
+fn stands_at(handle: f64, now: f64, state: &AppState) -> bool {
+    !state.out_of_date() || (handle - now).abs() < SAME_TIME_MIN
+}
+
 /// What the time of the handle costs, against the `shown` plan; where that stands at the handle, what the
 /// longest time of the curve would leave.
 fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &AppState) -> String {
@@ -252,7 +261,7 @@ fn words(curve: &[CurvePlace], handle: f64, shown: Option<CurvePlace>, state: &A
     };
     let length = |mm: f64| state.look.units.length(mm, 2);
     let (now, known) = shown.filter(|place| place.0.is_finite()).unwrap_or(slowest);
-    if !state.out_of_date() || (handle - now).abs() < SAME_TIME_MIN {
+    if stands_at(handle, now, state) {
         // The same plan is not written twice: its stock is measured on another grid for the curve.
         let longest = match (slowest.0 - now).abs() < SAME_TIME_MIN {
             true => "where the curve ends".to_owned(),
