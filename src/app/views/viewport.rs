@@ -14,6 +14,7 @@ use crate::palette::ColourMap;
 use crate::app::App;
 use crate::app::model::flank_passes::extent_of_pass;
 use crate::app::model::look::{Arrangement, Operation, SectionPlaneLook};
+use crate::app::model::machine::ShownMachine;
 use crate::app::model::planned::Side;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::problem::Problem;
@@ -198,7 +199,12 @@ impl App {
         // Table and timeline are those of the active side.
         let is_shown = look.layers.machine && pane.side == look.side;
         let cut = self.state.timeline_cut();
-        let machine = self.state.on_machine().filter(|_| is_shown).map(|program| (Arc::clone(program), cut));
+        let aspect = pane.rect.aspect_ratio();
+        let machine = self.state.on_machine().filter(|_| is_shown).map(|program| ShownMachine {
+            program: Arc::clone(program),
+            cut,
+            has_head: !program.head_hides(cut, &camera, aspect),
+        });
         let scrubs = look.playing.is_some() || (held && cut.is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
