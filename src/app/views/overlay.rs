@@ -6,7 +6,7 @@ use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui, 
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
-use crate::app::model::checked::ProgramFinding;
+use crate::app::model::checked::{ProgramFinding, StaleCheck};
 use crate::app::model::cutter_colours::CutterColours;
 use crate::app::model::figures::policy_label;
 use crate::app::model::look::{Arrangement, Layers, Look, Operation, PlaneOrientation};
@@ -97,16 +97,30 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
     });
 }
 
-/// Badge and border of a stale plan, with a summary of the preview of the next plan.
-pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, preview: Option<&PreviewCutters>) {
+/// Why plunges are out of date, and what to do.
+pub const STALE_PLAN: &str = "The setup was edited after this calculation; recalculate (F5)";
+
+/// Why what is shown of the selected operation is out of date, and what to do; `None` where it is not.
+pub fn stale_words(state: &AppState) -> Option<&'static str> {
+    match state.look.operation {
+        Operation::Roughing => state.out_of_date().then_some(STALE_PLAN),
+        Operation::Flank => state
+            .flank_is_stale()
+            .then_some("The setup was edited after this calculation; recalculate flank (F6)"),
+        Operation::Program => state.stale_check().map(StaleCheck::words),
+    }
+}
+
+/// Badge and border of a plan that is stale for a reason, with a summary of the preview of the next plan.
+pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: Option<&'static str>, preview: Option<&PreviewCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        if stale {
+        if let Some(why) = stale {
             let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
-            ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
+            ui.label(text).on_hover_text(why);
         }
         let Some(preview) = preview else { return };
         let is_warm_start = preview.is_warm_start();

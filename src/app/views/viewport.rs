@@ -270,16 +270,17 @@ impl App {
             ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
         }
         let roughing = self.state.look.operation == Operation::Roughing;
-        if !roughing && self.state.operation_is_stale() {
-            overlay::preview_badge(ui, whole, true, None);
+        if let Some(why) = overlay::stale_words(&self.state).filter(|_| !roughing) {
+            overlay::preview_badge(ui, whole, Some(why), None);
         }
         if let Some(finding) = self.state.selected_finding() {
             overlay::fault_mark(ui, panes[0].visible, panes[0].rect, &camera, finding);
         }
         for pane in panes.iter().filter(|_| roughing) {
             let preview = self.state.preview_on(pane.side);
-            if self.state.is_stale(pane.side) || preview.is_some() {
-                overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), preview);
+            let why = self.state.is_stale(pane.side).then_some(overlay::STALE_PLAN);
+            if why.is_some() || preview.is_some() {
+                overlay::preview_badge(ui, pane.visible, why, preview);
             }
         }
         if let Some(points) = self.state.look.measure.clone() {
