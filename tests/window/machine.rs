@@ -41,7 +41,7 @@ fn on_machine(window: &Window) -> &ProgramOnMachine {
 }
 
 /// Text of the line of the axes; a label and its text have the same.
-fn line_of_axes(window: &Window) -> Option<String> {
+pub fn line_of_axes(window: &Window) -> Option<String> {
     let mut lines = window.query_all_by(|node| node.value().is_some_and(|text| text.starts_with("X ")));
     lines.next()?.accesskit_node().value()
 }
@@ -49,7 +49,7 @@ fn line_of_axes(window: &Window) -> Option<String> {
 /// The line of the axes, as pairs of a letter and a number.
 pub fn axes(window: &Window) -> Vec<(char, f64)> {
     let text = line_of_axes(window).expect("a line").replace('−', "-");
-    let words: Vec<&str> = text.split_whitespace().collect();
+    let words: Vec<&str> = text.split_whitespace().filter(|word| !matches!(*word, "mm" | "in")).collect();
     let pair = |pair: &[&str]| Some((pair[0].chars().next()?, pair[1].trim_end_matches('°').parse().ok()?));
     words.chunks_exact(2).map_while(pair).collect()
 }

@@ -8,7 +8,7 @@ use crate::gpu::scene::FloorColours;
 
 use crate::app::model::checked::{ProgramFinding, StaleCheck};
 use crate::app::model::cutter_colours::CutterColours;
-use crate::app::model::figures::policy_label;
+use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::look::{Arrangement, Layers, Look, Operation, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::number::Quantity;
@@ -79,14 +79,16 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
         };
         let policies = planned.outcome.policies();
         if policies.len() < 3 {
-            ui.label(policy_label(now)).on_hover_text(name);
+            ui.label(policy_label(now)).on_hover_text(format!("{name}\n{}", policy_tip(now)));
             return;
         }
         let mut choice = now;
         let list =
             ComboBox::from_id_salt(name).width(96.0).selected_text(policy_label(now)).show_ui(ui, |ui| {
                 for result in &policies {
-                    ui.selectable_value(&mut choice, result.plan.policy, policy_label(result.plan.policy));
+                    let policy = result.plan.policy;
+                    let line = ui.selectable_value(&mut choice, policy, policy_label(policy));
+                    line.on_hover_text(policy_tip(policy));
                 }
             });
         list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
