@@ -117,8 +117,8 @@ struct Note {
     value: f64,
 }
 
-/// Ends what is said below fields: an input that was not taken is over once another step is undone, or another
-/// operation looked at.
+/// Ends what is said below fields: an input that was not taken is over once another step is undone, or
+/// another operation looked at.
 pub fn forget(ctx: &Context) {
     ctx.data_mut(|data| data.remove_by_type::<Note>());
 }
