@@ -425,8 +425,7 @@ impl eframe::App for App {
             return;
         }
         views::modal::hide_tooltips_below(ui.ctx());
-        views::units::set(ui.ctx(), self.state.look.units);
-        views::field_faults::set(ui.ctx(), self.state.field_faults());
+        views::begin_frame(ui.ctx(), &self.state);
         let menus = Panel::top("menu").show(ui, |ui| self.menu(ui)).response.rect;
         let mut verdict = None;
         let open = self.state.document.part.is_some();

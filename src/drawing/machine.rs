@@ -61,8 +61,22 @@ pub struct PosedMachine<'a> {
 
 /// The solids of a machine, in the part frame, with corners by [`Vertex::painted`].
 pub fn machine_mesh(posed: &PosedMachine<'_>) -> Mesh {
+    let mut mesh = mesh_without_head(posed);
+    mesh.append(&head_mesh(posed));
+    mesh
+}
+
+/// The same without what [`head_mesh`] has: table and cutter.
+pub fn mesh_without_head(posed: &PosedMachine<'_>) -> Mesh {
     let mut solids = Solids { posed, mesh: Mesh::default() };
     solids.table();
+    solids.cutter();
+    solids.mesh
+}
+
+/// Holder, spindle, and what carries them.
+pub fn head_mesh(posed: &PosedMachine<'_>) -> Mesh {
+    let mut solids = Solids { posed, mesh: Mesh::default() };
     solids.head();
     solids.mesh
 }
@@ -134,14 +148,31 @@ impl Solids<'_> {
         self.cylinder(carrier, [at(0.7), at(1.1)], [0.5 * radius; 2], BASE);
     }
 
-    /// Cutter, holder, spindle, and the heads that carry it, from the tip upwards.
+    /// Rotary axes of the head, from the ram on, and what carries the tool.
+    fn spindle(&self) -> (Vec<usize>, MachineBody) {
+        let is_carried = |&i: &usize| self.posed.machine.rotary[i].side == AxisSide::Head;
+        let carried: Vec<usize> = (0..2).filter(is_carried).collect();
+        let spindle = carried.last().map_or(MachineBody::Ram, |&axis| MachineBody::Head(axis));
+        (carried, spindle)
+    }
+
+    /// Where the holder begins, from the gauge point, mm.
+    fn shoulder(&self) -> f64 {
+        -self.posed.machine.holder_length.min(self.posed.tool.length)
+    }
+
+    /// The cutter up to its holder.
+    fn cutter(&mut self) {
+        let tool = self.posed.tool;
+        let ends = [-tool.length, self.shoulder()].map(|z| Point::new(0.0, 0.0, z));
+        self.cylinder(self.spindle().1, ends, [tool.radius; 2], CUTTER);
+    }
+
+    /// Holder, spindle, and the heads that carry it, from the cutter upwards.
     fn head(&mut self) {
         let PosedMachine { machine, tool, .. } = *self.posed;
-        let carried: Vec<usize> = (0..2).filter(|&i| machine.rotary[i].side == AxisSide::Head).collect();
-        let spindle = carried.last().map_or(MachineBody::Ram, |&axis| MachineBody::Head(axis));
+        let ((carried, spindle), shoulder) = (self.spindle(), self.shoulder());
         let at = |z: f64| Point::new(0.0, 0.0, z);
-        let shoulder = -machine.holder_length.min(tool.length);
-        self.cylinder(spindle, [at(-tool.length), at(shoulder)], [tool.radius; 2], CUTTER);
         let slim = (1.3 * tool.radius).max(0.3 * SPINDLE.0).min(SPINDLE.0);
         self.cylinder(spindle, [at(shoulder), at(0.0)], [slim, 0.8 * SPINDLE.0], HOLDER);
         let mut top = SPINDLE.1;

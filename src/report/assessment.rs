@@ -63,9 +63,7 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
     pictures.push(PagePicture {
         name: format!("{prefix}envelope.png"),
         bytes: picture(gaps, (0.0, most.max(0.01)))?,
-        caption: format!(
-            "Gap between the walls and their one-sided envelope, 0 (dark) to {most:.3} mm (bright)."
-        ),
+        caption: envelope_caption(most),
     });
     let [passages, twist] = assessment_charts(workpiece, assessment);
     pictures.push(PagePicture {
@@ -80,6 +78,18 @@ pub fn assessment_page(assessed: &AssessedPart, prefix: &str) -> Result<ReportPa
             .to_owned(),
     });
     Ok(ReportPage { page: page(part, &pictures), pictures })
+}
+
+/// Caption of the picture of the gaps to the envelope, the greatest of which is `most`, mm.
+fn envelope_caption(most: f32) -> String {
+    /// What rounds to nothing, mm.
+    const NO_GAP: f32 = 5e-4;
+    match most < NO_GAP {
+        true => "The walls have no gap to their one-sided envelope.".to_owned(),
+        false => {
+            format!("Gap between the walls and their one-sided envelope, 0 (dark) to {most:.3} mm (bright).")
+        }
+    }
 }
 
 /// Charts along the channel: depth, narrowest width and largest cutter; twist of the blades.
@@ -232,5 +242,16 @@ fn twist_chart(workpiece: &Workpiece, assessment: &Assessment) -> LineChart {
         x_label: "fraction of the length, leading to trailing edge".to_owned(),
         y_label: "angle from the rotation axis, °".to_owned(),
         series,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::envelope_caption;
+
+    #[test]
+    fn walls_without_a_gap_have_no_scale() {
+        assert_eq!(envelope_caption(4e-4), "The walls have no gap to their one-sided envelope.");
+        assert!(envelope_caption(6e-4).ends_with("0 (dark) to 0.001 mm (bright)."));
     }
 }

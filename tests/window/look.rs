@@ -91,7 +91,7 @@ fn pictures_of_both_plans_have_both() {
     let mut window = with_sample(engine);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("view.png");
-    let mut saved = |window: &mut Window| {
+    let saved = |window: &mut Window| {
         window.state_mut().export_settings_mut().size = Some([600, 400]);
         let ctx = window.ctx.clone();
         window.state_mut().file_chosen(&ctx, Purpose::SavePicture, path.clone());
@@ -229,5 +229,27 @@ fn nothing_below_a_narrow_view_is_cut_off() {
             assert_eq!(cut_off(&window), [""; 0], "roughing, {units:?}, {width}");
         }
         window.get_by_label("Fit scale");
+    }
+}
+
+/// The name of a strategy in files is another than in the window.
+#[test]
+fn the_name_of_a_strategy_in_files_is_under_the_pointer() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 900.0));
+    window.run_steps(3);
+    let names = window
+        .query_all_by(|node| node.role() == Role::Label && node.value().as_deref() == Some("Min. stock"));
+    let at: Vec<egui::Pos2> = names.map(|node| node.rect().center()).collect();
+    let view = window.get_by_label("3D view").rect();
+    let mut in_view = at.into_iter().filter(|at| view.contains(*at)).peekable();
+    assert!(in_view.peek().is_some());
+    for at in in_view {
+        window.hover_at(at);
+        window.run_steps(20);
+        window.get_by_label_contains("In files and on the command line: minimal");
+        window.hover_at(egui::pos2(5.0, 5.0));
+        window.run_steps(8);
     }
 }

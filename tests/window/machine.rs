@@ -13,7 +13,9 @@ use vanecut::machine::MachineTime;
 
 use crate::fake;
 use crate::flank::plan_flank;
-use crate::harness::{Window, labels, press, settle, snapshot_view, turn_wheel, with_sample, words};
+use crate::harness::{
+    Window, labels, pixels_in, press, settle, snapshot_view, turn_wheel, with_sample, words,
+};
 
 /// A window with a planned sample on a machine.
 pub fn with_machine(name: &str) -> Window {
@@ -39,7 +41,7 @@ fn on_machine(window: &Window) -> &ProgramOnMachine {
 }
 
 /// Text of the line of the axes; a label and its text have the same.
-fn line_of_axes(window: &Window) -> Option<String> {
+pub fn line_of_axes(window: &Window) -> Option<String> {
     let mut lines = window.query_all_by(|node| node.value().is_some_and(|text| text.starts_with("X ")));
     lines.next()?.accesskit_node().value()
 }
@@ -47,7 +49,7 @@ fn line_of_axes(window: &Window) -> Option<String> {
 /// The line of the axes, as pairs of a letter and a number.
 pub fn axes(window: &Window) -> Vec<(char, f64)> {
     let text = line_of_axes(window).expect("a line").replace('−', "-");
-    let words: Vec<&str> = text.split_whitespace().collect();
+    let words: Vec<&str> = text.split_whitespace().filter(|word| !matches!(*word, "mm" | "in")).collect();
     let pair = |pair: &[&str]| Some((pair[0].chars().next()?, pair[1].trim_end_matches('°').parse().ok()?));
     words.chunks_exact(2).map_while(pair).collect()
 }
@@ -299,6 +301,40 @@ fn the_machine_is_a_layer_of_the_view() {
     snapshot_view(&mut window, "machine_trunnion");
     choose(&mut window, "b-head-c-table");
     snapshot_view(&mut window, "machine_head");
+}
+
+/// A view along the tool is from within or behind the head.
+#[test]
+fn the_head_of_the_machine_does_not_hide_the_part() {
+    for name in ["ac-trunnion", "b-head-c-table"] {
+        let mut window = with_machine(name);
+        window.key_press(egui::Key::Num4);
+        window.run_steps(20);
+        let view = window.get_by_label("3D view").rect();
+        let middle = egui::Rect::from_center_size(view.center(), 0.6 * view.size());
+        let camera = window.state().camera().expect("a camera");
+        let hides = |window: &Window, cut: usize, camera| {
+            on_machine(window).head_hides(Some(cut), camera, view.aspect_ratio())
+        };
+        let count = window.state().state().position_count();
+        let cut = (1..=count).find(|&cut| hides(&window, cut, &camera)).expect("a hidden one");
+        window.state_mut().look_mut().cut_count = Some(cut);
+        window.run_steps(3);
+        settle(&mut window);
+        let without = pixels_in(&mut window, middle);
+        window.state_mut().look_mut().layers.machine = true;
+        window.run_steps(3);
+        settle(&mut window);
+        let with = pixels_in(&mut window, middle);
+        let same = without.iter().zip(&with).filter(|(a, b)| a == b).count();
+        // The cutter and the table are drawn.
+        assert!(4 * same > without.len(), "{name}: {same} of {} pixels", without.len());
+        // From beside it is drawn.
+        window.key_press(egui::Key::Num2);
+        window.run_steps(20);
+        let camera = window.state().camera().expect("a camera");
+        assert!(!hides(&window, cut, &camera), "{name}: from beside");
+    }
 }
 
 #[test]

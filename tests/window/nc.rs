@@ -423,8 +423,15 @@ fn faults_of_a_flank_program_of_several_channels_are_asked_about_and_judging_can
     window.get_by_label("Writing cancelled");
     assert!(!cancelled.exists());
 
+    // The next one begins without it, also where the one before has not ended yet.
     let path = export(&mut window, 2);
+    window.run_steps(1);
+    assert!(window.query_by_label("Writing cancelled").is_none());
+    window.key_press(egui::Key::Escape);
+    window.run_steps(1);
+    assert_eq!(export(&mut window, 2), path);
     settle(&mut window);
+    assert!(window.query_by_label("Writing cancelled").is_none());
     window.get_by_label("Export this program?");
     assert!(!labels(&window, "• Move ").is_empty(), "what they are");
     assert!(!path.exists(), "not before the answer");

@@ -624,6 +624,8 @@ fn a_program_that_is_written_again_is_out_of_date() {
     window.run_steps(2);
     window.get_by_label("Program: out of date");
     window.get_by_label("The file was written again after this check: check it again");
+    window.get_by_label("File written again: check again (F7)");
+    assert!(window.query_by_label_contains("Setup edited").is_none(), "no setup was");
     click_enabled(&window, "Check again");
     window.run_steps(2);
     settle(&mut window);
@@ -634,6 +636,7 @@ fn a_program_that_is_written_again_is_out_of_date() {
     wait_for(&mut window, &is_stale);
     window.run_steps(2);
     window.get_by_label_contains("The file is no longer there");
+    window.get_by_label("The file of the program is no longer there");
 }
 
 /// The export of another operation's plan would be taken for that of what is selected.

@@ -78,6 +78,19 @@ fn a_click_on_a_plot_selects_the_position_there() {
     }
 }
 
+/// In a small window the names of the plots do not fit.
+#[test]
+fn a_plot_has_its_whole_name_under_the_pointer() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    for name in ["Lead angle", "Contact", "Stock", "Step", "Arc"] {
+        let at = window.get_by_label(&format!("{name} along the row")).rect();
+        window.hover_at(at.left_center() + egui::vec2(6.0, 0.0));
+        window.run_steps(20);
+        window.get_by_label_contains(&format!("{name}, 1 of the row: "));
+    }
+}
+
 #[test]
 fn the_timeline_shows_the_stock_as_it_is_then() {
     let (engine, _) = fake::engine();

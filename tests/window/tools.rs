@@ -29,6 +29,27 @@ fn a_tool_without_plunges_says_why() {
     window.get_by_label(&format!("T1 Ø30: {count} plunges"));
 }
 
+/// Its line and its row of the table say so under the pointer.
+#[test]
+fn why_a_section_has_its_tool_is_said_in_the_table_too() {
+    let (engine, _) = fake::engine();
+    let why = "the largest that passes the eye";
+    let reasons = move |outcome: &mut PlanOutcome| outcome.reasons = vec![Some(why.to_owned()), None];
+    let mut window = with_sample(fake::with_changed_plans(engine, reasons));
+    window.set_size(egui::vec2(1100.0, 2600.0));
+    window.run_steps(3);
+    let count = window.state().state().position_count();
+    for label in ["T1 Ø30".to_owned(), format!("T1 Ø30: {count} plunges")] {
+        let at = window.get_by_label(&label).rect().center();
+        window.hover_at(at);
+        window.run_steps(20);
+        window.get_by_label(why);
+        window.hover_at(egui::pos2(5.0, 5.0));
+        window.run_steps(8);
+        assert!(window.query_by_label(why).is_none());
+    }
+}
+
 /// Also one that no section names.
 #[test]
 fn a_tool_without_a_section_says_so() {

@@ -104,6 +104,31 @@ fn an_impossible_size_of_a_tool_is_refused_at_its_field_with_the_cure() {
 }
 
 #[test]
+fn a_refusal_is_over_with_another_operation_and_with_an_undone_step() {
+    let (engine, _) = fake::engine();
+    let mut window = with_sample(engine);
+    window.set_size(egui::vec2(1100.0, 1400.0));
+    window.run_steps(3);
+    let refusal = "“3 ft” is not a length";
+    type_into(&mut window, ("Hub allowance", 0), "3 ft");
+    assert!(says(&window, refusal));
+    for operation in ["Flank", "Roughing"] {
+        window.query_all_by_label_contains(operation).next().expect("a line").click();
+        window.run_steps(3);
+        settle(&mut window);
+    }
+    assert!(!says(&window, refusal), "another operation was looked at");
+    type_into(&mut window, ("Blade allowance", 0), "0.7");
+    type_into(&mut window, ("Hub allowance", 0), "3 ft");
+    assert!(says(&window, refusal));
+    window.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    window.run_steps(4);
+    settle(&mut window);
+    assert_eq!(window.state().state().document.edited.setup.allowances.blade_allowance, 0.5);
+    assert!(!says(&window, refusal), "a step was undone");
+}
+
+#[test]
 fn the_number_of_a_tool_changes_with_its_sections_and_none_is_given_twice() {
     let mut window = with_tool_form();
     window.get_by_role_and_label(Role::Button, "Add tool").click();

@@ -12,6 +12,7 @@ use vanecut::job::PlanOutcome;
 
 use crate::fake;
 use crate::harness::{Window, labels, settle, snapshot_view, window, with_sample};
+use crate::machine::{line_of_axes, with_machine};
 
 /// Chooses a unit in the menu.
 fn choose(window: &mut Window, unit: &str) {
@@ -119,6 +120,16 @@ fn every_length_is_shown_in_inches_when_asked_for() {
     snapshot_view(&mut window, "inches");
     choose(&mut window, "Units: mm");
     assert!(says(&window, "532.0 mm"));
+}
+
+#[test]
+fn the_axes_of_the_machine_have_the_unit_of_lengths() {
+    let mut window = with_machine("ac-trunnion");
+    for (choice, unit, other) in [("Units: inch", " in  A ", " mm  "), ("Units: mm", " mm  A ", " in  ")] {
+        choose(&mut window, choice);
+        let line = line_of_axes(&window).expect("the axes");
+        assert!(line.contains(unit) && !line.contains(other), "{line}");
+    }
 }
 
 #[test]

@@ -174,8 +174,8 @@ impl App {
             }
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
-            C::Undo => self.undo(),
-            C::Redo => self.redo(),
+            C::Undo => self.undo(ctx),
+            C::Redo => self.redo(ctx),
             C::Plan => {
                 look.operation = Operation::Roughing;
                 self.plan();

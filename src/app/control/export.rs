@@ -197,6 +197,10 @@ impl App {
                     self.note_saved_library(ctx, path, content);
                 }
             }
+            // The next one, which was chosen since, goes on.
+            Outcome::Cancelled | Outcome::Failed(WriteError::Cancelled) if self.work.judge.is_busy() => {
+                self.state.notice = None;
+            }
             Outcome::Cancelled | Outcome::Failed(WriteError::Cancelled) => {
                 self.state.report_done("Writing cancelled");
             }

@@ -11,6 +11,7 @@ use crate::app::model::file_purpose::Purpose;
 use crate::app::model::library_state::LibraryState;
 use crate::app::model::part_source::PartSource;
 use crate::app::tasks::open_task::OpenTask;
+use crate::app::views::typed;
 use crate::app::views::unsaved::{self, UnsavedAnswer, UnsavedWork};
 use crate::study::StudyResults;
 
@@ -145,14 +146,16 @@ impl App {
     }
 
     /// Undoes the last change: of the tool library where that came after all of the project.
-    pub(in crate::app) fn undo(&mut self) {
+    pub(in crate::app) fn undo(&mut self, ctx: &Context) {
+        typed::forget(ctx);
         if !self.library.undo(&self.state.document.edited) {
             self.state.document.undo();
         }
     }
 
     /// Redoes what was undone last, in the order in which it was done.
-    pub(in crate::app) fn redo(&mut self) {
+    pub(in crate::app) fn redo(&mut self, ctx: &Context) {
+        typed::forget(ctx);
         if self.state.document.can_redo() {
             self.state.document.redo();
         } else {

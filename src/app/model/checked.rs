@@ -75,6 +75,38 @@ impl FileChange {
     }
 }
 
+/// Why a check may not hold any more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StaleCheck {
+    /// The program could not be checked again.
+    NotChecked,
+    /// This became of its file.
+    File(FileChange),
+    /// The setup was edited.
+    SetupEdited,
+}
+
+impl StaleCheck {
+    /// The reason, as a sentence without full stop.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::NotChecked => "The program could not be checked again: this is the check before",
+            Self::File(change) => change.words().unwrap_or_default(),
+            Self::SetupEdited => "The setup was edited after this check",
+        }
+    }
+
+    /// The reason and what to do, for a line of little room.
+    pub fn brief_words(self) -> &'static str {
+        match self {
+            Self::NotChecked => "Not checked again: check again (F7)",
+            Self::File(FileChange::Gone) => "The file of the program is no longer there",
+            Self::File(_) => "File written again: check again (F7)",
+            Self::SetupEdited => "Setup edited: check again (F7)",
+        }
+    }
+}
+
 /// A tool of the program at a place, in the frame of the part.
 #[derive(Clone, Debug)]
 pub struct FaultPlace {

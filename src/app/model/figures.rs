@@ -19,6 +19,27 @@ pub fn policy_label(policy: AxisPolicy) -> &'static str {
     }
 }
 
+/// What an axis strategy does, and its name in files and on the command line, which is another.
+pub fn policy_tip(policy: AxisPolicy) -> &'static str {
+    match policy {
+        AxisPolicy::Conventional => {
+            "Isoparametric axes, unchanged.\nIn files and on the command line: conventional"
+        }
+        AxisPolicy::Monotone => {
+            "Progressive lead: the lead angle grows from position to position.\n\
+             In files and on the command line: monotone"
+        }
+        AxisPolicy::Minimal => {
+            "Minimum stock: the least stock on the hub without core contact.\n\
+             In files and on the command line: minimal"
+        }
+        AxisPolicy::Staircase => {
+            "Stepped depth: isoparametric axes, plunges end above contact.\n\
+             In files and on the command line: staircase"
+        }
+    }
+}
+
 /// Largest share of the accessible floor that may stay uncut without a warning, or in gaps between flank
 /// passes.
 pub const MAX_GOOD_UNCUT_SHARE: f64 = 0.03;
@@ -144,4 +165,18 @@ pub fn skipped_length(plan: &FlankPlan, units: DisplayUnits) -> String {
 pub fn format_clock(seconds: f64) -> String {
     let whole = seconds.round().clamp(0.0, 1e9) as u64;
     format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::policy_tip;
+    use crate::setup::AxisPolicy;
+
+    #[test]
+    fn the_tip_of_a_strategy_has_its_name_in_files() {
+        for policy in AxisPolicy::ALL {
+            let tip = policy_tip(policy);
+            assert!(tip.ends_with(&format!("In files and on the command line: {}", policy.name())), "{tip}");
+        }
+    }
 }

@@ -2,8 +2,12 @@
 
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::sync::Arc;
 
-use crate::drawing::machine::{DrawnTool, PosedMachine, machine_mesh};
+use glam::Vec2;
+
+use crate::drawing::machine::{DrawnTool, PosedMachine, head_mesh, machine_mesh, mesh_without_head};
+use crate::gpu::camera::{Camera, ViewRay};
 use crate::gpu::mesh::Mesh;
 use crate::io::InputError;
 use crate::io::machine_file::read_machine;
@@ -82,11 +86,29 @@ impl ProgramOnMachine {
         }
     }
 
-    /// The machine as solids after `cut` steps; see [`Self::at`].
-    pub fn mesh(&self, cut: Option<usize>) -> Option<Mesh> {
+    /// The machine after `cut` steps; see [`Self::at`].
+    fn posed(&self, cut: Option<usize>) -> Option<PosedMachine<'_>> {
         let AxisPositions { pose, joints, tool } = *self.at(cut)?;
         let (machine, placed, blank) = (&self.machine, &self.placed, self.blank);
-        Some(machine_mesh(&PosedMachine { machine, placed, blank, joints, angles: pose.angles, tool }))
+        Some(PosedMachine { machine, placed, blank, joints, angles: pose.angles, tool })
+    }
+
+    /// Whether the head hides most of the middle of a picture of `aspect` = width / height after `cut` steps:
+    /// the eye is in it, or looks at its back.
+    pub fn head_hides(&self, cut: Option<usize>, camera: &Camera, aspect: f32) -> bool {
+        /// Rays across the middle of the picture, and its share of the whole one.
+        const RAYS: usize = 7;
+        const MIDDLE: f32 = 0.5;
+        let Some(posed) = self.posed(cut) else { return false };
+        let (head, back) = (head_mesh(&posed), camera.basis().2);
+        let size = Vec2::new(aspect, 1.0);
+        let at = |k: usize| 0.5 + MIDDLE * ((k as f32 + 0.5) / RAYS as f32 - 0.5);
+        let rays = (0..RAYS * RAYS).map(|k| camera.ray(Vec2::new(at(k % RAYS), at(k / RAYS)) * size, size));
+        let is_hidden = |ray: &ViewRay| {
+            let hit = head.hit(ray).map(|hit| ray.origin + ray.direction * hit.distance);
+            hit.is_some_and(|point| (point - camera.target).dot(back) > 0.0)
+        };
+        2 * rays.filter(is_hidden).count() > RAYS * RAYS
     }
 
     /// Name and position of each axis, with its unit: X Y Z, then the rotary axes by their letters.
@@ -100,6 +122,30 @@ impl ProgramOnMachine {
     /// Indices of the rotary axes in the order of their letters.
     pub fn rotary_by_letter(&self) -> [usize; 2] {
         if self.machine.rotary[0].letter <= self.machine.rotary[1].letter { [0, 1] } else { [1, 0] }
+    }
+}
+
+/// A machine in a picture.
+#[derive(Clone, Debug)]
+pub struct ShownMachine {
+    /// The machine with its program.
+    pub program: Arc<ProgramOnMachine>,
+    /// Steps of the timeline that are done; `None`: all.
+    pub cut: Option<usize>,
+    /// Whether its head is drawn.
+    pub has_head: bool,
+}
+
+impl ShownMachine {
+    /// Whether `other` looks the same.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.program, &other.program) && (self.cut, self.has_head) == (other.cut, other.has_head)
+    }
+
+    /// Its solids.
+    pub fn mesh(&self) -> Option<Mesh> {
+        let posed = self.program.posed(self.cut)?;
+        Some(if self.has_head { machine_mesh(&posed) } else { mesh_without_head(&posed) })
     }
 }
 

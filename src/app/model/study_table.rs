@@ -3,8 +3,10 @@
 use std::cmp::Ordering;
 use std::sync::Arc;
 
+use super::figures::policy_label;
 use super::units::DisplayUnits;
 use crate::io::setup_file::unit_of_key;
+use crate::setup::AxisPolicy;
 use crate::study::{MACHINE_TIME, StudyResults};
 
 /// What a figure of a study measures.
@@ -234,6 +236,19 @@ impl StudyTable {
         }
     }
 
+    /// What a column is, with what the window calls the values of its key, where that is another name.
+    pub fn tip(&self, column: usize, units: DisplayUnits) -> String {
+        let head = self.head(column, units);
+        match &self.columns[column] {
+            StudyColumn::Key(key) if matches!(key.as_str(), "plunge.axis" | "policy") => {
+                let lines = AxisPolicy::ALL
+                    .map(|policy| format!("\n{}: {} in the window", policy.name(), policy_label(policy)));
+                head + &lines.concat()
+            }
+            _ => head,
+        }
+    }
+
     /// A run in words: its keys and the figures of the plot.
     pub fn describe(&self, row: usize, units: DisplayUnits) -> String {
         let keys = self.columns.iter().filter_map(|column| match column {
@@ -311,5 +326,18 @@ mod tests {
         assert_eq!(table.place(2, DisplayUnits::Metric), None);
         table.set_axes([SHOWN[1], SHOWN[1]]);
         assert_eq!(table.best, [1]);
+    }
+
+    #[test]
+    fn axis_strategies_are_named_as_in_the_window() {
+        let text = "id,part,status,plunge.axis,time_estimate\na,p.toml,done,minimal,600\n";
+        let table = Table::read_bytes("t.csv", text.as_bytes()).expect("a table");
+        let results = StudyResults { path: "t.csv".into(), table, missing: None, folder: None };
+        let table = StudyTable::new(results);
+        let tip = table.tip(0, DisplayUnits::Metric);
+        assert!(
+            tip.starts_with("plunge.axis\n") && tip.contains("\nminimal: Min. stock in the window"),
+            "{tip}"
+        );
     }
 }

@@ -183,7 +183,8 @@ commands! {
     Stock "Stock"
         "Shows the stock as a solid at the position of the timeline, instead of hub and blades" [NONE, S];
     Machine "Machine"
-        "Shows table and head of the machine of the setup, if it has one, as simple solids that move with the timeline" [];
+        "Shows table and head of the machine of the setup, if it has one, as simple solids that move with the timeline. \
+         The head is left out while it hides most of the view" [];
     FlankCurves "Flank passes" "Shows the passes of the flank plan" [];
     PassesByLayer "Passes by layer" "Colours the flank passes by layer" [];
     PassesByRegion "Passes by region" "Colours the flank passes by region of the channel" [];

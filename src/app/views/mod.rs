@@ -42,7 +42,7 @@ pub(in crate::app) mod timeline_tool;
 mod tool_drawing;
 pub mod tool_form;
 pub mod tour;
-mod typed;
+pub(in crate::app) mod typed;
 pub mod under_cursor;
 pub(in crate::app) mod units;
 pub mod unsaved;
@@ -54,11 +54,19 @@ use std::sync::Arc;
 
 use egui::ScrollArea;
 
+use super::model::state::AppState;
 use super::tasks::Repaint;
 
 /// What scrolls beyond a `height` (points). Of its own an area in a popup or dialog takes no more than 64.
 fn scroll_area(height: f32) -> ScrollArea {
     ScrollArea::vertical().max_height(height).min_scrolled_height(height)
+}
+
+/// Makes units, faults and operation of `state` those of all that is drawn in this frame.
+pub(in crate::app) fn begin_frame(ctx: &egui::Context, state: &AppState) {
+    units::set(ctx, state.look.units);
+    field_faults::set(ctx, state.field_faults());
+    typed::follow(ctx, state.look.operation);
 }
 
 /// Draws the window of `ctx` again when called.

@@ -6,9 +6,9 @@ use egui::{Align2, Color32, ComboBox, FontId, Pos2, Rect, RichText, Stroke, Ui, 
 use crate::gpu::camera::Camera;
 use crate::gpu::scene::FloorColours;
 
-use crate::app::model::checked::ProgramFinding;
+use crate::app::model::checked::{ProgramFinding, StaleCheck};
 use crate::app::model::cutter_colours::CutterColours;
-use crate::app::model::figures::policy_label;
+use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::look::{Arrangement, Layers, Look, Operation, PlaneOrientation};
 use crate::app::model::mouse_preset::MousePreset;
 use crate::app::model::number::Quantity;
@@ -79,14 +79,16 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
         };
         let policies = planned.outcome.policies();
         if policies.len() < 3 {
-            ui.label(policy_label(now)).on_hover_text(name);
+            ui.label(policy_label(now)).on_hover_text(format!("{name}\n{}", policy_tip(now)));
             return;
         }
         let mut choice = now;
         let list =
             ComboBox::from_id_salt(name).width(96.0).selected_text(policy_label(now)).show_ui(ui, |ui| {
                 for result in &policies {
-                    ui.selectable_value(&mut choice, result.plan.policy, policy_label(result.plan.policy));
+                    let policy = result.plan.policy;
+                    let line = ui.selectable_value(&mut choice, policy, policy_label(policy));
+                    line.on_hover_text(policy_tip(policy));
                 }
             });
         list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
@@ -97,16 +99,30 @@ pub fn policy(ui: &mut Ui, corner: Pos2, state: &mut AppState, side: Side) {
     });
 }
 
-/// Badge and border of a stale plan, with a summary of the preview of the next plan.
-pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: bool, preview: Option<&PreviewCutters>) {
+/// Why plunges are out of date, and what to do.
+pub const STALE_PLAN: &str = "The setup was edited after this calculation; recalculate (F5)";
+
+/// Why what is shown of the selected operation is out of date, and what to do; `None` where it is not.
+pub fn stale_words(state: &AppState) -> Option<&'static str> {
+    match state.look.operation {
+        Operation::Roughing => state.out_of_date().then_some(STALE_PLAN),
+        Operation::Flank => state
+            .flank_is_stale()
+            .then_some("The setup was edited after this calculation; recalculate flank (F6)"),
+        Operation::Program => state.stale_check().map(StaleCheck::words),
+    }
+}
+
+/// Badge and border of a plan that is stale for a reason, with a summary of the preview of the next plan.
+pub fn preview_badge(ui: &mut Ui, rect: Rect, stale: Option<&'static str>, preview: Option<&PreviewCutters>) {
     let orange = Condition::Blocked;
     ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, orange.mark()), egui::StrokeKind::Inside);
     let at = Rect::from_min_size(rect.min + egui::vec2(10.0, 78.0), egui::vec2(230.0, 62.0)).intersect(rect);
     floating(ui, at, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        if stale {
+        if let Some(why) = stale {
             let text = RichText::new("Out of date").strong().color(orange.text(ui.visuals()));
-            ui.label(text).on_hover_text("The setup was edited after this calculation; recalculate (F5)");
+            ui.label(text).on_hover_text(why);
         }
         let Some(preview) = preview else { return };
         let is_warm_start = preview.is_warm_start();

@@ -4,10 +4,11 @@
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use egui::{DragValue, Id, Rect, Response, Ui};
+use egui::{Context, DragValue, Id, Rect, Response, Ui};
 
 use super::field_faults;
 use super::theme::Condition;
+use crate::app::model::look::Operation;
 use crate::app::model::number::Quantity;
 use crate::app::model::units::DisplayUnits;
 
@@ -114,6 +115,22 @@ pub fn limited_field<N: egui::emath::Numeric>(
 struct Note {
     text: String,
     value: f64,
+}
+
+/// Ends what is said below fields: an input that was not taken is over once another step is undone, or
+/// another operation looked at.
+pub fn forget(ctx: &Context) {
+    ctx.data_mut(|data| data.remove_by_type::<Note>());
+}
+
+/// Ends what is said below fields where `operation` is another one than in the frame before.
+pub fn follow(ctx: &Context, operation: Operation) {
+    let key = Id::unique("operation of typed values");
+    let before = ctx.data_mut(|data| data.get_temp::<Operation>(key));
+    if before != Some(operation) {
+        ctx.data_mut(|data| data.insert_temp(key, operation));
+        forget(ctx);
+    }
 }
 
 fn key(form: Id, label: &str) -> Id {

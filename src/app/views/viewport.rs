@@ -14,6 +14,7 @@ use crate::palette::ColourMap;
 use crate::app::App;
 use crate::app::model::flank_passes::extent_of_pass;
 use crate::app::model::look::{Arrangement, Operation, SectionPlaneLook};
+use crate::app::model::machine::ShownMachine;
 use crate::app::model::planned::Side;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::problem::Problem;
@@ -198,7 +199,12 @@ impl App {
         // Table and timeline are those of the active side.
         let is_shown = look.layers.machine && pane.side == look.side;
         let cut = self.state.timeline_cut();
-        let machine = self.state.on_machine().filter(|_| is_shown).map(|program| (Arc::clone(program), cut));
+        let aspect = pane.rect.aspect_ratio();
+        let machine = self.state.on_machine().filter(|_| is_shown).map(|program| ShownMachine {
+            program: Arc::clone(program),
+            cut,
+            has_head: !program.head_hides(cut, &camera, aspect),
+        });
         let scrubs = look.playing.is_some() || (held && cut.is_some());
         let Some(picture) = self.pictures.as_mut().and_then(|pictures| pictures.side(pane.side)) else {
             return;
@@ -264,16 +270,17 @@ impl App {
             ui.painter().line_segment([egui::pos2(x, whole.top()), egui::pos2(x, whole.bottom())], line);
         }
         let roughing = self.state.look.operation == Operation::Roughing;
-        if !roughing && self.state.operation_is_stale() {
-            overlay::preview_badge(ui, whole, true, None);
+        if let Some(why) = overlay::stale_words(&self.state).filter(|_| !roughing) {
+            overlay::preview_badge(ui, whole, Some(why), None);
         }
         if let Some(finding) = self.state.selected_finding() {
             overlay::fault_mark(ui, panes[0].visible, panes[0].rect, &camera, finding);
         }
         for pane in panes.iter().filter(|_| roughing) {
             let preview = self.state.preview_on(pane.side);
-            if self.state.is_stale(pane.side) || preview.is_some() {
-                overlay::preview_badge(ui, pane.visible, self.state.is_stale(pane.side), preview);
+            let why = self.state.is_stale(pane.side).then_some(overlay::STALE_PLAN);
+            if why.is_some() || preview.is_some() {
+                overlay::preview_badge(ui, pane.visible, why, preview);
             }
         }
         if let Some(points) = self.state.look.measure.clone() {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::AppState;
-use crate::app::model::checked::{CheckRequest, CheckedProgram, FileChange, ProgramFinding};
+use crate::app::model::checked::{CheckRequest, CheckedProgram, FileChange, ProgramFinding, StaleCheck};
 use crate::app::model::look::{Operation, REVEAL};
 use crate::app::model::problem::Topic;
 
@@ -42,12 +42,19 @@ impl AppState {
         self.results.recheck_failed |= is_shown;
     }
 
-    /// Whether the shown check may not hold any more: the setup was edited or the file written after it, or
-    /// the program could not be checked again.
+    /// Whether the shown check may not hold any more; see [`Self::stale_check`].
     pub fn program_is_stale(&self) -> bool {
-        self.results.recheck_failed
-            || self.results.program_file != FileChange::None
-            || self.setup_differs_from_check()
+        self.stale_check().is_some()
+    }
+
+    /// Why the shown check may not hold any more: the setup was edited or the file written after it, or the
+    /// program could not be checked again.
+    pub fn stale_check(&self) -> Option<StaleCheck> {
+        match self.results.program_file {
+            _ if self.results.recheck_failed => Some(StaleCheck::NotChecked),
+            FileChange::None => self.setup_differs_from_check().then_some(StaleCheck::SetupEdited),
+            change => Some(StaleCheck::File(change)),
+        }
     }
 
     /// Whether the setup was edited after the program was checked.

@@ -1,7 +1,10 @@
 //! Plots along the row of the selected position: lead angle, contact, residual stock, step, engaged arc,
 //! thickness of the chip. A click selects.
 
-use egui::{Align2, FontId, PointerButton, Popup, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
+use std::sync::Arc;
+
+use egui::text::{LayoutJob, TextWrapping};
+use egui::{Align2, FontId, Galley, PointerButton, Popup, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2};
 
 use crate::plunge::inspect::{row_of, step_before};
 
@@ -33,8 +36,6 @@ const LINE: f32 = 12.0;
 /// One plotted quantity with its scale.
 struct PlotCurve {
     name: &'static str,
-    /// Name in a narrow plot.
-    short: &'static str,
     unit: &'static str,
     /// Units whose decimals its numbers have, and the decimals of the selected value in metric ones.
     decimals: DisplayUnits,
@@ -57,23 +58,21 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     if row.is_empty() {
         return None;
     }
-    let curve =
-        |name: &'static str, short, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
-            name,
-            short,
-            unit,
-            decimals: if unit == " in" { DisplayUnits::Inch } else { DisplayUnits::Metric },
-            digits: match name {
-                CHIP => 4,
-                // It is known to ten degrees.
-                ARC => 0,
-                _ => 2,
-            },
-            from_zero,
-            min_range: least,
-            first: row.start,
-            values: row.clone().map(value).collect(),
-        };
+    let curve = |name: &'static str, unit, (from_zero, least), value: &dyn Fn(usize) -> f64| PlotCurve {
+        name,
+        unit,
+        decimals: if unit == " in" { DisplayUnits::Inch } else { DisplayUnits::Metric },
+        digits: match name {
+            CHIP => 4,
+            // It is known to ten degrees.
+            ARC => 0,
+            _ => 2,
+        },
+        from_zero,
+        min_range: least,
+        first: row.start,
+        values: row.clone().map(value).collect(),
+    };
     let at = |k: usize| &plan.positions[k];
     let units = state.look.units;
     let unit = match units {
@@ -82,12 +81,12 @@ pub fn show(ui: &mut Ui, state: &mut AppState) -> Option<(Command, usize)> {
     };
     let range = |mm: f64| (true, units.of_mm(mm));
     let curves = [
-        curve("Lead angle", "Lead", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
-        curve("Contact", "Core", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
-        curve("Stock", "St", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
-        curve("Step", "Sp", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
-        curve(ARC, ARC, "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
-        curve(CHIP, "Ch", unit, range(0.02), &|k| units.of_mm(plan.chip_thickness_of(k).unwrap_or(f64::NAN))),
+        curve("Lead angle", "°", (false, 1.0), &|k| at(k).alpha_rad.to_degrees()),
+        curve("Contact", unit, range(0.1), &|k| units.of_mm(at(k).evaluation.contact.depth)),
+        curve("Stock", unit, range(0.1), &|k| units.of_mm(shown.stock(k).into())),
+        curve("Step", unit, range(0.1), &|k| units.of_mm(step_before(plan, k))),
+        curve(ARC, "°", (true, 30.0), &|k| at(k).evaluation.engagement.max_arc_rad.to_degrees()),
+        curve(CHIP, unit, range(0.02), &|k| units.of_mm(plan.chip_thickness_of(k).unwrap_or(f64::NAN))),
     ];
     let faulty: Vec<bool> = row.clone().map(|k| at(k).condition() == Condition::Interfering).collect();
     let (mut clicked, mut menu) = (None, None);
@@ -185,9 +184,10 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         // Of tools that do not say how many teeth they have.
         let at = rect.min + egui::vec2(5.0, 3.0);
         let font = FontId::proportional(11.0);
-        painter.text(at, Align2::LEFT_TOP, curve.name, font.clone(), visuals.text_color());
+        let name = elided(ui, curve.name, &font, rect.width() - 2.0 * SIDE_MARGIN);
+        painter.galley(at, name, visuals.text_color());
         painter.text(rect.center(), Align2::CENTER_CENTER, "unknown", font, visuals.weak_text_color());
-        response.on_hover_text("The tool does not say how many teeth it has");
+        response.on_hover_text(format!("{}: the tool does not say how many teeth it has", curve.name));
         return Picked::default();
     }
     high = high.max(low + curve.min_range);
@@ -227,7 +227,8 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
     let font = FontId::proportional(11.0);
     let value = chosen.and_then(|k| curve.values.get(k)).filter(|v| v.is_finite());
     let width = |text: &str| painter.layout_no_wrap(text.to_owned(), font.clone(), ink).size().x;
-    let fits = |name: &str, text: &str| width(name) + width(text) + HEAD_MARGINS <= rect.width();
+    let name_margins = |text: &str| if text.is_empty() { 2.0 * SIDE_MARGIN } else { HEAD_MARGINS };
+    let fits = |name: &str, text: &str| width(name) + width(text) + name_margins(text) <= rect.width();
     let digits = |decimals: usize| curve.decimals.decimals(decimals);
     let text = match value {
         Some(v) => {
@@ -245,17 +246,26 @@ fn plot(ui: &mut Ui, size: Vec2, curve: &PlotCurve, faulty: &[bool], chosen: Opt
         }
     };
     let beside = if is_tight { "" } else { text.as_str() };
-    let name = if fits(curve.name, beside) { curve.name } else { curve.short };
-    painter.text(rect.min + egui::vec2(5.0, 3.0), Align2::LEFT_TOP, name, font.clone(), ink);
+    let name = elided(ui, curve.name, &font, rect.width() - width(beside) - name_margins(beside));
+    painter.galley(rect.min + egui::vec2(SIDE_MARGIN, 3.0), name, ink);
     let at = rect.right_top() + egui::vec2(-5.0, if is_tight { 3.0 + LINE } else { 3.0 });
     painter.text(at, Align2::RIGHT_TOP, text, font, if value.is_some() { accent } else { ink });
     let tip = response.hover_pos().map(|at| scale.near(at)).and_then(|k| Some((k, *curve.values.get(k)?)));
     if let Some((k, v)) = tip {
         let more = if curve.digits > 0 { 1 } else { 0 };
         let value = with_minus_signs(&format!("{v:.*}{}", digits(curve.digits + more), curve.unit));
-        response.clone().on_hover_text_at_pointer(format!("{} of the row: {value}", k + 1));
+        let name = curve.name;
+        response.clone().on_hover_text_at_pointer(format!("{name}, {} of the row: {value}", k + 1));
     }
     scale.picked(ui, &response, curve.first)
+}
+
+/// A text of one line that ends with "…" where it would be wider than `width`, points.
+fn elided(ui: &Ui, text: &str, font: &FontId, width: f32) -> Arc<Galley> {
+    let colour = ui.visuals().text_color();
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), font.clone(), colour);
+    job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
+    ui.painter().layout_job(job)
 }
 
 /// Ends of the scale of a plot; where all values, from the least to the greatest, read the same, that one:

@@ -7,7 +7,7 @@ use crate::setup::AxisPolicy;
 
 use crate::app::model::figures::{
     INTERFERING_TIP, MAX_GOOD_UNCUT_SHARE, format_percent, format_plan_times, format_residual, policy_label,
-    times_tip,
+    policy_tip, times_tip,
 };
 use crate::app::model::planned::DisplayPlan;
 use crate::app::views::theme::Condition;
@@ -35,15 +35,16 @@ pub fn show(
         let name = RichText::new(policy_label(policy));
         let is_asked = policy == whole.outcome.after.plan.policy;
         let channels = whole.outcome.workpiece.part.blade_count;
-        lines(ui, if is_asked { name.strong() } else { name }, of.result(policy), (channels, is_stale));
+        let name = if is_asked { name.strong() } else { name };
+        lines(ui, name, of.result(policy), (channels, is_stale));
     }
 }
 
 /// Figures of a policy in three lines; a table would be wider than the panel.
-fn lines(ui: &mut Ui, policy: RichText, result: &PolicyResult, (channels, is_stale): (usize, bool)) {
+fn lines(ui: &mut Ui, name: RichText, result: &PolicyResult, (channels, is_stale): (usize, bool)) {
     let summary = &result.summary;
     ui.horizontal(|ui| {
-        ui.label(policy);
+        ui.label(name).on_hover_text(policy_tip(result.plan.policy));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let count = result.plan.count_interfering();
             let text = format!("{count} interfering");

@@ -7,6 +7,7 @@ use crate::app::model::state::AppState;
 use crate::app::views::command::Command;
 use crate::app::views::scroll_area;
 use crate::app::views::theme::Condition;
+use crate::app::views::typed;
 
 /// Distance of the messages from the upper edge of the view, below its controls, points.
 const TOP: f32 = 42.0;
@@ -106,6 +107,7 @@ pub fn show(ui: &mut Ui, whole: Rect, state: &mut AppState) -> f32 {
     }
     // The edit of the project, even where the tool library was edited after it.
     if is_undone {
+        typed::forget(ui.ctx());
         state.document.undo();
     }
     shown.response.rect.bottom().min(at.top() + height) - whole.top()

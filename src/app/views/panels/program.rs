@@ -37,15 +37,9 @@ pub fn verdict(ui: &mut Ui, state: &AppState) {
         ui.label(RichText::new(words_without_program(state)).weak());
         return;
     };
-    if state.program_is_stale() {
+    if let Some(why) = state.stale_check() {
         let text = RichText::new("Out of date:").color(Condition::Blocked.text(ui.visuals()));
-        ui.label(text).on_hover_text(
-            match (state.results.recheck_failed, state.results.program_file.words()) {
-                (true, _) => "The program could not be checked again: this is the check before",
-                (false, Some(words)) => words,
-                (false, None) => "The setup was edited after this check",
-            },
-        );
+        ui.label(text).on_hover_text(why.words());
     }
     let colour = condition(state, checked).text(ui.visuals());
     let text = RichText::new(format!("Faults {}", checked.findings.len())).strong().color(colour);

@@ -13,21 +13,12 @@ use crate::setup::{AxisPolicy, Setup};
 
 use super::fields::{self, ChoiceSpec, FieldSpec};
 use super::goal::goal_rows;
-use crate::app::model::figures::policy_label;
+use crate::app::model::figures::{policy_label, policy_tip};
 use crate::app::model::known_goals::KnownGoals;
 use crate::app::model::machine::choose_machine;
 use crate::app::model::setup_tools;
 use crate::app::views::command::Command;
 use crate::app::views::theme::{self, Condition};
-
-fn policy_tip(policy: AxisPolicy) -> &'static str {
-    match policy {
-        AxisPolicy::Conventional => "Isoparametric axes, unchanged (conventional)",
-        AxisPolicy::Monotone => "Progressive lead: the lead angle grows from position to position (monotone)",
-        AxisPolicy::Minimal => "Minimum stock: the least stock on the hub without core contact (minimal)",
-        AxisPolicy::Staircase => "Stepped depth: isoparametric axes, plunges end above contact (staircase)",
-    }
-}
 
 const POLICY: ChoiceSpec<AxisPolicy> = ChoiceSpec {
     label: "Axis strategy",

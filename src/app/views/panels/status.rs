@@ -80,12 +80,13 @@ fn message(ui: &mut Ui, state: &AppState, activity: &Activity) {
         }
         (None, _) if running.is_some() => RichText::new(format!("{}…", running.unwrap_or_default())).weak(),
         (None, _) if state.look.operation == Operation::Flank => flank_message(state),
-        (None, _) if state.look.operation == Operation::Program => match &state.results.checked {
-            None => RichText::new("No program is checked").weak(),
-            Some(_) if state.results.recheck_failed => RichText::new("Not checked again: check again (F7)"),
-            Some(_) if state.program_is_stale() => RichText::new("Setup edited: check again (F7)"),
-            Some(checked) => RichText::new(format!("Checked {}", checked.name())).weak(),
-        },
+        (None, _) if state.look.operation == Operation::Program => {
+            match (&state.results.checked, state.stale_check()) {
+                (None, _) => RichText::new("No program is checked").weak(),
+                (Some(_), Some(why)) => RichText::new(why.brief_words()),
+                (Some(checked), None) => RichText::new(format!("Checked {}", checked.name())).weak(),
+            }
+        }
         (None, Some(_)) if state.out_of_date() => RichText::new("Setup edited: recalculate (F5)"),
         (None, Some(planned)) if planned.is_unfinished() => {
             RichText::new("Cancelled: the best so far; recalculate (F5)")

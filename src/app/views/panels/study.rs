@@ -155,7 +155,7 @@ fn rows(ui: &mut Ui, table: &mut StudyTable, units: DisplayUnits) {
         let least =
             if matches!(table.columns[column], StudyColumn::Key(_)) { KEY_WIDTH } else { FIGURE_WIDTH };
         WideColumn {
-            tip: format!("{head}; click to sort"),
+            tip: format!("{}\nClick to sort", table.tip(column, units)),
             name: format!("Sort runs by {head}"),
             sorted: sorted(column),
             width: width_of_column(ui, &head, least, MAX_WIDTH),

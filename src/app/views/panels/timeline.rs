@@ -119,6 +119,10 @@ fn axis_texts(plan: &ProgramOnMachine, at: &AxisPositions, units: DisplayUnits) 
     let values = |width: usize, digits: usize, gap: &str| {
         let values = plan.named(at).map(|(name, value, unit)| match unit {
             "°" => with_minus_signs(&format!("{name} {value:>width$.digits$}{unit}")),
+            // Once for the three lengths.
+            _ if name == 'Z' => {
+                format!("{name} {:>width$} {}", units.number(value, digits), units.length_unit())
+            }
             _ => format!("{name} {:>width$}", units.number(value, digits)),
         });
         values.join(gap)

@@ -62,7 +62,7 @@ fn content(
             ui.add(egui::Label::new(text.color(Condition::Blocked.text(ui.visuals()))).wrap())
                 .on_hover_text("The last edit led to other tools; edit tools and sections to keep them");
         }
-        summary(ui, chosen);
+        summary(ui, planned, chosen);
         uses(ui, planned, policy);
         let edit = ui.button("Edit tools and sections").on_hover_text("Copies these into the setup");
         if edit.clicked() {
@@ -82,21 +82,34 @@ fn content(
     }
 }
 
-fn summary(ui: &mut Ui, setup: &Setup) {
+/// Why section `k` has its tool, as the planner says it.
+fn reason_of(planned: &DisplayPlan, k: usize) -> Option<&str> {
+    planned.outcome.reasons.get(k)?.as_deref()
+}
+
+fn summary(ui: &mut Ui, planned: &DisplayPlan, setup: &Setup) {
     let units = units::display_units(ui);
     Grid::new("chosen tools").num_columns(4).spacing([10.0, 2.0]).striped(true).show(ui, |ui| {
         for head in ["Tool", "Insert", "From s", "To s"] {
             ui.label(RichText::new(head).weak());
         }
         ui.end_row();
-        for section in &setup.plunge.sections {
+        for (k, section) in setup.plunge.sections.iter().enumerate() {
             let Some(tool) = setup.tools.iter().find(|t| t.number == section.tool) else { continue };
             let rest = section.kind.suffix();
-            ui.label(format!("T{} {}{rest}", tool.number, units.diameter(tool.diameter)));
-            let tip = format!("Insert width, {}", units.length_unit());
-            ui.label(units.size(tool.insert_width)).on_hover_text(tip);
-            ui.label(format!("{:.2}", section.from));
-            ui.label(format!("{:.2}", section.to));
+            let reason = reason_of(planned, k).unwrap_or_default();
+            let insert = format!("Insert width, {}\n{reason}", units.length_unit());
+            for (text, tip) in [
+                (format!("T{} {}{rest}", tool.number, units.diameter(tool.diameter)), reason),
+                (units.size(tool.insert_width), insert.trim_end()),
+                (format!("{:.2}", section.from), reason),
+                (format!("{:.2}", section.to), reason),
+            ] {
+                let cell = ui.label(text);
+                if !tip.is_empty() {
+                    cell.on_hover_text(tip);
+                }
+            }
             ui.end_row();
         }
     });
@@ -104,7 +117,7 @@ fn summary(ui: &mut Ui, setup: &Setup) {
 
 /// Number of plunges of each section by the strategy that is shown, with the reason where a tool gets none.
 fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
-    let (plan, reasons) = (planned.plan(policy), &planned.outcome.reasons);
+    let plan = planned.plan(policy);
     for (k, section) in plan.sections.iter().enumerate() {
         let tool =
             format!("T{} {}", section.tool.number, units::display_units(ui).diameter(section.tool.diameter));
@@ -117,7 +130,7 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
             None => RichText::new(format!("{tool}: {} plunges", plan.plunges_of(k))),
         };
         let label = ui.add(egui::Label::new(text).wrap());
-        if let Some(reason) = reasons.get(k).and_then(Option::as_deref) {
+        if let Some(reason) = reason_of(planned, k) {
             label.on_hover_text(reason);
         }
     }

@@ -7,7 +7,7 @@ use super::coloured::ColouredCutters;
 use super::{Content, ShownFlank, SidePicture};
 use crate::app::model::checked::CheckedProgram;
 use crate::app::model::cutter_colours::{CutterClass, CutterColours};
-use crate::app::model::machine::ProgramOnMachine;
+use crate::app::model::machine::ShownMachine;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::state::ShownPlan;
 use crate::app::tasks::solid::SolidPicture;
@@ -206,14 +206,14 @@ impl SidePicture {
         }
     }
 
-    /// Shows the machine with its program after a number of plunges of the plan, or after all; or no machine.
-    pub fn load_machine(&mut self, machine: Option<(Arc<ProgramOnMachine>, Option<usize>)>) {
+    /// Shows a machine, or none.
+    pub fn load_machine(&mut self, machine: Option<ShownMachine>) {
         let same = match (&self.machine, &machine) {
-            (Some((a, cut)), Some((b, wanted))) => Arc::ptr_eq(a, b) && cut == wanted,
+            (Some(a), Some(b)) => a.is_same(b),
             (a, b) => a.is_none() && b.is_none(),
         };
         if !same {
-            let mesh = machine.as_ref().and_then(|(plan, cut)| plan.mesh(*cut));
+            let mesh = machine.as_ref().and_then(ShownMachine::mesh);
             self.scene.set_machine(&self.gpu, mesh.as_ref());
             self.machine = machine;
             self.generation += 1;

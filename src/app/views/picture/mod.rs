@@ -13,7 +13,7 @@ use egui::{TextureId, Vec2};
 use glam::Vec3;
 
 use crate::app::model::checked::CheckedProgram;
-use crate::app::model::machine::ProgramOnMachine;
+use crate::app::model::machine::ShownMachine;
 use crate::app::model::preview::ShownCutters;
 use crate::app::model::solid::SolidColours;
 use crate::app::tasks::part_meshes::PartMeshes;
@@ -73,8 +73,8 @@ pub struct SidePicture {
     coloured: Option<ColouredCutters>,
     /// The stock as a solid.
     solid: Option<Arc<SolidPicture>>,
-    /// The plan on the machine that is drawn, and the number of plunges cut.
-    machine: Option<(Arc<ProgramOnMachine>, Option<usize>)>,
+    /// The machine that is drawn.
+    machine: Option<ShownMachine>,
     /// Computes and draws the stock on the device; `None` where the core's heights are drawn.
     stock_floor: Option<StockFloor>,
     /// Texture id in egui, and the generation of the renderer's texture it refers to.
