@@ -93,8 +93,8 @@ impl ToolAssembly {
         self.shank.is_empty() && self.holder.is_empty()
     }
 
-    /// Height above the tip at which the edges end and the shank begins, with the holder `overhang` mm above the
-    /// tip, mm: the given length, else what the shank leaves of the overhang.
+    /// Height above the tip at which the edges end and the shank begins, with the holder `overhang` mm above
+    /// the tip, mm: the given length, else what the shank leaves of the overhang.
     pub fn flutes_end(&self, overhang: f64) -> f64 {
         let shank = || self.shank.iter().map(|[_, length]| length).sum::<f64>();
         self.flute_length.unwrap_or_else(|| overhang - shank()).max(0.0)

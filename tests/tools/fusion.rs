@@ -235,8 +235,8 @@ fn whatever_is_changed_in_a_tool_is_read_back_from_the_library_it_was_written_to
     }
 }
 
-/// Without a flute length the shank begins where its length from the holder says: a library that lets it begin
-/// at the end of the overhang has none.
+/// Without a flute length the shank begins where its length from the holder says: a library that lets it
+/// begin at the end of the overhang has none.
 #[test]
 fn a_shank_without_a_flute_length_stays_where_it_is() {
     let setup =

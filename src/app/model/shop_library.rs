@@ -237,9 +237,9 @@ impl ShopLibrary {
         tools.filter(|(_, entry)| fits(&entry.tool)).map(|(index, _)| index).collect()
     }
 
-    /// Puts a copy of the selected tool into `setup`, with the rates that it lacks by the material of the setup.
-    /// Where the setup has another tool of its number, it gets one that no tool of the setup or of the library
-    /// has. Returns its number.
+    /// Puts a copy of the selected tool into `setup`, with the rates that it lacks by the material of the
+    /// setup. Where the setup has another tool of its number, it gets one that no tool of the setup or of the
+    /// library has. Returns its number.
     pub fn take_into(&self, setup: &mut Setup) -> Option<u32> {
         let entry = self.content.tools.get(self.selected?)?;
         let mut tool = entry.missing.filled(&entry.tool, setup.allowances.cutting_data());
