@@ -61,6 +61,8 @@ pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
 const HEIGHT_PER_DOT: u32 = 300;
 /// Least side of a dot where there is room for it, pixels.
 const MIN_DOT: u32 = 2;
+/// Greatest share of the width of the picture that a legend of larger dots takes: it hides what is behind it.
+const MAX_SHARE: f64 = 0.45;
 /// Width of the bar, and height of it, dots: the longest title fits above it.
 const BAR: [u32; 2] = [120, 8];
 /// Distance of text and bar from the edges of the picture, and from those of the plate, dots.
@@ -74,7 +76,9 @@ const LEGEND_HEIGHT: u32 = 44;
 /// blank), the ends of `range` in mm below it. It scales with the picture.
 fn draw_legend(picture: &mut Picture, map: ColourMap, range: (f32, f32), title: &str, theme: Theme) {
     let fits = |dot: &u32| {
-        picture.width >= (BAR[0] + 2 * INSET) * dot && picture.height >= (LEGEND_HEIGHT + PLATE_MARGIN) * dot
+        let share = if *dot > 1 { MAX_SHARE } else { 1.0 };
+        f64::from((BAR[0] + 2 * INSET) * dot) <= share * f64::from(picture.width)
+            && picture.height >= (LEGEND_HEIGHT + PLATE_MARGIN) * dot
     };
     let wanted = picture.height.div_ceil(HEIGHT_PER_DOT).max(MIN_DOT);
     let Some(dot) = (1..=wanted).rev().find(fits) else { return };
