@@ -5,7 +5,7 @@
 use super::uncut::UncutLength;
 use crate::error::ErrorCode;
 use crate::part::{Channel, Impeller, Passage, PassageWidth, Workpiece};
-use crate::setup::{AllowanceSetup, AssemblyPart, Setup, SetupFault, SetupPlace, Tool, check_taper, tool_of};
+use crate::setup::{AllowanceSetup, AssemblyPart, Setup, SetupFault, SetupPlace, Tool, check_taper};
 
 /// Maximum ratio of the tool diameter to the narrowest width of the channel, so that a tool does not cut both
 /// walls at once.
@@ -86,10 +86,14 @@ impl ChannelSpace {
     /// As [`choose_tool`].
     pub fn choose_tool(&self, setup: &Setup, library: &[Tool]) -> Result<ChosenTool, SetupFault> {
         if let Some(number) = setup.flank.tool {
-            let tool = match selectable(setup, library).find(|t| t.number == number) {
-                Some(tool) => tool,
-                None => tool_of(setup, number).map_err(|fault| fault.at(SetupPlace::Flank("tool")))?,
-            };
+            let tool = selectable(setup, library).find(|t| t.number == number).ok_or_else(|| {
+                SetupFault::new(
+                    ErrorCode::UndefinedTool,
+                    format!("neither the setup nor the tool library has tool {number}"),
+                    "add the tool, name another, or leave `tool` out to have one chosen",
+                )
+                .at(SetupPlace::Flank("tool"))
+            })?;
             check_taper(tool)?;
             return Ok(ChosenTool { tool: tool.clone(), reason: None });
         }

@@ -65,6 +65,9 @@ impl LayerSurface {
         let reach = 2.0 * height + 0.1 * (end - start);
         let from = border(|t| inlet(at(t)), start, reach);
         let to = border(|t| outlet(at(t)), end, reach);
+        if to - from < MIN_LENGTH {
+            return None;
+        }
         let extended = from - UPSTREAM * (to - from);
         let first = from.min(0.0);
         if !folds_between(hub, height, extended.max(first), to) {

@@ -1,4 +1,4 @@
-//! Offsets of the hub that are surfaces also where the hub bends more than they are high.
+//! Offsets of the hub, rounded where its radius of curvature is smaller than their height.
 //!
 //! Above a concave corner of radius ρ, as at the foot of a boss, an offset of more than ρ folds over itself.
 //! The closing of mathematical morphology has no folds: the parallel at `height` + `radius`, without the
@@ -9,7 +9,8 @@ use crate::geometry::{Meridional, MeridionalCurve, evenly};
 
 /// Steps in which the curve is searched for folds.
 const STEPS: usize = 1200;
-/// A point counts as nearer to the curve than its own foot by more than this share of the distance.
+/// Another part of the curve counts as nearer than a point's own foot by more than this share of the
+/// distance.
 const NEARER: f64 = 1e-7;
 /// Least number of points of a parallel.
 const MIN_POINTS: usize = 4;

@@ -32,20 +32,22 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// A row of pixels, counted from the top.
+    fn row(&self, y: u32) -> &[u8] {
+        let bytes = 4 * self.width as usize;
+        &self.rgba[y as usize * bytes..][..bytes]
+    }
+
     /// Some of its columns.
     pub fn columns(&self, columns: Range<u32>) -> Self {
-        let row = 4 * self.width.max(1) as usize;
         let bytes = 4 * columns.start as usize..4 * columns.end as usize;
-        let rgba = self.rgba.chunks_exact(row).flat_map(|line| &line[bytes.clone()]).copied().collect();
+        let rgba = (0..self.height).flat_map(|y| &self.row(y)[bytes.clone()]).copied().collect();
         Self { width: columns.end - columns.start, height: self.height, rgba }
     }
 
     /// Two pictures of one height beside each other.
     pub fn beside(left: &Self, right: &Self) -> Self {
-        let rows = |picture: &Self| 4 * picture.width.max(1) as usize;
-        let (left_rows, right_rows) =
-            (left.rgba.chunks_exact(rows(left)), right.rgba.chunks_exact(rows(right)));
-        let rgba = left_rows.zip(right_rows).flat_map(|(a, b)| a.iter().chain(b)).copied().collect();
+        let rgba = (0..left.height).flat_map(|y| left.row(y).iter().chain(right.row(y))).copied().collect();
         Self { width: left.width + right.width, height: left.height, rgba }
     }
 }

@@ -219,8 +219,9 @@ impl Course {
         points.iter().map(|p| self.coordinates_of(*p)).collect()
     }
 
-    /// The line through all `points`, which keeps corners: of those nearer to each other than 1/2000 of
-    /// their extent one. Points off a line turn it sharply, which the share of a face on it tells.
+    /// The polyline through all `points`, which keeps corners; of points nearer to each other than 1/2000 of
+    /// their extent one is kept. It has no deviation of its own: whether it fits is judged by the share of
+    /// the face on it.
     pub fn line_through(&self, points: &[Meridional]) -> Option<FittedProfile> {
         let mut line = points.to_vec();
         line.sort_by(|a, b| self.coordinates_of(*a).0.total_cmp(&self.coordinates_of(*b).0));

@@ -206,8 +206,8 @@ impl RevolvedFace {
     }
 }
 
-/// Of each triangle, whether it may belong to a surface of revolution. Of CAD, faces tell it as a whole:
-/// where fillets run along the channel they are turned, too, and would join hub and blades.
+/// Which triangles may belong to a surface of revolution. Faces of CAD are judged as a whole: where fillets
+/// run along the channel some of their triangles are turned, too, and would join hub and blades.
 fn turned_triangles(wheel: &MeshSurface, exact: &ExactNormals) -> Vec<bool> {
     let turned: Vec<bool> =
         (0..wheel.triangles.len()).map(|t| meridional_normal(wheel, t).1.abs() < TURNED).collect();
@@ -235,7 +235,8 @@ pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> R
     by_smooth.or_else(|error| segment_by(OBTUSE, wheel, exact, name).map_err(|_| error))
 }
 
-/// As [`segment_wheel`], with faces in one across edges whose angle has a cosine over `smooth`.
+/// As [`segment_wheel`]; triangles across an edge belong to one face if the cosine of their angle is above
+/// `smooth`.
 fn segment_by(
     smooth: f64,
     wheel: &MeshSurface,

@@ -197,8 +197,8 @@ impl Setup {
         setup
     }
 
-    /// What is as in the defaults `old` for one wheel becomes as in `new`, those for another one or for the
-    /// same in another unit: nobody asked for it.
+    /// Replaces what still equals the defaults `old` by `new`: the defaults of another wheel, or of the same
+    /// one in another unit. What was edited stays.
     pub fn follow_defaults(&mut self, old: &Self, new: &Self) {
         let (mut old, mut new) = (old.clone(), new.clone());
         let values = self.scaled_values().into_iter().zip(old.scaled_values()).zip(new.scaled_values());

@@ -259,6 +259,8 @@ fn what_an_stl_file_leaves_open_is_given_in_the_window() {
     let part = document.part.as_ref().expect("a part");
     let wanted = vanecut::setup::Setup::for_part(&part.impeller);
     assert_eq!(document.edited.setup.allowances, wanted.allowances, "defaults follow the size");
+    let (clearances, plunge) = (document.edited.setup.clearances, &document.edited.setup.plunge);
+    assert_eq!((clearances, plunge.wall_scallop), (wanted.clearances, wanted.plunge.wall_scallop));
     assert_eq!(document.edited.setup.flank, wanted.flank);
     assert!(window.query_by_label_contains("mm are assumed").is_none(), "nothing is assumed any more");
     let mut second = reopened(&mut window, folder.path());

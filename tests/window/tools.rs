@@ -63,7 +63,10 @@ fn a_tool_without_a_section_says_so() {
     window.run_steps(3);
     settle(&mut window);
     let added = window.state().state().document.edited.setup.tools.last().expect("tools").clone();
-    window.get_by_label(&format!("T{} Ø{}: no plunges, no section names it", added.number, added.diameter));
+    window.get_by_label(&format!(
+        "T{} Ø{}: no plunges, not named in any section",
+        added.number, added.diameter
+    ));
 }
 
 #[test]

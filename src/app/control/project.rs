@@ -291,7 +291,7 @@ impl App {
         if !rest.is_empty() {
             let word = if rest.len() == 1 { "fault" } else { "faults" };
             let message = format!("{} more {word} in the setups of the project", rest.len());
-            let help = "look through setup and variants before you save";
+            let help = "check the setup and the variants before you export a program";
             self.state.report_problem(Problem::about(Topic::Project, &message, help));
         }
     }

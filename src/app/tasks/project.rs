@@ -72,7 +72,8 @@ impl ShownLayers {
     }
 }
 
-/// Shows what a project shows. A layer that this version does not know leaves all as they are.
+/// Shows what a project shows. Keys that this version does not know are skipped; with a value that it does
+/// not know, all layers stay as they are.
 pub(in crate::app) fn show_layers_of(project: &Project, look: &mut Look) {
     let shown = project.layers.clone().and_then(|layers| serde_json::from_value(layers).ok());
     if let Some(ShownLayers { layers, stock_by, passes, passes_by }) = shown {

@@ -113,7 +113,7 @@ commands! {
         "Plans the flank milling toolpath of the channel with the current setup" [NONE, F6];
     Cancel "Cancel"
         "Stops and keeps the best plan so far; pressed again: the last finished plan" [NONE, Escape];
-    Deselect "Deselect" "Selects no position, pass or fault any more" [NONE, Escape];
+    Deselect "Deselect" "Clears the selected position, pass or fault" [NONE, Escape];
     NextFault "Next fault"
         "Selects the next interfering plunge in cutting order, or fault of a checked program" [NONE, N];
     PreviousFault "Previous fault" "Selects the interfering plunge or the fault before" [SHIFT, N];

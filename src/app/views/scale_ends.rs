@@ -48,10 +48,7 @@ pub fn hub_ends(ui: &mut Ui, state: &mut AppState, (map, is_difference): (Colour
     };
     refused = end.show(ui, &mut high, units).or(refused);
     let fitting = state.fitting_range();
-    let fit = || egui::Button::new(FIT).small();
-    let tip = "The scale stays while plans change; this fits it to the plan that is shown";
-    let has_room = ui.available_width() + MARGIN > fit_width(ui);
-    if state.range() != fitting && has_room && ui.add(fit()).on_hover_text(tip).clicked() {
+    if state.range() != fitting && fit_clicked(ui) {
         state.look.range = Some(fitting);
     } else if (low, high) != before {
         state.look.range = Some((low, high));
@@ -60,6 +57,13 @@ pub fn hub_ends(ui: &mut Ui, state: &mut AppState, (map, is_difference): (Colour
     if let Some(reason) = refused {
         state.report_refusal(reason);
     }
+}
+
+/// The button that fits the scale, where there is room for it; whether it was clicked.
+fn fit_clicked(ui: &mut Ui) -> bool {
+    let tip = "The scale stays while plans change; this fits it to the plan that is shown";
+    let has_room = ui.available_width() + MARGIN > fit_width(ui);
+    has_room && ui.add(egui::Button::new(FIT).small()).on_hover_text(tip).clicked()
 }
 
 /// Least and greatest upper end of the scale of the walls, mm.
@@ -80,10 +84,7 @@ pub fn wall_ends(ui: &mut Ui, state: &mut AppState, most: f32, bar: f32) {
     };
     let show = |mm: f64| format_signed(mm as f32, most, units);
     let refused = field.show_as(ui, &mut end, units, &show, f64::from(most) / 200.0);
-    let tip = "The scale stays while plans change; this fits it to the plan that is shown";
-    let has_room = ui.available_width() + MARGIN > fit_width(ui);
-    let fit = || egui::Button::new(FIT).small();
-    if state.look.wall_end.is_some() && has_room && ui.add(fit()).on_hover_text(tip).clicked() {
+    if state.look.wall_end.is_some() && fit_clicked(ui) {
         state.look.wall_end = None;
     } else if end != most {
         state.look.wall_end = Some(end);

@@ -118,7 +118,7 @@ fn change_entry(entry: &mut Value, known: &LibraryTool, wanted: &LibraryTool) ->
     let mut changes = EntryChanges { entry, mm };
     changes.length("DC", "tool_diameter", Some(was.diameter), Some(now.diameter));
     changes.length("RE", "tool_cornerRadius", Some(was.corner_radius), Some(now.corner_radius));
-    // A tool without them has edges all the way: those of the entry stay.
+    // A tool without flute length and shank has edges up to the holder: the flute length of the entry stays.
     let flutes = |tool: &Tool| {
         let ToolAssembly { flute_length, shank, .. } = &tool.assembly;
         (flute_length.is_some() || !shank.is_empty()).then(|| tool.assembly.flutes_end(tool.overhang))

@@ -4,10 +4,10 @@
 
 use crate::geometry::{Point, Vector};
 
-/// Number of stretches between straight lines of a surface at which its tangential planes are compared, and
-/// largest sine of the angle between those of one line.
-const DEVELOPED: usize = 24;
-const TANGENTIAL: f64 = 1e-5;
+/// Intervals across a surface at whose ends the tangent planes along a straight line are compared.
+const DEVELOPABLE_STEPS: usize = 24;
+/// Largest sine of the angle between the tangent planes of one line.
+const MAX_TWIST_SINE: f64 = 1e-5;
 /// Largest degree.
 pub const MAX_DEGREE: usize = 25;
 /// Points nearer to the surface than this end the search that begins at the point before, mm.
@@ -180,7 +180,7 @@ impl NurbsSurface {
         self.closed[i]
     }
 
-    /// Whether its lines of parameter `i` are straight and it has one tangential plane along each, as a
+    /// Whether its lines of parameter `i` are straight and it has one tangent plane along each, as a
     /// cylinder, cone or plane has.
     pub fn is_developable(&self, i: usize) -> bool {
         if self.knots[i].degree != 1 || self.knots[i].count != 2 {
@@ -192,11 +192,11 @@ impl NurbsSurface {
             let (p, pu, pv) = self.derivatives(if i == 0 { [t, s] } else { [s, t] });
             (p, if i == 0 { pv } else { pu })
         };
-        (0..=DEVELOPED).all(|k| {
-            let share = k as f64 / DEVELOPED as f64;
+        (0..=DEVELOPABLE_STEPS).all(|k| {
+            let share = k as f64 / DEVELOPABLE_STEPS as f64;
             let ((a, at_a), (b, at_b)) = (at(share, from), at(share, to));
             let [n, m] = [at_a, at_b].map(|d| d.cross(&(b - a)).try_normalize(1e-12));
-            n.zip(m).is_none_or(|(n, m)| n.cross(&m).norm() < TANGENTIAL)
+            n.zip(m).is_none_or(|(n, m)| n.cross(&m).norm() < MAX_TWIST_SINE)
         })
     }
 

@@ -316,7 +316,8 @@ impl Surface {
         breaks
     }
 
-    /// Whether it is straight along a parameter.
+    /// Whether it is straight along a parameter; a B-spline only if it is developable: a twisted ruled one is
+    /// not.
     pub fn is_straight(&self, i: usize) -> bool {
         match self {
             Self::Plane(_) => true,

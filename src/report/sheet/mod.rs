@@ -186,7 +186,7 @@ fn warnings_text(input: &SheetInput) -> String {
     warning_list(warnings)
 }
 
-/// Edits by hand that were counted on and that the program does not have, each with its reason.
+/// Edits by hand that the program does not contain, each with its reason.
 fn unapplied_edits(input: &SheetInput) -> Vec<String> {
     let SheetInput { outcome, shown, .. } = input;
     // Edits belong to the plan that was asked for.
@@ -203,8 +203,10 @@ fn unapplied_edits(input: &SheetInput) -> Vec<String> {
         Some(format!("Not applied: {} of the {what} at {place}: {reason}.", edit.change.name()))
     };
     let mut lines: Vec<String> = unapplied.iter().take(MAX_FAULTS).filter_map(line).collect();
-    if unapplied.len() > MAX_FAULTS {
-        lines.push(format!("{} more edits by hand are not applied.", unapplied.len() - MAX_FAULTS));
+    match unapplied.len().saturating_sub(MAX_FAULTS) {
+        0 => {}
+        1 => lines.push("1 more edit by hand is not applied.".to_owned()),
+        more => lines.push(format!("{more} more edits by hand are not applied.")),
     }
     lines
 }

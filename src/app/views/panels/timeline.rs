@@ -118,7 +118,10 @@ const AXES_SIZE: f32 = 12.0;
 fn axis_texts(plan: &ProgramOnMachine, at: &AxisPositions, units: DisplayUnits) -> [String; 4] {
     let values = |width: usize, digits: usize, gap: &str| {
         let values = plan.named(at).map(|(name, value, unit)| match unit {
-            "°" => with_minus_signs(&format!("{name} {value:>width$.digits$}{unit}")),
+            "°" => {
+                let value = with_minus_signs(&format!("{value:.digits$}"));
+                format!("{name} {value:>width$}{unit}")
+            }
             // Once for the three lengths.
             _ if name == 'Z' => {
                 format!("{name} {:>width$} {}", units.number(value, digits), units.length_unit())

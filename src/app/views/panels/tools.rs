@@ -134,14 +134,21 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
             label.on_hover_text(reason);
         }
     }
-    let is_idle = |tool: &&Tool| plan.sections.iter().all(|section| section.tool.number != tool.number);
+    // Ball ends are for flank milling.
+    let is_idle = |tool: &&Tool| {
+        tool.is_flat() && plan.sections.iter().all(|section| section.tool.number != tool.number)
+    };
     let mut idle = planned.setup.tools.iter().filter(is_idle).peekable();
     if idle.peek().is_none() {
         return;
     }
-    let why = match planned.setup.plunge.sections.is_empty() {
-        true => "not chosen for a section",
-        false => "no section names it",
+    let (why, tip) = match planned.setup.plunge.sections.is_empty() {
+        true => (
+            "not chosen for a section",
+            "Sections get the tools that cut the channel in the least time. Cutters that are too thick or too \
+             short and tapered cutters are not chosen.",
+        ),
+        false => ("not named in any section", "Name the tool in a section, or remove it from the setup"),
     };
     let names: Vec<String> = idle
         .by_ref()
@@ -154,10 +161,7 @@ fn uses(ui: &mut Ui, planned: &DisplayPlan, policy: AxisPolicy) {
     };
     let text = format!("{}{more}: no plunges, {why}", names.join(", "));
     ui.add(egui::Label::new(RichText::new(text).color(Condition::Blocked.text(ui.visuals()))).wrap())
-        .on_hover_text(
-            "Sections get the tools that cut the channel in the least time. Cutters that are too thick or too \
-             short, tapered ones and ball ends are no choice for them.",
-        );
+        .on_hover_text(tip);
 }
 
 /// Number of tools without plunges that are named.
