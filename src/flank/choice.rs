@@ -132,10 +132,10 @@ fn is_ball(tool: &Tool) -> bool {
 ///
 /// # Errors
 /// When there is none, or none fits between the blades.
-fn choose_from(tools: &[Tool], room: &ChannelSpace) -> Result<ChosenTool, SetupFault> {
-    let ChannelSpace { widths: [width, widest], depth, blade_allowance } = *room;
+fn choose_from(tools: &[Tool], space: &ChannelSpace) -> Result<ChosenTool, SetupFault> {
+    let ChannelSpace { widths: [width, widest], depth, blade_allowance } = *space;
     let tools = suited(tools, depth)?;
-    let free_width = |t: &Tool| room.free_width(t);
+    let free_width = |t: &Tool| space.free_width(t);
     let easy = |t: &Tool| t.diameter <= MAX_DIAMETER_SHARE * width && free_width(t) >= 0.0;
     let thickest = |fits: &dyn Fn(&&Tool) -> bool| {
         tools.iter().copied().filter(fits).map(|t| t.diameter).max_by(f64::total_cmp)

@@ -59,7 +59,7 @@ pub fn add_legend(picture: &mut Picture, options: &SceneOptions) {
 /// Heights of a picture per dot of its legend, pixels: text of 1 in 40 can be read where the picture fills a
 /// page or a slide.
 const HEIGHT_PER_DOT: u32 = 300;
-/// Least side of a dot where there is room for it, pixels.
+/// Smallest side of a dot in pictures that are large enough for it, pixels.
 const MIN_DOT: u32 = 2;
 /// Greatest share of the width of the picture that a legend of larger dots takes: it hides what is behind it.
 const MAX_SHARE: f64 = 0.45;

@@ -50,8 +50,8 @@ pub struct FlankOutcome {
     pub given_tools: Vec<Tool>,
     /// The space in the channel for which the cutter was chosen.
     pub space: ChannelSpace,
-    /// Whether so much stands above the shroud that plunges open it, if a tool for them fits.
-    pub is_opened: bool,
+    /// Whether the stock above the shroud needs plunges, with a tool of the setup or of the library.
+    pub needs_opening: bool,
     /// The plan.
     pub plan: FlankPlan,
     /// Faults that `verify` finds in the plan's program; empty unless a faulty move could not be removed.
@@ -151,7 +151,7 @@ impl FlankJob {
         let chosen = space.choose_tool(&request.setup, flank_cutters())?;
         let machine = clock.as_ref().map(MachineClock::machine);
         let opener = Opener::from_part(part, &request.setup, &chosen.tool, machine);
-        let is_opened = opener.is_some() || {
+        let needs_opening = opener.is_some() || {
             let from_library = Setup { tools: Vec::new(), ..request.setup.clone() };
             Opener::from_part(part, &from_library, &chosen.tool, machine).is_some()
         };
@@ -219,7 +219,7 @@ impl FlankJob {
             setup,
             given_tools: request.setup.tools.clone(),
             space,
-            is_opened,
+            needs_opening,
             plan,
             faults: judged_last.faults,
             verdict,
@@ -261,7 +261,8 @@ impl FlankOutcome {
         let numbers = |tools: &[Tool]| tools.iter().map(|tool| tool.number).collect::<Vec<_>>();
         let (was, is) = (&self.given_tools, &setup.tools);
         let has_own = for_plunges(is).next().is_some();
-        !self.is_opened || for_plunges(was).eq(for_plunges(is)) && (has_own || numbers(was) == numbers(is))
+        !self.needs_opening
+            || for_plunges(was).eq(for_plunges(is)) && (has_own || numbers(was) == numbers(is))
     }
 
     /// Largest overcut below the blade allowance, mm: of the program if it can be verified, else of the

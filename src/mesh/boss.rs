@@ -76,8 +76,8 @@ pub struct CutBlades {
 /// What stands over the hub, cut off at the wall of the boss ahead of the channel.
 ///
 /// The wall is the outline of the wheel ahead of its hub up to its top, and goes on straight past it. Where
-/// the foot of the boss is rounded, the blades are extended straight through that corner. `None` where there
-/// is no boss, or where blades go on over it.
+/// the foot of the boss is rounded, the blades are extended straight through that corner. `None` without
+/// a boss, or where blades go on over it.
 pub fn cut_off_boss(
     over_hub: &MeshSurface,
     boss: &BossOfHub,

@@ -16,12 +16,8 @@ use crate::error::ErrorCode;
 use crate::geometry::{Meridional, MeridionalCurve};
 use crate::part::PartError;
 
-/// Smallest cosine of the angle between neighbouring triangles of one face.
-const SMOOTH: f64 = 0.9;
 /// Smallest share of the area of a face of revolution that is turned.
 const TURNED_FACE: f64 = 0.95;
-/// As `SMOOTH`, of a hub with obtuse corners on which blades stand.
-const OBTUSE: f64 = 0.6;
 /// Distance from the hub's curve within which a corner is on the hub: mm, and share of the rim radius.
 const ON_HUB: (f64, f64) = (0.02, 2e-4);
 /// Smallest weight (area × border length) of the lighter one of hub and cover, as a share of the heavier one.
@@ -39,6 +35,25 @@ const SCRAP: f64 = 0.05;
 
 /// Share of its largest radius from which on a piece is looked at to tell a blade from a wheel.
 const OUTER: f64 = 0.8;
+
+/// What a face of revolution may look like.
+#[derive(Clone, Copy)]
+enum FaceShape {
+    /// Smooth all along.
+    Smooth,
+    /// In straight pieces, with obtuse corners between them.
+    Cornered,
+}
+
+impl FaceShape {
+    /// Smallest cosine of the angle between neighbouring triangles of one face.
+    fn min_cosine(self) -> f64 {
+        match self {
+            Self::Smooth => 0.9,
+            Self::Cornered => 0.6,
+        }
+    }
+}
 
 /// The surfaces of a segmented wheel.
 pub struct Segments {
@@ -101,7 +116,7 @@ fn curve_of(
     (points, own): (&[Meridional], &[usize]),
     feet: &[Meridional],
     middle: Meridional,
-    (wheel, tolerance, smooth): (&MeshSurface, f64, f64),
+    (wheel, tolerance, shape): (&MeshSurface, f64, FaceShape),
 ) -> Option<FittedProfile> {
     let ((first, last), (from, to)) = (course.extent_of(points), course.extent_of(feet));
     let ranges: Vec<(f64, f64)> = PAST_BLADES
@@ -121,9 +136,11 @@ fn curve_of(
     };
     let exact = ranges.iter().find_map(|range| {
         let (points, own) = within(*range);
-        let line = if smooth < SMOOTH { course.line_through(&points) } else { course.fit_curve(&points) };
-        line.filter(|p| p.max_deviation_mm < tolerance)
-            .filter(|p| p.area_share_on_curve(wheel, &own, tolerance) > MOSTLY)
+        let line = match shape {
+            FaceShape::Smooth => course.fit_curve(&points).filter(|p| p.max_deviation_mm < tolerance),
+            FaceShape::Cornered => course.line_through(&points),
+        };
+        line.filter(|p| p.area_share_on_curve(wheel, &own, tolerance) > MOSTLY)
     });
     if exact.is_some() {
         return exact;
@@ -230,15 +247,14 @@ fn turned_triangles(wheel: &MeshSurface, exact: &ExactNormals) -> Vec<bool> {
 /// Fails when no surface of revolution touches blades, when there are more than two disconnected bodies of
 /// revolution, or when the blades are connected with each other.
 pub fn segment_wheel(wheel: &MeshSurface, exact: &ExactNormals, name: &str) -> Result<Segments, PartError> {
-    let by_smooth = segment_by(SMOOTH, wheel, exact, name);
+    let by_smooth = segment_by(FaceShape::Smooth, wheel, exact, name);
     // A hub drawn in straight pieces may have corners under the blades.
-    by_smooth.or_else(|error| segment_by(OBTUSE, wheel, exact, name).map_err(|_| error))
+    by_smooth.or_else(|error| segment_by(FaceShape::Cornered, wheel, exact, name).map_err(|_| error))
 }
 
-/// As [`segment_wheel`]; triangles across an edge belong to one face if the cosine of their angle is above
-/// `smooth`.
+/// As [`segment_wheel`], with faces of revolution of one shape.
 fn segment_by(
-    smooth: f64,
+    shape: FaceShape,
     wheel: &MeshSurface,
     exact: &ExactNormals,
     name: &str,
@@ -258,8 +274,9 @@ fn segment_by(
         Err(count) => return Err(unclear(&format!("it has {count} bodies of revolution"))),
     }
     let turned = turned_triangles(wheel, exact);
-    let (group, count) =
-        wheel.groups(|a, b| turned[a] && turned[b] && wheel.normals[a].dot(&wheel.normals[b]) > smooth);
+    let (group, count) = wheel.groups(|a, b| {
+        turned[a] && turned[b] && wheel.normals[a].dot(&wheel.normals[b]) > shape.min_cosine()
+    });
     // Hub and cover are the large faces of revolution with the longest common borders with other faces.
     let (mut areas, mut borders) = (vec![0.0; count], vec![0.0; count]);
     for t in (0..group.len()).filter(|&t| turned[t]) {
@@ -357,7 +374,7 @@ fn segment_by(
             feet = of(&|t| own(t) && at_blade(t));
         }
         let fitted = |points: &[Meridional]| {
-            curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance, smooth))
+            curve_of(&course, (points, &triangles), &feet, middle, (wheel, tolerance, shape))
         };
         let along = |p: Meridional| course.coordinates_of(p).0;
         // Long edges of fillets that join the face smoothly are not on its curve: then its corners tell it.

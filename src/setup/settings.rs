@@ -185,15 +185,11 @@ impl Setup {
         let blade_allowance = unit.min(round_down(NARROWEST_SHARE * width));
         let hub_allowance = unit.min(round_down(HEIGHT_SHARE * height)).max(MIN_ALLOWANCE);
         let mut setup = Self::default();
-        let scaled = |value: f64| round_down(value * unit / USUAL_ALLOWANCE * (1.0 + 1e-9));
+        for value in setup.scaled_values() {
+            *value = round_down(*value * unit / USUAL_ALLOWANCE * (1.0 + 1e-9));
+        }
         setup.allowances.hub_allowance = hub_allowance;
         setup.allowances.blade_allowance = blade_allowance.max(MIN_ALLOWANCE);
-        setup.allowances.safety_distance = scaled(setup.allowances.safety_distance);
-        setup.clearances.shank = scaled(setup.clearances.shank);
-        setup.clearances.holder = scaled(setup.clearances.holder);
-        setup.plunge.wall_scallop = scaled(setup.plunge.wall_scallop);
-        setup.flank.layer_depth = scaled(setup.flank.layer_depth);
-        setup.flank.scallop_height = scaled(setup.flank.scallop_height);
         setup
     }
 

@@ -96,7 +96,7 @@ impl StaleCheck {
         }
     }
 
-    /// The reason and what to do, for a line of little room.
+    /// The reason and what to do, for the status bar.
     pub fn brief_words(self) -> &'static str {
         match self {
             Self::NotChecked => "Not checked again: check again (F7)",

@@ -105,6 +105,9 @@ pub struct DisplayPlan {
     /// The plan.
     pub outcome: Arc<PlanOutcome>,
     policies: Vec<PolicyDisplay>,
+    /// Time that semi-finishing takes for what the plan leaves in a channel, s; `None` where the goal does
+    /// not count it.
+    pub finishing_time_s: Option<f64>,
     /// Range of the colour scale, mm; the same for all policies.
     pub range: (f32, f32),
     /// The floor at the resolutions in which the device draws it.
@@ -151,7 +154,9 @@ impl DisplayPlan {
         };
         let policies = outcome.policies().into_iter().map(display).collect();
         let range = colour_range(&outcome.grid, [&outcome.before.field, &outcome.after.field]);
-        Self { setup, outcome: Arc::new(outcome), policies, range, floor: Arc::clone(floor) }
+        let finishing_time_s = outcome.finishing_time_s(&outcome.after);
+        let (outcome, floor) = (Arc::new(outcome), Arc::clone(floor));
+        Self { setup, outcome, policies, finishing_time_s, range, floor }
     }
 
     /// The floor over which a plan with `grid` and `allowances` of the same part is drawn: that of this plan,

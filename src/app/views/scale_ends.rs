@@ -59,7 +59,7 @@ pub fn hub_ends(ui: &mut Ui, state: &mut AppState, (map, is_difference): (Colour
     }
 }
 
-/// The button that fits the scale, where there is room for it; whether it was clicked.
+/// Draws the button that fits the scale if it has enough space. Returns whether it was clicked.
 fn fit_clicked(ui: &mut Ui) -> bool {
     let tip = "The scale stays while plans change; this fits it to the plan that is shown";
     let has_room = ui.available_width() + MARGIN > fit_width(ui);

@@ -214,21 +214,22 @@ impl Chart {
             0 => None,
             1 | -1 => {
                 let up = rising > falling;
-                let ends =
-                    poles.iter().filter(|p| p.loose == round).map(|p| match surface.periods()[across] {
-                        // The next one round a tube that meets the axis.
-                        Some(turn) if up => p.value + turn * ((high - p.value) / turn - EQUAL).ceil(),
-                        Some(turn) => p.value + turn * ((low - p.value) / turn + EQUAL).floor(),
-                        None => p.value,
-                    });
-                let ends = ends.zip(poles.iter().filter(|p| p.loose == round));
-                let slack = EQUAL * surface.periods()[across].unwrap_or(0.0);
-                let beside = |value: f64| if up { value - high } else { low - value };
-                let ends = ends.filter(|(value, _)| beside(*value) >= -slack);
-                let (value, pole) = ends
-                    .min_by(|(a, _), (b, _)| beside(*a).total_cmp(&beside(*b)))
-                    .ok_or("it has no border at one end")?;
-                Some(Pole { value, ..*pole })
+                let turn = surface.periods()[across];
+                // The next one round a tube that meets the axis.
+                let beside_borders = |pole: &Pole| {
+                    let value = match turn {
+                        Some(turn) if up => pole.value + turn * ((high - pole.value) / turn - EQUAL).ceil(),
+                        Some(turn) => pole.value + turn * ((low - pole.value) / turn + EQUAL).floor(),
+                        None => pole.value,
+                    };
+                    Pole { value, ..*pole }
+                };
+                let slack = EQUAL * turn.unwrap_or(0.0);
+                let beyond = |pole: &Pole| if up { pole.value - high } else { low - pole.value };
+                let ends = poles.iter().filter(|p| p.loose == round).map(beside_borders);
+                let nearest =
+                    ends.filter(|pole| beyond(pole) >= -slack).min_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+                Some(nearest.ok_or("it has no border at one end")?)
             }
             _ => return Err("its borders do not bound it"),
         };

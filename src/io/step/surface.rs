@@ -7,8 +7,16 @@ use super::model::Frame;
 use super::nurbs::NurbsSurface;
 use crate::geometry::{Point, Vector};
 
-/// Steps of a search by the golden section.
-const SEARCH: usize = 60;
+/// Where `f` is least between two arguments, by golden-section search.
+fn golden_minimum(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+    const STEPS: usize = 60;
+    for _ in 0..STEPS {
+        let (c, d) = (a + 0.381_966 * (b - a), b - 0.381_966 * (b - a));
+        if f(c) < f(d) { b = d } else { a = c }
+    }
+    0.5 * (a + b)
+}
+
 /// Points nearer to an axis than this are on it, mm.
 pub const ON_AXIS: f64 = 1e-6;
 /// Samples of the profile of a surface of revolution between two of its breaks.
@@ -71,14 +79,7 @@ impl Revolved {
         };
         let is_least = |w: &&[(f64, f64, f64)]| w[1].1 <= w[0].1 && w[1].1 < w[2].1;
         let least = self.profile.windows(3).filter(is_least);
-        let refined = |w: &[(f64, f64, f64)]| {
-            let (mut a, mut b) = (w[0].0, w[2].0);
-            for _ in 0..SEARCH {
-                let (c, d) = (a + 0.381_966 * (b - a), b - 0.381_966 * (b - a));
-                if radius(c) < radius(d) { b = d } else { a = c }
-            }
-            0.5 * (a + b)
-        };
+        let refined = |w: &[(f64, f64, f64)]| golden_minimum(radius, w[0].0, w[2].0);
         least.map(refined).collect()
     }
 
@@ -106,13 +107,9 @@ impl Revolved {
                 .min_by(|a, b| off(&self.profile[*a]).total_cmp(&off(&self.profile[*b])))
                 .unwrap_or(0);
             let last = self.profile.len() - 1;
-            let (mut a, mut b) = (self.profile[k.saturating_sub(1)].0, self.profile[(k + 1).min(last)].0);
+            let (a, b) = (self.profile[k.saturating_sub(1)].0, self.profile[(k + 1).min(last)].0);
             let ends = [a, b, self.profile[k].0];
-            for _ in 0..SEARCH {
-                let (c, d) = (a + 0.381_966 * (b - a), b - 0.381_966 * (b - a));
-                if far(c) < far(d) { b = d } else { a = c }
-            }
-            let middle = 0.5 * (a + b);
+            let middle = golden_minimum(far, a, b);
             let end = ends.into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(middle);
             if far(end) <= far(middle) + 1e-12 { end } else { middle }
         });

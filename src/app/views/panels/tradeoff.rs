@@ -168,9 +168,8 @@ fn show(
     let shown = shown.map(|summary| (summary.time_s() / 60.0, summary.residual_p95));
     ui.label(words(&curve, handle, shown, state));
     // The figure of the plan itself, where that is what the handle stands for.
-    let total = planned
-        .filter(|_| stands_at(handle, now, state))
-        .and_then(|outcome| Some(now + outcome.finishing_time_s(&outcome.after)? / 60.0));
+    let finishing_s = state.results.planned.as_ref().and_then(|planned| planned.finishing_time_s);
+    let total = finishing_s.filter(|_| stands_at(handle, now, state)).map(|seconds| now + seconds / 60.0);
     if others.len() < OTHERS_COMPARED {
         ui.label(RichText::new("Other strategies: \"Compare all strategies\" under Axis strategies").weak());
     }
