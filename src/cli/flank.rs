@@ -232,6 +232,7 @@ fn object(outcome: &FlankOutcome, program: &FlankProgram) -> Map<String, Value> 
     put("slot_feed", number(plan.feeds.slot_mm_per_min));
     put("wall_feed", number(plan.feeds.wall_mm_per_min));
     put("ramp_feed", number(plan.feeds.ramp_mm_per_min));
+    put("approach_feed", number(plan.feeds.approach_mm_per_min));
     put("cut_length", judged(|v| v.cut_length));
     put("pass_length", number(program.times.cut_length));
     put("link_length", number(program.times.link_length));
@@ -373,8 +374,12 @@ fn text(outcome: &FlankOutcome) -> String {
     let feeds = &plan.feeds;
     text += &format!(
         "feed rates, mm/min: {:.0} beside earlier passes, {:.0} in full stock, {:.0} along walls, \
-         {:.0} ramping down\n",
-        feeds.step_mm_per_min, feeds.slot_mm_per_min, feeds.wall_mm_per_min, feeds.ramp_mm_per_min,
+         {:.0} ramping down, {:.0} down to the stock\n",
+        feeds.step_mm_per_min,
+        feeds.slot_mm_per_min,
+        feeds.wall_mm_per_min,
+        feeds.ramp_mm_per_min,
+        feeds.approach_mm_per_min,
     );
     for height in &curves.empty {
         text += &format!("nothing is planned {height} mm above the hub: the cutter fits nowhere there\n");

@@ -106,7 +106,8 @@ fn curve_inputs(setup: &Setup) -> Setup {
         flank.slot_feed_mm_per_min,
         flank.wall_feed_mm_per_min,
         flank.ramp_feed_mm_per_min,
-    ) = (None, None, None, None);
+        flank.approach_feed_mm_per_min,
+    ) = (None, None, None, None, None);
     flank.tool = None;
     let mut stock = setup.allowances.clone();
     stock.safety_distance = 0.0;
@@ -204,13 +205,8 @@ pub fn plan(
     // Cutting order is from the top down.
     layers.reverse();
     let feeds = setup.flank.feed_rates_for(tool);
-    let path = PathMaker {
-        tool,
-        feeds,
-        blank: &workpiece.blank,
-        safety_distance: setup.allowances.safety_distance,
-        layer_depth: setup.flank.layer_depth,
-    };
+    let path =
+        PathMaker { tool, feeds, blank: &workpiece.blank, safety_distance: setup.allowances.safety_distance };
     monitor.report(0.85);
     let lead_in_out = setup.flank.lead_in_out_for(tool);
     let CheckedMoves { moves, left_out: more, faults } = remove_faults(

@@ -53,6 +53,9 @@ pub struct FlankSetup {
     pub wall_feed_mm_per_min: Option<f64>,
     /// Feed rate of ramps down into stock, mm/min; absent: 0.5 of `feed`.
     pub ramp_feed_mm_per_min: Option<f64>,
+    /// Feed rate down to the stock at the start of a pass, where the cutter meets none, mm/min; absent: four
+    /// times `feed`, at most 5000 unless that is faster.
+    pub approach_feed_mm_per_min: Option<f64>,
 }
 
 /// Feed rates of a flank plan by engagement, mm/min.
@@ -66,7 +69,12 @@ pub struct FlankFeedRates {
     pub wall_mm_per_min: f64,
     /// Ramps down into stock.
     pub ramp_mm_per_min: f64,
+    /// Down to the stock.
+    pub approach_mm_per_min: f64,
 }
+
+/// Largest default of the feed rate down to the stock, mm/min.
+const MAX_APPROACH: f64 = 5000.0;
 
 impl FlankSetup {
     /// Feed rates with `tool`.
@@ -77,6 +85,9 @@ impl FlankSetup {
             slot_mm_per_min: self.slot_feed_mm_per_min.unwrap_or(0.6 * step),
             wall_mm_per_min: self.wall_feed_mm_per_min.unwrap_or(0.8 * step),
             ramp_mm_per_min: self.ramp_feed_mm_per_min.unwrap_or(0.5 * step),
+            approach_mm_per_min: self
+                .approach_feed_mm_per_min
+                .unwrap_or((4.0 * step).min(MAX_APPROACH).max(step)),
         }
     }
 

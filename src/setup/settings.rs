@@ -282,6 +282,7 @@ impl Default for Setup {
                 slot_feed_mm_per_min: None,
                 wall_feed_mm_per_min: None,
                 ramp_feed_mm_per_min: None,
+                approach_feed_mm_per_min: None,
             },
             channels: ChannelSetup::default(),
             machine: Machine { file: None, max_axis_tilt_rad: std::f64::consts::PI },

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 use vanecut::error::ErrorCode;
-use vanecut::flank::MoveKind;
+use vanecut::flank::{FlankMove, MoveKind};
 use vanecut::io::apt::{read_apt_bytes, write_apt};
 use vanecut::io::flank_file::{ShownWall, is_flank, read_flank_bytes, write_flank};
 use vanecut::io::read_part;
@@ -126,6 +126,46 @@ fn a_program_cuts_from_the_top_down_and_flies_only_above() {
             "a cut begins with an approach"
         );
     }
+}
+
+/// `verify` finds rapids that meet stock, by its solid: the fast moves become rapids here.
+#[test]
+fn a_cutter_comes_down_fast_only_where_it_meets_no_stock() {
+    for outcome in [&*BALANCED, &*BY_REGIONS] {
+        let (plan, name) = (&outcome.plan, &outcome.workpiece.part.name);
+        let mut moves = plan.moves.clone();
+        let (mut fast, mut all) = (0, 0);
+        for step in moves.iter_mut().filter(|step| step.kind == MoveKind::Approach) {
+            all += 1;
+            if step.feed_mm_per_min == plan.feeds.approach_mm_per_min {
+                step.kind = MoveKind::Rapid;
+                fast += 1;
+            }
+        }
+        assert!(fast > 30 && fast < all, "{fast} of {all}");
+        let text = write_apt(&ClProgram::of_flank(name, &plan.tool, &moves));
+        let program = read_apt_bytes("flank.apt", text.as_bytes()).expect("it reads its own program");
+        let verdict =
+            verify_flank(&outcome.workpiece, &outcome.setup, &program, &Monitor::default()).expect("judged");
+        assert!(verdict.faults.is_empty(), "{name}: {:?}", verdict.faults.first());
+    }
+}
+
+/// Ramps to and fro into full stock take longer than the way to a place that is cut.
+#[test]
+fn passes_are_entered_from_what_is_cut() {
+    let plan = &BALANCED.plan;
+    let ramps = |from: MoveKind| {
+        let is_ramp = |step: &FlankMove| step.kind == MoveKind::Approach && step.feed_mm_per_min == 200.0;
+        let begin = |pair: &&[FlankMove]| is_ramp(&pair[1]) && !is_ramp(&pair[0]) && pair[0].kind == from;
+        plan.moves.windows(2).filter(begin).count()
+    };
+    let descents = plan
+        .moves
+        .windows(2)
+        .filter(|pair| pair[0].kind == MoveKind::Rapid && pair[1].kind == MoveKind::Approach);
+    let (ramps, descents) = (ramps(MoveKind::Approach), descents.count());
+    assert!(ramps > 0 && 10 * ramps < descents, "{ramps} ramps of {descents} descents");
 }
 
 #[test]

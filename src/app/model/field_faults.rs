@@ -64,7 +64,7 @@ impl ReplacedValue {
 pub const SECTION: &str = "Section";
 
 /// Table and key of each field of the setup, with its label.
-const FIELDS: [(&str, &str, &str); 39] = [
+const FIELDS: [(&str, &str, &str); 40] = [
     ("stock", "hub_allowance", "Hub allowance"),
     ("stock", "blade_allowance", "Blade allowance"),
     ("stock", "safety_distance", "Rapid clearance"),
@@ -98,6 +98,7 @@ const FIELDS: [(&str, &str, &str); 39] = [
     ("flank", "slot_feed", "Slot feed"),
     ("flank", "wall_feed", "Wall feed"),
     ("flank", "ramp_feed", "Ramp feed"),
+    ("flank", "approach_feed", "Approach feed"),
     ("tool", "diameter", "Diameter"),
     ("tool", "insert_width", "Insert width"),
     ("tool", "corner_radius", "Corner radius"),

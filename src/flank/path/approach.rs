@@ -11,14 +11,23 @@ const RAMP_TURNS: f64 = 12.0;
 /// Maximum angle of a ramp, rad.
 const MAX_RAMP: f64 = 2.0 * RAMP;
 
-/// Length of a ramp from `depth` mm above along a pass of `length` mm, mm.
-pub(super) fn ramp_length_on(length: f64, depth: f64) -> f64 {
-    ramp_length(length.min(RAMP_LENGTH), depth)
+/// Height of stock below the start of a pass that a cutter takes without a ramp, mm.
+const MIN_RAMP_HEIGHT: f64 = 0.05;
+
+/// Length of a ramp from `height` mm above to and fro along `reach` mm of a pass, mm.
+fn ramp_length(reach: f64, height: f64) -> f64 {
+    (height / RAMP.tan()).min((RAMP_TURNS * reach).max(height / MAX_RAMP.tan()))
 }
 
-/// Length of a ramp from `depth` mm above to and fro along `reach` mm of a pass, mm.
-fn ramp_length(reach: f64, depth: f64) -> f64 {
-    (depth / RAMP.tan()).min((RAMP_TURNS * reach).max(depth / MAX_RAMP.tan()))
+/// Which feed rate a move towards the start of a pass has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ApproachFeed {
+    /// That through air, down to the stock.
+    Down,
+    /// That of the pass.
+    Pass,
+    /// That of ramps, down into stock.
+    Ramp,
 }
 
 /// A move towards the start of a pass.
@@ -27,19 +36,33 @@ pub(super) struct ApproachStep {
     pub(super) position: (Point, Vector),
     /// Index of the pass position below it.
     pub(super) over: usize,
-    /// Whether it is one of a ramp, down into stock.
-    pub(super) on_ramp: bool,
+    /// Its feed rate.
+    pub(super) feed: ApproachFeed,
 }
 
-/// The moves to the start of a pass: down to it beyond the part (`open`), else by a ramp from `depth` mm
-/// above.
-pub(super) fn approach(positions: &[(Point, Vector)], open: bool, depth: f64) -> Vec<ApproachStep> {
-    let ramp = if open { Vec::new() } else { ramp(positions, depth) };
-    let step = |(position, over)| ApproachStep { position, over, on_ramp: true };
-    let mut steps: Vec<ApproachStep> = ramp.into_iter().map(step).collect();
+/// The moves to the start of a pass from a point above it, `top` mm along its axis: down to `distance` mm
+/// above the stock, which stands `stands` mm above the start, slower from there, and by a ramp into it.
+pub(super) fn approach(
+    positions: &[(Point, Vector)],
+    top: f64,
+    stands: f64,
+    distance: f64,
+) -> Vec<ApproachStep> {
+    let (tip, axis) = positions[0];
+    let mut steps = Vec::new();
+    let slower_from = stands + distance;
+    if slower_from < top {
+        let position = (tip + axis * slower_from, axis);
+        steps.push(ApproachStep { position, over: 0, feed: ApproachFeed::Down });
+    }
+    if stands > MIN_RAMP_HEIGHT {
+        let feeds = std::iter::once(ApproachFeed::Pass).chain(std::iter::repeat(ApproachFeed::Ramp));
+        let ramp = ramp(positions, stands).into_iter().zip(feeds);
+        steps.extend(ramp.map(|((position, over), feed)| ApproachStep { position, over, feed }));
+    }
     // A ramp may end there at full depth.
     if steps.last().is_none_or(|last| last.position != positions[0]) {
-        steps.push(ApproachStep { position: positions[0], over: 0, on_ramp: false });
+        steps.push(ApproachStep { position: positions[0], over: 0, feed: ApproachFeed::Pass });
     }
     steps
 }
@@ -117,15 +140,32 @@ mod tests {
             // The steps have no rounding errors, so that a ramp may end just at the start.
             let at = |k: i32| (Point::new(f64::from(k) / 8.0, 0.0, 0.0), Vector::z());
             let positions: Vec<(Point, Vector)> = (0..=eighths).map(at).collect();
-            for open in [true, false] {
-                let steps = approach(&positions, open, 1.0);
+            for stands in [0.0, 1.0] {
+                let steps = approach(&positions, 10.0, stands, 2.0);
                 assert!(steps.last().is_some_and(|last| last.position == positions[0] && last.over == 0));
                 let repeats = steps.windows(2).filter(|pair| pair[0].position == pair[1].position);
                 assert_eq!(repeats.count(), 0, "{eighths}/8 mm");
-                ends_by_ramp.extend(steps.last().filter(|last| last.on_ramp).map(|_| eighths));
-                assert!(!open || steps.len() == 1);
+                ends_by_ramp
+                    .extend(steps.last().filter(|last| last.feed == ApproachFeed::Ramp).map(|_| eighths));
             }
         }
         assert!(!ends_by_ramp.is_empty());
+    }
+
+    #[test]
+    fn an_approach_is_fast_to_a_distance_above_the_stock_and_ramps_only_into_it() {
+        let positions = straight(40.0);
+        let heights = |top: f64, stands: f64| -> Vec<(f64, ApproachFeed)> {
+            let steps = approach(&positions, top, stands, 2.0);
+            steps.iter().map(|step| (step.position.0.z, step.feed)).collect()
+        };
+        use ApproachFeed::{Down, Pass, Ramp};
+        assert_eq!(heights(20.0, 0.0), [(2.0, Down), (0.0, Pass)]);
+        assert_eq!(heights(20.0, 0.04), [(2.04, Down), (0.0, Pass)], "too little for a ramp");
+        assert_eq!(heights(1.5, 0.0), [(0.0, Pass)], "from below the distance");
+        let ramped = heights(20.0, 3.0);
+        assert_eq!(ramped[..2], [(5.0, Down), (3.0, Pass)]);
+        assert!(ramped.windows(2).all(|pair| pair[1].0 <= pair[0].0), "never up again");
+        assert!(ramped[2..ramped.len() - 1].iter().all(|step| step.1 == Ramp));
     }
 }

@@ -44,7 +44,7 @@ pub(super) const PLUNGE_KEYS: KeyUnits<19> = [
 pub(super) const SECTION_KEYS: KeyUnits<6> =
     [("tool", ""), ("from", ""), ("to", ""), ("cutting_direction", ""), ("rest", ""), ("opening", "")];
 /// `[flank]`.
-pub(super) const FLANK_KEYS: KeyUnits<9> = [
+pub(super) const FLANK_KEYS: KeyUnits<10> = [
     ("tool", ""),
     ("scheme", ""),
     ("layer_depth", "mm"),
@@ -54,6 +54,7 @@ pub(super) const FLANK_KEYS: KeyUnits<9> = [
     ("slot_feed", "mm/min"),
     ("wall_feed", "mm/min"),
     ("ramp_feed", "mm/min"),
+    ("approach_feed", "mm/min"),
 ];
 /// `[machine]`.
 pub(super) const MACHINE_KEYS: KeyUnits<2> = [("file", ""), ("max_axis_tilt", "°")];

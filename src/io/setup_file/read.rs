@@ -244,6 +244,7 @@ fn flank(table: &TomlTable<'_>, flank: &mut FlankSetup) -> Result<(), InputError
     flank.slot_feed_mm_per_min = table.number("slot_feed", RATE)?.map(|x| x.value);
     flank.wall_feed_mm_per_min = table.number("wall_feed", RATE)?.map(|x| x.value);
     flank.ramp_feed_mm_per_min = table.number("ramp_feed", RATE)?.map(|x| x.value);
+    flank.approach_feed_mm_per_min = table.number("approach_feed", RATE)?.map(|x| x.value);
     Ok(())
 }
 

@@ -169,6 +169,7 @@ fn write_to(out: &mut String, setup: &Setup, with_outline: bool) -> std::fmt::Re
         ("slot_feed", flank.slot_feed_mm_per_min),
         ("wall_feed", flank.wall_feed_mm_per_min),
         ("ramp_feed", flank.ramp_feed_mm_per_min),
+        ("approach_feed", flank.approach_feed_mm_per_min),
     ] {
         if let Some(feed) = feed {
             writeln!(out, "{key} = {feed:?}")?;

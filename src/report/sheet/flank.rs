@@ -47,10 +47,16 @@ pub fn flank_sheet(input: &FlankSheetInput, pictures: Vec<PagePicture>) -> Repor
 /// The tools in cutting order, each with the feed rates of what it cuts.
 fn tools(outcome: &FlankOutcome) -> Vec<(&Tool, String)> {
     let plan = &outcome.plan;
-    let FlankFeedRates { step_mm_per_min, slot_mm_per_min, wall_mm_per_min, ramp_mm_per_min } = plan.feeds;
+    let FlankFeedRates {
+        step_mm_per_min,
+        slot_mm_per_min,
+        wall_mm_per_min,
+        ramp_mm_per_min,
+        approach_mm_per_min,
+    } = plan.feeds;
     let rates = format!(
         "passes {step_mm_per_min:.0}, in full stock {slot_mm_per_min:.0}, along walls {wall_mm_per_min:.0}, \
-         ramps {ramp_mm_per_min:.0} mm/min"
+         ramps {ramp_mm_per_min:.0}, down to the stock {approach_mm_per_min:.0} mm/min"
     );
     let opening = plan.opening.iter().map(|opening| {
         let tool = &opening.tool;

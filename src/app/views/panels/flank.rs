@@ -48,6 +48,8 @@ const FEED: FieldSpec = feed("Feed rate", "Feed rate of passes beside a pass tha
 const SLOT_FEED: FieldSpec = feed("Slot feed", "Feed rate of passes with stock on both sides");
 const WALL_FEED: FieldSpec = feed("Wall feed", "Feed rate of the passes that finish the walls");
 const RAMP_FEED: FieldSpec = feed("Ramp feed", "Feed rate of ramps down into stock");
+const APPROACH_FEED: FieldSpec =
+    feed("Approach feed", "Feed rate down to the stock at the start of a pass, where the cutter meets none");
 
 const fn feed(label: &'static str, tip: &'static str) -> FieldSpec {
     FieldSpec { tip, ..FieldSpec::plain(label, " mm/min", 20_000.0) }
@@ -149,6 +151,12 @@ pub fn show(ui: &mut Ui, setup: &mut Setup, defaults: &Setup, planned: Option<&F
             &mut setup.flank.ramp_feed_mm_per_min,
             &RAMP_FEED,
             feeds.map(|f| f.ramp_mm_per_min),
+        );
+        fields::optional_row(
+            ui,
+            &mut setup.flank.approach_feed_mm_per_min,
+            &APPROACH_FEED,
+            feeds.map(|f| f.approach_mm_per_min),
         );
     };
     field_faults::within(ui, FieldScope::Flank, |ui| fields::form(ui, "flank fields", form));
