@@ -127,7 +127,10 @@ impl PlanOutcome {
             let (plan, grid, clock) = (&outcome.after.plan, &self.grid, &self.clock);
             let input = WholeInput { workpiece, setup, plan, grid, locks, clock };
             let met = goal::meet_goal(input, &mut SectionCache::default(), &monitor.span(FIRST_SHARE, 1.0))?;
-            let MetGoal { plan, sparse, misses_goal } = met;
+            let MetGoal { plan, sparse, misses_goal, is_stopped } = met;
+            if is_stopped {
+                return Ok(None);
+            }
             (outcome.sparse, outcome.misses_goal) = (sparse, misses_goal);
             if let Some((plan, density)) = plan {
                 let chosen = measure_residual(plan, &self.grid, &self.clock);

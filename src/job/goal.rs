@@ -39,6 +39,8 @@ pub(super) struct MetGoal {
     pub sparse: Option<Arc<PlungePlan>>,
     /// Whether no plan meets the goal; this one comes nearest.
     pub misses_goal: bool,
+    /// Whether a stop came before all plans were weighed: another one may meet the goal better.
+    pub is_stopped: bool,
 }
 
 /// The whole plan of `minimal`, with what it was planned for, and the floor on which its plunges are weighed.
@@ -125,8 +127,8 @@ fn density_of(number: usize) -> RowDensity {
     if number == 0 { RowDensity::Dense } else { RowDensity::Sparse }
 }
 
-/// The plan that the goal of the setup asks for. An unfinished plan stays as it is. `known` keeps the
-/// sections of the plan with fewer rows.
+/// The plan that the goal of the setup asks for. An unfinished plan stays as it is, and so does one after
+/// whose planning a stop came. `known` keeps the sections of the plan with fewer rows.
 ///
 /// A stop ends the planning of fewer rows; the goal is then met from the whole plan alone.
 ///
@@ -138,23 +140,25 @@ pub(super) fn meet_goal(
     monitor: &Monitor,
 ) -> Result<MetGoal, PlanError> {
     if input.plan.is_unfinished() || monitor.is_stopped() {
-        return Ok(MetGoal::default());
+        return Ok(MetGoal { is_stopped: true, ..MetGoal::default() });
     }
     let goal = input.setup.plunge.goal;
     let closing = &monitor.ignoring_stop();
     let grid = weighing_grid(input.grid);
     let whole = WholePlan::new(input, &grid);
     let first = whole.thinning(whole.plan, ThinningLimits::from_goal(goal), closing)?;
-    let sparse = match first.is_least_stock_enough(goal) {
+    let takes_whole = first.is_least_stock_enough(goal);
+    let sparse = match takes_whole {
         true => None,
         false => whole.sparse_plan(known, monitor)?.map(Arc::new),
     };
+    let is_stopped = !takes_whole && sparse.is_none() && monitor.is_stopped();
     let tradeoff = whole.tradeoff(first, sparse.as_deref(), closing)?;
     let point = tradeoff.choose(goal);
     let mut misses_goal = !tradeoff.reaches(goal);
     if (point.plan, point.left_out) == (0, 0) {
         drop(tradeoff);
-        return Ok(MetGoal { plan: None, sparse, misses_goal });
+        return Ok(MetGoal { plan: None, sparse, misses_goal, is_stopped });
     }
     let (mut plan, mut made_at) = (whole.plan_at(&tradeoff, point, closing)?, point);
     // Links are raised where plunges beside them are gone, which takes time that the curve does not know.
@@ -175,7 +179,8 @@ pub(super) fn meet_goal(
         misses_goal = minutes > limit;
     }
     drop(tradeoff);
-    Ok(MetGoal { plan: Some((plan, density_of(made_at.plan))), sparse, misses_goal })
+    let plan = Some((plan, density_of(made_at.plan)));
+    Ok(MetGoal { plan, sparse, misses_goal, is_stopped })
 }
 
 /// Time of a plan, min.

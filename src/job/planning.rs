@@ -62,12 +62,20 @@ pub(super) fn plan(
     if !is_search {
         return Ok(outcome);
     }
-    let mut turned = starved::reordered(&outcome, &mut known.reordered, monitor)?;
+    let reordered = |outcome: &mut PlanOutcome, known: &mut PolicyCache| {
+        let turned = starved::reordered(outcome, known, monitor);
+        if monitor.is_stopped() && matches!(turned, Err(PlanError::Cancelled(_))) {
+            outcome.after.plan.mark_unfinished();
+            return Ok(None);
+        }
+        turned
+    };
+    let mut turned = reordered(&mut outcome, &mut known.reordered)?;
     if turned.is_none() && outcome.after.plan.is_unfinished() && !monitor.is_stopped() {
         // By what is planned so far no other order is better: the one that starves is planned to its end, and
         // all of it is compared.
         outcome = plan_in(resolved, OnStarving::GoOn, &mut known.plans, monitor, Listener::default())?;
-        turned = starved::reordered(&outcome, &mut known.reordered, monitor)?;
+        turned = reordered(&mut outcome, &mut known.reordered)?;
     }
     let Some(turned) = turned else { return Ok(outcome) };
     // Its sections are known; a stop leaves the rest to be finished.
@@ -226,6 +234,9 @@ fn plan_sections(
         if let Some((plan, rows)) = met.plan.take() {
             density = rows;
             whole = Some(std::mem::replace(minimal, measure_residual(plan, &grid, clock)).plan);
+        }
+        if met.is_stopped {
+            minimal.plan.mark_unfinished();
         }
     }
     let after = match others.iter().position(|result| result.plan.policy == request.policy) {

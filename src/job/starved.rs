@@ -1,7 +1,7 @@
 //! Plans of `minimal` whose rows starve: where no core is free at some s, nothing behind it is either.
 
 use super::{PlanOutcome, PolicyCache, PolicyResult, measure_residual};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::plunge::sections::Resolved;
 use crate::plunge::{DropReason, PlanError, Planner, SectionPlan, cutting_order};
 use crate::setup::{AxisPolicy, CutDirection, SectionKind};
@@ -24,19 +24,20 @@ pub(super) fn has_other_orders(resolved: &Resolved) -> bool {
 /// by it.
 ///
 /// # Errors
-/// [`PlanError::Cancelled`] when `monitor` is cancelled.
+/// [`PlanError::Cancelled`] when `monitor` is cancelled, or stopped before all orders are compared.
 pub(super) fn reordered(
     outcome: &PlanOutcome,
     known: &mut PolicyCache,
     monitor: &Monitor,
 ) -> Result<Option<Resolved>, PlanError> {
     let minimal = outcome.policies().into_iter().find(|result| result.plan.policy == AxisPolicy::Minimal);
-    let Some(minimal) = minimal.filter(|_| !monitor.is_stopped()) else { return Ok(None) };
+    let Some(minimal) = minimal else { return Ok(None) };
     let lacks_contact = minimal.plan.dropped.iter().any(|dropped| dropped.why == DropReason::Contact);
     let uncut = uncut_where_planned(outcome, minimal);
     if !lacks_contact || uncut <= STARVED_UNCUT {
         return Ok(None);
     }
+    monitor.check()?;
     let resolved = Resolved { setup: outcome.setup.clone(), reasons: outcome.reasons.clone() };
     for s in meeting_s(outcome, minimal).into_iter().chain([1.0, 0.0]) {
         let Some(turned) = cutting_order::from_both_ends(&resolved, s) else { continue };
@@ -49,8 +50,9 @@ pub(super) fn reordered(
             Ok(plan) if !plan.is_unfinished() => plan,
             // It starves as well.
             Ok(_) if !monitor.is_stopped() => continue,
-            Err(PlanError::Cancelled(cancelled)) if !monitor.is_stopped() => return Err(cancelled.into()),
-            _ => return Ok(None),
+            Ok(_) => return Err(Cancelled.into()),
+            Err(PlanError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(PlanError::Setup(_)) => return Ok(None),
         };
         // Its time does not matter.
         let turned_uncut = measure_residual(plan, &outcome.grid, &PlanClock::default()).summary.uncut_share;

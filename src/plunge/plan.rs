@@ -308,6 +308,14 @@ impl<E> PlungePlan<E> {
     pub fn is_unfinished(&self) -> bool {
         self.sections.iter().any(SectionPlan::is_unfinished)
     }
+
+    /// Marks the plan, by its last section, as one whose planning was stopped.
+    pub(crate) fn mark_unfinished(&mut self) {
+        if let Some(section) = self.sections.last_mut() {
+            let count = section.added.map_or(0, |added| added.count);
+            section.added = Some(AddedPlunges { count, ..AddedPlunges::UNFINISHED });
+        }
+    }
 }
 
 impl PlungePlan {
