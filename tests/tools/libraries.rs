@@ -404,8 +404,10 @@ fn impossible_rates_of_a_preset_are_left_out_and_named() {
 #[test]
 fn fractions_and_commas_of_freecad_are_lengths_and_bits_at_fault_are_left_out() {
     let bit = |diameter: &str, shape: &str| {
+        // Older files have the teeth among the attributes.
+        let flutes = if shape == "endmill" { ["Flutes", "Other"] } else { ["Other", "Flutes"] };
         json!({"name": "x", "shape": shape, "parameter": {"Diameter": diameter, "Length": "2 1/2\"",
-            "CuttingEdgeHeight": "12,5 mm", "Flutes": "3"}})
+            "CuttingEdgeHeight": "12,5 mm", flutes[0]: "3"}, "attribute": {flutes[1]: "3"}})
         .to_string()
     };
     for (text, mm) in [("1/4 in", 6.35), ("5,0 mm", 5.0), ("1 1/4\"", 31.75), ("0.375 \"", 9.525)] {
@@ -413,6 +415,7 @@ fn fractions_and_commas_of_freecad_are_lengths_and_bits_at_fault_are_left_out() 
         let tool = &read.expect(text).tools[0].tool;
         assert!((tool.diameter - mm).abs() < 1e-9, "{text}: {}", tool.diameter);
         assert_eq!((tool.overhang, tool.assembly.flute_length), (63.5, Some(12.5)));
+        assert_eq!(tool.assembly.teeth, Some(3));
     }
     let folder = tempfile_folder("fctl");
     std::fs::write(folder.join("good.fctb"), bit("6 mm", "endmill.fcstd")).unwrap();
@@ -420,6 +423,7 @@ fn fractions_and_commas_of_freecad_are_lengths_and_bits_at_fault_are_left_out() 
     let mut tools = vec![json!({"nr": 4, "path": "good.fctb"}), json!({"nr": 1, "path": "bad.fctb"})];
     tools.push(json!({"nr": 2}));
     tools.push(json!({"nr": 3, "path": "../up.fctb"}));
+    tools.push(json!({"nr": 90, "path": "gone.fctb"}));
     for k in 0..40 {
         std::fs::write(folder.join(format!("d{k}.fctb")), bit("6 mm", "drill.fcstd")).unwrap();
         tools.push(json!({"nr": 10 + k, "path": format!("d{k}.fctb")}));
@@ -440,7 +444,11 @@ fn fractions_and_commas_of_freecad_are_lengths_and_bits_at_fault_are_left_out() 
         vanecut::io::shop_tools::read_library(&path, LibraryFormat::FreeCadLibrary).expect("one is good");
     assert_eq!(read.tools.iter().map(|t| t.tool.number).collect::<Vec<_>>(), [4]);
     assert!(read.tools[0].missing.spindle, "FreeCAD has no feeds");
-    assert_eq!(read.notes.len(), 4, "{:#?}", read.notes);
+    assert_eq!(read.notes.len(), 5, "{:#?}", read.notes);
+    for named in ["tool 1, `bad.fctb`,", "tool 2 is", "tool 3, `../up.fctb`,", "tool 90, `gone.fctb`,"] {
+        assert!(read.notes.iter().any(|note| note.starts_with(named)), "{named}: {:#?}", read.notes);
+    }
+    assert_eq!(read.tools[0].tool.assembly.teeth, Some(3));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

@@ -117,14 +117,16 @@ pub(super) fn read_bit(name: &str, bytes: &[u8], number: Option<u32>) -> Result<
         false => "insert width assumed: the cutter cuts to its centre".to_owned(),
     });
     notes.push("the holder is unknown".to_owned());
-    let teeth = parameters.get("Flutes").and_then(|flutes| match flutes {
+    let attributes = tree.get("attribute");
+    // Older tool bits have it among the attributes.
+    let flutes = parameters.get("Flutes").or_else(|| attributes.and_then(|all| all.get("Flutes")));
+    let teeth = flutes.and_then(|flutes| match flutes {
         Value::Number(number) => number.as_u64(),
         Value::String(text) => text.trim().parse().ok(),
         _ => None,
     });
-    let attribute = |key: &str| {
-        tree.get("attribute").and_then(|all| all.get(key)).and_then(Value::as_str).and_then(short_name)
-    };
+    let attribute =
+        |key: &str| attributes.and_then(|all| all.get(key)).and_then(Value::as_str).and_then(short_name);
     let tool = Tool {
         number: number.unwrap_or(1),
         diameter,
@@ -167,27 +169,35 @@ pub(super) fn read_list(name: &str, bytes: &[u8], beside: &ReadBeside) -> Result
     // The first error of a tool bit. It becomes the error of the library if no bit can be read.
     let mut refused = None;
     for (index, text) in list.iter().enumerate() {
+        let entry = tool_tree(text).unwrap_or_default();
+        let number = entry.get("nr").and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
+        let number = number.filter(|n| (1..=MAX_NUMBER).contains(n));
+        let file = entry.get("path").and_then(Value::as_str);
+        let shown = match (number, file) {
+            (Some(number), _) => format!("tool {number}"),
+            (None, Some(file)) => format!("tool {}", quote_for_message(file)),
+            (None, None) => format!("the tool at place {} of the list", index + 1),
+        };
         let read = || {
-            let entry = tool_tree(text).unwrap_or_default();
-            let file = entry.get("path").and_then(Value::as_str).ok_or_else(|| {
-                fault(format!("tool {} has no `path`", index + 1), "correct it in FreeCAD")
+            let file = file.ok_or_else(|| {
+                fault(format!("{shown} has no `path`"), "correct it in FreeCAD")
                     .with_code(ErrorCode::MissingKey)
             })?;
             // Only files beside the library: no folder above it, no absolute path.
             if file.contains(['/', '\\', ':']) || !file.to_lowercase().ends_with(".fctb") {
-                let shown = quote_for_message(file);
-                let what = format!("tool {} is in {shown}, not a .fctb file beside it", index + 1);
+                let what = format!("{shown} is in {}, not a .fctb file beside it", quote_for_message(file));
                 return Err(fault(what, "copy the tool bits into the folder of the library"));
             }
-            let number = entry.get("nr").and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
-            let number = number.filter(|n| (1..=MAX_NUMBER).contains(n)).unwrap_or(0);
-            beside(file).and_then(|(bit, bytes)| read_bit(&bit, &bytes, Some(number)))
+            beside(file).and_then(|(bit, bytes)| read_bit(&bit, &bytes, Some(number.unwrap_or(0))))
         };
         match read() {
             Ok(ToolBit::Mill(tool)) => library.tools.push(Arc::new(*tool)),
             Ok(ToolBit::Other(shown, why)) => left_out.add(shown, why),
             Err(error) => {
-                left_out.add(format!("tool {}", index + 1), error.message.clone());
+                let of_file = file.filter(|_| number.is_some());
+                let of_file =
+                    of_file.map_or_else(String::new, |file| format!(", {},", quote_for_message(file)));
+                left_out.add(shown + &of_file, error.message.clone());
                 refused.get_or_insert(error);
             }
         }
