@@ -22,6 +22,7 @@ mod large_library;
 mod layout;
 mod look;
 mod machine;
+mod machine_file;
 mod mouse;
 mod nc;
 mod preview;

@@ -32,7 +32,7 @@ impl App {
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
             C::StudyResults => self.study.has_results(),
-            C::PlanFlank | C::Assess | C::ShowTour => open,
+            C::PlanFlank | C::Assess | C::ShowTour | C::OpenMachine => open,
             C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
             C::CheckAgain | C::CloseProgram => {
@@ -145,6 +145,7 @@ impl App {
             C::AssignRoles => self.assign_roles(),
             C::OpenSetup => self.dialogs.open_dialog(ctx, Purpose::OpenSetup, String::new()),
             C::OpenBlank => self.dialogs.open_dialog(ctx, Purpose::OpenBlank, String::new()),
+            C::OpenMachine => self.dialogs.open_dialog(ctx, Purpose::OpenMachine, String::new()),
             C::ToolLibrary => look.panels.open(DockPanel::ToolLibrary),
             C::OpenStudy => self.dialogs.open_dialog(ctx, Purpose::OpenStudy, String::new()),
             C::StudyResults => look.panels.open(DockPanel::Study),

@@ -386,7 +386,8 @@ impl App {
         let channel_count = self.channel_count();
         let channels = last.map_or(self.state.look.shown_channels, |last| last.channels);
         let channels = channels.clamp(1, channel_count);
-        self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target });
+        let machines = self.state.machines.clone();
+        self.nc_dialog.open(NcQuestion { operations, operation, channels, channel_count, target, machines });
         // What was chosen for another machine stays.
         if let Some(machine) = other {
             self.nc_dialog.take(TargetChoice::Machine(machine));
@@ -432,7 +433,7 @@ impl App {
         let Some(source) = source else { return };
         let target = question.target.clone();
         // What is written is read back for the same machine.
-        self.state.look.check_machine.clone_from(&target.machine);
+        self.state.look.check_machine = Some(target.machine.clone());
         self.state.look.check_control = Some(target.control.clone());
         self.write(WriteTask::Nc(path, NcTask { source, target }));
     }

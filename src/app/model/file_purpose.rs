@@ -28,6 +28,8 @@ pub enum Purpose {
     /// A blank to take.
     OpenBlank,
     /// A tool library to open.
+    /// A machine file to take.
+    OpenMachine,
     OpenLibrary,
     /// The part of a project whose file is not where that says.
     LocatePart,
@@ -90,6 +92,7 @@ impl Purpose {
             Self::ExportCl { channels: 1 } => "Export CL (APT)",
             Self::ExportCl { .. } => "Export CL of several channels (APT)",
             Self::ExportFlank { channels: 1 } => "Export flank CL (APT)",
+            Self::OpenMachine => "Open machine file",
             Self::ExportFlank { .. } => "Export flank CL of several channels (APT)",
             Self::ExportNc { .. } => "Export NC program",
             Self::OpenPost => "Open post",
@@ -142,6 +145,12 @@ impl Purpose {
         match self {
             Self::OpenPart | Self::LocatePart => ("Impellers and plans", PART_ENDINGS),
             Self::OpenProject | Self::SaveProject => ("Projects", &[EXTENSION]),
+    /// Whether a file must have one of its endings: one that is written, and a machine file, which shares its
+    /// ending with others.
+    pub fn requires_ending(self) -> bool {
+        self.saves() || self == Self::OpenMachine
+    }
+
             Self::OpenSetup | Self::SaveSetup => ("Setups", &["toml"]),
             Self::OpenLibrary => ("Tool libraries", &["toml", "json", "tools", "fctb", "fctl"]),
             Self::SaveLibrary => ("Tool libraries", &["toml", "json"]),
@@ -158,6 +167,7 @@ impl Purpose {
         }
     }
 }
+            Self::OpenMachine => ("Machine files", &["toml"]),
 
 /// Endings of the programs of a control; the first is added to a name without one.
 fn endings_of(dialect: Dialect) -> &'static [&'static str] {

@@ -20,6 +20,7 @@ pub mod listing;
 pub mod look;
 pub mod machine;
 pub mod mouse_preset;
+pub mod machine_list;
 pub mod number;
 pub mod panels;
 pub mod part_source;

@@ -65,6 +65,8 @@ commands! {
     OpenSetup "Open setup…" "Opens a setup (.toml) for the part" [CTRL | SHIFT, O];
     OpenBlank "Open blank…"
         "Takes the stock before the first cut from a file: a mesh (.stl) or an outline, lines r z (.txt)" [];
+    OpenMachine "Open machine file…"
+        "Takes the machine of the setup from a machine file (.toml): its axes, limits, control and zero point" [];
     ToolLibrary "Shop library…"
         "Shows the tool library of the shop: search, look at, edit, take into the setup" [];
     OpenLibrary "Open library…"

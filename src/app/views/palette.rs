@@ -184,6 +184,7 @@ fn synonyms(command: Command) -> &'static str {
         C::OpenLibrary => "load import tools fusion freecad",
         C::SaveLibrary => "store write export tools fusion",
         C::OpenBlank => "load import stl stock casting forging preform",
+        C::OpenMachine => "load import kinematics trunnion own",
         C::SaveProject | C::SaveProjectAs | C::SaveSetup => "store write",
         C::Cutters => "tool tools",
         C::Holders => "tool tools collision",

@@ -13,6 +13,7 @@ pub mod flank_results;
 pub mod goal;
 mod hand_mark;
 pub mod library;
+pub mod machine;
 pub mod operations;
 pub mod part;
 pub mod plots;
