@@ -32,7 +32,7 @@ impl App {
             C::DismissProblems => !self.state.problems.is_empty(),
             C::SaveLibrary => self.library.library().is_some(),
             C::StudyResults => self.study.has_results(),
-            C::PlanFlank | C::Assess | C::ShowTour | C::OpenMachine => open,
+            C::PlanFlank | C::Assess | C::CompareAll | C::ShowTour | C::OpenMachine => open,
             C::SaveAssessment => self.assessing.known(&self.state).is_some(),
             C::CheckProgram => open,
             C::CheckAgain | C::CloseProgram => {
@@ -140,6 +140,7 @@ impl App {
                 self.state.report_done(format!("The setup is saved as \"{name}\", under Variants"));
             }
             C::FollowEdits => self.state.auto_update ^= true,
+            C::CompareAll => self.state.compare ^= true,
             C::DismissProblems => self.state.dismiss_problems(),
             C::OpenPart => self.dialogs.open_dialog(ctx, Purpose::OpenPart, String::new()),
             C::AssignRoles => self.assign_roles(),

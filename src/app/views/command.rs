@@ -107,6 +107,8 @@ commands! {
     Plan "Calculate roughing" "Plans the rough milling of the channel with the current setup" [NONE, F5];
     Assess "Machinability"
         "Shows twist, depth, width, largest cutter, and what the tools reach, before any plan" [NONE, A];
+    CompareAll "Compare all strategies"
+        "The next calculation plans every axis strategy, not only the chosen one, or that alone again" [];
     TimeAgainstStock "Time against stock"
         "Shows what less time costs in stock on the hub; drag the handle, and the plan follows" [NONE, G];
     SaveAssessment "Save machinability page…"
