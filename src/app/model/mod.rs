@@ -12,6 +12,7 @@ pub mod figures;
 pub mod file_purpose;
 pub mod flank_passes;
 pub mod flank_run;
+pub mod flank_skips;
 pub mod history;
 pub mod known_goals;
 pub mod layout;
