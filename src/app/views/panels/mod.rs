@@ -30,5 +30,6 @@ pub mod study_plot;
 pub mod timeline;
 pub mod tools;
 mod tradeoff;
+mod tradeoff_plot;
 pub mod verdict;
 pub mod whatif;
