@@ -440,9 +440,10 @@ impl App {
                     self.write(WriteTask::Assessment(path, assessed));
                 }
             }
-            Purpose::ExportScene => self.export_scene(path),
-            Purpose::ExportStock => {
-                if let Some(source) = self.state.solid_source(self.state.look.side) {
+            Purpose::ExportScene { side } => self.export_scene(path, side),
+            Purpose::ExportStock { side } => {
+                let side = side.unwrap_or(self.state.look.side);
+                if let Some(source) = self.state.solid_source(side) {
                     let moment = self.state.stock_moment(&source);
                     self.write(WriteTask::Stock(path, source, moment));
                 }

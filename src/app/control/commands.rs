@@ -168,12 +168,8 @@ impl App {
             C::PreviousTool => self.state.jump_to_boundary(Boundary::Tool, false),
             C::NextSection => self.state.jump_to_boundary(Boundary::Section, true),
             C::PreviousSection => self.state.jump_to_boundary(Boundary::Section, false),
-            C::ExportScene => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportScene, self.suggest_file_name("scene.glb"));
-            }
-            C::ExportStock => {
-                self.dialogs.open_dialog(ctx, Purpose::ExportStock, self.suggest_file_name("stock.stl"));
-            }
+            C::ExportScene => self.ask_for_model(ctx, false),
+            C::ExportStock => self.ask_for_model(ctx, true),
             C::SavePicture => self.export_dialog.open(),
             C::Quit => self.run_guarded(ctx, Pending::Quit),
             C::Undo => self.undo(ctx),

@@ -21,8 +21,8 @@ const UNFINISHED: &str = "The calculation was cancelled: this is the best plan s
 pub fn concerns(state: &AppState, purpose: Purpose, channels: usize) -> Vec<String> {
     // No machine runs a model of the plan, but it may show another setup.
     match purpose {
-        Purpose::ExportScene => return model_concerns(state, state.out_of_date()),
-        Purpose::ExportStock => {
+        Purpose::ExportScene { .. } => return model_concerns(state, state.out_of_date()),
+        Purpose::ExportStock { .. } => {
             let is_stale = state.operation_is_stale();
             let after_roughing = state.look.operation == Operation::Flank && state.out_of_date();
             return model_concerns(state, is_stale || after_roughing);

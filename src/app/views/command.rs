@@ -93,9 +93,9 @@ commands! {
     CheckAgain "Check again" "Reads the program again and checks it with the current setup" [NONE, F7];
     CloseProgram "Close program" "Closes the checked program" [];
     ExportScene "Export scene…"
-        "Writes the part, with the shown plan, as a glTF scene (.glb)" [];
+        "Writes the part, with the shown plan (of two that of the active side), as a glTF scene (.glb)" [];
     ExportStock "Export stock…"
-        "Writes the stock at the position of the timeline as a solid: STL or glTF (.glb)" [];
+        "Writes the stock of the shown or active side at the position of the timeline as a solid: STL or glTF (.glb)" [];
     SavePicture "Save picture…" "Writes the 3D view as a PNG" [CTRL | SHIFT, E];
     Palette "Search commands" "Finds any command by its name" [CTRL, K];
     KeepSet "Save as variant" "Stores the current setup as a variant, to compare others with it" [CTRL, D];
