@@ -110,7 +110,10 @@ fn faults_of_a_machine_file_stand_at_the_list_until_another_is_chosen() {
     open(&mut window, &faulty);
     let line = labels(&window, "faulty.toml:");
     assert_eq!(line.len(), 1, "{:?}", labels(&window, ""));
-    assert!(line[0].contains("dir") && line[0].contains(';'), "what is wrong, and what to do: {line:?}");
+    assert!(
+        line[0].contains(": dir is not ") && line[0].contains(';'),
+        "what is wrong, and what to do: {line:?}"
+    );
     assert_eq!(window.state().state().document.edited.setup.machine.file, None, "the machine stays");
     // A file with another ending is not opened.
     choose_in_list(&mut window, "Machine", "Open machine file…");

@@ -6,7 +6,7 @@ use crate::app::App;
 use crate::app::model::field_faults::FaultyField;
 use crate::app::model::machine::{choose_machine, take_machine};
 use crate::app::model::machine_list::{NamedMachine, with_file_name};
-use crate::app::model::problem::{Problem, Topic};
+use crate::app::model::problem::{Problem, Topic, without_markdown};
 use crate::app::views::command::Command;
 use crate::app::views::panels::machine::MachineChoice;
 use crate::io::InputError;
@@ -50,7 +50,7 @@ impl App {
     /// Reports why a machine file was not taken, in one line at the field too.
     fn report_machine(&mut self, error: &InputError) {
         let problem = Problem { topic: Topic::Machine, ..Problem::from(error) };
-        let what = with_file_name(error);
+        let what = without_markdown(&with_file_name(error));
         self.state.report_problem(problem.at_field(Some(FaultyField::MACHINE), &what));
     }
 }

@@ -38,11 +38,16 @@ pub fn show(ui: &mut Ui, setup: &Setup, machines: &MachineList) -> Option<Machin
             let mut at = egui::Rect::NOTHING;
             ui.horizontal(|ui| {
                 let shown = chosen.map_or_else(|| NONE.to_owned(), |chosen| machines.label_of(chosen));
-                let list = ComboBox::from_id_salt("machine")
-                    .width(theme::FIELD_WIDTH)
-                    .truncate()
-                    .selected_text(shown)
-                    .show_ui(ui, |ui| entries(ui, chosen, machines));
+                // A long name is shortened: the list would take the place of the dot otherwise.
+                let list = ui.scope(|ui| {
+                    ui.set_max_width(theme::FIELD_WIDTH);
+                    ComboBox::from_id_salt("machine")
+                        .width(theme::FIELD_WIDTH)
+                        .truncate()
+                        .selected_text(shown)
+                        .show_ui(ui, |ui| entries(ui, chosen, machines))
+                });
+                let list = list.inner;
                 choice = list.inner.flatten();
                 let tip = chosen.map_or_else(|| TIP.to_owned(), |chosen| format!("{chosen}\n{TIP}"));
                 at = list.response.labelled_by(label.id).on_hover_text(tip).rect;
