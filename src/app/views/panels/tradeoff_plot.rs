@@ -166,7 +166,10 @@ pub fn plot(ui: &mut Ui, curves: &Curves, handle: f64, height: f32) -> Option<f6
     painter.line(curve.iter().map(|&at| place(at)).collect(), Stroke::new(1.6, accent));
     draw_totals(&painter.with_clip_rect(inner), totals, total_of_plan, place, (&font, ink));
     let mut names: Vec<Rect> = Vec::with_capacity(others.len());
-    for other in others {
+    // Names at the border first: they have no other place.
+    let mut ordered: Vec<&Marker> = others.iter().collect();
+    ordered.sort_by_key(|other| scale.holds(other.at));
+    for other in ordered {
         let condition = if other.interferes { Condition::Interfering } else { Condition::Sound };
         let colour = condition.text(ui.visuals());
         let (at, name) = if scale.holds(other.at) {
