@@ -283,7 +283,10 @@ mod tests {
         for bad in ["nan", "inf", "1e300", "-1e7", "", "1,5", "0x10"] {
             assert!(number(bad).is_err(), "{bad} must be refused");
         }
-        assert_eq!(number("-1e7"), Err("`-1e7` is less than -1,000,000".to_owned()));
+        let fault = number("-1e7").expect_err("is refused");
+        assert_eq!(fault.message, "`-1e7` is less than -1,000,000");
+        assert_eq!((fault.help, fault.value), (WITHIN, Some(-1e7)), "it is a finite number");
+        assert_eq!(number("inf").expect_err("is refused").help, FINITE);
     }
 
     #[test]

@@ -89,7 +89,8 @@ fn the_head_of_a_program_says_how_the_part_is_turned() {
         text.lines().take(8).filter(|line| line.to_lowercase().contains("part turned")).count()
     };
     let is_up = machine("ac-trunnion").part.inlet_up;
-    assert_eq!(head(is_up, 0.0), 0, "it lies as it is drawn");
+    let as_drawn = PlacedPart::new(&machine("ac-trunnion").part, is_up).comments();
+    assert!(as_drawn.is_empty(), "it lies as it is drawn: {as_drawn:?}");
     // The made-up part lies with its inlet down.
     assert_eq!((head(!is_up, 0.0), head(!is_up, 30.0)), (1, 2));
     let comments = PlacedPart::new(&machine("ac-trunnion").part, !is_up).comments();
